@@ -1,0 +1,41 @@
+# Needs Python 3.11 or later and make; everything else goes into .venv.
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+BIN := .venv/bin
+READY := .venv/.ready
+
+.PHONY: atlas test test-long lint bench lock clean
+
+# The main job: the stability diagrams of three bodies, in atlas/index.html.
+atlas: $(READY)
+	$(BIN)/stability atlas --out atlas --force
+
+# Lint, types and every test.
+test: lint
+	$(BIN)/pytest -q -n 2
+
+# Campaigns of minutes: thousands of random points against ball arithmetic, large maps.
+test-long: $(READY)
+	$(BIN)/pytest -q -m long tests
+
+# The figures that the README quotes, measured here.
+bench: $(READY)
+	$(BIN)/python benchmarks/maps.py
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+# The versions that were tested, for constraints.txt.
+lock: $(READY)
+	$(BIN)/pip freeze --exclude-editable --exclude pip --exclude setuptools > constraints.txt
+
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Python 3.11 or later is needed; say make PYTHON=/path/to/python3.11"; exit 1; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[test]'
+	@touch $@
+
+clean:
+	rm -rf .venv atlas build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,285 @@
+"""Where the verdict changes: proved brackets, what crosses there, and at what frequency.
+
+A boundary point is a root, along one axis, of the constant term (static boundary) or of the Hurwitz
+determinant (flutter boundary) of the reduced characteristic polynomial, which is evaluated in balls
+from the same graph.  The bracket that is reported is proved: Routh's array, in balls, gives
+different verdicts at its two ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from .enclosure import ball_unknowns, matrix_polynomial
+from .errors import NoMemberError, ParameterError
+from .polynomial import (
+    characteristic,
+    frequency,
+    hurwitz_determinant,
+    hurwitz_sign,
+    precision,
+    structure,
+    verdict_polynomial,
+)
+from .problem import Problem
+
+Floats = NDArray[np.float64]
+
+BITS = 128
+"""Working precision of the first attempt."""
+MOST_BITS = 1024
+"""Precision at which a sign that is still open counts as zero."""
+
+
+class Crossing(Enum):
+    """What crosses at a boundary; the value of each member is the sentence a user reads."""
+
+    STATIC = "static boundary: a real eigenvalue (or λ² of a conservative law) passes through zero"
+    FLUTTER = "flutter boundary: a pair of eigenvalues crosses the imaginary axis"
+    TOUCHING = (
+        "boundary without a sign change of either determinant: found by bisection of verdicts"
+    )
+
+    @property
+    def word(self) -> str:
+        """One lower-case word."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True)
+class BoundaryPoint:
+    """One point at which the verdict changes along an axis."""
+
+    value: float
+    """Where, in the user's unit of the axis."""
+    error: float
+    """Half-width of the proved bracket, same unit: the verdicts at value ± error differ."""
+    crossing: Crossing
+    """What crosses."""
+    frequency: float
+    """|Im λ| of the crossing pair, in the user's unit of rate; 0 at a static boundary."""
+    stable_below: bool
+    """Whether the stable (or neutral) side has the smaller value."""
+
+
+class Line:
+    """A family along one axis, everything else fixed, evaluated in balls.
+
+    Parameters
+    ----------
+    problem
+        The question.
+    axis
+        Name of the axis.
+    fixed
+        Value of every other quantity.
+    """
+
+    def __init__(self, problem: Problem, axis: str, fixed: Mapping[str, float]) -> None:
+        self.problem, self.axis, self.fixed = problem, axis, dict(fixed)
+        self._near: list[float] | None = None
+        self._known: dict[tuple[float, int], list[Any]] = {}
+
+    def coefficients(self, value: float, bits: int) -> list[Any]:
+        """Characteristic polynomial at a point of the line, to so many bits; kept once computed."""
+        key = value, bits
+        if key not in self._known:
+            self._known[key] = self._coefficients(value, bits)
+        return self._known[key]
+
+    def _coefficients(self, value: float, bits: int) -> list[Any]:
+        family = self.problem.family
+        with precision(bits):
+            a, q = self.problem.balls(self.fixed | {self.axis: value})
+            if not family.unknown or family.closed:
+                return characteristic(family, a, q)
+            try:
+                return self._solved(a, q, self._near)
+            except NoMemberError:
+                return self._solved(a, q, None)
+
+    def _solved(self, a: list[Any], q: list[Any], near: list[float] | None) -> list[Any]:
+        family = self.problem.family
+        unknowns = ball_unknowns(family, a, q, near)
+        self._near = [float(v.mid()) for v in unknowns]
+        for name, value in zip(family.unknown, self._near, strict=True):
+            if name in family.positive and value <= 0:
+                raise NoMemberError(f"{family.name}: {name} came out as {value:.3g}, not positive.")
+        return matrix_polynomial(family, a, unknowns, q)
+
+    def polynomial(self, value: float, bits: int = BITS) -> list[Any]:
+        """The polynomial whose Hurwitz stability is the verdict."""
+        family = self.problem.family
+        return verdict_polynomial(
+            self.coefficients(value, bits), structure(family).zeros, family.conservative
+        )
+
+    def sign(self, value: float) -> int:
+        """1: stable or neutral, proved; -1: unstable, proved; 0: on the boundary as far as seen."""
+        bits = BITS
+        while bits <= MOST_BITS:
+            with precision(bits):
+                sign = hurwitz_sign(self.polynomial(value, bits))
+            if sign:
+                return sign
+            bits *= 2
+        return 0
+
+    def function(self, crossing: Crossing) -> Callable[[float], float]:
+        """The number whose sign changes where something crosses, as a float of the right sign."""
+
+        def signed(value: float) -> float:
+            bits = BITS
+            while bits <= MOST_BITS:
+                with precision(bits):
+                    p = self.polynomial(value, bits)
+                    number = p[0] if crossing is Crossing.STATIC else hurwitz_determinant(p)
+                    if not number.contains(0):
+                        size = float(number.mid())
+                        return size if size else (1e-300 if number > 0 else -1e-300)
+                bits *= 2
+            return 0.0
+
+        return signed
+
+
+def refine(line: Line, low: float, high: float) -> BoundaryPoint | None:
+    """The boundary between two points of a line whose verdicts differ.
+
+    Parameters
+    ----------
+    line
+        The line.
+    low, high
+        Two values of its axis, low < high.
+
+    Returns
+    -------
+    BoundaryPoint or None
+        None if the proved verdicts at the two ends are the same.
+    """
+    signs = line.sign(low), line.sign(high)
+    if signs[0] == signs[1] and signs[0]:
+        return None
+    for end, sign in zip((low, high), signs, strict=True):
+        if not sign:
+            return _bracket(line, end, _kind_at(line, end))
+    ends = [line.polynomial(low), line.polynomial(high)]
+    static = bool(ends[0][0] * ends[1][0] < 0)
+    determinants = [hurwitz_determinant(p) for p in ends]
+    flutter = bool(determinants[0] * determinants[1] < 0)
+    for crossing, changes in ((Crossing.STATIC, static), (Crossing.FLUTTER, flutter)):
+        if not changes:
+            continue
+        f = line.function(crossing)
+        root = float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=300))
+        point = _bracket(line, root, crossing)
+        if point is not None:
+            return point
+    root = float(
+        brentq(lambda v: float(line.sign(v)), low, high, xtol=1e-300, rtol=1e-15, maxiter=300)
+    )
+    return _bracket(line, root, Crossing.TOUCHING)
+
+
+def _bracket(line: Line, root: float, crossing: Crossing) -> BoundaryPoint | None:
+    """The narrowest bracket about a root, of a few tried, whose verdicts are proved to differ."""
+    width = 2 * np.spacing(abs(root)) if root else 1e-300
+    while width <= 1e-6 * max(abs(root), 1e-3):
+        below, above = line.sign(root - width), line.sign(root + width)
+        if below and above and below != above:
+            return BoundaryPoint(
+                root, float(width), crossing, _frequency(line, root, crossing), below > 0
+            )
+        if below and above and width > 1e-9 * abs(root):
+            return None
+        width *= 4
+    return None
+
+
+def _frequency(line: Line, root: float, crossing: Crossing) -> float:
+    if crossing is Crossing.STATIC:
+        return 0.0
+    zeros = structure(line.problem.family).zeros
+    with precision(BITS):
+        value = frequency(line.coefficients(root, BITS)[zeros:])
+    *_, rate, _ = line.problem.arrays(line.fixed | {line.axis: root})
+    return value * float(rate[0])
+
+
+def _kind_at(line: Line, value: float) -> Crossing:
+    """Which of the two determinants vanishes at a point that lies on the boundary."""
+    with precision(MOST_BITS):
+        p = line.polynomial(value, MOST_BITS)
+        return Crossing.STATIC if p[0].contains(0) else Crossing.FLUTTER
+
+
+def along(
+    problem: Problem, axis: str, low: float, high: float, *, points: int = 201, log: bool = False
+) -> list[BoundaryPoint]:
+    """Every change of verdict that a scan along one axis sees, each refined and proved.
+
+    Parameters
+    ----------
+    problem
+        The question, with a value for everything but the axis.
+    axis
+        Name of the axis.
+    low, high
+        Its interval.
+    points
+        Points of the scan; two changes between neighbours go unseen.
+    log
+        Whether the scan is even in the logarithm.
+
+    Returns
+    -------
+    list of BoundaryPoint
+        In increasing order.
+
+    Raises
+    ------
+    ParameterError
+        If the interval is empty.
+
+    Examples
+    --------
+    >>> from stability.problem import disk_problem
+    >>> from stability.contact import Rough
+    >>> from stability.disk import Disk
+    >>> [b] = along(disk_problem("rolling", Disk(), Rough()), "at", 0.1, 2.0)
+    >>> b.value**2, b.crossing.word
+    (0.3333333333333333, 'static')
+    """
+    if points < 2 or not low < high:
+        raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
+    grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
+    fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
+    return list(_changes(Line(problem, axis, fixed), grid))
+
+
+def _changes(line: Line, grid: Floats) -> Iterator[BoundaryPoint]:
+    signs = [line.sign(float(v)) for v in grid]
+    index = 0
+    while index + 1 < len(grid):
+        here, following = signs[index], signs[index + 1]
+        if following == 0 and index + 2 < len(grid):  # a grid point on the boundary itself
+            span, step = (index, index + 2), 2
+        else:
+            span, step = (index, index + 1), 1
+        if signs[span[1]] != here and here and signs[span[1]]:
+            middle = float(grid[index + 1]) if step == 2 else None
+            if middle is not None:
+                point = _bracket(line, middle, _kind_at(line, middle))
+            else:
+                point = refine(line, float(grid[span[0]]), float(grid[span[1]]))
+            if point is not None:
+                yield point
+        index += step

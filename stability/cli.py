@@ -1,0 +1,376 @@
+"""The command line: a thin layer on the public names."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NoReturn
+
+from . import __version__
+from .errors import ParameterError, StabilityError
+
+FAMILY_HELP = "rolling, spinning, tumbling, or circling (rough disk)"
+CONTACTS = "smooth, viscous, linear-viscous, rough"
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that answers a bad argument with one sentence and exit code 2."""
+
+    def error(self, message: str) -> NoReturn:
+        sentence = message[:1] + message[1:].rstrip(".")
+        print(f"stability: {sentence}; see `{self.prog} --help`.", file=sys.stderr)
+        raise SystemExit(2)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments
+        Words after the program's name; those of the process when left out.
+
+    Returns
+    -------
+    int
+        0 done, 2 bad input, 130 interrupted.
+
+    Examples
+    --------
+    >>> main(["spectrum", "rolling", "--at", "1.8", "--mu", "0.3"])  # doctest: +ELLIPSIS
+    rolling, viscous contact, at omega3 = 1.8, k = 0.25, mu = 0.3
+    verdict     stable: ...
+    """
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    try:
+        run: Callable[[argparse.Namespace], None] = options.run
+        run(options)
+    except StabilityError as error:
+        print(f"stability: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("stability: interrupted; nothing was written.", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of our output has left, which is its right
+        sys.stderr.close()
+        return 0
+    return 0
+
+
+# --- commands ---
+
+
+def _spectrum(options: argparse.Namespace) -> None:
+    from .contact import law_named
+    from .query import spectrum
+    from .steady import AT
+
+    disk = _disk(options)
+    contact = law_named(options.contact, options.mu, disk)
+    at = _at(options.at)
+    result = spectrum(options.family, at=at, disk=disk, contact=contact, certify=options.certify)
+    parameters = {n: float(getattr(disk, n)) for n in ("mass", "radius", "k", "gravity")}
+    if options.mu is not None:
+        parameters["mu"] = options.mu
+    record = {
+        "family": options.family,
+        "contact": options.contact,
+        "parameters": parameters,
+        "at": at,
+        "eigenvalues": [[float(v.real) + 0.0, float(v.imag) + 0.0] for v in result.eigenvalues],
+        "structural_zeros": result.structural_zeros,
+        "abscissa": result.abscissa + 0.0,
+        "verdict": result.verdict.word,
+        "nonlinear": result.nonlinear.word,
+        "abscissa_error": _finite(result.abscissa_error),
+        "modes": list(result.modes.labels),
+        "reason": result.reason,
+        "unit": "√(g/R)" if disk.dimensionless else "1/s",
+    }
+    if options.json:
+        print(json.dumps(record, indent=2, ensure_ascii=False))
+        return
+    names = AT[options.family]
+    where = [
+        f"{n} = {v:g}" for n, v in zip(names, at if isinstance(at, list) else [at], strict=True)
+    ]
+    rest = [
+        f"{n} = {v:g}" for n, v in parameters.items() if n in ("k", "mu") or not disk.dimensionless
+    ]
+    print(f"{options.family}, {options.contact} contact, at {', '.join([*where, *rest])}")
+    print(f"verdict     {result.verdict.value}")
+    print(f"nonlinear   {result.nonlinear.value}")
+    print(f"reason      {result.reason}")
+    print(f"eigenvalues [{record['unit']}]")
+    for value, label in zip(result.eigenvalues, result.modes.labels, strict=True):
+        print(f"  {value.real + 0.0:+.12e} {value.imag + 0.0:+.12e}i   {label}")
+
+
+def _map(options: argparse.Namespace) -> None:
+    from pathlib import Path
+
+    from .contact import LAWS, law_named
+    from .files import check_target, write_map
+    from .maps import stability_map
+
+    x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
+    swept = {x[0], y[0]}
+    for name in ("at", "k", "mu", "mass", "radius", "gravity"):
+        if name in swept and getattr(options, name) is not None:
+            raise ParameterError(f"{name} is given as --{name} and as an axis; give it once.")
+    disk = _disk(options)
+    contact: Any
+    if "mu" in swept and options.contact in LAWS:
+        contact = LAWS[options.contact]
+    else:
+        contact = law_named(options.contact, options.mu, disk)
+    targets = [Path(check_target(options.out, overwrite=options.force))]
+    if options.plot:
+        targets.append(_picture(options.plot, options.force))
+        if targets[0].resolve() == targets[1].resolve():
+            raise ParameterError(f"--out and --plot are both {options.out!r}; give two files.")
+    at = None if options.at is None else _at(options.at)
+    with _bar("cells") as progress:
+        dataset = stability_map(
+            options.family, x=x, y=y, disk=disk, contact=contact, at=at, certify=options.certify,
+            modes=options.modes, progress=progress,
+        )  # fmt: skip
+    write_map(dataset, targets[0], overwrite=options.force)
+    if options.plot:
+        _draw(dataset, targets[1])
+    from .verdict import CODES
+
+    counts = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
+    record = {
+        "out": str(targets[0]),
+        "plot": str(targets[1]) if options.plot else None,
+        "verdicts": counts,
+        "boundary_points": dataset.sizes["boundary_point"],
+        "boundary_unresolved": int(dataset.attrs["boundary_unresolved"]),
+    }
+    if options.json:
+        print(json.dumps(record, indent=2, ensure_ascii=False))
+        return
+    cells = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
+    print(
+        f"{' and '.join(map(str, targets))}: {cells}; {record['boundary_points']} boundary points"
+    )
+
+
+def _draw(dataset: Any, target: Any) -> None:
+    import matplotlib.pyplot as plt
+
+    from .files import whole
+    from .plots import diagram
+
+    figure = diagram(dataset, title=str(dataset.attrs["title"]).split(":")[0])
+    with whole(target, overwrite=True) as beside:
+        figure.savefig(beside, dpi=300)
+    plt.close(figure)
+
+
+def _atlas(options: argparse.Namespace) -> None:
+    from .atlas import atlas, summary
+
+    with _bar("diagrams") as progress:
+        page = atlas(
+            options.out, resolution=options.resolution, force=options.force, progress=progress
+        )
+    if options.json:
+        print(json.dumps(summary(page), indent=2))
+    else:
+        print(f"open {page}")
+
+
+def _table(options: argparse.Namespace) -> None:
+    from .errors import NameUnknownError
+    from .tables import TABLES, records, text
+
+    if options.name not in TABLES:
+        raise NameUnknownError(f"table is {options.name!r}; known are {', '.join(TABLES)}.")
+    settings: dict[str, Any] = {}
+    if options.name == "conditions":
+        for key in ("k", "mu"):
+            given = getattr(options, key)
+            if given is not None:
+                settings[key] = given
+        if options.contact is not None:
+            settings["laws"] = [options.contact]
+        scales = {n: getattr(options, n) for n in ("mass", "radius", "gravity")}
+        from .disk import Disk
+
+        settings["disk"] = Disk(**{n: v for n, v in scales.items() if v is not None})
+    else:
+        for key in ("k", "mu", "contact", "mass", "radius", "gravity"):
+            if getattr(options, key) is not None:
+                raise ParameterError(f"--{key} goes with `table conditions` only; leave it out.")
+    rows = records(options.name, **settings)
+    if options.json:
+        body = {
+            "table": options.name,
+            "heading": f"{TABLES[options.name]} (recomputed)",
+            "rows": rows,
+        }
+        print(json.dumps(body, indent=2, ensure_ascii=False))
+        return
+    disk = settings.get("disk")
+    print(text(options.name, rows, "√(g/R)" if disk is None or disk.dimensionless else "rad/s"))
+
+
+# --- arguments ---
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="stability",
+        description="Which steady motions of a thin disk on a plane can be seen?",
+        epilog="example: stability spectrum rolling --at 1.8 --mu 0.3",
+    )
+    parser.add_argument("--version", action="version", version=f"stability {__version__}")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND",
+                                     parser_class=_Parser)  # fmt: skip
+
+    def command(name: str, run: Any, what: str, example: str) -> argparse.ArgumentParser:
+        sub = commands.add_parser(
+            name, help=what, description=f"{what}.", epilog=f"example: {example}"
+        )
+        sub.set_defaults(run=run)
+        sub.add_argument("--json", action="store_true", help="print one JSON object")
+        return sub
+
+    sub = command("spectrum", _spectrum, "Eigenvalues and verdict of one steady motion",
+                  "stability spectrum tumbling --at 0.5 --mu 0.3 --json")  # fmt: skip
+    sub.add_argument("family", metavar="FAMILY", help=FAMILY_HELP)
+    sub.add_argument(
+        "--at", required=True, help="omega3, phi_dot, or theta; for circling THETA,PHI_DOT"
+    )
+    _physics(sub)
+
+    sub = command("map", _map, "Verdict and growth rate over two parameters",
+                  "stability map spinning --x at:0.5:5:400 --y mu:0.01:10:300:log "
+                  "--out spinning.nc --plot spinning.png")  # fmt: skip
+    sub.add_argument("family", metavar="FAMILY", help=FAMILY_HELP)
+    for axis in ("--x", "--y"):
+        sub.add_argument(axis, required=True, metavar="NAME:LO:HI:N[:log]",
+                         help="axis: at, k, mu, mass, radius or gravity")  # fmt: skip
+    sub.add_argument("--at", default=None, help="family parameter, where it is no axis")
+    _physics(sub)
+    sub.add_argument("--out", required=True, metavar="F.nc", help="NetCDF file to write")
+    sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
+    sub.add_argument(
+        "--modes", action="store_true", help="keep all eigenvalues, not only the first"
+    )
+    sub.add_argument("--force", action="store_true", help="replace existing files")
+
+    sub = command("atlas", _atlas, "The three families' diagrams for disk, annulus and hoop",
+                  "stability atlas --out atlas")  # fmt: skip
+    sub.add_argument("--out", required=True, metavar="DIR", help="folder to write")
+    sub.add_argument("--resolution", type=int, default=400, metavar="N",
+                     help="points along the family's axis (default 400)")  # fmt: skip
+    sub.add_argument("--force", action="store_true", help="replace files in an existing folder")
+
+    sub = command("table", _table, "A table, recomputed: families, conditions, or completeness",
+                  "stability table conditions --k 0.25,0.5 --mu 0.1,1,10")  # fmt: skip
+    sub.add_argument("name", metavar="NAME", help="families, conditions or completeness")
+    sub.add_argument("--k", type=_list, help="inertia factors, comma-separated")
+    sub.add_argument("--mu", type=_list, help="friction coefficients, comma-separated")
+    sub.add_argument("--contact", help=f"one law of {CONTACTS}")
+    for name in ("mass", "radius", "gravity"):
+        sub.add_argument(f"--{name}", type=float, help="of the disk")
+    return parser
+
+
+def _physics(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--mu", type=float, help="friction coefficient (viscous; c = mu m g for linear)"
+    )
+    parser.add_argument("--contact", default="viscous", help=f"{CONTACTS} (default viscous)")
+    parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
+    parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
+    for name in ("mass", "radius", "gravity"):
+        parser.add_argument(f"--{name}", type=float, help="of the disk (default 1)")
+    parser.add_argument("--certify", action="store_true", help="not in this version")
+
+
+def _disk(options: argparse.Namespace) -> Any:
+    from .disk import Disk
+
+    given = {n: getattr(options, n) for n in ("mass", "radius", "k", "gravity")}
+    given = {n: v for n, v in given.items() if v is not None}
+    if options.disk is None:
+        return Disk(**given)
+    if given:
+        raise ParameterError(f"--{next(iter(given))} and --disk are both given; give one of them.")
+    return Disk.named(options.disk)
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ParameterError(f"{name} is {text!r}; a number is needed.") from None
+
+
+def _at(text: str) -> float | list[float]:
+    parts = [_number(part, "at") for part in str(text).split(",")]
+    return parts[0] if len(parts) == 1 else parts
+
+
+def _list(text: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a comma-separated list of numbers"
+        ) from None
+
+
+def _axis(text: str, which: str) -> Any:
+    parts = text.split(":")
+    if len(parts) not in (4, 5):
+        raise ParameterError(f"{which} is {text!r}; give NAME:LO:HI:N or NAME:LO:HI:N:log.")
+    name, low, high, count, *rest = parts
+    try:
+        number = int(count)
+    except ValueError:
+        raise ParameterError(f"{which} has {count!r} points; a whole number is needed.") from None
+    return (name, _number(low, which), _number(high, which), number, *rest)
+
+
+def _picture(path: str, force: bool) -> Any:
+    from .files import check_target
+
+    target = check_target(path, overwrite=force)
+    if target.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise ParameterError(f"--plot is {path!r}; the name must end in .png, .pdf or .svg.")
+    return target
+
+
+def _finite(value: float) -> float | None:
+    return value if value < float("inf") else None
+
+
+@contextmanager
+def _bar(unit: str) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on standard error, shown once the work has taken a second."""
+    from tqdm import tqdm
+
+    bar = tqdm(total=None, unit=f" {unit}", delay=1, disable=None, leave=False, file=sys.stderr)
+
+    def update(done: int, total: int) -> None:
+        if bar.total != total:
+            bar.reset(total)
+        bar.update(done - bar.n)
+
+    try:
+        yield update
+    finally:
+        bar.close()
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,240 @@
+"""The contact laws: what the plane does to the rim, one class each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from numpy.typing import ArrayLike
+
+from .disk import Disk, Number, positive
+from .errors import NameUnknownError
+
+ZERO_MU = "friction must be positive (without friction the law is Smooth(), `--contact smooth`)"
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """The base of the contact laws; use a subclass.
+
+    A new law states `name`, `coefficient`, `conservative`, and the two methods `force` and
+    `power`, in dimensionless form; from these everything else works.
+
+    Examples
+    --------
+    >>> [law.name for law in Contact.__subclasses__()]
+    ['smooth', 'viscous', 'linear-viscous', 'rough']
+    """
+
+    name: ClassVar[str] = ""
+    """The word on the command line and in files."""
+    coefficient: ClassVar[str | None] = None
+    """Name of the friction coefficient's field, or None."""
+    coefficient_unit: ClassVar[str] = ""
+    """SI unit of the coefficient."""
+    conservative: ClassVar[bool] = False
+    """Whether energy is kept, so that the reduced spectrum is even in λ."""
+    slips: ClassVar[bool] = True
+    """Whether the slip at the contact belongs to the state that a spectrum needs."""
+
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """Horizontal contact force over m g, for the slip over √(gR) and the normal force over m g.
+
+        Parameters
+        ----------
+        slip
+            Horizontal velocity of the contact point, shape (2,) [√(gR)].
+        normal
+            Normal force [m g].
+        mu
+            The law's dimensionless coefficient [-].
+        """
+        raise NameUnknownError(f"the contact law {type(self).__name__} states no force.")
+
+    def power(self, slip: Any, normal: Any, mu: Any) -> Any:
+        """Power that the law dissipates [m g √(gR)]; arguments as in `force`."""
+        force = self.force(slip, normal, mu)
+        return -(force[0] * slip[0] + force[1] * slip[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Smooth(Contact):
+    """No friction at all: L·ẑ, omega3 and energy are kept.
+
+    Examples
+    --------
+    >>> Smooth().conservative
+    True
+    """
+
+    name: ClassVar[str] = "smooth"
+    conservative: ClassVar[bool] = True
+    slips: ClassVar[bool] = False
+
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """Zero."""
+        return [0, 0]
+
+
+@dataclass(frozen=True, eq=False)
+class Viscous(Contact):
+    """Friction −mu·gn·vA, the law of Przybylska & Rauch-Wojciechowski 2016.
+
+    Parameters
+    ----------
+    mu
+        Positive [s/m]; dimensionless mu* = mu √(gR).
+
+    Raises
+    ------
+    ParameterError
+        If mu is not a finite number above zero.
+
+    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2.
+
+    Examples
+    --------
+    >>> Viscous(0.3).mu
+    0.3
+    """
+
+    mu: ArrayLike
+    """Friction coefficient [s/m]."""
+    name: ClassVar[str] = "viscous"
+    coefficient: ClassVar[str | None] = "mu"
+    coefficient_unit: ClassVar[str] = "s/m"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mu", positive("mu", self.mu, ZERO_MU))
+
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
+        """Against the slip, in proportion to it and to the normal force."""
+        return [-mu * normal * slip[0], -mu * normal * slip[1]]
+
+
+@dataclass(frozen=True, eq=False)
+class LinearViscous(Contact):
+    """Friction −c·vA, whatever the normal force.
+
+    Its linearisation is that of `Viscous(mu)` with c = mu m g at each steady motion.
+
+    Parameters
+    ----------
+    c
+        Positive [kg/s]; dimensionless c* = (c/m) √(R/g).
+
+    Raises
+    ------
+    ParameterError
+        If c is not a finite number above zero.
+
+    Examples
+    --------
+    >>> LinearViscous.like(0.3, Disk(mass=2.0)).c
+    0.6
+    """
+
+    c: ArrayLike
+    """Friction coefficient [kg/s]."""
+    name: ClassVar[str] = "linear-viscous"
+    coefficient: ClassVar[str | None] = "c"
+    coefficient_unit: ClassVar[str] = "kg/s"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "c", positive("c", self.c, ZERO_MU))
+
+    @classmethod
+    def like(cls, mu: ArrayLike, disk: Disk) -> LinearViscous:
+        """The linear law with the force of `Viscous(mu)` where the normal force is m g.
+
+        Parameters
+        ----------
+        mu
+            Friction coefficient of the viscous law [s/m].
+        disk
+            Gives m g.
+
+        Examples
+        --------
+        >>> LinearViscous.like(0.3, Disk()).c
+        0.3
+        """
+        coefficient: Number = positive("mu", mu, ZERO_MU)
+        return cls(coefficient * disk.force)
+
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """Against the slip, in proportion to it."""
+        return [-mu * slip[0], -mu * slip[1]]
+
+
+@dataclass(frozen=True, eq=False)
+class Rough(Contact):
+    """No slip: whatever force keeps the contact point at rest.
+
+    Examples
+    --------
+    >>> Rough().slips
+    False
+    """
+
+    name: ClassVar[str] = "rough"
+    conservative: ClassVar[bool] = True
+    slips: ClassVar[bool] = False
+
+    def power(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """Zero: no slip, no loss."""
+        return 0
+
+
+LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, LinearViscous, Rough)}
+"""The contact laws by name."""
+
+
+def law_named(name: str, mu: float | None, disk: Disk) -> Contact:
+    """The contact law of that name, with its coefficient where it has one.
+
+    Parameters
+    ----------
+    name
+        A key of `LAWS`.
+    mu
+        Friction coefficient [s/m], or None for a law without one; for `linear-viscous` the
+        coefficient is c = mu m g, which has the same linearisation.
+    disk
+        Gives m g.
+
+    Returns
+    -------
+    Contact
+
+    Raises
+    ------
+    NameUnknownError
+        If the law is unknown.
+    ParameterError
+        If mu is missing, or given to a law that has none, or not positive.
+
+    Examples
+    --------
+    >>> law_named("viscous", 0.3, Disk()).mu
+    0.3
+    """
+    from .errors import ParameterError
+
+    if name == "coulomb":
+        raise NameUnknownError(
+            "contact is 'coulomb', which is set-valued at rest and has no linearisation of its "
+            "own; inside the friction cone it is `rough`."
+        )
+    if name not in LAWS:
+        raise NameUnknownError(f"contact is {name!r}; known are {', '.join(LAWS)}.")
+    law = LAWS[name]
+    if law.coefficient is None:
+        if mu is not None:
+            raise ParameterError(
+                f"mu is given but the {name} law has no coefficient; leave it out."
+            )
+        return law()
+    if mu is None:
+        raise ParameterError(f"mu is missing; the {name} law needs a positive coefficient (--mu).")
+    return LinearViscous.like(mu, disk) if law is LinearViscous else Viscous(mu)

@@ -1,0 +1,277 @@
+"""The body: a thin disk, annulus or hoop, and its scales."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import NameUnknownError, ParameterError
+
+Number = float | NDArray[np.float64]
+
+
+def checked(name: str, value: ArrayLike) -> Number:
+    """Return a finite float, or a read-only float array, or refuse with the value.
+
+    Parameters
+    ----------
+    name
+        What the number is called in the message.
+    value
+        A number or an array of numbers, any shape.
+
+    Returns
+    -------
+    float or ndarray
+        The same values in double precision.
+
+    Raises
+    ------
+    ParameterError
+        If a value is not a real finite number.
+
+    Examples
+    --------
+    >>> checked("mu", 3)
+    3.0
+    """
+    try:
+        if np.iscomplexobj(value) or isinstance(value, (str, bytes, bool)):
+            raise TypeError
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ParameterError(f"{name} is {value!r}; a real number is needed.") from None
+    if array.size == 0:
+        raise ParameterError(f"{name} is an empty array; at least one number is needed.")
+    bad = ~np.isfinite(array)
+    if bad.any():
+        raise ParameterError(f"{name} is {array[bad].flat[0]}; a finite number is needed.")
+    if array.ndim == 0:
+        return float(array)
+    array = array.copy()
+    array.flags.writeable = False
+    return array
+
+
+def positive(name: str, value: ArrayLike, remedy: str = "it must be positive") -> Number:
+    """Return `checked(name, value)` if all of it is above zero, or refuse.
+
+    Parameters
+    ----------
+    name
+        What the number is called in the message.
+    value
+        A number or an array of numbers, any shape.
+    remedy
+        What is accepted, for the message.
+
+    Returns
+    -------
+    float or ndarray
+        The same values in double precision.
+
+    Raises
+    ------
+    ParameterError
+        If a value is not a real finite number above zero.
+
+    Examples
+    --------
+    >>> positive("mass", 0.3)
+    0.3
+    """
+    number = checked(name, value)
+    low = np.asarray(number)
+    if (low <= 0).any():
+        raise ParameterError(f"{name} is {low[low <= 0].flat[0]:g}; {remedy}.")
+    return number
+
+
+@dataclass(frozen=True, eq=False)
+class Disk:
+    """A thin rigid body of revolution with a sharp circular rim, lying in its own mid-plane.
+
+    With the defaults m = R = g = 1 every number is dimensionless (time in √(R/g), speed in
+    √(gR)); give SI values and every number is SI.  Any field may be an array: arrays broadcast.
+
+    Parameters
+    ----------
+    mass, radius, gravity
+        Positive [kg, m, m/s²].
+    k
+        Inertia factor in (0, 1/2] [-].
+
+    Raises
+    ------
+    ParameterError
+        If a value is not a finite number in its range.
+
+    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2 (I₁ = I₂ = k m R², I₃ = 2 k m R²).
+
+    Examples
+    --------
+    >>> Disk.hoop(mass=0.3, radius=0.45, gravity=9.81).k
+    0.5
+    """
+
+    mass: Number = 1.0
+    """Mass m [kg]."""
+    radius: Number = 1.0
+    """Radius R of the rim [m]."""
+    k: Number = 0.25
+    """Diametral moment of inertia over m R² [-]: 1/4 uniform disk, 1/2 hoop; axial is 2k."""
+    gravity: Number = 1.0
+    """Acceleration of free fall g [m/s²]."""
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "radius", "gravity"):
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        k = checked("k", self.k)
+        bad = np.asarray(k)[(np.asarray(k) <= 0) | (np.asarray(k) > 0.5)]
+        if bad.size:
+            raise ParameterError(
+                f"k is {bad.flat[0]:g}; a thin body has a diametral inertia factor in (0, 1/2]."
+            )
+        object.__setattr__(self, "k", k)
+
+    @classmethod
+    def uniform(cls, **scales: Any) -> Disk:
+        """A disk of uniform density, k = 1/4.
+
+        Parameters
+        ----------
+        **scales
+            `mass`, `radius`, `gravity` as in the constructor.
+
+        Examples
+        --------
+        >>> Disk.uniform().k
+        0.25
+        """
+        return cls(k=0.25, **scales)
+
+    @classmethod
+    def annulus(cls, inner_radius: ArrayLike, **scales: Any) -> Disk:
+        """A uniform ring between `inner_radius` and the rim, k = (1 + (r/R)²)/4.
+
+        Parameters
+        ----------
+        inner_radius
+            r in [0, R], in the same unit as `radius` [m].
+        **scales
+            `mass`, `radius`, `gravity` as in the constructor.
+
+        Raises
+        ------
+        ParameterError
+            If r is outside [0, R].
+
+        Examples
+        --------
+        >>> Disk.annulus(0.5).k
+        0.3125
+        """
+        inner = np.asarray(checked("inner_radius", inner_radius))
+        ratio = inner / positive("radius", scales.get("radius", 1.0))
+        if (ratio < 0).any() or (ratio > 1).any():
+            bad = np.broadcast_to(inner, ratio.shape)[(ratio < 0) | (ratio > 1)].flat[0]
+            raise ParameterError(f"inner_radius is {bad:g}; it must lie between 0 and the radius.")
+        return cls(k=(1 + ratio**2) / 4, **scales)
+
+    @classmethod
+    def hoop(cls, **scales: Any) -> Disk:
+        """All mass on the rim, k = 1/2.
+
+        Parameters
+        ----------
+        **scales
+            `mass`, `radius`, `gravity` as in the constructor.
+
+        Examples
+        --------
+        >>> Disk.hoop().k
+        0.5
+        """
+        return cls(k=0.5, **scales)
+
+    @classmethod
+    def named(cls, name: str) -> Disk:
+        """A real disk, in SI units, from `REAL_DISKS`.
+
+        Parameters
+        ----------
+        name
+            One of the keys of `REAL_DISKS`.
+
+        Raises
+        ------
+        NameUnknownError
+            If there is no such disk.
+
+        Examples
+        --------
+        >>> coin = Disk.named("quarter")
+        >>> coin.mass, coin.radius
+        (0.00567, 0.01213)
+        """
+        if name not in REAL_DISKS:
+            raise NameUnknownError(f"disk is {name!r}; known are {', '.join(REAL_DISKS)}.")
+        return cls(**REAL_DISKS[name][0])
+
+    @property
+    def time(self) -> Number:
+        """Unit of time √(R/g) [s]."""
+        return _sqrt(self.radius / self.gravity)
+
+    @property
+    def rate(self) -> Number:
+        """Unit of angular velocity and growth rate √(g/R) [1/s]."""
+        return _sqrt(self.gravity / self.radius)
+
+    @property
+    def speed(self) -> Number:
+        """Unit of speed √(gR) [m/s]."""
+        return _sqrt(self.gravity * self.radius)
+
+    @property
+    def energy(self) -> Number:
+        """Unit of energy m g R [J]."""
+        return self.mass * self.gravity * self.radius
+
+    @property
+    def force(self) -> Number:
+        """Unit of force m g [N]."""
+        return self.mass * self.gravity
+
+    @property
+    def dimensionless(self) -> bool:
+        """Whether m = R = g = 1, so that no unit is owed."""
+        return all(np.all(np.asarray(v) == 1) for v in (self.mass, self.radius, self.gravity))
+
+
+def _sqrt(value: Number) -> Number:
+    return math.sqrt(value) if isinstance(value, float) else np.sqrt(value)
+
+
+REAL_DISKS: dict[str, tuple[dict[str, float], str]] = {
+    "quarter": (
+        {"mass": 5.67e-3, "radius": 12.13e-3, "k": 0.25, "gravity": 9.81},
+        "US quarter dollar: 5.670 g, diameter 24.26 mm (United States Mint, coin specifications); "
+        "taken as a uniform thin disk",
+    ),
+    "le-saux": (
+        {"mass": 0.3048, "radius": 0.05, "k": 0.25, "gravity": 9.81},
+        "the disk of Le Saux, Leine & Glocker, J. Nonlinear Sci. 15 (2005) 27-61; "
+        "taken as a uniform thin disk",
+    ),
+    "gymnastics-hoop": (
+        {"mass": 0.3, "radius": 0.45, "k": 0.5, "gravity": 9.81},
+        "rhythmic gymnastics hoop at the limits of the FIG apparatus norms: "
+        "300 g, 90 cm interior diameter; taken as a thin hoop",
+    ),
+}
+"""Real disks by name: constructor arguments in SI units, and where they come from."""

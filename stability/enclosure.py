@@ -1,0 +1,106 @@
+"""Members of a family in ball arithmetic: roots proved to exist, and what the graph gives there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from .algebra import balls
+from .errors import NoMemberError
+from .families import Family, listing
+
+
+def matrix_polynomial(
+    family: Family, a: Sequence[Any], u: Sequence[Any], q: Sequence[Any]
+) -> list[Any]:
+    """Characteristic polynomial of the linearisation with given unknowns, in balls.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, u, q
+        Family parameters, unknowns and parameters as balls.
+
+    Returns
+    -------
+    list of arb
+        Coefficients, lowest first.
+    """
+    from flint import arb_mat
+
+    matrix = arb_mat(family.graph.matrix.dense(balls(), [list(a), list(u), list(q)]))
+    out: list[Any] = matrix.charpoly().coeffs()
+    return out
+
+
+def ball_unknowns(
+    family: Family, a: Sequence[Any], q: Sequence[Any], near: Sequence[float] | None = None
+) -> list[Any]:
+    """The unknowns as balls in which a root is proved to lie (Krawczyk's test).
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q
+        Family parameters and parameters as balls.
+    near
+        Unknowns to start from, where they are known to double precision.
+
+    Returns
+    -------
+    list of arb
+
+    Raises
+    ------
+    NoMemberError
+        If the test fails.
+
+    Source: R. Krawczyk, Computing 4 (1969) 187-201.
+    """
+    from flint import arb, arb_mat, ctx
+
+    if not family.unknown or family.closed:
+        return [arb(v) for v in family.unknown.values()]
+    rough = near
+    if rough is None:
+        point = ([float(v.mid()) for v in a], [float(v.mid()) for v in q])
+        rough = family.solve(*(np.array([part]).reshape(1, -1) for part in point))[0]
+    size = len(rough)
+    x = arb_mat(size, 1, [arb(float(v)) for v in rough])
+    for _ in range(20):  # Newton doubles the digits; stop once a step is half of them
+        r, r_u = _residual(family, a, x, q)
+        step = r_u.solve(r).mid()
+        x = (x - step).mid()
+        half = arb(2) ** (-ctx.prec // 2 + 4)
+        if all(abs(step[i, 0]) <= half * abs(x[i, 0]) for i in range(size)):
+            break
+    r, r_u = _residual(family, a, x, q)
+    inverse = r_u.mid().inv().mid()
+    shift = inverse * r
+    spread = [
+        3 * shift[i, 0].abs_upper() + abs(x[i, 0]) * arb(2) ** (16 - ctx.prec) for i in range(size)
+    ]
+    box = arb_mat(size, 1, [x[i, 0] + arb(0, spread[i].abs_upper()) for i in range(size)])
+    _, slope = _residual(family, a, box, q)
+    one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+    image = x - shift + (one - inverse * slope) * (box - x)
+    if not all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
+        raise NoMemberError(
+            f"{family.name} at {listing(family.at, [float(v) for v in a])}: no root is proved "
+            f"within {ctx.prec} bits; the point may be singular."
+        )
+    return [image[i, 0] for i in range(size)]
+
+
+def _residual(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any]:
+    from flint import arb_mat
+
+    size = x.nrows()
+    u = [x[i, 0] for i in range(size)]
+    r, r_u = family.graph.residual.run(balls(), [list(a), u, list(q)])
+    dense = family.graph.place(r_u)
+    return arb_mat(size, 1, r), arb_mat(dense)

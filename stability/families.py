@@ -1,0 +1,353 @@
+"""Families of steady motions: which states they hold, what they solve for, and the root-finder."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .algebra import Upright
+from .disk import checked
+from .errors import NameUnknownError, NoMemberError, ParameterError
+from .graph import FamilyGraph
+from .system import System
+
+Floats = NDArray[np.float64]
+
+STEP = 1e-11
+"""A root is accepted where a further Newton step moves it by less than this, relatively."""
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """A family of steady motions of a `System`, named by one or more parameters `at`.
+
+    Every state is either named in `at`, held at a value, or solved for.  A member is a root of the
+    rates of the states in `equations`; that the other rates vanish too is checked.
+
+    Parameters
+    ----------
+    system
+        The equations of motion.
+    name
+        What the family is called.
+    at
+        Names of the states (or of parameters of the system) that name a member.
+    held
+        Values of the states that are the same along the family; `UPRIGHT` for the exact π/2.
+    unknown
+        First guesses of the states that are solved for.
+    equations
+        States whose rates must vanish, as many as there are unknowns.
+    positive
+        Unknowns that must come out positive.
+    typical
+        A typical size by name of `at` and parameters (1 where left out), about which the spectrum's
+        structure is sampled.
+    conservative
+        Whether the reduced characteristic polynomial is even in λ by structure.
+    integrals
+        Whether first integrals make a spectrally neutral member stable.
+
+    Raises
+    ------
+    NameUnknownError, ParameterError
+        If names do not fit the system.
+
+    Source: physics of the disk's families in tests/test_families.py.
+
+    Examples
+    --------
+    >>> import casadi as ca
+    >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    >>> pendulum = System("pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
+    ...                   states=("angle", "rate"), parameters=("g",))
+    >>> hanging = Family(pendulum, "hanging", at=("g",), held={"angle": 0, "rate": 0})
+    >>> hanging.member([9.81], [])
+    array([0., 0.])
+    """
+
+    system: System
+    """The equations of motion."""
+    name: str
+    """What the family is called."""
+    at: tuple[str, ...]
+    """Names of the states or parameters that name a member."""
+    held: Mapping[str, float | Upright] = field(default_factory=dict)
+    """Values of the states that do not change along the family."""
+    unknown: Mapping[str, float] = field(default_factory=dict)
+    """First guesses of the states solved for."""
+    equations: tuple[str, ...] = ()
+    """States whose rates must vanish."""
+    positive: tuple[str, ...] = ()
+    """Unknowns that must be positive."""
+    typical: Mapping[str, float] = field(default_factory=dict)
+    """Typical sizes by name."""
+    conservative: bool = False
+    """Whether the reduced characteristic polynomial is even in λ."""
+    integrals: bool = False
+    """Whether first integrals make a neutral member stable."""
+
+    def __post_init__(self) -> None:
+        for name in (*self.held, *self.unknown, *self.equations):
+            self.system.index(name)
+        for name in self.at:
+            if name not in (*self.system.states, *self.system.parameters):
+                raise NameUnknownError(
+                    f"at is {name!r}, neither a state nor a parameter of {self.system.name}."
+                )
+        given = [*self.held, *self.unknown, *(n for n in self.at if n in self.system.states)]
+        for state in self.system.states:
+            if given.count(state) != 1:
+                raise ParameterError(
+                    f"state {state!r} of family {self.name} is given {given.count(state)} times; "
+                    "name each state once, in at, held or unknown."
+                )
+        if len(self.unknown) != len(self.equations):
+            raise ParameterError(
+                f"family {self.name} has {len(self.unknown)} unknowns and {len(self.equations)} "
+                "equations; give as many of one as of the other."
+            )
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the system's parameters that `at` does not take."""
+        return tuple(n for n in self.system.parameters if n not in self.at)
+
+    # --- the graph at the family ---
+
+    @cached_property
+    def graph(self) -> FamilyGraph:
+        """The system's graph read at this family; built at first use."""
+        return FamilyGraph(self)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the first guess solves the equations identically, so that nothing is iterated."""
+        return self.graph.closed
+
+    @property
+    def tangents(self) -> int:
+        """Number of independent directions along the family in the state."""
+        return sum(name in self.system.states for name in self.at)
+
+    def member(
+        self, at: ArrayLike, parameters: ArrayLike, guess: ArrayLike | None = None
+    ) -> Floats:
+        """States of the steady motions, by CasADi's root-finder where there is something to solve.
+
+        Parameters
+        ----------
+        at
+            Family parameters, last axis as named in `at`, shape (…, len(at)).
+        parameters
+            The system's other parameters, shape (…, m).
+        guess
+            Unknowns to start from, shape (…, u); the family's own guess when left out.
+
+        Returns
+        -------
+        ndarray
+            States, shape (…, n).
+
+        Raises
+        ------
+        NoMemberError
+            If there is no such motion, or the root-finder did not reach it.
+        DomainError
+            If the equations have no meaning there.
+        """
+        a, q, shape = self._inputs(at, parameters)
+        u = self.solve(a, q, guess)
+        states = self.states(a, u, q)
+        self.system.check(states, self._system_parameters(a, q))
+        self._require_steady(a, u, q)
+        return states.reshape(*shape, -1)
+
+    def matrix(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        """Linearisation ∂f/∂x at members.
+
+        Parameters
+        ----------
+        a, u, q
+            Family parameters, unknowns (from `solve`) and parameters, shapes (N, ·).
+
+        Returns
+        -------
+        ndarray
+            Shape (N, n, n).
+        """
+        out: Floats = self.graph.matrix.arrays([columns(a), columns(u), columns(q)], a.shape[:1])[0]
+        return out
+
+    def tangent(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        """Directions along the family in the state, by the implicit function theorem.
+
+        Parameters
+        ----------
+        a, u, q
+            As in `matrix`.
+
+        Returns
+        -------
+        ndarray
+            Shape (N, n, t) with t = `tangents`.
+        """
+        arguments = [columns(a), columns(u), columns(q)]
+        by_a, by_u, _, r_u, r_a = self.graph.tangent.arrays(arguments, a.shape[:1])
+        keep = [i for i, name in enumerate(self.at) if name in self.system.states]
+        if u.shape[1] and not self.closed:
+            by_a = by_a - by_u @ np.linalg.solve(r_u, r_a)
+        out: Floats = by_a[..., keep]
+        return out
+
+    def solve(self, a: Floats, q: Floats, guess: ArrayLike | None = None) -> Floats:
+        """The unknowns at each row of family parameters.
+
+        Parameters
+        ----------
+        a, q
+            Family parameters and parameters, shapes (N, ·).
+        guess
+            Where to start, shape (…, u) or None.
+
+        Returns
+        -------
+        ndarray
+            Shape (N, u).
+
+        Raises
+        ------
+        NoMemberError
+            Where the root-finder does not converge to an admissible root.
+        """
+        names = list(self.unknown)
+        self._check_before(a, q)
+        if not names or (self.closed and guess is None):
+            return np.tile(np.array(list(self.unknown.values()), dtype=float), (len(a), 1))
+        start = np.array(list(self.unknown.values())) if guess is None else np.asarray(guess, float)
+        start = np.broadcast_to(start, (len(a), len(names)))
+        # What the equations do not depend on need not be solved again (mu, for the disk).
+        used = self.graph.used
+        columns = np.hstack([a, q])[:, used]
+        rows, inverse = np.unique(np.hstack([columns, start]), axis=0, return_inverse=True)
+        first = np.zeros(len(rows), dtype=int)
+        first[inverse.ravel()] = np.arange(len(a))
+        found = self._root(a[first], q[first], start[first])
+        return found[inverse.ravel()]
+
+    def states(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        """States of members whose unknowns are known.
+
+        Parameters
+        ----------
+        a, u, q
+            Family parameters, unknowns (from `solve`) and parameters, shapes (N, ·).
+
+        Returns
+        -------
+        ndarray
+            Shape (N, n).
+        """
+        arguments = [columns(a), columns(u.reshape(len(a), -1)), columns(q)]
+        out: Floats = self.graph.state.arrays(arguments, a.shape[:1])[0][..., 0]
+        return out
+
+    def _check_before(self, a: Floats, q: Floats) -> None:
+        """Refuse what no root could mend: a member at which the equations have no meaning."""
+        conditions, program = self.graph.early
+        if conditions:
+            none = [np.zeros(1)] * len(self.unknown)
+            values = program.arrays([columns(a), none, columns(q)], a.shape[:1])
+            for condition, value in zip(conditions, values, strict=True):
+                bad = ~(value > 0)
+                if bad.any():
+                    reason = condition.refusal(float(value[bad].flat[0]))
+                    raise NoMemberError(f"{self.name} does not exist there: {reason}")
+
+    def _root(self, a: Floats, q: Floats, start: Floats) -> Floats:
+        finder = self.graph.finder.map(len(a))
+        u = np.array(finder(start.T, np.hstack([a, q]).T)).T.reshape(len(a), -1)
+        step = self._newton_step(a, u, q)
+        size = np.maximum(np.abs(u), 1e-300)
+        good = (np.isfinite(u) & (np.abs(step) <= STEP * np.maximum(size, 1e-8))).all(axis=1)
+        for index, name in enumerate(self.unknown):
+            if name in self.positive:
+                good &= u[:, index] > 0
+        if not good.all():
+            row = int(np.argmin(good))
+            raise NoMemberError(
+                f"{self.name} has no member that the root-finder reaches at "
+                f"{listing((*self.at, *self.parameters), (*a[row], *q[row]))}: the equation for "
+                f"{', '.join(self.unknown)} has no admissible isolated solution there; "
+                "choose another point of the family or give a guess."
+            )
+        return u
+
+    def _newton_step(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        _, _, r, r_u, _ = self.graph.tangent.arrays(
+            [columns(a), columns(u), columns(q)], a.shape[:1]
+        )
+        with np.errstate(all="ignore"):
+            determinant = np.linalg.det(r_u)
+            bad = (
+                ~np.isfinite(r_u).all(axis=(1, 2)) | ~np.isfinite(determinant) | (determinant == 0)
+            )
+            r_u = np.where(bad[:, None, None], np.eye(r_u.shape[1]), r_u)
+            step: Floats = np.linalg.solve(r_u, r)[..., 0]
+        step[bad] = np.inf
+        return step
+
+    def _require_steady(self, a: Floats, u: Floats, q: Floats) -> None:
+        arguments = [columns(a), columns(u), columns(q)]
+        rates = self.graph.rates.arrays(arguments, a.shape[:1])[0][..., 0]
+        scale = 1 + np.abs(self.matrix(a, u, q)).max(axis=(1, 2)) * (
+            1 + np.abs(u).max(axis=1, initial=0)
+        )
+        bad = ~(np.abs(rates).max(axis=1) <= 1e-10 * scale)
+        if bad.any():
+            row = int(np.argmax(bad))
+            raise NoMemberError(
+                f"{self.name} at {listing(self.at, a[row])} is not steady: "
+                f"{self.system.states[int(np.argmax(np.abs(rates[row])))]} still changes at "
+                f"{np.abs(rates[row]).max():.3g}; add its rate to the family's equations."
+            )
+
+    # --- inputs ---
+
+    def _inputs(
+        self, at: ArrayLike, parameters: ArrayLike
+    ) -> tuple[Floats, Floats, tuple[int, ...]]:
+        a = np.asarray(checked("at", at), dtype=float)
+        q = np.asarray(parameters, dtype=float)
+        for what, array, names in (("at", a, self.at), ("parameters", q, self.parameters)):
+            if array.ndim == 0 or array.shape[-1] != len(names):
+                raise ParameterError(
+                    f"{what} has shape {array.shape}; its last axis must hold {len(names)} values "
+                    f"({', '.join(names)})."
+                )
+        shape = np.broadcast_shapes(a.shape[:-1], q.shape[:-1])
+        count = math.prod(shape)
+        a = np.broadcast_to(a, (*shape, len(self.at))).reshape(count, len(self.at))
+        q = np.broadcast_to(q, (*shape, len(self.parameters))).reshape(count, len(self.parameters))
+        return a, q, shape
+
+    def _system_parameters(self, a: Floats, q: Floats) -> Floats:
+        table = dict(zip(self.at, a.T, strict=True)) | dict(zip(self.parameters, q.T, strict=True))
+        columns = [table[n] for n in self.system.parameters]
+        return np.column_stack(columns) if columns else np.zeros((len(a), 0))
+
+
+def columns(array: Floats) -> list[Any]:
+    """The columns of an array, one entry of a graph's input each."""
+    return list(array.T)
+
+
+def listing(names: Sequence[str], values: Sequence[float]) -> str:
+    """Names with their values, for a message."""
+    return ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, values, strict=True))

@@ -1,0 +1,198 @@
+"""Files that are whole or not there: written beside, then renamed; NetCDF out and in."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .errors import FileError
+
+if TYPE_CHECKING:
+    import xarray
+
+ENGINE = "h5netcdf"
+PARTS = "complex_part"
+"""Dimension that holds the real and imaginary part of complex data in a file."""
+
+
+def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+    """A path that can be written, or a sentence why not; nothing is created.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    overwrite
+        Whether an existing file may be replaced.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    FileError
+        If it exists, is a folder, or its folder is missing or not writable.
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise FileError(f"{target} is a folder; give the name of a file.")
+    if target.exists() and not overwrite:
+        raise FileError(f"{target} exists; choose another name, or replace it with --force.")
+    folder = target.parent
+    if not folder.is_dir():
+        raise FileError(f"the folder {folder} does not exist; create it first.")
+    if not os.access(folder, os.W_OK):
+        raise FileError(f"the folder {folder} is not writable; choose another place.")
+    return target
+
+
+@contextmanager
+def whole(path: str | os.PathLike[str], *, overwrite: bool = False) -> Iterator[Path]:
+    """A temporary name beside the target; renamed to it if all goes well, removed otherwise.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    overwrite
+        Whether an existing file may be replaced.
+
+    Yields
+    ------
+    Path
+        Where to write.
+
+    Raises
+    ------
+    FileError
+        If the target cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with whole(Path(folder) / "a.txt") as name:
+    ...         _ = name.write_text("all of it")
+    ...     (Path(folder) / "a.txt").read_text()
+    'all of it'
+    """
+    target = check_target(path, overwrite=overwrite)
+    try:
+        handle, name = tempfile.mkstemp(
+            dir=target.parent, prefix=f".{target.stem}-", suffix=target.suffix
+        )
+        os.close(handle)
+    except OSError as error:
+        raise FileError(f"{target} cannot be written: {error.strerror}.") from None
+    beside = Path(name)
+    mask = os.umask(0)
+    os.umask(mask)
+    try:
+        yield beside
+        beside.chmod(0o666 & ~mask)
+        beside.replace(target)
+    except OSError as error:
+        raise FileError(f"{target} cannot be written: {error.strerror or error}.") from None
+    finally:
+        with suppress(FileNotFoundError):
+            beside.unlink()
+
+
+def write_map(
+    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
+) -> Path:
+    """Write a map to NetCDF-4; complex variables keep their names.
+
+    Parameters
+    ----------
+    dataset
+        From `stability_map`.
+    path
+        File to write.
+    overwrite
+        Whether an existing file may be replaced.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written; nothing is left half-written.
+
+    Examples
+    --------
+    >>> import tempfile, stability as st
+    >>> m = st.stability_map("rolling", x=("at", 1, 2, 3), y=("mu", 1, 2, 3), modes=True)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     back = read_map(write_map(m, Path(folder) / "map.nc"))
+    >>> back.identical(m)
+    True
+    """
+    import numpy as np
+    import xarray
+
+    encoded: xarray.Dataset = dataset.copy()
+    for name, variable in dataset.variables.items():
+        if np.iscomplexobj(variable.values):
+            parts = np.stack([variable.values.real, variable.values.imag], axis=-1)
+            attributes = dict(variable.attrs) | {"complex": "real and imaginary part, last axis"}
+            encoded[name] = xarray.Variable((*variable.dims, PARTS), parts, attributes)
+    with whole(path, overwrite=overwrite) as beside:
+        compress: dict[Any, dict[str, Any]] = {
+            str(n): {"zlib": True, "complevel": 4}
+            for n, v in encoded.data_vars.items()
+            if v.ndim > 1
+        }
+        encoded.to_netcdf(beside, engine="h5netcdf", encoding=compress)
+    return Path(path)
+
+
+def read_map(path: str | os.PathLike[str]) -> xarray.Dataset:
+    """Read a map that `write_map` wrote.
+
+    Parameters
+    ----------
+    path
+        File to read.
+
+    Returns
+    -------
+    xarray.Dataset
+        In memory; the file is closed.
+
+    Raises
+    ------
+    FileError
+        If there is no such file, or it is not a NetCDF file, or not one of ours.
+    """
+    import xarray
+
+    from .dataset import FORMAT
+
+    source = Path(path)
+    if not source.is_file():
+        raise FileError(f"{source} is not a file; give a map written by stability.")
+    try:
+        with xarray.open_dataset(source, engine=ENGINE) as opened:
+            dataset = opened.load()
+    except (OSError, ValueError, KeyError, RuntimeError, TypeError) as error:
+        raise FileError(
+            f"{source} cannot be read as NetCDF ({str(error).splitlines()[0][:80]}); it may be "
+            "damaged or of another format."
+        ) from None
+    if dataset.attrs.get("format") != FORMAT:
+        raise FileError(f"{source} is a NetCDF file but not a map written by stability.")
+    for name, variable in list(dataset.variables.items()):
+        if PARTS in variable.dims:
+            values = variable.values[..., 0] + 1j * variable.values[..., 1]
+            attributes = {k: v for k, v in variable.attrs.items() if k != "complex"}
+            dataset[name] = xarray.Variable(variable.dims[:-1], values, attributes)
+    return dataset

@@ -1,0 +1,95 @@
+"""One axis of a map or scan."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import ParameterError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """One axis of a map."""
+
+    name: str
+    """What varies."""
+    low: float
+    """First value."""
+    high: float
+    """Last value."""
+    count: int
+    """Number of values."""
+    log: bool = False
+    """Whether they are even in the logarithm."""
+
+    @classmethod
+    def of(cls, axis: Sequence[Any], which: str) -> Grid:
+        """An axis from (name, low, high, n) or (name, low, high, n, "log").
+
+        Parameters
+        ----------
+        axis
+            The tuple.
+        which
+            `x` or `y`, for messages.
+
+        Raises
+        ------
+        ParameterError
+            With what is accepted.
+
+        Examples
+        --------
+        >>> Grid.of(("mu", 0.1, 10, 3, "log"), "x").values.round(12).tolist()
+        [0.1, 1.0, 10.0]
+        """
+        if isinstance(axis, (str, bytes)) or len(tuple(axis)) not in (4, 5):
+            raise ParameterError(f"{which} is {axis!r}; give (name, low, high, n) or (…, 'log').")
+        name, low, high, count, *rest = axis
+        if not isinstance(name, str):
+            raise ParameterError(f"{which} axis name is {name!r}; give a string such as 'at'.")
+        if rest and rest[0] not in ("log", "linear"):
+            raise ParameterError(f"{which} spacing is {rest[0]!r}; give 'linear' or 'log'.")
+        for what, value in (("low", low), ("high", high)):
+            if isinstance(value, (str, bool)) or not np.isreal(value) or not math.isfinite(value):
+                raise ParameterError(
+                    f"{which} axis {name} has {what} end {value!r}; a finite number is needed."
+                )
+        if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 2:
+            raise ParameterError(
+                f"{which} axis {name} has {count!r} points; at least 2 are needed."
+            )
+        if not low < high:
+            raise ParameterError(
+                f"{which} axis {name} runs from {low:g} to {high:g}; the low end must be below "
+                "the high end."
+            )
+        log = bool(rest) and rest[0] == "log"
+        if log and low <= 0:
+            raise ParameterError(
+                f"{which} axis {name} starts at {low:g}; a logarithmic axis starts above zero."
+            )
+        return cls(name, float(low), float(high), int(count), log)
+
+    @property
+    def values(self) -> Floats:
+        """The values, shape (count,); both ends are exact."""
+        if self.log:
+            values = np.geomspace(self.low, self.high, self.count)
+        else:
+            values = np.linspace(self.low, self.high, self.count)
+        values[0], values[-1] = self.low, self.high
+        return values
+
+    @property
+    def text(self) -> str:
+        """The axis as the command line writes it."""
+        return f"{self.name}:{self.low:g}:{self.high:g}:{self.count}" + ":log" * self.log

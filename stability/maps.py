@@ -1,0 +1,322 @@
+"""Parameter grids: abscissa and verdict over two axes, with the boundaries between verdicts."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .boundary import BoundaryPoint, along
+from .contact import LAWS, Contact, Viscous
+from .curves import trace
+from .disk import Disk
+from .errors import NameUnknownError, ParameterError
+from .families import Family
+from .grid import Grid
+from .problem import Problem, check_axis
+from .query import problem as make_problem
+from .spectra import decide, eigenvalues, reduce
+
+if TYPE_CHECKING:
+    import xarray
+
+Floats = NDArray[np.float64]
+Progress = Callable[[int, int], None]
+Axis = tuple[str, float, float, int] | tuple[str, float, float, int, str]
+
+CHUNK = 16384
+"""Cells that are worked on at once: small enough for the cache, large enough for NumPy."""
+
+
+def stability_map(
+    family: str | Family,
+    *,
+    x: Axis,
+    y: Axis,
+    disk: Disk | None = None,
+    contact: Contact | type[Contact] | None = None,
+    at: ArrayLike | None = None,
+    certify: bool = False,
+    boundaries: bool = True,
+    modes: bool = False,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    **parameters: ArrayLike,
+) -> xarray.Dataset:
+    """Abscissa, verdict and the boundaries between verdicts over two parameters.
+
+    Parameters
+    ----------
+    family
+        Name of a disk's family, or a `Family`.
+    x, y
+        Axes as (name, low, high, n) or (name, low, high, n, "log"): any two of `at`, `k`, `mu`,
+        `mass`, `radius`, `gravity`; `theta`, `phi_dot` for circling; for a `Family`, its own names.
+    disk, contact, at
+        The rest, as for `spectrum`.  An axis takes the place of the value given here; where `mu` is
+        an axis, contact may be left out (viscous) or be the class of a law.
+    certify
+        Not in this version (boundaries are proved already).
+    boundaries
+        Whether to find the boundary curves.
+    modes
+        Whether to keep all eigenvalues (complex, dimension `mode`).
+    workers
+        Threads; all processors when left out.
+    progress
+        Called with (cells done, cells in all) now and then.
+    **parameters
+        For a `Family`: its fixed parameters by name.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions and coordinates named like the axes, y first.  Variables: `abscissa`,
+        `abscissa_error` (a bound), `frequency` (of the eigenvalue with the largest real part),
+        `verdict` (CF flags); along `boundary_point`: `boundary_X` for each axis X,
+        `boundary_error`, `boundary_axis` (along which the error is meant), `boundary_kind`,
+        `boundary_frequency`, `boundary_curve` (which polyline).  Attributes hold units, versions,
+        parameters, method and tolerances.
+
+    Raises
+    ------
+    StabilityError
+        One sentence that says what is wrong and what is accepted.
+
+    Source: every number has an independent oracle in tests/test_maps.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> m = st.stability_map("spinning", x=("at", 1, 4, 7), y=("mu", 0.1, 2, 5))
+    >>> m.abscissa.dims, m.abscissa.shape
+    (('mu', 'at'), (5, 7))
+    """
+    if certify:
+        raise ParameterError(
+            "certify is True, which this version does not offer for maps; leave it out "
+            "(boundary points are proved already)."
+        )
+    axes = Grid.of(x, "x"), Grid.of(y, "y")
+    question = prepare(family, axes, disk, contact, at, parameters)
+    cells = _Cells(question, axes, modes)
+    cells.fill(workers or os.cpu_count() or 1, progress)
+    from .dataset import assemble
+
+    curves = trace(question, axes, cells.codes, cells.abscissa, progress) if boundaries else None
+    return assemble(question, axes, cells, curves)
+
+
+def boundaries(
+    family: str | Family,
+    *,
+    axis: Axis,
+    disk: Disk | None = None,
+    contact: Contact | None = None,
+    at: ArrayLike | None = None,
+    **parameters: ArrayLike,
+) -> list[BoundaryPoint]:
+    """Every change of verdict along one axis, proved, with what crosses there.
+
+    Parameters
+    ----------
+    family, disk, contact, at, **parameters
+        As for `stability_map`, everything but the axis a single number.
+    axis
+        (name, low, high, n) or (name, low, high, n, "log"); n is the number of points of the scan,
+        between two of which a pair of changes goes unseen.
+
+    Returns
+    -------
+    list of BoundaryPoint
+        In increasing order.
+
+    Raises
+    ------
+    StabilityError
+        One sentence that says what is wrong and what is accepted.
+
+    Source: published thresholds in tests/test_published.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> [b] = st.boundaries("spinning", axis=("at", 0.1, 5, 99), contact=st.Smooth())
+    >>> b.value, b.crossing.word
+    (2.0, 'static')
+    """
+    grid = Grid.of(axis, "axis")
+    question = prepare(family, (grid,), disk, contact, at, dict(parameters))
+    if any(np.ndim(v) for n, v in question.values.items() if n != grid.name):
+        raise ParameterError("a value is an array; along one axis everything else is one number.")
+    return along(question, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
+
+
+def prepare(
+    family: str | Family,
+    axes: Sequence[Grid],
+    disk: Disk | None,
+    contact: Contact | type[Contact] | None,
+    at: ArrayLike | None,
+    parameters: Mapping[str, ArrayLike],
+) -> Problem:
+    """The question of a map, with its axes checked and every other value given.
+
+    Parameters
+    ----------
+    family, disk, contact, at, parameters
+        As for `stability_map`.
+    axes
+        The axes.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    StabilityError
+        If an axis is unknown, or a value is missing or given twice.
+    """
+    names = [g.name for g in axes]
+    if len(set(names)) < len(names):
+        raise ParameterError(f"both axes are {names[0]!r}; give two different ones.")
+    if isinstance(family, Family):
+        question = make_problem(family, at, disk, contact, dict(parameters))  # type: ignore[arg-type]
+        known: tuple[str, ...] = (*family.at, *family.parameters)
+    else:
+        question = make_problem(family, at, disk, _law(contact, axes), dict(parameters))
+        keys = ("at",) if len(question.family.at) == 1 else question.family.at
+        known = (*keys, *(n for n in question.names if n not in keys))
+        if "c" in known:
+            known = (*known, "mu")
+    alias = {"at": question.family.at[0]} if isinstance(family, Family) else {}
+    for grid in axes:
+        name = alias.get(grid.name, grid.name)
+        if name not in known:
+            raise NameUnknownError(
+                f"axis is {grid.name!r}; known for {question.family.name} are {', '.join(known)}."
+            )
+    if isinstance(family, Family) and "at" in names:
+        raise NameUnknownError(f"axis is 'at'; for {family.name} it is called {family.at[0]!r}.")
+    axis_values = {g.name: g.values for g in axes}
+    for name, values in axis_values.items():
+        check_axis(question, name, values)
+    keys = tuple(n for n in known if n in ("at", *question.family.at))
+    for key in keys:
+        if key in question.values and key in names and at is not None:
+            raise ParameterError(f"{key} is given as a value and as an axis; give it once.")
+        if key not in question.values and key not in names:
+            raise ParameterError(f"{key} is missing; make it an axis or give its value.")
+    merged = dict(question.values) | {n: v.mean() for n, v in axis_values.items()}
+    from dataclasses import replace
+
+    question = replace(question, values=merged)
+    _check_members(question, axis_values)
+    return question
+
+
+def _law(contact: Any, axes: Sequence[Grid]) -> Contact:
+    swept = next((g for g in axes if g.name in ("mu", "c")), None)
+    if contact is None and swept is None:
+        raise ParameterError(
+            "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough(), or make "
+            "mu an axis."
+        )
+    if contact is None:
+        contact = Viscous
+    if isinstance(contact, Contact):
+        return contact
+    if contact not in LAWS.values():
+        raise NameUnknownError(f"contact is {contact!r}; known are {', '.join(LAWS)}.")
+    law: type[Contact] = contact
+    if law.coefficient is None:
+        return law()
+    if swept is None:
+        raise ParameterError(f"mu is missing; give {law.__name__}(mu) or make mu an axis.")
+    return law(1.0)  # type: ignore[call-arg]  # the axis takes its place
+
+
+def _check_members(question: Problem, axis_values: Mapping[str, Floats]) -> None:
+    """Refuse early where the corners of the map have no member."""
+    corners = np.meshgrid(*[v[[0, -1]] for v in axis_values.values()])
+    values = dict(question.values) | {
+        n: c.ravel() for n, c in zip(axis_values, corners, strict=True)
+    }
+    a, q, _, _ = question.arrays(question.settled(values))
+    question.family.member(a, q)
+
+
+class _Cells:
+    """The arrays of a map, filled chunk by chunk."""
+
+    def __init__(self, question: Problem, axes: tuple[Grid, Grid], modes: bool) -> None:
+        self.question, self.axes = question, axes
+        self.shape = axes[1].count, axes[0].count
+        self.abscissa = np.empty(self.shape)
+        self.error = np.empty(self.shape)
+        self.frequency = np.empty(self.shape)
+        self.codes = np.zeros(self.shape, dtype=np.int8)
+        self.values = None
+        if modes:
+            from .polynomial import structure
+
+            family = question.family
+            count = len(family.system.states) - structure(family).zeros
+            self.values = np.empty((*self.shape, count), dtype=complex)
+
+    def fill(self, workers: int, progress: Progress | None) -> None:
+        """Work through the chunks: members here, since CasADi is not shared; spectra in threads."""
+        total, done = math.prod(self.shape), 0
+        pending: list[Future[int]] = []
+        with ThreadPoolExecutor(workers) as pool:
+            try:
+                for start, stop, arguments in self._chunks():
+                    pending.append(pool.submit(self._work, start, stop, *arguments))
+                    if len(pending) > 4 * workers:
+                        done += pending.pop(0).result()
+                        if progress:
+                            progress(done, total)
+                for future in pending:
+                    done += future.result()
+                    if progress:
+                        progress(done, total)
+            except BaseException:
+                for future in pending:
+                    future.cancel()
+                raise
+
+    def _chunks(self) -> Iterator[tuple[int, int, tuple[Any, ...]]]:
+        family = self.question.family
+        xs, ys = self.axes[0].values, self.axes[1].values
+        total = math.prod(self.shape)
+        from .polynomial import structure
+
+        structure(family)
+        for start in range(0, total, CHUNK):
+            stop = min(start + CHUNK, total)
+            row, column = np.divmod(np.arange(start, stop), self.shape[1])
+            swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
+            values = self.question.settled(dict(self.question.values) | swept)
+            a, q, rate, _ = self.question.arrays(values)
+            yield start, stop, (a, q, rate, family.solve(a, q))
+
+    def _work(self, start: int, stop: int, a: Floats, q: Floats, rate: Floats, u: Floats) -> int:
+        family = self.question.family
+        values, radius = eigenvalues(reduce(family, a, q, u), even=family.conservative)
+        pick = slice(start, stop)
+        self.codes.reshape(-1)[pick] = decide(values, radius, even=family.conservative)
+        lead = values[:, -1]
+        self.abscissa.reshape(-1)[pick] = lead.real * rate
+        reach = (values.real + radius).max(axis=1) - lead.real
+        self.error.reshape(-1)[pick] = reach * rate
+        self.frequency.reshape(-1)[pick] = np.abs(lead.imag) * rate
+        if self.values is not None:
+            flat = self.values.reshape(-1, self.values.shape[-1])
+            flat[pick] = values * rate[:, None]
+        return stop - start

@@ -1,0 +1,486 @@
+"""Figures only: stability diagrams and eigenvalue loci, drawn from datasets and spectra."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from .boundary import Crossing
+from .curves import KINDS
+from .dataset import LONG_NAMES
+from .spectra import Spectrum
+from .verdict import CODES, Verdict
+
+if TYPE_CHECKING:
+    import xarray
+
+COLUMN = 3.39
+"""Width of a journal column [in]."""
+SYMBOLS = {
+    "omega3": r"$\omega_3$",
+    "phi_dot": r"$\dot\varphi$",
+    "theta": r"$\theta$",
+    "theta_dot": r"$\dot\theta$",
+    "slip_x": r"$v_x$",
+    "slip_y": r"$v_y$",
+    "mu": r"$\mu$",
+    "k": r"$k$",
+    "c": r"$c$",
+}
+"""LaTeX symbol by name."""
+UNITS = {
+    "√(g/R)": r"$\sqrt{g/R}$", "1/√(gR)": r"$1/\sqrt{gR}$", "m √(g/R)": r"$m\sqrt{g/R}$",
+    "rad/s": "rad/s", "s/m": "s/m", "m/s2": r"m/s$^2$", "kg/s": "kg/s",
+}  # fmt: skip
+"""LaTeX unit by its words."""
+# Decay blue, growth vermilion: apart for every common colour vision, and in grey by the hatching.
+DIVERGING = LinearSegmentedColormap.from_list(
+    "decay-growth", ["#08306b", "#4292c6", "#deebf7", "#fdebdc", "#e6703a", "#7f2704"]
+)
+"""Colours of the abscissa."""
+MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
+"""Okabe & Ito's colours, safe for colour-blind readers."""
+STYLE: dict[Any, Any] = {
+    "font.size": 7.5, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
+    "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
+    "hatch.linewidth": 0.35, "hatch.color": "#5a2a0a", "savefig.dpi": 300, "pdf.fonttype": 42,
+    "mathtext.fontset": "dejavusans", "lines.linewidth": 1.3,
+}  # fmt: skip
+LINES = {Crossing.STATIC: "-", Crossing.FLUTTER: (0, (4, 1.6)), Crossing.TOUCHING: ":"}
+SYMMETRIC_FROM = 1e-4
+"""Growth rates below this are drawn on a linear scale in a diagram."""
+LOCUS_LINEAR = 1e-3
+"""The same in a locus."""
+
+
+@dataclass(frozen=True, eq=False)
+class Strip:
+    """A limit law beside a diagram: its verdict along the x axis of the main panel."""
+
+    name: str
+    """What it is called on the figure."""
+    x: NDArray[np.float64]
+    """Points along the axis."""
+    abscissa: NDArray[np.float64]
+    """Abscissa there."""
+    thresholds: tuple[float, ...]
+    """Where its verdict changes."""
+
+
+def diagram(
+    dataset: xarray.Dataset,
+    *,
+    above: Strip | None = None,
+    below: Strip | None = None,
+    title: str = "",
+) -> Figure:
+    """Stability diagram of a map: abscissa in colour, exact boundary curves, limits beside it.
+
+    Parameters
+    ----------
+    dataset
+        From `stability_map`.
+    above, below
+        Limit laws for the far ends of the y axis, or None.
+    title
+        A few words over the figure.
+
+    Returns
+    -------
+    Figure
+        One journal column wide.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> m = st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9))
+    >>> figure = diagram(m)
+    >>> round(float(figure.get_figwidth()), 2)
+    3.39
+    """
+    with plt.rc_context(STYLE):
+        heights = [s for s, strip in ((0.075, above), (1.0, True), (0.075, below)) if strip]
+        figure, panels = plt.subplots(
+            len(heights), 1, sharex=True, figsize=(COLUMN, 3.05), squeeze=False,
+            gridspec_kw={"height_ratios": heights, "hspace": 0.05},
+            layout="constrained",
+        )  # fmt: skip
+        _spacing(figure, hspace=0.02, h_pad=0.02, w_pad=0.02)
+        rows = [row[0] for row in panels]
+        main = rows[1 if above else 0]
+        mesh = _colour(main, dataset)
+        _curves(main, dataset)
+        _axis_labels(main, dataset)
+        for strip, panel in ((above, rows[0]), (below, rows[-1])):
+            if strip is not None:
+                _strip(panel, strip, mesh.norm)
+        if below is not None:
+            rows[-1].set_xlabel(main.get_xlabel())
+            main.set_xlabel("")
+            main.tick_params(labelbottom=False)
+            rows[-1].tick_params(labelbottom=True)
+        main.set_xlim(float(dataset[_x(dataset)][0]), float(dataset[_x(dataset)][-1]))
+        bar = figure.colorbar(mesh, ax=rows, pad=0.02, aspect=32, fraction=0.05)
+        unit = dataset.abscissa.attrs.get("unit_in_words", dataset.abscissa.attrs["units"])
+        bar.set_label(rf"largest growth rate max Re $\lambda$  [{UNITS.get(unit, unit)}]")
+        _bar_ticks(bar, mesh.norm)
+        if title:
+            rows[0].set_title(title, fontsize=8, pad=4)
+        _region_names(main, dataset)
+    return figure
+
+
+def _spacing(figure: Figure, **pads: float) -> None:
+    engine: Any = figure.get_layout_engine()
+    engine.set(**pads)
+
+
+def _x(dataset: xarray.Dataset) -> str:
+    return str(dataset.abscissa.dims[1])
+
+
+def _y(dataset: xarray.Dataset) -> str:
+    return str(dataset.abscissa.dims[0])
+
+
+def _is_log(dataset: xarray.Dataset, name: str) -> bool:
+    axes = dataset.attrs.get("axes", "").split()
+    return any(a.startswith(f"{name}:") and a.endswith(":log") for a in axes)
+
+
+def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
+    x, y, values = dataset[_x(dataset)], dataset[_y(dataset)], dataset.abscissa.values
+    limit = max(float(np.abs(values).max()), 10 * SYMMETRIC_FROM)
+    norm = SymLogNorm(SYMMETRIC_FROM, linscale=0.3, vmin=-limit, vmax=limit)
+    mesh = axes.pcolormesh(
+        x, y, values, cmap=DIVERGING, norm=norm, shading="nearest", rasterized=True
+    )
+    for name, scale in ((_x(dataset), axes.set_xscale), (_y(dataset), axes.set_yscale)):
+        if _is_log(dataset, name):
+            scale("log")
+    # the sign shows without colour too: growth is hatched
+    growing = np.where(values > 0, 1.0, 0.0)
+    if growing.any() and not growing.all():
+        axes.contourf(x, y, growing, levels=[0.5, 1.5], colors="none", hatches=["////"])
+    elif growing.all():
+        axes.contourf(x, y, growing, levels=[0.5, 1.5], colors="none", hatches=["////"])
+    axes.set_ylim(float(y[0]), float(y[-1]))
+    return mesh
+
+
+def _bar_ticks(bar: Any, norm: Any) -> None:
+    top = math.floor(np.log10(norm.vmax))
+    powers = [p for p in range(round(np.log10(SYMMETRIC_FROM)), top + 1) if (top - p) % 2 == 0]
+    ticks = [-(10.0**p) for p in reversed(powers)] + [0.0] + [10.0**p for p in powers]
+    bar.set_ticks(ticks)
+    bar.set_ticklabels([_power(t) for t in ticks])
+    bar.ax.minorticks_off()
+
+
+def _power(value: float) -> str:
+    if value == 0:
+        return "0"
+    sign = "−" if value < 0 else "+"
+    return rf"${sign}10^{{{round(np.log10(abs(value)))}}}$".replace("−", "-")
+
+
+def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
+    if "boundary_curve" not in dataset or not dataset.sizes["boundary_point"]:
+        return
+    x = dataset[f"boundary_{_x(dataset)}"].values
+    y = dataset[f"boundary_{_y(dataset)}"].values
+    kind, curve = dataset.boundary_kind.values, dataset.boundary_curve.values
+    by_code = {code: crossing for crossing, code in KINDS.items()}
+    seen: set[Crossing] = set()
+    halo = [withStroke(linewidth=2.6, foreground="white")]
+    for start, stop in _runs(kind, curve):
+        crossing = by_code[int(kind[start])]
+        last = min(stop + 1, len(x)) if stop < len(x) and curve[stop] == curve[start] else stop
+        label = {Crossing.STATIC: "static", Crossing.FLUTTER: "flutter"}.get(crossing, "touching")
+        axes.plot(
+            x[start:last], y[start:last], color="black", linestyle=LINES[crossing],
+            label=None if crossing in seen else f"{label} boundary", path_effects=halo,
+            solid_capstyle="butt",
+        )  # fmt: skip
+        seen.add(crossing)
+    axes.legend(
+        loc="upper right", fontsize=6.5, frameon=True, framealpha=0.92, edgecolor="none",
+        handlelength=2.2, borderpad=0.3,
+    )  # fmt: skip
+
+
+def _runs(kind: NDArray[Any], curve: NDArray[Any]) -> list[tuple[int, int]]:
+    """Stretches of one polyline along which the same thing crosses."""
+    cuts = np.flatnonzero((np.diff(kind) != 0) | (np.diff(curve) != 0)) + 1
+    ends = [0, *cuts.tolist(), len(kind)]
+    return list(zip(ends[:-1], ends[1:], strict=True))
+
+
+def _label(dataset: xarray.Dataset, name: str) -> str:
+    attributes = dataset[name].attrs
+    quantity = attributes.get("quantity", name)
+    unit = attributes.get("unit_in_words", attributes.get("units", "1"))
+    words = LONG_NAMES.get(quantity, quantity)
+    symbol = SYMBOLS.get(quantity, quantity)
+    tail = "" if unit == "1" else f"  [{UNITS.get(unit, unit)}]"
+    return f"{words} {symbol}{tail}"
+
+
+def _axis_labels(axes: Axes, dataset: xarray.Dataset) -> None:
+    axes.set_xlabel(_label(dataset, _x(dataset)))
+    axes.set_ylabel(_label(dataset, _y(dataset)))
+
+
+def _strip(axes: Axes, strip: Strip, norm: Any) -> None:
+    values = np.tile(strip.abscissa, (2, 1))
+    axes.pcolormesh(
+        strip.x, [0.25, 0.75], values, cmap=DIVERGING, norm=norm, shading="nearest", rasterized=True
+    )
+    growing = np.where(values > 0, 1.0, 0.0)
+    if growing.any():
+        axes.contourf(
+            strip.x, [0.0, 1.0], growing, levels=[0.5, 1.5], colors="none", hatches=["////"]
+        )
+    for threshold in strip.thresholds:
+        axes.axvline(threshold, color="black", linewidth=1.3)
+    axes.set_ylim(0, 1)
+    axes.set_yticks([0.5], [strip.name])
+    halo = [withStroke(linewidth=1.8, foreground="white")]
+    for word, where in (("unstable", values[0] > 0), ("neutral", values[0] <= 0)):
+        runs = np.flatnonzero(where)
+        if len(runs) > 0.16 * len(strip.x):
+            axes.text(strip.x[runs[len(runs) // 2]], 0.48, word, ha="center", va="center",
+                      fontsize=6.5, path_effects=halo)  # fmt: skip
+    axes.tick_params(axis="y", length=0)
+    axes.tick_params(axis="x", labelbottom=False, length=2)
+
+
+def _region_names(axes: Axes, dataset: xarray.Dataset) -> None:
+    """The verdict written into its largest region, at the point farthest from its edge."""
+    from scipy.ndimage import distance_transform_edt
+
+    codes = dataset.verdict.values
+    halo = [withStroke(linewidth=2.2, foreground="white")]
+    for verdict in (Verdict.STABLE, Verdict.UNSTABLE, Verdict.NEUTRAL):
+        inside = np.pad(codes == CODES[verdict], 1)
+        if inside.sum() < 0.03 * codes.size:
+            continue
+        depth = distance_transform_edt(inside, sampling=(1 / codes.shape[0], 1 / codes.shape[1]))
+        # keep clear of the legend in the upper right corner
+        rows, columns = np.indices(inside.shape)
+        depth[(rows > 0.72 * inside.shape[0]) & (columns > 0.45 * inside.shape[1])] = 0
+        i, j = np.unravel_index(int(depth.argmax()), depth.shape)
+        x = float(dataset[_x(dataset)][min(max(j - 1, 0), codes.shape[1] - 1)])
+        y = float(dataset[_y(dataset)][min(max(i - 1, 0), codes.shape[0] - 1)])
+        axes.text(x, y, verdict.word, ha="center", va="center", fontsize=8, path_effects=halo)
+
+
+# --- loci ---
+
+
+def locus(
+    spectrum: Spectrum, *, thresholds: Sequence[float] = (), title: str = "", unit: str = "√(g/R)"
+) -> Figure:
+    """Eigenvalues against the family parameter: growth rate above, frequency below, modes labelled.
+
+    Parameters
+    ----------
+    spectrum
+        Along one axis, shape (points, n).
+    thresholds
+        Where the verdict changes.
+    title
+        A few words over the figure.
+    unit
+        Unit of rates.
+
+    Returns
+    -------
+    Figure
+        One journal column wide.
+    """
+    name = spectrum.family.at[0]
+    at = np.asarray(spectrum.at)[:, 0]
+    order = spectrum.tracked()
+    values = np.take_along_axis(spectrum.eigenvalues, order, axis=-1)
+    share = np.take_along_axis(spectrum.modes.participation, order[..., None], axis=1)
+    with plt.rc_context(STYLE):
+        figure, (top, bottom) = plt.subplots(
+            2, 1, sharex=True, figsize=(COLUMN, 3.6), layout="constrained",
+            gridspec_kw={"height_ratios": [1.25, 1]},
+        )  # fmt: skip
+        _spacing(figure, h_pad=0.02, w_pad=0.02)
+        top.axhspan(0, 1e9, facecolor="#fdebdc", zorder=0)
+        top.axhline(0, color="0.3", linewidth=0.6)
+        groups = mode_groups(values)
+        halo = [withStroke(linewidth=2, foreground="white")]
+        for index, columns in enumerate(groups):
+            colour = MODE_COLOURS[index % len(MODE_COLOURS)]
+            states = mode_states(share, columns, spectrum.family.system.states)
+            kind = "pair" if len(columns) > 1 else "real"
+            text = f"{index + 1} {kind}: {', '.join(SYMBOLS.get(s, s) for s in states)}"
+            for position, column in enumerate(columns):
+                top.plot(at, values[:, column].real, color=colour, zorder=3,
+                         linestyle="-" if position == 0 else (0, (3, 1.5)),
+                         label=text if position == 0 else None)  # fmt: skip
+            imaginary = np.abs(values[:, columns].imag).max(axis=1)
+            shown = np.ma.masked_where(imaginary == 0, imaginary)
+            bottom.plot(at, shown, color=colour)
+            if shown.count():
+                spot = np.flatnonzero(imaginary)[int((0.3 + 0.2 * index) % 1 * (shown.count() - 1))]
+                bottom.text(at[spot], imaginary[spot], str(index + 1), color=colour, fontsize=7,
+                            ha="center", va="center", path_effects=halo)  # fmt: skip
+        for panel in (top, bottom):
+            for threshold in thresholds:
+                panel.axvline(threshold, color="black", linewidth=0.8, linestyle=(0, (1, 1.5)))
+        _locus_limits(top, values)
+        for word, height, colour in (("growth", 0.75, "#7f2704"), ("decay", 0.25, "#08306b")):
+            top.text(1.015, height, word, transform=top.transAxes, rotation=90, ha="left",
+                     va="center", fontsize=7, color=colour)  # fmt: skip
+        _locus_numbers(top, at, values, groups)
+        units = UNITS.get(unit, unit)
+        top.set_ylabel(rf"growth rate Re $\lambda$  [{units}]")
+        bottom.set_ylabel(rf"frequency |Im $\lambda$|  [{units}]")
+        tail = "rad" if name == "theta" else units
+        bottom.set_xlabel(f"{LONG_NAMES.get(name, name)} {SYMBOLS.get(name, name)}  [{tail}]")
+        bottom.set_xlim(at[0], at[-1])
+        bottom.set_ylim(bottom=0)
+        figure.legend(
+            *top.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=6.5,
+            frameon=False, handlelength=1.4, columnspacing=1.0,
+        )  # fmt: skip
+        if title:
+            top.set_title(title, fontsize=8, pad=4)
+    return figure
+
+
+def mode_groups(values: NDArray[np.complex128]) -> list[tuple[int, ...]]:
+    """Columns of tracked eigenvalues that are each other's conjugates somewhere, as one mode each.
+
+    Parameters
+    ----------
+    values
+        Tracked eigenvalues, shape (points, n).
+
+    Returns
+    -------
+    list of tuple
+        Columns of each mode: a pair, or one real eigenvalue.
+
+    Examples
+    --------
+    >>> mode_groups(np.array([[1 + 1j, -2, 1 - 1j]]))
+    [(0, 2), (1,)]
+    """
+    count = values.shape[1]
+    left = list(range(count))
+    groups: list[tuple[int, ...]] = []
+    while left:
+        first = left.pop(0)
+        pair = np.abs(values[:, left].conj() - values[:, [first]]) <= 1e-9 * np.abs(values).max()
+        pair &= np.abs(values[:, [first]].imag) > 0
+        mates = list(zip(pair.sum(axis=0).tolist(), left, strict=True))
+        together, mate = max(mates, default=(0, -1))
+        if together:
+            left.remove(mate)
+            groups.append((first, mate))
+        else:
+            groups.append((first,))
+    return groups
+
+
+def mode_states(
+    share: NDArray[np.float64], columns: tuple[int, ...], states: Sequence[str]
+) -> list[str]:
+    """The states that lead a mode, on average along the branch.
+
+    Parameters
+    ----------
+    share
+        Participation, shape (points, n, states).
+    columns
+        The mode's columns.
+    states
+        State names.
+
+    Returns
+    -------
+    list of str
+        One or two names, in the order of the states.
+    """
+    mean = share[:, list(columns)].mean(axis=(0, 1))
+    lead = np.argsort(-mean, kind="stable")
+    count = 1 if mean[lead[0]] > 0.8 else 2
+    return [states[i] for i in sorted(lead[:count])]
+
+
+def _locus_limits(axes: Axes, values: NDArray[np.complex128]) -> None:
+    # Rates span many orders of magnitude on both sides of zero, and the sign is what matters.
+    axes.set_yscale("symlog", linthresh=LOCUS_LINEAR, linscale=0.5)
+    size = max(float(np.abs(values.real).max()), 10 * LOCUS_LINEAR)
+    axes.set_ylim(-2.5 * size, 2.5 * size)
+    powers = range(round(np.log10(LOCUS_LINEAR)), math.floor(np.log10(2.5 * size)) + 1)
+    ticks = [-(10.0**p) for p in reversed(powers)] + [0.0] + [10.0**p for p in powers]
+    axes.set_yticks(ticks, [_power(t) for t in ticks])
+    axes.minorticks_off()
+
+
+def _locus_numbers(
+    axes: Axes,
+    at: NDArray[np.float64],
+    values: NDArray[np.complex128],
+    groups: list[tuple[int, ...]],
+) -> None:
+    """The number of each mode on its curve, spread along the axis so that they keep apart."""
+    halo = [withStroke(linewidth=2, foreground="white")]
+    low, high = axes.get_ylim()
+    for index, columns in enumerate(groups):
+        colour = MODE_COLOURS[index % len(MODE_COLOURS)]
+        real = values[:, columns[0]].real
+        visible = np.flatnonzero((real > low) & (real < high))
+        if not len(visible):
+            continue
+        spot = visible[int((0.12 + 0.2 * index) % 1 * (len(visible) - 1))]
+        axes.text(at[spot], real[spot], str(index + 1), color=colour, fontsize=7, ha="center",
+                  va="center", path_effects=halo, zorder=4)  # fmt: skip
+
+
+def save(figure: Figure, stem: Path) -> list[Path]:
+    """Write a figure as PNG and PDF, and close it.
+
+    Parameters
+    ----------
+    figure
+        The figure.
+    stem
+        Path without suffix; files there are replaced.
+
+    Returns
+    -------
+    list of Path
+        The two files.
+    """
+    from .files import whole
+
+    paths = [stem.parent / (stem.name + suffix) for suffix in (".png", ".pdf")]
+    for path in paths:
+        with whole(path, overwrite=True) as beside:
+            # no creation date, so that the same map gives the same file
+            meta = {"CreationDate": None} if path.suffix == ".pdf" else None
+            figure.savefig(beside, dpi=300, metadata=meta)
+    plt.close(figure)
+    return paths

@@ -1,0 +1,262 @@
+"""Characteristic polynomials in balls: structure, proved verdicts, what crosses at a boundary."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from .enclosure import ball_unknowns, matrix_polynomial
+from .errors import StabilityError
+from .families import Family
+
+SAMPLES = 3
+"""Random members at which the structure of a spectrum is established."""
+SAMPLE_BITS = 400
+"""Precision there; a coefficient that vanishes to this many bits at every sample is structural."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What a family's characteristic polynomial has by structure, not by its point."""
+
+    zeros: int
+    """Multiplicity of the factor λ over the rational functions of the parameters."""
+    even: bool
+    """Whether the rest is even in λ."""
+    how: str
+    """A sentence that says how it was established."""
+
+
+@contextmanager
+def precision(bits: int) -> Iterator[None]:
+    """Work in balls of so many bits, and put the precision back.
+
+    Parameters
+    ----------
+    bits
+        Working precision.
+
+    Examples
+    --------
+    >>> from flint import arb
+    >>> with precision(200):
+    ...     print((arb(1) / 3).rel_accuracy_bits() > 190)
+    True
+    """
+    from flint import ctx
+
+    before = ctx.prec
+    ctx.prec = bits
+    try:
+        yield
+    finally:
+        ctx.prec = before
+
+
+def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[Any]:
+    """Coefficients of det(λ - A) at a member as balls, lowest first.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q
+        Family parameters and parameters as balls (or exact numbers).
+
+    Returns
+    -------
+    list of arb
+        n + 1 coefficients, structural zeros included.
+
+    Raises
+    ------
+    NoMemberError
+        If no root is proved to exist there.
+    """
+    return matrix_polynomial(family, a, ball_unknowns(family, a, q), q)
+
+
+@lru_cache(maxsize=64)
+def structure(family: Family) -> Structure:
+    """The structural zeros of a family's spectrum, established once.
+
+    Coefficients of the characteristic polynomial are analytic in the parameters, so one that
+    vanishes identically vanishes at random members, and one that does not is proved nonzero at
+    almost any of them.  For the disk the count is derived exactly over Q(k, mu, at) in
+    tests/test_structure.py.
+
+    Parameters
+    ----------
+    family
+        The family; its `typical` sizes say where to sample.
+
+    Returns
+    -------
+    Structure
+
+    Raises
+    ------
+    StabilityError
+        If the family is called conservative but its polynomial is not even.
+
+    Examples
+    --------
+    >>> from stability.steady import disk_family
+    >>> structure(disk_family("rolling", "viscous")).zeros
+    2
+    """
+    from flint import arb
+
+    vanishing = [True] * (len(family.system.states) + 1)
+    with precision(SAMPLE_BITS):
+        for sample in range(SAMPLES):
+            names = (*family.at, *family.parameters)
+            # Incommensurable factors near 1, away from every special value.
+            spread = [arb(2 + 7 * sample + 3 * i).sqrt() for i in range(len(names))]
+            factor = [1 + (s - s.floor()) / 4 - arb(1) / 8 for s in spread]
+            point = [
+                arb(family.typical.get(n, 1.0)) * f for n, f in zip(names, factor, strict=True)
+            ]
+            point = [v.mid() for v in point]
+            cut = len(family.at)
+            for i, c in enumerate(characteristic(family, point[:cut], point[cut:])):
+                vanishing[i] &= bool(c.contains(0)) and float(c.abs_upper()) < 2.0 ** (
+                    -SAMPLE_BITS // 2
+                )
+    zeros = vanishing.index(False)
+    rest = vanishing[zeros:]
+    even = all(rest[1::2]) and len(rest) > 1
+    if family.conservative and not even:
+        raise StabilityError(
+            f"family {family.name} is called conservative, but its characteristic polynomial is "
+            "not even in λ; leave conservative out."
+        )
+    how = (
+        f"vanishing to {SAMPLE_BITS // 2} bits at {SAMPLES} random members, the next proved nonzero"
+    )
+    return Structure(zeros, even, how)
+
+
+def verdict_polynomial(coefficients: Sequence[Any], zeros: int, conservative: bool) -> list[Any]:
+    """The polynomial whose Hurwitz stability is the verdict, lowest coefficient first.
+
+    For a dissipative law it is the reduced characteristic polynomial.  For a conservative one,
+    q(λ²), it is q(λ²) + λ q'(λ²): Hurwitz exactly when all λ² are real, negative and simple.
+
+    Parameters
+    ----------
+    coefficients
+        Of det(λ - A), lowest first.
+    zeros
+        Structural zeros.
+    conservative
+        Whether the reduced polynomial is even.
+
+    Returns
+    -------
+    list of arb
+
+    Source: Hermite-Biehler theorem; F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV § 14.
+    """
+    reduced = list(coefficients[zeros:])
+    if not conservative:
+        return reduced
+    for power in range(2, len(reduced), 2):
+        reduced[power - 1] = reduced[power] * (power // 2)
+    return reduced
+
+
+def hurwitz_sign(polynomial: Sequence[Any]) -> int:
+    """Whether all roots have negative real part, by Routh's array in balls.
+
+    Parameters
+    ----------
+    polynomial
+        Coefficients as balls, lowest first, leading one positive.
+
+    Returns
+    -------
+    int
+        1, proved: all roots in the open left half-plane; -1, proved: some root in the open right
+        half-plane; 0, not decided at this precision.
+
+    Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV §§ 3-6.  (A polynomial with all
+    roots in Re ≤ 0 is a limit of stable ones, so its Hurwitz determinants are ≥ 0: one that is
+    proved negative proves a root in Re > 0.)
+
+    Examples
+    --------
+    >>> from flint import arb
+    >>> hurwitz_sign([arb(1), arb(2), arb(1)]), hurwitz_sign([arb(-1), arb(2), arb(1)])
+    (1, -1)
+    """
+    if any(c < 0 for c in polynomial):
+        return -1
+    high = list(reversed(polynomial))
+    upper, lower = high[0::2], high[1::2]
+    while lower:
+        if lower[0] < 0:
+            return -1
+        if not lower[0] > 0:
+            return 0
+        ratio = upper[0] / lower[0]
+        following = [
+            u - ratio * low
+            for u, low in zip(upper[1:], [*lower[1:], *[0] * len(upper)], strict=False)
+        ]
+        upper, lower = lower, following
+    return 1
+
+
+def hurwitz_determinant(polynomial: Sequence[Any]) -> Any:
+    """The Hurwitz determinant of order n - 1, which vanishes where a pair meets the imaginary axis.
+
+    Parameters
+    ----------
+    polynomial
+        Coefficients as balls, lowest first.
+
+    Returns
+    -------
+    arb
+        1 for n < 2.
+
+    Source: Orlando's formula, Gantmacher vol. 2, ch. XV § 7: Δ(n-1) = ± ∏ (λᵢ + λⱼ) over i < j.
+    """
+    from flint import arb, arb_mat
+
+    degree = len(polynomial) - 1
+    if degree < 2:
+        return arb(1)
+    high = list(reversed(polynomial))
+
+    def entry(i: int, j: int) -> Any:
+        index = 2 * (j + 1) - (i + 1)
+        return high[index] if 0 <= index <= degree else arb(0)
+
+    size = degree - 1
+    return arb_mat(size, size, [entry(i, j) for i in range(size) for j in range(size)]).det()
+
+
+def frequency(polynomial: Sequence[Any]) -> float:
+    """Frequency of the pair on (or next to) the imaginary axis, from the polynomial.
+
+    Parameters
+    ----------
+    polynomial
+        Coefficients as balls, lowest first, of a polynomial with a pair near the axis.
+
+    Returns
+    -------
+    float
+        |Im λ| of the root nearest the imaginary axis among those that are not real; 0 if all are.
+    """
+    from flint import acb_poly, arb
+
+    roots = acb_poly([c.mid() for c in polynomial]).roots(tol=arb(2) ** -80)
+    pairs = [(abs(float(r.real)), abs(float(r.imag))) for r in roots if not r.imag.contains(0)]
+    return min(pairs)[1] if pairs else math.nan

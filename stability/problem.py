@@ -1,0 +1,259 @@
+"""A question about a family: what may vary, in which units, and what it comes to dimensionless.
+
+Everything inside runs dimensionless; a `Problem` is the one place that knows how the numbers a
+user gives (`at`, `k`, `mu`, `mass`, `radius`, `gravity`, or the parameters of their own system)
+become the family's parameters.  It does so over any number type, so that balls start from the exact
+doubles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .contact import LAWS, ZERO_MU, Contact
+from .disk import Disk, checked, positive
+from .errors import NameUnknownError, ParameterError
+from .families import Family
+from .steady import AT, disk_family
+
+Floats = NDArray[np.float64]
+
+ANGLES = ("theta",)
+"""States that need no unit."""
+PHYSICAL = ("mass", "radius", "gravity")
+"""The disk's dimensional quantities."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A family with the values of everything it depends on, in the user's units."""
+
+    family: Family
+    """The family."""
+    values: Mapping[str, Any]
+    """Value or array by name: at (or its parts), parameters, physical quantities."""
+    units: Mapping[str, str]
+    """Unit by name, for labels."""
+    dimensionless: bool
+    """Whether the user's numbers are dimensionless."""
+    reduce: Callable[[Mapping[str, Any], Callable[[Any], Any]], tuple[list[Any], list[Any], Any]]
+    """(values, square root) → family parameters, parameters, unit of rate; over any number type."""
+    speed: Callable[[Mapping[str, Any]], Any] = field(default=lambda _: 1.0)
+    """Unit of speed from the values."""
+    law: Contact | None = None
+    """The contact law, for the disk."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What may be an axis."""
+        return tuple(self.values)
+
+    def settled(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Values without the linear law's own coefficient where mu is given in its place."""
+        return {n: v for n, v in values.items() if n != "c" or "mu" not in values}
+
+    def arrays(self, values: Mapping[str, Any]) -> tuple[Floats, Floats, Floats, tuple[int, ...]]:
+        """Dimensionless rows for broadcast values.
+
+        Parameters
+        ----------
+        values
+            Value or array by name.
+
+        Returns
+        -------
+        a, q, rate, shape
+            Family parameters (N, ·), parameters (N, ·), unit of rate (N,), and the broadcast shape.
+        """
+        a, q, rate = self.reduce(values, np.sqrt)
+        shape = np.broadcast_shapes(*(np.shape(v) for v in (*a, *q, rate)))
+        flat = [np.broadcast_to(v, shape).reshape(-1) for v in (*a, *q, rate)]
+        count = math.prod(shape)
+        columns = np.column_stack(flat).astype(float).reshape(count, -1)
+        cut = len(a)
+        return columns[:, :cut], columns[:, cut:-1], columns[:, -1], shape
+
+    def balls(self, values: Mapping[str, Any]) -> tuple[list[Any], list[Any]]:
+        """Family parameters and parameters as balls around the exact doubles.
+
+        Parameters
+        ----------
+        values
+            Double by name.
+
+        Returns
+        -------
+        a, q
+        """
+        from flint import arb
+
+        exact = {name: arb(float(v)) for name, v in values.items()}
+        a, q, _ = self.reduce(exact, lambda v: v.sqrt())
+        return a, q
+
+
+def disk_problem(family: str, disk: Disk, contact: Contact, at: ArrayLike | None = None) -> Problem:
+    """The question about one of the disk's families.
+
+    Parameters
+    ----------
+    family
+        rolling, spinning, tumbling, or circling (rough).
+    disk, contact
+        The body and the law; their fields may be arrays.
+    at
+        Family parameter; for circling the pair (theta, phi_dot) along the last axis.  None where
+        it is an axis to come.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    StabilityError
+        If the family, the law or a number is not accepted.
+
+    Examples
+    --------
+    >>> from stability.contact import Viscous
+    >>> disk_problem("rolling", Disk(radius=0.3, gravity=9.81), Viscous(0.2), 5.0).names
+    ('at', 'k', 'mass', 'radius', 'gravity', 'mu')
+    """
+    if not isinstance(family, str):
+        raise NameUnknownError(f"family is {family!r}; give a name or a stability.Family.")
+    if not isinstance(contact, Contact) or contact.name not in LAWS:
+        raise NameUnknownError(
+            f"contact is {contact!r}; give one of Smooth(), Viscous(mu), LinearViscous(c), Rough()."
+        )
+    if not isinstance(disk, Disk):
+        raise ParameterError(f"disk is {disk!r}; give a stability.Disk.")
+    resolved = disk_family(family, contact.name)
+    parts = AT[family]
+    keys = ("at",) if len(parts) == 1 else parts
+    values: dict[str, Any] = {}
+    if at is not None:
+        given = np.asarray(checked("at", at), dtype=float)
+        if len(keys) > 1 and (given.ndim == 0 or given.shape[-1] != len(keys)):
+            raise ParameterError(
+                f"at has shape {given.shape}; for {family} it is the pair ({', '.join(keys)}) "
+                "along the last axis."
+            )
+        columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
+        values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
+    values |= {"k": disk.k} | {n: getattr(disk, n) for n in PHYSICAL}
+    if contact.coefficient:
+        values[contact.coefficient] = getattr(contact, contact.coefficient)
+    si = not disk.dimensionless
+    units = {"k": "1", "mass": "kg", "radius": "m", "gravity": "m/s2", "rate": "1/s"}
+    units |= {"mu": "s/m", "c": "kg/s"}
+    units |= {k: "rad" if p in ANGLES else "rad/s" for k, p in zip(keys, parts, strict=True)}
+    if not si:
+        units = dict.fromkeys(units, "1") | {
+            k: "rad" for k, p in zip(keys, parts, strict=True) if p in ANGLES
+        }
+
+    def reduce(
+        v: Mapping[str, Any], root: Callable[[Any], Any]
+    ) -> tuple[list[Any], list[Any], Any]:
+        time = root(v["radius"] / v["gravity"])
+        a = [v[k] if p in ANGLES else v[k] * time for k, p in zip(keys, parts, strict=True)]
+        q = [v["k"]]
+        if contact.coefficient:
+            # a `mu` that is swept under the linear law means c = mu m g
+            if "mu" in v:
+                q.append(v["mu"] * root(v["gravity"] * v["radius"]))
+            else:
+                q.append(v["c"] / v["mass"] * time)
+        return a, q, 1 / time
+
+    return Problem(
+        resolved, values, units, not si, reduce,
+        lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]), contact,
+    )  # fmt: skip
+
+
+def system_problem(
+    family: Family, at: ArrayLike | None, parameters: Mapping[str, ArrayLike]
+) -> Problem:
+    """The question about a family of a user's own system; numbers are taken as they are.
+
+    Parameters
+    ----------
+    family
+        The family.
+    at
+        Family parameter (last axis its parts, if there are several), or None where it is an axis.
+    parameters
+        The system's other parameters by name.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    NameUnknownError
+        If a parameter is missing or unknown.
+    """
+    for name in parameters:
+        if name not in (*family.parameters, *family.at):
+            raise NameUnknownError(
+                f"{name!r} is not a parameter of {family.name}; known are "
+                f"{', '.join((*family.parameters, *family.at)) or 'none'}."
+            )
+    values: dict[str, Any] = {n: checked(n, v) for n, v in parameters.items()}
+    keys = family.at
+    if at is not None:
+        given = np.asarray(checked("at", at), dtype=float)
+        columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
+        values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
+
+    def reduce(
+        v: Mapping[str, Any],
+        root: Callable[[Any], Any],  # noqa: ARG001
+    ) -> tuple[list[Any], list[Any], Any]:
+        missing = [n for n in (*keys, *family.parameters) if n not in v]
+        if missing:
+            raise NameUnknownError(f"{missing[0]!r} is missing; {family.name} needs its value.")
+        return [v[k] for k in keys], [v[n] for n in family.parameters], 1.0
+
+    units = {n: family.system.units.get(n, "1") for n in (*keys, *family.parameters)} | {
+        "rate": "1/s"
+    }
+    return Problem(family, values, units, False, reduce)
+
+
+def check_axis(problem: Problem, name: str, values: Floats) -> None:
+    """Refuse an axis whose values the body or the law cannot have.
+
+    Parameters
+    ----------
+    problem
+        The question.
+    name
+        Axis name.
+    values
+        Its values.
+
+    Raises
+    ------
+    ParameterError
+        With the value and what is accepted.
+    """
+    if problem.law is None:
+        return
+    if name in ("mu", "c"):
+        positive(name, values, ZERO_MU)
+    elif name in ("k", *PHYSICAL):
+        Disk(**{name: values})
+
+
+def _scalar(value: Any) -> Any:
+    return float(value) if np.ndim(value) == 0 else value

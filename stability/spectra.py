@@ -1,0 +1,403 @@
+"""Jacobian → structural zeros → eigenvalues → verdict, for any family of any system.
+
+Structural zeros are removed through null vectors, never by size: the family's own tangents first,
+then null vectors of what is left, as many as the family's structure has.  Each eigenvalue carries a
+bound on its own error, from running error analysis of the graph and Gershgorin's theorem after
+diagonalisation; a verdict is given only where those bounds decide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .families import Family
+from .modes import Modes, lift, mode_labels, track
+from .polynomial import structure
+from .tracked import UNIT, Tracked, tracked_arrays
+from .verdict import BY_CODE, CODES, Nonlinear, Verdict
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+
+class Deflation(NamedTuple):
+    """One structural zero taken out by a similarity with multipliers of at most 1."""
+
+    order: NDArray[np.intp]
+    """Which coordinate comes first, shape (N, n)."""
+    multipliers: Floats
+    """Null vector below its first entry, shape (N, n - 1)."""
+    row: Floats
+    """Coupling of the rest to the removed coordinate, shape (N, n - 1)."""
+
+
+class Reduced(NamedTuple):
+    """A linearisation without its structural zeros."""
+
+    matrix: Floats
+    """Shape (N, m, m)."""
+    error: Floats
+    """Bound on the error of each entry, shape (N, m, m)."""
+    steps: list[Deflation]
+    """How to lift a mode back."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Eigenvalues of the linearisation at members of a family, structural zeros removed.
+
+    Leading axes are parameters; the last axis is the mode.
+
+    Source: this package; each number has an independent oracle in tests/test_spectrum.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> s = st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3))
+    >>> s.verdict.word, round(float(s.abscissa), 6), s.structural_zeros
+    ('stable', -0.142586, 2)
+    """
+
+    family: Family
+    """The family."""
+    at: Floats
+    """Family parameters, shape (…, len(family.at))."""
+    eigenvalues: Complexes
+    """Sorted by real, then imaginary part, shape (…, n) [1/s, or √(g/R)]."""
+    radius: Floats
+    """Error bound of each eigenvalue, shape (…, n): all of them lie in the union of these discs."""
+    structural_zeros: int
+    """How many eigenvalues are zero by structure of family and law."""
+    codes: NDArray[np.int8]
+    """Verdict as flag values (`Verdict.code`), shape (…)."""
+    states: Floats
+    """The steady motions, dimensionless, shape (…, states)."""
+    reduced: Reduced
+    """The dimensionless linearisation without structural zeros, one row per point."""
+    rate: Floats
+    """Unit of the eigenvalues in dimensionless ones, shape (…) or () [1/s]."""
+    scale: Floats
+    """Unit of each state, shape (…, states)."""
+
+    @property
+    def abscissa(self) -> Any:
+        """Largest real part of the eigenvalues, shape (…); a float for a single spectrum."""
+        value = self.eigenvalues.real.max(axis=-1)
+        return float(value) if value.ndim == 0 else value
+
+    @property
+    def abscissa_error(self) -> Any:
+        """Bound on the error of the abscissa, shape (…)."""
+        real = self.eigenvalues.real
+        value = (real + self.radius).max(axis=-1) - real.max(axis=-1)
+        return float(value) if value.ndim == 0 else value
+
+    @property
+    def verdict(self) -> Any:
+        """`Verdict`, or an object array of them, shape (…)."""
+        return _members(self.codes, BY_CODE)
+
+    @property
+    def nonlinear(self) -> Any:
+        """`Nonlinear`, or an object array of them, shape (…): what the motion itself does."""
+        harmless = self.structural_zeros == self.family.tangents
+        stable = Nonlinear.ASYMPTOTIC if harmless else Nonlinear.OPEN
+        # Neutral with every λ² strictly negative: the integrals confine the motion.
+        kept = Nonlinear.BY_INTEGRALS if self.family.integrals else Nonlinear.OPEN
+        table = {
+            CODES[Verdict.STABLE]: stable,
+            CODES[Verdict.UNSTABLE]: Nonlinear.UNSTABLE,
+            CODES[Verdict.NEUTRAL]: kept,
+            CODES[Verdict.UNDECIDED]: Nonlinear.OPEN,
+        }
+        return _members(self.codes, table)
+
+    @property
+    def reason(self) -> str:
+        """One sentence on how the verdict was reached, or why it was not; for a single spectrum."""
+        bound = f"largest real part {self.abscissa:.3g}, error bound {self.abscissa_error:.1g}"
+        if self.family.conservative:
+            bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound
+        return f"{bound}; {self.structural_zeros} structural zeros removed through null vectors"
+
+    @cached_property
+    def modes(self) -> Modes:
+        """Eigenvectors and readable labels, in the order of the eigenvalues."""
+        vectors, participation = lift(self)
+        labels = mode_labels(
+            self.eigenvalues, self.radius, participation, self.family.system.states
+        )
+        return Modes(vectors, participation, labels)
+
+    def tracked(self) -> NDArray[np.intp]:
+        """Order that follows each mode along the last parameter axis, by eigenvector overlap.
+
+        Returns
+        -------
+        ndarray
+            Indices of shape (…, points, n): `np.take_along_axis(s.eigenvalues, s.tracked(), -1)`
+            has one mode per column.  Where eigenvalues meet, which of them goes on is a convention.
+
+        Examples
+        --------
+        >>> import numpy as np, stability as st
+        >>> s = st.spectrum("spinning", at=np.linspace(2, 3, 9), contact=st.Viscous(0.3))
+        >>> s.tracked().shape
+        (9, 5)
+        """
+        return track(self.eigenvalues, self.modes.vectors)
+
+
+def _members(codes: NDArray[np.int8], table: dict[int, Any]) -> Any:
+    if codes.ndim == 0:
+        return table[int(codes)]
+    out = np.empty(codes.shape, dtype=object)
+    for code, member in table.items():
+        out[codes == code] = member
+    return out
+
+
+# --- structural zeros ---
+
+
+def reduce(family: Family, a: Floats, q: Floats, u: Floats | None = None) -> Reduced:
+    """Linearise at members and take out the structural zeros.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q
+        Family parameters and parameters, dimensionless, shapes (N, ·).
+    u
+        Unknowns from `family.solve`, or None.
+
+    Returns
+    -------
+    Reduced
+    """
+    u = family.solve(a, q) if u is None else u
+    # Three roundings for what the caller made dimensionless.
+    arguments = [
+        [Tracked(c, 3 * UNIT * np.abs(c)) for c in a.T],
+        [Tracked(c, e) for c, e in zip(u.T, _root_error(family, a, u, q).T, strict=True)],
+        [Tracked(c, 3 * UNIT * np.abs(c)) for c in q.T],
+    ]
+    graph = family.graph
+    matrix, error = tracked_arrays(graph.matrix, arguments, a.shape[:1])[0]
+    steps: list[Deflation] = []
+    zeros = structure(family).zeros
+    tangents = family.tangent(a, u, q)
+    for index in range(min(zeros, tangents.shape[-1])):
+        vector = _push(tangents[..., index], steps)
+        matrix, error = _deflate(matrix, error, vector, 8 * UNIT * np.abs(vector), steps)
+    for _ in range(zeros - min(zeros, tangents.shape[-1])):
+        _, sizes, right = np.linalg.svd(matrix)
+        vector = right[..., -1, :]
+        noise = np.sqrt((error**2).sum(axis=(1, 2))) + 8 * UNIT * sizes[..., 0]
+        gap = np.maximum(sizes[..., -2], UNIT * sizes[..., 0])
+        doubt = np.minimum(noise / gap, 1.0)[:, None] * np.ones_like(vector)
+        matrix, error = _deflate(matrix, error, vector, doubt, steps)
+    return Reduced(matrix, error, steps)
+
+
+def _root_error(family: Family, a: Floats, u: Floats, q: Floats) -> Floats:
+    """Bound on the error of the solved unknowns: residual's rounding through the inverse slope."""
+    if not u.shape[1] or family.closed:
+        return np.zeros_like(u)
+    arguments = [[Tracked(c, 2 * UNIT * np.abs(c)) for c in block.T] for block in (a, u, q)]
+    out = tracked_arrays(family.graph.tangent, arguments, a.shape[:1])
+    residual, slope = out[2], out[3][0]
+    size = np.abs(residual[0]) + residual[1]
+    error: Floats = (np.abs(np.linalg.inv(slope)) @ size)[..., 0]
+    return error + 2 * UNIT * np.abs(u)
+
+
+def _push(vector: Floats, steps: Sequence[Deflation]) -> Floats:
+    """A vector of the full space in the coordinates left after the steps so far."""
+    for step in steps:
+        ordered = np.take_along_axis(vector, step.order, axis=1)
+        vector = ordered[:, 1:] - step.multipliers * ordered[:, :1]
+    return vector
+
+
+def _deflate(
+    matrix: Floats, error: Floats, vector: Floats, doubt: Floats, steps: list[Deflation]
+) -> tuple[Floats, Floats]:
+    """Take out one null vector: B = A[1:, 1:] - m ⊗ A[0, 1:] with the largest entry put first."""
+    count, size = vector.shape
+    pivot = np.abs(vector).argmax(axis=1)
+    order = np.tile(np.arange(size), (count, 1))
+    order[np.arange(count), pivot] = 0
+    order[:, 0] = pivot
+    if (pivot == pivot[:1]).all():  # one order for all rows: plain slices, no gathering
+        pick = np.ix_(np.arange(count), order[0], order[0])
+        matrix, error = matrix[pick], error[pick]
+    else:
+        for axis in (1, 2):
+            index = order[:, :, None] if axis == 1 else order[:, None, :]
+            matrix = np.take_along_axis(matrix, index, axis=axis)
+            error = np.take_along_axis(error, index, axis=axis)
+    vector = np.take_along_axis(vector, order, axis=1)
+    doubt = np.take_along_axis(doubt, order, axis=1)
+    m = vector[:, 1:] / vector[:, :1]
+    m_error = (doubt[:, 1:] + np.abs(m) * doubt[:, :1]) / np.abs(vector[:, :1]) + UNIT * np.abs(m)
+    row, row_error = matrix[:, 0, 1:], error[:, 0, 1:]
+    product = m[:, :, None] * row[:, None, :]
+    reduced = matrix[:, 1:, 1:] - product
+    size_product = np.abs(product)
+    bound = (
+        error[:, 1:, 1:]
+        + m_error[:, :, None] * (np.abs(row) + row_error)[:, None, :]
+        + np.abs(m)[:, :, None] * row_error[:, None, :]
+        + UNIT * (size_product + np.abs(reduced))
+    )
+    steps.append(Deflation(order, m, row))
+    return reduced, bound
+
+
+# --- eigenvalues and their error ---
+
+
+def eigenvalues(reduced: Reduced, *, even: bool) -> tuple[Complexes, Floats]:
+    """Eigenvalues with error bounds, sorted by real, then imaginary part.
+
+    Parameters
+    ----------
+    reduced
+        From `reduce`.
+    even
+        Whether the characteristic polynomial is even by structure; then λ² is computed, and real
+        and imaginary parts come out as exact as the structure has them.
+
+    Returns
+    -------
+    values, radius
+        Shapes (N, m).  The exact eigenvalues lie in the union of the discs, and a connected part
+        of the union made of j discs holds j of them (Gershgorin); for an even polynomial the same
+        holds of each λ separately.
+    """
+    values, radius = _even(reduced) if even else _general(reduced.matrix, reduced.error)
+    order = np.lexsort((values.imag, np.round(values.real, 300), values.real), axis=-1)
+    return np.take_along_axis(values, order, -1), np.take_along_axis(radius, order, -1)
+
+
+def _general(matrix: Floats, error: Floats) -> tuple[Complexes, Floats]:
+    """LAPACK's eigenvalues, with Gershgorin discs of X⁻¹(B + E)X - Λ.
+
+    The residual BX - XΛ is computed, so LAPACK's own backward error is measured, not assumed.
+    """
+    size = matrix.shape[-1]
+    values, x = np.linalg.eig(matrix)
+    values, x = values.astype(complex), x.astype(complex)
+    with np.errstate(all="ignore"):
+        y: Complexes = _inverse(x)
+        ax, ay = np.abs(x), np.abs(y)
+        product = matrix @ x
+        residual = product - x * values[:, None, :]
+        # rounding of that residual: each entry is a sum of `size` products and one more
+        spread = np.abs(matrix) @ ax + ax * np.abs(values)[:, None, :]
+        rough = (size + 3) * UNIT * spread
+        moved = ay @ (np.abs(residual) + rough + error @ ax)
+        radius = moved.sum(axis=-1)
+        flaw = np.abs(y @ x - np.eye(size)).sum(axis=-1).max(axis=-1) + size * UNIT * (ay @ ax).sum(
+            axis=-1
+        ).max(axis=-1)
+        radius = radius / np.where(flaw < 0.5, 1 - flaw, 0.0)[:, None]
+    radius[~np.isfinite(radius)] = np.inf
+    return values, radius
+
+
+def _inverse(x: Complexes) -> Complexes:
+    try:
+        return np.asarray(np.linalg.inv(x), dtype=complex)
+    except np.linalg.LinAlgError:  # some row is exactly defective: that row has no bound
+        out = np.full_like(x, np.nan)
+        for index in range(len(x)):
+            try:
+                out[index] = np.linalg.inv(x[index])
+            except np.linalg.LinAlgError:
+                continue
+        return out
+
+
+def _even(reduced: Reduced) -> tuple[Complexes, Floats]:
+    """Eigenvalues of a matrix whose characteristic polynomial is even by structure."""
+    if reduced.matrix.shape[-1] == 2:
+        return _one_square(reduced.matrix, reduced.error)
+    # With λ also -λ̄ is an eigenvalue.  A disc that meets the imaginary axis is put symmetric to it;
+    # if it then keeps clear of all others it holds one eigenvalue, which is its own mirror image.
+    values, radius = _general(reduced.matrix, reduced.error)
+    near = np.abs(values.real) <= radius
+    radius = np.where(near, radius + np.abs(values.real), radius)
+    return np.where(near, 1j * values.imag, values), radius
+
+
+def _one_square(matrix: Floats, error: Floats) -> tuple[Complexes, Floats]:
+    """±√z with z = λ² = (tr B²)/2, since the trace of the 2 × 2 matrix is zero by structure."""
+    square = matrix @ matrix
+    z = 0.5 * (square[:, 0, 0] + square[:, 1, 1])
+    a, e = np.abs(matrix), error
+    slack = a @ e + e @ a + e @ e + 4 * UNIT * (a @ a)
+    bound = 0.5 * (slack[:, 0, 0] + slack[:, 1, 1]) + UNIT * np.abs(z)
+    root = np.sqrt(z.astype(complex))
+    size = np.maximum(np.abs(root), 1e-300)
+    # |√z - √z'| ≤ min(r/|√z|, √r): the bound of a simple root, and the one at zero
+    spread = np.minimum(bound / size, np.sqrt(bound))
+    both: Floats = np.stack([spread, spread], axis=-1)
+    return np.stack([root, -root], axis=-1), both
+
+
+# --- verdict ---
+
+
+def decide(values: Complexes, radius: Floats, *, even: bool) -> NDArray[np.int8]:
+    """Verdicts from eigenvalues and their discs, as flag values.
+
+    Parameters
+    ----------
+    values, radius
+        From `eigenvalues`, shapes (N, m).
+    even
+        Whether the polynomial is even by structure.
+
+    Returns
+    -------
+    ndarray
+        Shape (N,).
+    """
+    if even:
+        return _decide_even(values, radius)
+    real = values.real
+    stable = (real + radius < 0).all(axis=1)
+    right = real - radius > 0
+    # Discs wholly in Re > 0 that no other disc touches hold as many eigenvalues as there are discs.
+    distance = np.abs(values[:, :, None] - values[:, None, :])
+    touching = distance <= radius[:, :, None] + radius[:, None, :]
+    mixed = (touching & right[:, :, None] & ~right[:, None, :]).any(axis=(1, 2))
+    unstable = right.any(axis=1) & ~mixed
+    codes = np.zeros(len(values), dtype=np.int8)
+    codes[stable] = CODES[Verdict.STABLE]
+    codes[unstable] = CODES[Verdict.UNSTABLE]
+    return codes
+
+
+def _decide_even(values: Complexes, radius: Floats) -> NDArray[np.int8]:
+    """By λ²: on the imaginary axis with a disc that keeps clear of zero and of every other disc."""
+    distance = np.abs(values[:, :, None] - values[:, None, :])
+    reach = radius[:, :, None] + radius[:, None, :]
+    np.einsum("ijj->ij", distance)[...] = np.inf
+    alone = (distance > reach).all(axis=(1, 2))
+    # An isolated λ² whose disc meets the real axis is real, since the polynomial in λ² is real.
+    neutral = alone & (np.abs(values.real) <= radius).all(axis=1)
+    unstable = alone & (values.real - radius > 0).any(axis=1)
+    codes = np.zeros(len(values), dtype=np.int8)
+    codes[neutral] = CODES[Verdict.NEUTRAL]
+    codes[unstable] = CODES[Verdict.UNSTABLE]
+    return codes

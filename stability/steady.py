@@ -1,0 +1,83 @@
+"""The disk's steady motions: rolling, spinning, tumbling, and the rough disk's circling."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from .algebra import UPRIGHT, Upright
+from .contact import LAWS
+from .equations import disk_system
+from .errors import NameUnknownError
+from .families import Family
+
+FAMILIES = ("rolling", "spinning", "tumbling", "circling")
+"""Names of the disk's families; `circling` is the rough disk's alone."""
+
+AT = {
+    "rolling": ("omega3",),
+    "spinning": ("phi_dot",),
+    "tumbling": ("theta",),
+    "circling": ("theta", "phi_dot"),
+}
+"""What names a member of each family."""
+
+
+@lru_cache(maxsize=32)
+def disk_family(name: str, law: str) -> Family:
+    """One of the disk's families under a contact law; dimensionless, built once.
+
+    In each the rate of theta_dot is the equation to solve: for phi_dot (rolling, tumbling) or
+    omega3 (spinning, circling).  Rolling and spinning turn out to solve it identically.
+
+    Parameters
+    ----------
+    name
+        One of `FAMILIES`.
+    law
+        A key of `stability.contact.LAWS`.
+
+    Returns
+    -------
+    Family
+
+    Raises
+    ------
+    NameUnknownError
+        If there is no such family under this law.
+
+    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2; that the viscous law has no further
+    steady motions is proved in `stability.completeness`.
+
+    Examples
+    --------
+    >>> import math
+    >>> disk_family("tumbling", "viscous").member([math.pi / 6], [0.5, 1.0]).round(12)[2]
+    np.float64(2.0)
+    """
+    if name not in FAMILIES:
+        raise NameUnknownError(f"family is {name!r}; known are {', '.join(FAMILIES)}.")
+    if law not in LAWS:
+        raise NameUnknownError(f"contact is {law!r}; known are {', '.join(LAWS)}.")
+    if name == "circling" and law != "rough":
+        raise NameUnknownError(
+            f"circling is a family of the rough disk; under the {law} law the contact would slip "
+            "(steady motions there are rolling, spinning and tumbling)."
+        )
+    system = disk_system(law)
+    rest: dict[str, float | Upright] = {"theta_dot": 0.0}
+    if LAWS[law].slips:
+        rest |= {"slip_x": 0.0, "slip_y": 0.0}
+    given: dict[str, tuple[dict[str, float | Upright], dict[str, float]]] = {
+        "rolling": ({"theta": UPRIGHT}, {"phi_dot": 0.0}),
+        "spinning": ({"theta": UPRIGHT}, {"omega3": 0.0}),
+        "tumbling": ({"omega3": 0.0}, {"phi_dot": 1.0}),
+        "circling": ({}, {"omega3": 0.0}),
+    }
+    held, unknown = given[name]
+    return Family(
+        system, name, AT[name],
+        held=held | rest, unknown=unknown, equations=("theta_dot",),
+        positive=("phi_dot",) if name == "tumbling" else (),
+        typical={"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3, "k": 0.3, "mu": 0.7},
+        conservative=LAWS[law].conservative, integrals=LAWS[law].conservative,
+    )  # fmt: skip

@@ -1,0 +1,64 @@
+"""Verdicts: what a spectrum says, and what the motion itself does, as far as that is known."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Verdict(Enum):
+    """The spectral verdict, on the eigenvalues that are not zero by structure.
+
+    The value of each member is the sentence a user reads.
+
+    Examples
+    --------
+    >>> Verdict.STABLE.word
+    'stable'
+    """
+
+    UNDECIDED = (
+        "undecided: the abscissa is within its error bound of zero; ask nearby, or compute the "
+        "boundary itself"
+    )
+    STABLE = "stable: every eigenvalue that is not zero by structure has a negative real part"
+    UNSTABLE = "unstable: some eigenvalue has a positive real part"
+    NEUTRAL = "neutral: no eigenvalue has a positive real part and some lie on the imaginary axis"
+
+    @property
+    def word(self) -> str:
+        """The verdict in one lower-case word."""
+        return self.name.lower()
+
+    @property
+    def code(self) -> int:
+        """The flag value in files."""
+        return CODES[self]
+
+
+CODES = {Verdict.UNDECIDED: 0, Verdict.STABLE: 1, Verdict.UNSTABLE: 2, Verdict.NEUTRAL: 3}
+"""Flag value of each verdict, in arrays and files."""
+BY_CODE = {code: verdict for verdict, code in CODES.items()}
+"""Verdict of each flag value."""
+
+
+class Nonlinear(Enum):
+    """What the motion itself does; the value of each member is the sentence a user reads.
+
+    Examples
+    --------
+    >>> Nonlinear.ASYMPTOTIC.value.split(":")[0]
+    'asymptotic along the family'
+    """
+
+    ASYMPTOTIC = (
+        "asymptotic along the family: a disturbed motion tends to a neighbouring member "
+        "(Lyapunov-Malkin: every structural zero is a tangent of the family)"
+    )
+    BY_INTEGRALS = "stable by integrals: first integrals keep a disturbed motion near the family"
+    UNSTABLE = "unstable: some disturbance grows exponentially"
+    OPEN = "open: the spectrum does not decide; higher orders do"
+
+    @property
+    def word(self) -> str:
+        """The part of the sentence before the colon."""
+        return str(self.value).split(":")[0]
