@@ -110,10 +110,11 @@ def track(values: Complexes, vectors: Complexes) -> NDArray[np.intp]:
     order = np.empty(flat_values.shape, dtype=np.intp)
     for line, (lam, vec) in enumerate(zip(flat_values, flat_vectors, strict=True)):
         order[line, 0] = np.arange(count)
+        size = np.abs(lam).max() + 1e-300
         for point in range(1, len(lam)):
             last = order[line, point - 1]
             overlap = np.abs(vec[point - 1][last].conj() @ vec[point].T)
             jump = np.abs(lam[point - 1][last][:, None] - lam[point][None, :])
-            size = np.abs(lam[point]).max() + np.abs(lam[point - 1]).max() + 1e-300
+            # overlap decides; distance only where vectors are alike, as beside a meeting of two
             order[line, point] = linear_sum_assignment((1 - overlap) + 4 * jump / size)[1]
     return order.reshape(values.shape)

@@ -1,0 +1,300 @@
+"""Spectra agree with independent 25-digit values, and their error discs hold the truth."""
+
+from typing import Any
+
+import casadi as ca
+import mpmath
+import numpy as np
+import pytest
+import reference
+
+import stability as st
+from stability.algebra import Program
+from stability.modes import track
+from stability.spectra import decide, eigenvalues, reduce
+from stability.verdict import CODES, Verdict
+
+SPECTRA = reference.spectra()
+
+
+def name(entry: dict[str, Any]) -> str:
+    return "{family}-k{k}-mu{mu}-at{at:.4g}".format(**entry)
+
+
+def exact(entry: dict[str, Any]) -> np.ndarray:
+    return np.array([complex(float(a), float(b)) for a, b in entry["eigenvalues"]])
+
+
+def ask(entry: dict[str, Any], law: Any = None) -> st.Spectrum:
+    contact = law or st.Viscous(entry["mu"])
+    return st.spectrum(entry["family"], at=entry["at"], disk=st.Disk(k=entry["k"]), contact=contact)
+
+
+@pytest.mark.parametrize("entry", SPECTRA, ids=name)
+def test_eigenvalues_are_within_1e_11_of_the_largest_modulus(entry: dict[str, Any]) -> None:
+    spectrum, truth = ask(entry), exact(entry)
+    assert spectrum.structural_zeros == entry["structural_zeros"]
+    assert spectrum.eigenvalues.shape == truth.shape
+    error = np.abs(np.sort_complex(spectrum.eigenvalues) - np.sort_complex(truth)).max()
+    assert error <= 1e-11 * np.abs(truth).max()
+    assert error <= 1e-14 * np.abs(truth).max() * 4  # seen: at most 2.6e-15
+
+
+@pytest.mark.parametrize("entry", SPECTRA, ids=name)
+def test_the_linear_viscous_law_has_the_same_linearisation(entry: dict[str, Any]) -> None:
+    linear = ask(entry, st.LinearViscous.like(entry["mu"], st.Disk(k=entry["k"])))
+    truth = exact(entry)
+    error = np.abs(np.sort_complex(linear.eigenvalues) - np.sort_complex(truth)).max()
+    assert error <= 1e-11 * np.abs(truth).max()
+
+
+@pytest.mark.parametrize("entry", SPECTRA, ids=name)
+def test_every_reference_verdict_is_decided_and_right(entry: dict[str, Any]) -> None:
+    # one in sixteen may be undecided; none is, not even the hoop at one degree
+    wanted = Verdict.STABLE if entry["stable"] else Verdict.UNSTABLE
+    assert ask(entry).verdict is wanted
+
+
+@pytest.mark.parametrize("entry", SPECTRA, ids=name)
+def test_error_discs_hold_the_truth_and_are_not_idle(entry: dict[str, Any]) -> None:
+    spectrum, truth = ask(entry), exact(entry)
+    distance = np.abs(spectrum.eigenvalues[:, None] - truth[None, :])
+    assert (distance <= spectrum.radius[:, None]).any(axis=1).all()
+    assert (distance <= spectrum.radius[:, None]).any(axis=0).all()
+    assert spectrum.radius.max() < 1e-10 * np.abs(truth).max()
+
+
+def truth_at(family: st.Family, a: float, q: list[float], digits: int = 60) -> list[Any]:
+    """Eigenvalues by mpmath at many digits, from the graph with its constants exact."""
+    mpmath.mp.dps = digits
+    functions = {n: getattr(mpmath, n) for n in ("sin", "cos", "sqrt")}
+    algebra: Any = type("Numbers", (), {"constant": mpmath.mpf, "functions": functions})
+    values = [mpmath.mpf(v) for v in q]
+    if family.name == "tumbling":
+        unknown = [1 / mpmath.sqrt(values[0] * mpmath.sin(mpmath.mpf(a)))]
+    else:
+        unknown = [mpmath.mpf(v) for v in family.unknown.values()]
+    program: Program = family.graph.matrix
+    rows = program.dense(algebra, [[mpmath.mpf(a)], unknown, values])
+    values, _ = mpmath.eig(mpmath.matrix(rows))
+    from stability.polynomial import structure
+
+    values = sorted(values, key=abs)[structure(family).zeros :]
+    return [complex(v) for v in values], max(mpmath.re(v) for v in values)
+
+
+def random_points(
+    family: str, count: int, seed: int
+) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    random = np.random.default_rng(seed)
+    k = np.exp(random.uniform(np.log(1e-3), np.log(0.5), count))
+    mu = 10 ** random.uniform(-6, 6, count)
+    if family == "tumbling":
+        at = np.exp(random.uniform(np.log(1e-4), np.log(np.pi / 2), count))
+    else:
+        at = 10 ** random.uniform(-3, 3, count)
+    return at[:, None], np.column_stack([k, mu])
+
+
+def judge(family_name: str, count: int, seed: int) -> tuple[int, int]:
+    """Wrong and undecided verdicts among random points, against 60-digit arithmetic."""
+    family = st.disk_family(family_name, "viscous")
+    a, q = random_points(family_name, count, seed)
+    values, radius = eigenvalues(reduce(family, a, q), even=False)
+    codes = decide(values, radius, even=False)
+    wrong = 0
+    for i in range(count):
+        _, abscissa = truth_at(family, float(a[i, 0]), list(q[i]))
+        right = Verdict.UNSTABLE if abscissa > 0 else Verdict.STABLE
+        wrong += int(codes[i] not in (CODES[right], CODES[Verdict.UNDECIDED]))
+    return wrong, int((codes == CODES[Verdict.UNDECIDED]).sum())
+
+
+@pytest.mark.parametrize("family", ["rolling", "spinning", "tumbling"])
+def test_no_verdict_is_wrong_at_random_points(family: str) -> None:
+    wrong, undecided = judge(family, 60, seed=3)
+    assert wrong == 0
+    assert undecided <= 30  # most of this box is far outside what double precision resolves
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("family", ["rolling", "spinning", "tumbling"])
+def test_no_verdict_is_wrong_at_many_random_points(family: str) -> None:
+    wrong, undecided = judge(family, 3000, seed=11)
+    print(f"{family}: 3000 points, {wrong} wrong, {undecided} undecided")
+    assert wrong == 0
+
+
+def test_the_naive_verdicts_are_wrong_where_ours_are_not() -> None:
+    """The check can fail: the largest real part of the raw spectrum, with and without a tolerance."""
+    wrong = {"sign": 0, "tolerance": 0}
+    for name_, seed in (("rolling", 3), ("tumbling", 3)):
+        family = st.disk_family(name_, "viscous")
+        a, q = random_points(name_, 60, seed)
+        raw = np.linalg.eigvals(family.matrix(a, family.solve(a, q), q)).real.max(axis=1)
+        for i, value in enumerate(raw):
+            grows = truth_at(family, float(a[i, 0]), list(q[i]))[1] > 0
+            wrong["sign"] += int((value > 0) != grows)
+            wrong["tolerance"] += int((value > 1e-9) != grows)
+    assert wrong["sign"] > 5
+    assert wrong["tolerance"] > 0
+
+
+# --- conservative laws ---
+
+
+@pytest.mark.parametrize("law", [st.Smooth(), st.Rough()], ids=["smooth", "rough"])
+@pytest.mark.parametrize("family", ["rolling", "spinning"])
+def test_conservative_verdicts_are_neutral_or_unstable_on_either_side(
+    family: str, law: Any
+) -> None:
+    k = 0.25
+    threshold = {
+        ("rolling", "smooth"): 1 / (4 * k),
+        ("rolling", "rough"): 1 / (2 * (2 * k + 1)),
+        ("spinning", "smooth"): 1 / k,
+        ("spinning", "rough"): 1 / (1 + k),
+    }[family, law.name] ** 0.5
+    for distance in (1e-1, 1e-4, 1e-8, 1e-12):
+        above = st.spectrum(family, at=threshold * (1 + distance), contact=law)
+        below = st.spectrum(family, at=threshold * (1 - distance), contact=law)
+        assert above.verdict is Verdict.NEUTRAL
+        assert below.verdict is Verdict.UNSTABLE
+        assert above.abscissa == 0  # exactly on the axis, by structure
+        assert below.eigenvalues.imag.max() == 0
+        assert above.nonlinear is st.Nonlinear.BY_INTEGRALS
+    here = st.spectrum(family, at=threshold, contact=law)
+    assert here.verdict in (Verdict.UNDECIDED, Verdict.NEUTRAL, Verdict.UNSTABLE)
+    assert here.abscissa_error < 1e-6  # √(rounding): a double root is no better
+
+
+def test_a_conservative_system_of_four_more_dimensions_goes_the_same_way() -> None:
+    """Two gyroscopic degrees of freedom: λ⁴ + (g² + a + b)λ² + ab, stabilised by g² alone."""
+    x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 3)
+    a, b, g = p[0], p[1], p[2]
+    rhs = ca.vertcat(x[2], x[3], -a * x[0] + g * x[3], -b * x[1] - g * x[2])
+    system = st.System(
+        "gyroscope", x, p, rhs, states=("x", "y", "vx", "vy"), parameters=("a", "b", "g")
+    )
+    rest = st.Family(
+        system, "rest", at=("g",), held=dict.fromkeys(system.states, 0.0), conservative=True,
+        typical={"a": -1.0, "b": -1.5},
+    )  # fmt: skip
+    found = st.spectrum(rest, at=[3.0, 1.0, 0.0], a=-1.0, b=-1.0)
+    assert [v.word for v in found.verdict] == ["neutral", "unstable", "undecided"]
+    with pytest.raises(st.StabilityError, match="not even"):
+        damped = st.System(
+            "damped", x, p, rhs - 0.1 * ca.vertcat(0, 0, x[2], x[3]),
+            states=system.states, parameters=system.parameters,
+        )  # fmt: skip
+        bad = st.Family(
+            damped, "rest", at=("g",), held=dict.fromkeys(system.states, 0.0), conservative=True
+        )
+        st.spectrum(bad, at=3.0, a=-1.0, b=-1.0)
+
+
+# --- structural zeros stay what they are at a boundary ---
+
+
+@pytest.mark.parametrize("distance", [1e-2, 1e-5, 1e-8, 1e-11, 1e-13])
+def test_an_eigenvalue_that_passes_zero_is_not_taken_for_a_structural_one(
+    distance: float,
+) -> None:
+    """Spinning at its static boundary phi_dot² = 1/k: the small eigenvalue is linear in distance."""
+    slopes = []
+    for side in (1, -1):
+        s = st.spectrum("spinning", at=2 * (1 + side * distance), contact=st.Viscous(0.3))
+        assert s.eigenvalues.shape == (5,)
+        small = s.eigenvalues[np.abs(s.eigenvalues).argmin()]
+        assert small.imag == 0
+        slopes.append(small.real / (side * distance))
+        assert s.verdict is (Verdict.STABLE if side > 0 else Verdict.UNSTABLE)
+    rough = 1e-15 / distance
+    assert slopes[0] == pytest.approx(slopes[1], rel=20 * distance + 20 * rough)
+
+
+@pytest.mark.parametrize("distance", [1e-3, 1e-6, 1e-9])
+def test_viscous_rolling_at_the_rough_threshold_keeps_its_two_structural_zeros(
+    distance: float,
+) -> None:
+    """At omega3² = 1/(2(2k+1)) a further zero joins in a Jordan block; it is not removed."""
+    threshold = (1 / 3) ** 0.5
+    small = []
+    for side in (1, -1):
+        s = st.spectrum("rolling", at=threshold * (1 + side * distance), contact=st.Viscous(0.3))
+        assert s.structural_zeros == 2
+        assert s.eigenvalues.shape == (4,)
+        least = s.eigenvalues[np.abs(s.eigenvalues).argmin()]
+        small.append(least.real / (side * distance))
+        # where it is the leading real one it is unstable before and behind: another grows
+        assert s.verdict is Verdict.UNSTABLE
+    assert small[0] == pytest.approx(small[1], rel=50 * distance + 1e-13 / distance)
+
+
+def test_upright_families_are_read_at_the_exact_right_angle() -> None:
+    """cos(π/2) in doubles is 6e-17, and would leave a structural zero at about that size."""
+    for family in ("rolling", "spinning"):
+        a, q = np.array([[1.3]]), np.array([[0.25, 0.3]])
+        matrix = st.disk_family(family, "viscous").matrix(a, np.zeros((1, 1)), q)[0]
+        small = np.abs(matrix[matrix != 0])
+        assert small.min() > 1e-3
+
+
+# --- modes ---
+
+
+def test_modes_are_eigenvectors_of_the_full_linearisation() -> None:
+    for entry in SPECTRA:
+        s = ask(entry)
+        family = s.family
+        a, q = np.array([[entry["at"]]]), np.array([[entry["k"], entry["mu"]]])
+        matrix = family.matrix(a, family.solve(a, q), q)[0]
+        for value, vector in zip(s.eigenvalues, s.modes.vectors, strict=True):
+            left = np.abs(matrix @ vector - value * vector).max()
+            assert left <= 1e-11 * np.abs(matrix).max()
+            assert np.linalg.norm(vector) == pytest.approx(1)
+        assert np.allclose(s.modes.participation.sum(axis=-1), 1)
+
+
+def test_labels_name_what_a_mode_does_and_the_states_that_lead_it() -> None:
+    s = st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3))
+    kinds = [label.split(" of ")[0] for label in s.modes.labels]
+    assert kinds == ["decay", "decay", "oscillation", "oscillation"]
+    assert "growth" in st.spectrum("spinning", at=1.5, contact=st.Viscous(0.3)).modes.labels[-1]
+
+
+def test_tracked_modes_do_not_swap() -> None:
+    """Tracked eigenvalues are continuous along a branch where sorted ones jump."""
+    at = np.linspace(2.05, 4.5, 400)
+    s = st.spectrum("spinning", at=at, contact=st.Viscous(0.3))
+    tracked = np.take_along_axis(s.eigenvalues, s.tracked(), -1)
+    jumps = np.abs(np.diff(tracked, axis=0)).max()
+    sorted_jumps = np.abs(np.diff(s.eigenvalues, axis=0)).max()
+    assert jumps < 0.1
+    assert sorted_jumps > 0.5  # the check can fail: the sorted order does swap
+
+
+def test_track_follows_two_crossing_real_modes_by_their_vectors() -> None:
+    t = np.linspace(-1, 1, 40)
+    values = np.sort(np.column_stack([t, -t]), axis=1).astype(complex)
+    vectors = np.array([np.eye(2)[[1, 0]] if s > 0 else np.eye(2) for s in t], dtype=complex)
+    followed = np.take_along_axis(values, track(values, vectors), -1)
+    assert np.allclose(followed[:, 0], t)
+    assert not np.allclose(values[:, 0], t)
+
+
+# --- shapes ---
+
+
+def test_leading_axes_are_parameters_and_the_last_is_the_mode() -> None:
+    at = np.linspace(1, 2, 5)
+    mu = np.array([0.1, 0.5, 2.0])[:, None]
+    s = st.spectrum("rolling", at=at, contact=st.Viscous(mu))
+    assert s.eigenvalues.shape == (3, 5, 4)
+    assert s.verdict.shape == s.abscissa.shape == s.nonlinear.shape == (3, 5)
+    one = st.spectrum("rolling", at=at[2], contact=st.Viscous(0.5))
+    assert np.abs(s.eigenvalues[1, 2] - one.eigenvalues).max() < 1e-14
+    k = st.spectrum("rolling", at=1.5, disk=st.Disk(k=[0.25, 0.5]), contact=st.Viscous(0.3))
+    assert k.eigenvalues.shape == (2, 4)
+    assert s.modes.vectors.shape == (3, 5, 4, 6)
+    assert np.asarray(s.modes.labels).shape == (3, 5, 4)
