@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from .boundary import Crossing
@@ -133,6 +134,8 @@ def diagram(
             main.set_xlabel("")
             main.tick_params(labelbottom=False)
             rows[-1].tick_params(labelbottom=True)
+        if not _is_log(dataset, _x(dataset)):
+            main.xaxis.set_major_locator(MaxNLocator(6))
         main.set_xlim(float(dataset[_x(dataset)][0]), float(dataset[_x(dataset)][-1]))
         bar = figure.colorbar(mesh, ax=rows, pad=0.02, aspect=32, fraction=0.05)
         unit = dataset.abscissa.attrs.get("unit_in_words", dataset.abscissa.attrs["units"])
@@ -262,7 +265,7 @@ def _strip(axes: Axes, strip: Strip, norm: Any) -> None:
     halo = [withStroke(linewidth=1.8, foreground="white")]
     for word, where in (("unstable", values[0] > 0), ("neutral", values[0] <= 0)):
         runs = np.flatnonzero(where)
-        if len(runs) > 0.16 * len(strip.x):
+        if len(runs) > 0.22 * len(strip.x):
             axes.text(strip.x[runs[len(runs) // 2]], 0.48, word, ha="center", va="center",
                       fontsize=6.5, path_effects=halo)  # fmt: skip
     axes.tick_params(axis="y", length=0)

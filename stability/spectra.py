@@ -296,8 +296,8 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> tuple[Complexes, Floats]:
 def _general(matrix: Floats, error: Floats) -> tuple[Complexes, Floats]:
     """LAPACK's eigenvalues, with Gershgorin discs of X⁻¹(B + E)X - Λ.
 
-    The residual BX - XΛ is computed, so LAPACK's own backward error is measured, not assumed.  Where
-    it is large (balancing can do that to a matrix with a tiny entry) X is refined once.
+    The residual BX - XΛ is computed, so LAPACK's own backward error is measured, not assumed.
+    Where it is large (balancing can do that to a matrix with a tiny entry) X is refined once.
     """
     found = np.linalg.eig(matrix)
     values, x = found[0].astype(complex), found[1].astype(complex)

@@ -1,4 +1,4 @@
-"""Families are found by the root-finder, followed by continuation, complete, and refused with a reason."""
+"""Families: found by the root-finder, followed by continuation, complete, refused with a reason."""
 
 import casadi as ca
 import numpy as np

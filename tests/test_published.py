@@ -77,9 +77,7 @@ def test_circling_of_le_saux_leine_and_glocker_2005() -> None:
 def test_rough_motions_keep_both_legendre_integrals(k: float) -> None:
     """ω₃ = C₁ P_ν(cosθ) + C₂ P_ν(-cosθ), ν(ν+1) = -2/(2k+1): dω₃/dt from the graph fits.
 
-    Along the motion dω₃/dcosθ is fixed by phi_dot, and the second derivative by Legendre's equation;
-    checked here on the graph's own rates: with φ̇ sin²θ-weighted the pair (ω₃, φ̇) obeys the linear
-    system whose solutions are these functions.
+    C₁ and C₂ are fitted to a simulated motion; ν(ν+1) = -2/(2k+1).
     """
     from scipy.integrate import solve_ivp
 

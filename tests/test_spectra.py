@@ -64,9 +64,8 @@ def test_error_discs_hold_the_truth_and_are_not_idle(entry: dict[str, Any]) -> N
     assert spectrum.radius.max() < 1e-10 * np.abs(truth).max()
 
 
-def truth_at(family: st.Family, a: float, q: list[float], digits: int = 60) -> list[Any]:
-    """Eigenvalues by mpmath at many digits, from the graph with its constants exact."""
-    mpmath.mp.dps = digits
+def truth_matrix(family: st.Family, a: float, q: list[float]) -> Any:
+    """The linearisation at a member as an mpmath matrix: the graph with its constants exact."""
     functions = {n: getattr(mpmath, n) for n in ("sin", "cos", "sqrt")}
     algebra: Any = type("Numbers", (), {"constant": mpmath.mpf, "functions": functions})
     values = [mpmath.mpf(v) for v in q]
@@ -75,12 +74,15 @@ def truth_at(family: st.Family, a: float, q: list[float], digits: int = 60) -> l
     else:
         unknown = [mpmath.mpf(v) for v in family.unknown.values()]
     program: Program = family.graph.matrix
-    rows = program.dense(algebra, [[mpmath.mpf(a)], unknown, values])
-    values, _ = mpmath.eig(mpmath.matrix(rows))
-    from stability.polynomial import structure
+    return mpmath.matrix(program.dense(algebra, [[mpmath.mpf(a)], unknown, values]))
 
-    values = sorted(values, key=abs)[structure(family).zeros :]
-    return [complex(v) for v in values], max(mpmath.re(v) for v in values)
+
+def truth_at(family: st.Family, a: float, q: list[float]) -> Any:
+    """Abscissa by mpmath at 60 digits, the structural zeros left out by their number."""
+    with mpmath.workdps(60):
+        values, _ = mpmath.eig(truth_matrix(family, a, q))
+        zeros = {"rolling": 2, "spinning": 1, "tumbling": 1}[family.name]
+        return max(mpmath.re(v) for v in sorted(values, key=abs)[zeros:])
 
 
 def random_points(
@@ -104,7 +106,7 @@ def judge(family_name: str, count: int, seed: int) -> tuple[int, int]:
     codes = decide(values, radius, even=False)
     wrong = 0
     for i in range(count):
-        _, abscissa = truth_at(family, float(a[i, 0]), list(q[i]))
+        abscissa = truth_at(family, float(a[i, 0]), list(q[i]))
         right = Verdict.UNSTABLE if abscissa > 0 else Verdict.STABLE
         wrong += int(codes[i] not in (CODES[right], CODES[Verdict.UNDECIDED]))
     return wrong, int((codes == CODES[Verdict.UNDECIDED]).sum())
@@ -126,18 +128,19 @@ def test_no_verdict_is_wrong_at_many_random_points(family: str) -> None:
 
 
 def test_the_naive_verdicts_are_wrong_where_ours_are_not() -> None:
-    """The check can fail: the largest real part of the raw spectrum, with and without a tolerance."""
-    wrong = {"sign": 0, "tolerance": 0}
+    """The check can fail: the largest real part of the raw spectrum, as it is and cut at 1e-9."""
+    wrong = 0
     for name_, seed in (("rolling", 3), ("tumbling", 3)):
         family = st.disk_family(name_, "viscous")
         a, q = random_points(name_, 60, seed)
         raw = np.linalg.eigvals(family.matrix(a, family.solve(a, q), q)).real.max(axis=1)
         for i, value in enumerate(raw):
-            grows = truth_at(family, float(a[i, 0]), list(q[i]))[1] > 0
-            wrong["sign"] += int((value > 0) != grows)
-            wrong["tolerance"] += int((value > 1e-9) != grows)
-    assert wrong["sign"] > 5
-    assert wrong["tolerance"] > 0
+            grows = truth_at(family, float(a[i, 0]), list(q[i])) > 0
+            wrong += int((value > 0) != grows)
+    assert wrong > 5
+    [hoop] = [e for e in SPECTRA if e["k"] == 0.5 and e["at"] < 0.02]
+    assert not ask(hoop).abscissa > 1e-9  # the tolerance calls this one stable
+    assert ask(hoop).verdict is Verdict.UNSTABLE
 
 
 # --- conservative laws ---
@@ -169,7 +172,7 @@ def test_conservative_verdicts_are_neutral_or_unstable_on_either_side(
 
 
 def test_a_conservative_system_of_four_more_dimensions_goes_the_same_way() -> None:
-    """Two gyroscopic degrees of freedom: λ⁴ + (g² + a + b)λ² + ab, stabilised by g² alone."""
+    """Two gyroscopic degrees of freedom, stabilised by g alone."""
     x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 3)
     a, b, g = p[0], p[1], p[2]
     rhs = ca.vertcat(x[2], x[3], -a * x[0] + g * x[3], -b * x[1] - g * x[2])
@@ -200,7 +203,7 @@ def test_a_conservative_system_of_four_more_dimensions_goes_the_same_way() -> No
 def test_an_eigenvalue_that_passes_zero_is_not_taken_for_a_structural_one(
     distance: float,
 ) -> None:
-    """Spinning at its static boundary phi_dot² = 1/k: the small eigenvalue is linear in distance."""
+    """At spinning's static boundary 1/k the small eigenvalue is linear in the distance."""
     slopes = []
     for side in (1, -1):
         s = st.spectrum("spinning", at=2 * (1 + side * distance), contact=st.Viscous(0.3))

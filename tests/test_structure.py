@@ -1,4 +1,4 @@
-"""Structural zeros and thresholds are derived exactly, over the rational functions of parameters."""
+"""Structural zeros and thresholds, derived exactly over the rational functions of parameters."""
 
 import casadi as ca
 import pytest
@@ -14,7 +14,7 @@ LAM = Symbol("lam")
 
 
 def characteristic(family: str, law: str) -> sympy.Expr:
-    """det(λ - A) with SymPy from the graph; sinθ, cosθ and at as symbols, φ̇ = w for tumbling."""
+    """det(λ - A) with SymPy from the graph, all quantities symbols; w is at, or φ̇ for tumbling."""
     system = st.disk_system(law)
     graph = Program(ca.Function("jacobian", [system.x, system.p], [system.jacobian]))
     algebra = sympy_algebra()
@@ -75,7 +75,7 @@ def test_rollings_second_zero_is_not_a_tangent_so_its_motion_is_left_open() -> N
 
 
 def test_viscous_rolling_changes_at_omega3_squared_1_over_2k_for_every_mu() -> None:
-    """The Hurwitz determinant of the exact polynomial has the factor 2k w² - 1 and no other root."""
+    """The exact Hurwitz determinant has the factor 2k w² - 1 and no other root."""
     poly = characteristic("rolling", "viscous")
     reduced = poly.all_coeffs()[:-2]
     # one factor is linear (decay of lateral slip); the rest is a cubic

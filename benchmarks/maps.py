@@ -1,0 +1,150 @@
+"""Maps against the obvious route, side by side in one run: cost, and what it buys.
+
+The obvious route: the same Jacobian as a SymPy expression, lambdified once (not timed), evaluated
+point by point, `numpy.linalg.eigvals`, and the largest real part.  It gives no error bound, no
+verdict that can be trusted near a boundary, and no boundary.  A second, better obvious route
+evaluates the whole grid at once.
+
+Usage: python benchmarks/maps.py [--large]
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import resource
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import sympy
+
+import stability as st
+from stability.algebra import sympy_algebra
+
+REPEATS = 5
+NX, NY = 400, 300
+AXES = {"rolling": (0.2, 3.0), "spinning": (0.5, 5.0), "tumbling": (0.05, 1.55)}
+MU = (0.05, 3.0)
+
+
+def timed(run: Callable[[], Any], repeats: int = REPEATS) -> list[float]:
+    out = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        run()
+        out.append(time.perf_counter() - start)
+    return out
+
+
+def obvious(family: str) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """The linearisation, matrix and entries, as NumPy functions of (at, k, mu) by lambdify."""
+    at, k, mu = sympy.symbols("at k mu", positive=True)
+    resolved = st.disk_family(family, "viscous")
+    unknown = {"tumbling": 1 / sympy.sqrt(k * sympy.sin(at))}.get(family, sympy.Integer(0))
+    rows = resolved.graph.matrix.dense(sympy_algebra(), [[at], [unknown], [k, mu]])
+    matrix = sympy.Matrix(rows)
+    names = (at, k, mu)
+    return sympy.lambdify(names, matrix, "numpy"), sympy.lambdify(names, list(matrix), "numpy")
+
+
+def point_by_point(matrix: Callable[..., Any], xs: Any, ys: Any) -> list[float]:
+    return [
+        float(np.linalg.eigvals(np.array(matrix(x, 0.25, y), dtype=float)).real.max())
+        for y in ys
+        for x in xs
+    ]
+
+
+def at_once(entries: Callable[..., Any], xs: Any, ys: Any) -> Any:
+    x, y = np.meshgrid(xs, ys)
+    values = entries(x, 0.25, y)
+    full = np.empty((*x.shape, len(values)))
+    for i, value in enumerate(values):
+        full[..., i] = value
+    size = round(len(values) ** 0.5)
+    return np.linalg.eigvals(full.reshape(*x.shape, size, size)).real.max(axis=-1)
+
+
+def compare(family: str) -> dict[str, Any]:
+    low, high = AXES[family]
+    axes = {"x": ("at", low, high, NX), "y": ("mu", *MU, NY)}
+    first = timed(lambda: st.stability_map(family, **axes), 1)
+    ours = timed(lambda: st.stability_map(family, **axes))
+    without = timed(lambda: st.stability_map(family, **axes, boundaries=False))
+    matrix, entries = obvious(family)
+    xs, ys = np.linspace(low, high, NX), np.linspace(*MU, NY)
+    some = timed(lambda: point_by_point(matrix, xs[::10], ys[::10]), 3)
+    scale = NX * NY / (len(xs[::10]) * len(ys[::10]))
+    grid = timed(lambda: at_once(entries, xs, ys), 3)
+    naive = at_once(entries, xs, ys) > 0
+    found = st.stability_map(family, **axes)
+    decided = found.verdict.values != 0
+    wrong = int((naive != (found.verdict.values == 2))[decided].sum())
+    med = statistics.median
+    return {
+        "family": family,
+        "cells": NX * NY,
+        "map_s": ours,
+        "map_first_call_s": first[0],
+        "map_without_boundaries_s": without,
+        "obvious_point_by_point_s": [t * scale for t in some],
+        "obvious_at_once_s": grid,
+        "ratio_to_point_by_point": med(some) * scale / med(ours),
+        "ratio_to_at_once": med(grid) / med(ours),
+        "obvious_wrong_signs": wrong,
+        "boundary_points": found.sizes["boundary_point"],
+        "largest_relative_bracket": float(
+            (found.boundary_error / np.where(found.boundary_axis == 0, found.boundary_at,
+                                             found.boundary_mu)).max()
+        ),
+    }  # fmt: skip
+
+
+def import_time() -> list[float]:
+    command = [sys.executable, "-c", "import stability"]
+    bare = [sys.executable, "-c", "pass"]
+    return [
+        a - b
+        for a, b in zip(
+            timed(lambda: subprocess.run(command, check=True)),
+            timed(lambda: subprocess.run(bare, check=True)),
+            strict=True,
+        )
+    ]
+
+
+def large() -> dict[str, float]:
+    start = time.perf_counter()
+    st.stability_map("spinning", x=("at", 0.5, 5.0, 4000), y=("mu", *MU, 3000))
+    return {
+        "cells": 12e6,
+        "seconds": time.perf_counter() - start,
+        "peak_GiB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
+    }
+
+
+def main() -> None:
+    report: dict[str, Any] = {
+        "machine": f"{platform.machine()}, python {platform.python_version()}",
+        "import_s": import_time(),
+    }
+    if "--large" in sys.argv:
+        report["large_map"] = large()
+    report["maps"] = [compare(family) for family in AXES]
+    print(json.dumps(report, indent=2))
+    for row in report["maps"]:
+        print(
+            f"{row['family']:9s} {NX} x {NY} map {statistics.median(row['map_s']):.2f} s; "
+            f"{row['ratio_to_point_by_point']:.1f} times faster than point by point, "
+            f"{row['ratio_to_at_once']:.2f} times all at once (no bounds, no boundaries), "
+            f"which gets {row['obvious_wrong_signs']} signs wrong"
+        )
+
+
+if __name__ == "__main__":
+    main()

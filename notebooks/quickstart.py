@@ -1,0 +1,90 @@
+# ---
+# jupyter:
+#   jupytext:
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # From a coin to its stability diagram
+#
+# A coin can roll, spin on its edge, or tumble on its rim.  Which of these can be seen?  This
+# notebook asks for a US quarter on a table with viscous friction.  It is kept as text; open it with
+# Jupytext, or run it as a script.  The tests run it, and its assertions are its expected output.
+
+# %%
+from pathlib import Path
+
+import numpy as np
+
+import stability as st
+from stability.plots import diagram, save
+
+coin = st.Disk.named("quarter")
+print(st.REAL_DISKS["quarter"][1])
+print(f"mass {coin.mass} kg, radius {coin.radius} m, k = {coin.k}")
+print(
+    f"unit of angular velocity √(g/R) = {coin.rate:.2f} 1/s, of speed √(gR) = {coin.speed:.3f} m/s"
+)
+
+# %% [markdown]
+# ## One steady motion
+#
+# The coin spins on its edge at 10 turns per second.  Friction is mu = 1 s/m, so that the force is
+# mu × normal force × slip velocity.
+
+# %%
+law = st.Viscous(1.0)
+turning = st.spectrum("spinning", at=2 * np.pi * 10, disk=coin, contact=law)
+print(turning.verdict.value)
+print(turning.nonlinear.value)
+for value, label in zip(turning.eigenvalues, turning.modes.labels, strict=True):
+    print(f"{value:+.4f} 1/s   {label}")
+assert turning.verdict is st.Verdict.STABLE
+assert turning.nonlinear is st.Nonlinear.ASYMPTOTIC
+
+# %% [markdown]
+# ## Where does it become unstable?
+#
+# Slower spins fall over at phi_dot² = g/(kR), whatever the friction: the coin starts to tumble.  The
+# number comes with a proved bracket.
+
+# %%
+[threshold] = st.boundaries("spinning", axis=("at", 10, 100, 100), disk=coin, contact=law)
+print(f"{threshold.value:.12f} ± {threshold.error:.0e} rad/s, {threshold.crossing.value}")
+print(f"that is {threshold.value / (2 * np.pi):.3f} turns per second")
+assert abs(threshold.value - np.sqrt(coin.gravity / (coin.k * coin.radius))) < 1e-12
+assert threshold.crossing is st.Crossing.STATIC
+
+# %% [markdown]
+# ## Its diagram
+#
+# Spin and friction together.  On a rough table every spin is lost to a growing wobble: above the
+# dashed curve a pair of eigenvalues has crossed the imaginary axis.
+
+# %%
+found = st.stability_map(
+    "spinning", x=("at", 20, 120, 160), y=("mu", 0.02, 50, 120, "log"), disk=coin
+)
+print(found)
+files = save(diagram(found, title="a quarter spinning on its edge"), Path("quarter"))
+st.write_map(found, "quarter.nc", overwrite=True)
+assert set(found.verdict.values.ravel().tolist()) == {1, 2}
+assert st.read_map("quarter.nc").identical(found)
+
+# %% [markdown]
+# The flutter curve leaves the static one where mu √(gR) = 1, and falls to a lower limit for fast
+# spins: below that limit every spin beyond the threshold is stable.
+
+# %%
+flutter = found.boundary_kind == 1
+start = float(found.boundary_mu[flutter].max()) * coin.speed
+end = float(found.boundary_mu[flutter].min()) * coin.speed
+print(f"flutter from mu* = {start:.3f} down to {end:.3f}")
+assert 0.95 < start < 1.0
+assert 0.6 < end < 0.8

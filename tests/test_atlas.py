@@ -1,0 +1,103 @@
+"""The atlas holds what its page shows, whole."""
+
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stability as st
+from stability.atlas import BODIES, COLUMNS, LOCUS_FRICTION, RANGES, atlas
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("atlas") / "atlas"
+    told: list[tuple[int, int]] = []
+    page = atlas(out, resolution=16, workers=1, progress=lambda *pair: told.append(pair))
+    assert page == out / "index.html"
+    assert told[-1] == (9, 9)
+    return out
+
+
+def test_it_has_every_diagram_locus_map_and_the_boundaries(folder: Path) -> None:
+    expected = {"index.html", "boundaries.csv"}
+    for body in BODIES:
+        for family in RANGES:
+            stems = [f"{family}-{body}"]
+            expected.add(f"{family}-{body}.nc")
+            stems += [f"locus-{family}-{body}-mu{m:g}".replace(".", "_") for m in LOCUS_FRICTION]
+            expected |= {f"{s}.{kind}" for s in stems for kind in ("png", "pdf")}
+    assert {p.name for p in folder.iterdir()} == expected
+    assert all(p.stat().st_size > 500 for p in folder.iterdir())
+
+
+def test_the_page_points_only_at_what_is_there_and_says_what_was_computed(folder: Path) -> None:
+    page = (folder / "index.html").read_text()
+    links = re.findall(r'(?:src|href)="([^"#]+)"', page)
+    assert len(links) > 60
+    assert all((folder / link).is_file() for link in links)
+    images = re.findall(r'<img [^>]*alt="([^"]+)"', page)
+    assert len(images) == len(set(images)) == 27
+    captions = re.findall(r"<figcaption>(.*?)</figcaption>", page, re.DOTALL)
+    assert len(captions) == 27
+    for caption in captions:
+        assert "structural zero" in caption
+        assert "√(g/R)" in caption
+    assert "recomputed" in page
+    assert "16 × 12 points" in captions[0]
+
+
+def test_maps_behind_the_figures_can_be_read(folder: Path) -> None:
+    for path in folder.glob("*.nc"):
+        found = st.read_map(path)
+        assert found.abscissa.shape == (12, 16)
+        assert np.isfinite(found.abscissa.values).all()
+
+
+def test_boundaries_are_those_of_the_maps_and_the_limit_laws(folder: Path) -> None:
+    with (folder / "boundaries.csv").open() as handle:
+        rows = list(csv.DictReader(handle))
+    assert tuple(rows[0]) == COLUMNS
+    count = sum(st.read_map(p).sizes["boundary_point"] for p in folder.glob("*.nc"))
+    assert sum(r["contact"] == "viscous" for r in rows) == count
+    smooth = [
+        r for r in rows if (r["contact"], r["family"], r["body"]) == ("smooth", "rolling", "hoop")
+    ]
+    assert float(smooth[0]["at"]) ** 2 == pytest.approx(0.5, rel=1e-13)
+    rolling = [r for r in rows if (r["contact"], r["family"]) == ("viscous", "rolling")]
+    for row in rolling:
+        assert float(row["at"]) ** 2 == pytest.approx(1 / (2 * float(row["k"])), rel=1e-13)
+
+
+def test_force_replaces_its_own_files_and_leaves_others(folder: Path) -> None:
+    (folder / "notes.txt").write_text("mine")
+    with pytest.raises(st.StabilityError, match="not empty"):
+        atlas(folder, resolution=8, workers=1)
+    before = (folder / "index.html").read_text()
+    atlas(folder, resolution=8, workers=2, force=True)
+    assert (folder / "notes.txt").read_text() == "mine"
+    assert (folder / "index.html").read_text() != before
+    assert [p.name for p in folder.parent.iterdir()] == ["atlas"]
+
+
+def test_figures_use_colours_that_differ_in_lightness_and_mark_growth_without_colour() -> None:
+    """Luminance of decay and growth ends differ from neutral, and growth is hatched."""
+    from stability.plots import DIVERGING, diagram
+
+    light = [float(np.dot(DIVERGING(v)[:3], [0.2126, 0.7152, 0.0722])) for v in (0.0, 0.5, 1.0)]
+    assert light[1] - max(light[0], light[2]) > 0.5
+    found = st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9))
+    figure = diagram(found)
+    hatches = [h for c in figure.axes[0].collections for h in (getattr(c, "hatches", None) or [])]
+    assert hatches == ["////"]
+    labels = [
+        figure.axes[0].get_xlabel(),
+        figure.axes[0].get_ylabel(),
+        figure.axes[-1].get_ylabel(),
+    ]
+    assert all("[" in label for label in labels)
+    import matplotlib.pyplot as plt
+
+    plt.close(figure)

@@ -1,0 +1,312 @@
+"""The command line: what it prints, what it refuses, and that it leaves nothing half-written."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from stability.cli import main
+
+COMMANDS = ("spectrum", "map", "atlas", "table")
+MAP = ["map", "rolling", "--x", "at:1:2:6", "--y", "mu:0.1:1:5"]
+
+
+def run(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "stability", *words], capture_output=True, text=True, cwd=cwd
+    )
+
+
+def output(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    assert main(list(words)) == 0
+    return capsys.readouterr().out
+
+
+def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """Exit code 2, one sentence on standard error, nothing on standard output."""
+    try:
+        code = main(list(words))
+    except SystemExit as stop:
+        code = stop.code
+    captured = capsys.readouterr()
+    assert code == 2
+    assert captured.out == ""
+    assert captured.err.startswith("stability: ")
+    assert len(captured.err.strip().splitlines()) == 1
+    assert captured.err.strip().endswith(".")
+    assert "Traceback" not in captured.err
+    return captured.err
+
+
+# --- what it prints ---
+
+
+def test_spectrum_prints_the_object_of_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
+    found = json.loads(
+        output(capsys, "spectrum", "rolling", "--at", "1.2", "--mu", "0.3", "--json")
+    )
+    assert list(found)[:9] == [
+        "family", "contact", "parameters", "at", "eigenvalues", "structural_zeros", "abscissa",
+        "verdict", "nonlinear",
+    ]  # fmt: skip
+    assert found["family"] == "rolling"
+    assert found["contact"] == "viscous"
+    assert found["verdict"] == "unstable"
+    assert found["structural_zeros"] == 2
+    assert found["parameters"] == {"mass": 1, "radius": 1, "k": 0.25, "gravity": 1, "mu": 0.3}
+    assert found["eigenvalues"][0] == pytest.approx([-1.7739083457715993, 0], abs=1e-12)
+    assert found["abscissa"] == found["eigenvalues"][-1][0]
+
+
+@pytest.mark.parametrize("contact", ["smooth", "viscous", "linear-viscous", "rough"])
+@pytest.mark.parametrize(
+    ("family", "at"), [("rolling", "0.57735026918962584"), ("spinning", "2"), ("tumbling", "0.5")]
+)
+def test_json_is_strict_for_every_family_and_law(
+    capsys: pytest.CaptureFixture[str], family: str, at: str, contact: str
+) -> None:
+    mu = ["--mu", "0.3"] if "viscous" in contact else []
+    text = output(capsys, "spectrum", family, "--at", at, "--contact", contact, *mu, "--json")
+
+    def strict(token: str) -> None:
+        raise AssertionError(token)
+
+    found = json.loads(text, parse_constant=strict)
+    assert found["verdict"] in ("stable", "unstable", "neutral", "undecided")
+
+
+def test_circling_takes_a_pair(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["spectrum", "circling", "--at", "1.2,0.5", "--contact", "rough", "--json"]
+    found = json.loads(output(capsys, *words))
+    assert found["at"] == [1.2, 0.5]
+    assert found["verdict"] == "neutral"
+
+
+def test_si_units_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["spectrum", "rolling", "--at", "40", "--mu", "0.3", "--disk", "quarter"]
+    text = output(capsys, *words)
+    assert "[1/s]" in text
+    same = ["--mass", "0.00567", "--radius", "0.01213", "--gravity", "9.81"]
+    assert output(capsys, *words[:6], *same) == text
+
+
+def test_map_writes_its_files_and_says_what_they_hold(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    nc, png = tmp_path / "a map.nc", tmp_path / "a map.png"
+    found = json.loads(output(capsys, *MAP, "--out", str(nc), "--plot", str(png), "--json"))
+    assert sum(found["verdicts"].values()) == 30
+    assert found["boundary_points"] == 5
+    assert png.read_bytes().startswith(b"\x89PNG")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a map.nc", "a map.png"]
+
+
+def test_tables_are_headed_recomputed(capsys: pytest.CaptureFixture[str]) -> None:
+    text = output(capsys, "table", "families")
+    assert "(recomputed)" in text.splitlines()[0]
+    assert "phi_dot**2 = 1/(k*sin(theta))" in text
+    text = output(capsys, "table", "completeness")
+    assert text.count("[holds]") == 7
+    assert "FAILS" not in text
+    assert "0 outside" in text
+
+
+def test_table_of_conditions_has_the_known_thresholds(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["table", "conditions", "--k", "0.25", "--mu", "0.3,3", "--json"]
+    rows = json.loads(output(capsys, *words))["rows"]
+    at = {(r["family"], r["contact"], r["mu"]): r["at"] for r in rows}
+    assert at["rolling", "smooth", None] == pytest.approx(1, rel=1e-14)
+    assert at["rolling", "rough", None] ** 2 == pytest.approx(1 / 3, rel=1e-14)
+    assert at["rolling", "viscous", 3.0] ** 2 == pytest.approx(2, rel=1e-14)
+    assert at["spinning", "viscous", 0.3] ** 2 == pytest.approx(4, rel=1e-14)
+    assert at["spinning", "viscous", 3.0] is None
+    for row in rows:
+        assert {row["below"], row["above"]} <= {"stable", "unstable", "neutral"}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help_with_an_example_that_parses(
+    capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main([command, "--help"])
+    assert stop.value.code == 0
+    text = " ".join(capsys.readouterr().out.split())
+    example = text.split("example: stability ")[1].split()
+    from stability.cli import _parser
+
+    assert _parser().parse_args(example).run
+
+
+def test_python_m_stability_is_the_same_program() -> None:
+    done = run("spectrum", "tumbling", "--at", "0.5", "--mu", "0.3")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert "verdict     stable" in done.stdout
+    version = run("--version").stdout
+    from stability import __version__
+
+    assert version == f"stability {__version__}\n"
+
+
+def test_a_reader_that_leaves_is_no_error() -> None:
+    words = [sys.executable, "-m", "stability", "table", "conditions", "--k", "0.25", "--mu", "1"]
+    piped = subprocess.run(
+        f"{' '.join(words)} | head -1", shell=True, capture_output=True, text=True
+    )
+    assert piped.stderr == ""
+    assert "(recomputed)" in piped.stdout
+
+
+# --- what it refuses ---
+
+ASK = ["spectrum", "rolling", "--at", "1.2", "--mu", "0.3"]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["spectrum", "rolling", "--at", "nan", "--mu", "0.3"], "at is nan; a finite number"),
+        (["spectrum", "rolling", "--at", "inf", "--mu", "0.3"], "at is inf; a finite number"),
+        (["spectrum", "rolling", "--at", "x", "--mu", "0.3"], "at is 'x'; a number is needed"),
+        ([*ASK, "--k", "nan"], "k is nan"),
+        ([*ASK, "--k", "0.6"], "(0, 1/2]"),
+        ([*ASK, "--k", "0"], "(0, 1/2]"),
+        ([*ASK, "--mass", "0"], "mass is 0; it must be positive"),
+        ([*ASK, "--radius", "-1"], "radius is -1; it must be positive"),
+        ([*ASK, "--gravity", "-9.81"], "gravity is -9.81; it must be positive"),
+        (["spectrum", "rolling", "--at", "1", "--mu", "0"], "--contact smooth"),
+        (["spectrum", "rolling", "--at", "1", "--mu", "-1"], "mu is -1"),
+        (["spectrum", "rolling", "--at", "1"], "mu is missing"),
+        ([*ASK, "--contact", "rough"], "has no coefficient"),
+        ([*ASK, "--contact", "smooth"], "has no coefficient"),
+        ([*ASK, "--contact", "glue"], "known are smooth, viscous, linear-viscous, rough"),
+        ([*ASK, "--contact", "coulomb"], "inside the friction cone it is `rough`"),
+        ([*ASK, "--certify"], "certify"),
+        ([*ASK, "--disk", "penny"], "known are quarter"),
+        ([*ASK, "--disk", "quarter", "--k", "0.3"], "give one of them"),
+        (["spectrum", "hopping", "--at", "1", "--mu", "1"], "known are rolling, spinning"),
+        (["spectrum", "tumbling", "--at", "0", "--mu", "1"], "strictly between 0 and π"),
+        (["spectrum", "tumbling", "--at", "3.2", "--mu", "1"], "strictly between 0 and π"),
+        (["spectrum", "circling", "--at", "1,1", "--mu", "1"], "rough disk"),
+        (["spectrum", "circling", "--at", "1", "--contact", "rough"], "the pair (theta, phi_dot)"),
+        (["spectrum", "circling", "--at", "1.2,0", "--contact", "rough"], "no admissible"),
+        (["spectrum", "rolling"], "--at"),
+        (["table", "launches"], "known are families, conditions, completeness"),
+        (["table", "families", "--k", "0.3"], "table conditions"),
+        (["table", "conditions", "--k", "0.3,x"], "comma-separated"),
+        (["table", "conditions", "--k", "0.7"], "(0, 1/2]"),
+        (["table", "conditions", "--mu", "0"], "--contact smooth"),
+        (["fly"], "invalid choice: 'fly'"),
+        ([], "COMMAND"),
+    ],
+)
+def test_bad_questions_get_one_sentence(
+    capsys: pytest.CaptureFixture[str], words: list[str], sentence: str
+) -> None:
+    assert sentence in refused(capsys, *words)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"--x": "at:1:2:1"}, "at least 2"),
+        ({"--x": "at:2:1:5"}, "low end must be below"),
+        ({"--x": "at:1:1:5"}, "low end must be below"),
+        ({"--x": "at:nan:2:5"}, "finite"),
+        ({"--x": "at:1:inf:5"}, "finite"),
+        ({"--x": "at:1:2:5.5"}, "whole number"),
+        ({"--x": "at:1:2"}, "NAME:LO:HI:N"),
+        ({"--x": "at:1:2:5:log:x"}, "NAME:LO:HI:N"),
+        ({"--x": "at:1:2:5:cubic"}, "'linear' or 'log'"),
+        ({"--x": "at:-1:2:5:log"}, "starts above zero"),
+        ({"--x": "depth:1:2:5"}, "known for rolling are at, k, mass"),
+        ({"--x": "mu:1:2:5"}, "two different"),
+        ({"--y": "mu:0:2:5"}, "--contact smooth"),
+        ({"--y": "k:0.1:0.7:5", "--mu": "1"}, "(0, 1/2]"),
+        ({"--y": "gravity:-1:1:5", "--mu": "1"}, "gravity is -1"),
+        ({"--y": "k:0.1:0.5:5"}, "mu is missing"),
+        ({"--mu": "1"}, "given as --mu and as an axis"),
+        ({"--at": "1"}, "given as --at and as an axis"),
+        ({"--y": "k:0.1:0.5:5", "--mu": "1", "--k": "0.3"}, "given as --k and as an axis"),
+        ({"--x": "k:0.1:0.5:5"}, "at is missing"),
+        ({"--contact": "rough"}, "known for rolling are at, k, mass, radius, gravity"),
+        ({"--plot": "map.txt"}, "must end in .png"),
+        ({"--out": "map.png", "--plot": "map.png"}, "give two files"),
+        ({"--out": "."}, "is a folder"),
+        ({"--out": "nowhere/map.nc"}, "does not exist"),
+        ({"--certify": None}, "certify"),
+    ],
+)
+def test_bad_maps_get_one_sentence_and_write_nothing(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    changes: dict[str, str | None], sentence: str,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    options = {"--x": "at:1:2:6", "--y": "mu:0.1:1:5", "--out": "map.nc"} | changes
+    words = [w for pair in options.items() for w in pair if w is not None]
+    assert sentence in refused(capsys, "map", "rolling", *words)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_tumbling_maps_end_before_the_disk_is_flat(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    words = [
+        "map",
+        "tumbling",
+        "--x",
+        "at:0:2:5",
+        "--y",
+        "mu:1:2:5",
+        "--out",
+        str(tmp_path / "m.nc"),
+    ]
+    assert "strictly between 0 and π" in refused(capsys, *words)
+
+
+def test_nothing_is_overwritten_without_force(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    target = tmp_path / "map.nc"
+    target.write_text("precious")
+    assert "--force" in refused(capsys, *MAP, "--out", str(target))
+    assert target.read_text() == "precious"
+    output(capsys, *MAP, "--out", str(target), "--force")
+    folder = tmp_path / "atlas"
+    folder.mkdir()
+    (folder / "mine.txt").write_text("precious")
+    assert "--force" in refused(capsys, "atlas", "--out", str(folder))
+    assert [p.name for p in folder.iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.parametrize("resolution", ["0", "7", "x"])
+def test_a_bad_resolution_is_refused(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, resolution: str
+) -> None:
+    out = str(tmp_path / "atlas")
+    refused(capsys, "atlas", "--out", out, "--resolution", resolution)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "words", [["map", "tumbling", "--x", "at:0.01:1.5:3000", "--y", "mu:0.1:5:3000"], ["atlas"]]
+)
+def test_an_interruption_leaves_nothing_behind(tmp_path: Path, words: list[str]) -> None:
+    out = tmp_path / ("out.nc" if words[0] == "map" else "out")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "stability", *words, "--out", str(out)],
+        stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    time.sleep(3)
+    os.killpg(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "interrupted; nothing was written" in errors
+    assert "Traceback" not in errors
+    assert list(tmp_path.iterdir()) == []
