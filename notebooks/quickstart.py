@@ -51,8 +51,8 @@ assert turning.nonlinear is st.Nonlinear.ASYMPTOTIC
 # %% [markdown]
 # ## Where does it become unstable?
 #
-# Slower spins fall over at phi_dot² = g/(kR), whatever the friction: the coin starts to tumble.  The
-# number comes with a proved bracket.
+# Slower spins fall over at phi_dot² = g/(kR), whatever the friction: the coin starts to tumble.
+# The number comes with a proved bracket.
 
 # %%
 [threshold] = st.boundaries("spinning", axis=("at", 10, 100, 100), disk=coin, contact=law)

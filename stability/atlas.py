@@ -13,9 +13,12 @@ import math
 import multiprocessing
 import os
 import shutil
+import signal
 import tempfile
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -186,16 +189,32 @@ def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
         return
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(workers, len(jobs)), context) as pool:
-        # the longest first
-        futures = [
-            pool.submit(_job, *job) for job in sorted(jobs, key=lambda j: j[1] != "tumbling")
-        ]
+        # The longest first.  The workers are born deaf to Ctrl-C: it is for this process to handle.
+        with _deaf():
+            ordered = sorted(jobs, key=lambda j: j[1] != "tumbling")
+            futures = [pool.submit(_job, *job) for job in ordered]
         try:
             for future in as_completed(futures):
                 yield future.result()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
+            for child in multiprocessing.active_children():
+                child.terminate()
+                child.join()
             raise
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Ignore Ctrl-C for a moment, in a way that processes started meanwhile inherit."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 # --- one job ---

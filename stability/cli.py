@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shutil
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -52,8 +53,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except StabilityError as error:
         print(f"stability: {error}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print("stability: interrupted; nothing was written.", file=sys.stderr)
+    except KeyboardInterrupt as stop:
+        print(f"stability: {str(stop) or 'interrupted; nothing was written'}.", file=sys.stderr)
         return 130
     except BrokenPipeError:  # the reader of our output has left, which is its right
         sys.stderr.close()
@@ -135,11 +136,22 @@ def _map(options: argparse.Namespace) -> None:
             raise ParameterError(f"--out and --plot are both {options.out!r}; give two files.")
     at = None if options.at is None else _at(options.at)
     with _bar("cells") as progress:
-        dataset = stability_map(
-            options.family, x=x, y=y, disk=disk, contact=contact, at=at, certify=options.certify,
-            modes=options.modes, progress=progress,
-        )  # fmt: skip
+        try:
+            dataset = stability_map(
+                options.family, x=x, y=y, disk=disk, contact=contact, at=at,
+                certify=options.certify, modes=options.modes, progress=progress,
+                checkpoint=options.checkpoint,
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            if options.checkpoint is None:
+                raise
+            raise KeyboardInterrupt(
+                f"interrupted; finished cells are kept in {options.checkpoint}: give the same "
+                "command again to go on"
+            ) from None
     write_map(dataset, targets[0], overwrite=options.force)
+    if options.checkpoint is not None:
+        shutil.rmtree(options.checkpoint, ignore_errors=True)
     if options.plot:
         _draw(dataset, targets[1])
     from .verdict import CODES
@@ -264,6 +276,8 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "--modes", action="store_true", help="keep all eigenvalues, not only the first"
     )
+    sub.add_argument("--checkpoint", metavar="DIR",
+                     help="keep finished cells there, to go on after an interruption")  # fmt: skip
     sub.add_argument("--force", action="store_true", help="replace existing files")
 
     sub = command("atlas", _atlas, "The three families' diagrams for disk, annulus and hoop",

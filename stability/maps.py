@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .boundary import BoundaryPoint, along
+from .cells import Cells, Parts
 from .contact import LAWS, Contact, Viscous
 from .curves import trace
 from .disk import Disk
@@ -20,7 +19,6 @@ from .families import Family
 from .grid import Grid
 from .problem import Problem, check_axis
 from .query import problem as make_problem
-from .spectra import decide, eigenvalues, reduce
 
 if TYPE_CHECKING:
     import xarray
@@ -28,9 +26,6 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 Axis = tuple[str, float, float, int] | tuple[str, float, float, int, str]
-
-CHUNK = 16384
-"""Cells that are worked on at once: small enough for the cache, large enough for NumPy."""
 
 
 def stability_map(
@@ -46,6 +41,7 @@ def stability_map(
     modes: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
     **parameters: ArrayLike,
 ) -> xarray.Dataset:
     """Abscissa, verdict and the boundaries between verdicts over two parameters.
@@ -70,6 +66,9 @@ def stability_map(
         Threads; all processors when left out.
     progress
         Called with (cells done, cells in all) now and then.
+    checkpoint
+        Folder in which finished cells are kept, so that the same call goes on where an interrupted
+        one stopped; it may be removed afterwards.
     **parameters
         For a `Family`: its fixed parameters by name.
 
@@ -104,8 +103,9 @@ def stability_map(
         )
     axes = Grid.of(x, "x"), Grid.of(y, "y")
     question = prepare(family, axes, disk, contact, at, parameters)
-    cells = _Cells(question, axes, modes)
-    cells.fill(workers or os.cpu_count() or 1, progress)
+    cells = Cells(question, axes, modes)
+    parts = Parts(checkpoint, cells.key()) if checkpoint is not None else None
+    cells.fill(workers or os.cpu_count() or 1, progress, parts)
     from .dataset import assemble
 
     curves = trace(question, axes, cells.codes, cells.abscissa, progress) if boundaries else None
@@ -250,73 +250,3 @@ def _check_members(question: Problem, axis_values: Mapping[str, Floats]) -> None
     }
     a, q, _, _ = question.arrays(question.settled(values))
     question.family.member(a, q)
-
-
-class _Cells:
-    """The arrays of a map, filled chunk by chunk."""
-
-    def __init__(self, question: Problem, axes: tuple[Grid, Grid], modes: bool) -> None:
-        self.question, self.axes = question, axes
-        self.shape = axes[1].count, axes[0].count
-        self.abscissa = np.empty(self.shape)
-        self.error = np.empty(self.shape)
-        self.frequency = np.empty(self.shape)
-        self.codes = np.zeros(self.shape, dtype=np.int8)
-        self.values = None
-        if modes:
-            from .polynomial import structure
-
-            family = question.family
-            count = len(family.system.states) - structure(family).zeros
-            self.values = np.empty((*self.shape, count), dtype=complex)
-
-    def fill(self, workers: int, progress: Progress | None) -> None:
-        """Work through the chunks: members here, since CasADi is not shared; spectra in threads."""
-        total, done = math.prod(self.shape), 0
-        pending: list[Future[int]] = []
-        with ThreadPoolExecutor(workers) as pool:
-            try:
-                for start, stop, arguments in self._chunks():
-                    pending.append(pool.submit(self._work, start, stop, *arguments))
-                    if len(pending) > 4 * workers:
-                        done += pending.pop(0).result()
-                        if progress:
-                            progress(done, total)
-                for future in pending:
-                    done += future.result()
-                    if progress:
-                        progress(done, total)
-            except BaseException:
-                for future in pending:
-                    future.cancel()
-                raise
-
-    def _chunks(self) -> Iterator[tuple[int, int, tuple[Any, ...]]]:
-        family = self.question.family
-        xs, ys = self.axes[0].values, self.axes[1].values
-        total = math.prod(self.shape)
-        from .polynomial import structure
-
-        structure(family)
-        for start in range(0, total, CHUNK):
-            stop = min(start + CHUNK, total)
-            row, column = np.divmod(np.arange(start, stop), self.shape[1])
-            swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
-            values = self.question.settled(dict(self.question.values) | swept)
-            a, q, rate, _ = self.question.arrays(values)
-            yield start, stop, (a, q, rate, family.solve(a, q))
-
-    def _work(self, start: int, stop: int, a: Floats, q: Floats, rate: Floats, u: Floats) -> int:
-        family = self.question.family
-        values, radius = eigenvalues(reduce(family, a, q, u), even=family.conservative)
-        pick = slice(start, stop)
-        self.codes.reshape(-1)[pick] = decide(values, radius, even=family.conservative)
-        lead = values[:, -1]
-        self.abscissa.reshape(-1)[pick] = lead.real * rate
-        reach = (values.real + radius).max(axis=1) - lead.real
-        self.error.reshape(-1)[pick] = reach * rate
-        self.frequency.reshape(-1)[pick] = np.abs(lead.imag) * rate
-        if self.values is not None:
-            flat = self.values.reshape(-1, self.values.shape[-1])
-            flat[pick] = values * rate[:, None]
-        return stop - start

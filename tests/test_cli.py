@@ -254,6 +254,21 @@ def test_bad_maps_get_one_sentence_and_write_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_interrupted_map_is_gone_on_with(tmp_path: Path) -> None:
+    words = ["map", "rolling", "--x", "at:0.5:3:2000", "--y", "mu:0.1:5:1500", "--out",
+             str(tmp_path / "m.nc"), "--checkpoint", str(tmp_path / "kept")]  # fmt: skip
+    process = subprocess.Popen(
+        [sys.executable, "-m", "stability", *words], stderr=subprocess.PIPE, text=True
+    )
+    while len(list(tmp_path.glob("kept/*.npz"))) < 3:
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "give the same command again" in errors
+    assert [p.name for p in tmp_path.iterdir()] == ["kept"]
+
+
 def test_tumbling_maps_end_before_the_disk_is_flat(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -223,7 +223,7 @@ def test_a_logarithmic_axis_keeps_its_ends() -> None:
 
 
 def test_chunks_and_workers_do_not_change_a_map(monkeypatch: pytest.MonkeyPatch) -> None:
-    import stability.maps as module
+    import stability.cells as module
 
     arguments = {"x": ("at", 0.05, 1.5, 31), "y": ("mu", 0.1, 5, 23)}
     whole = st.stability_map("tumbling", **arguments, workers=1)
@@ -246,6 +246,37 @@ def test_progress_is_told_and_an_interruption_stops_the_work() -> None:
 
     with pytest.raises(KeyboardInterrupt):
         st.stability_map("rolling", x=("at", 1, 2, 40), y=("mu", 1, 2, 30), progress=stop)
+
+
+def test_an_interrupted_map_goes_on_where_it_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import stability.cells as module
+
+    monkeypatch.setattr(module, "CHUNK", 64)
+    axes = {"x": ("at", 0.05, 1.5, 40), "y": ("mu", 0.1, 5, 30)}
+    kept = tmp_path / "kept"
+
+    def stop(done: int, _: int) -> None:
+        if done > 500:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        st.stability_map("tumbling", **axes, checkpoint=kept, progress=stop, workers=1)
+    finished = len(list(kept.glob("*.npz")))
+    assert 7 < finished < 19
+    (kept / "0.npz").write_bytes(b"damaged")
+    worked: list[int] = []
+    original = module.Cells._work
+    monkeypatch.setattr(
+        module.Cells, "_work", lambda self, *a: worked.append(1) or original(self, *a)
+    )
+    resumed = st.stability_map("tumbling", **axes, checkpoint=kept)
+    assert len(worked) == 19 - finished + 1
+    fresh = st.stability_map("tumbling", **axes)
+    assert resumed.drop_attrs().identical(fresh.drop_attrs())
+    with pytest.raises(st.StabilityError, match="another map"):
+        st.stability_map("tumbling", **axes, disk=st.Disk(k=0.3), checkpoint=kept)
 
 
 # --- files ---

@@ -16,7 +16,7 @@ PACKAGE = ROOT / "stability"
 CORE = (
     "errors", "disk", "contact", "algebra", "tracked", "system", "equations", "graph", "families",
     "continuation", "steady", "enclosure", "polynomial", "verdict", "modes", "spectra", "problem",
-    "query", "grid", "boundary", "curves", "maps",
+    "query", "grid", "files", "boundary", "curves", "cells", "maps",
 )  # fmt: skip
 
 

@@ -1,0 +1,225 @@
+"""The cells of a map, worked through in chunks by threads, and kept on the way if asked."""
+
+from __future__ import annotations
+
+import json
+import math
+import zipfile
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import __version__
+from .errors import FileError
+from .files import whole
+from .grid import Grid
+from .polynomial import structure
+from .problem import Problem
+from .spectra import decide, eigenvalues, reduce
+
+Floats = NDArray[np.float64]
+Progress = Callable[[int, int], None]
+Chunk = dict[str, NDArray[Any]]
+
+CHUNK = 16384
+"""Cells that are worked on at once: small enough for the cache, large enough for NumPy."""
+
+
+class Parts:
+    """Finished chunks in a folder, for a map that may be interrupted and gone on with.
+
+    Parameters
+    ----------
+    folder
+        Where they are kept; made if it is missing.
+    key
+        What the map is of; a folder that holds the parts of another map is refused.
+
+    Raises
+    ------
+    FileError
+        If the folder cannot be used, or belongs to another map.
+    """
+
+    NAME = "map.json"
+
+    def __init__(self, folder: str | PathLike[str], key: dict[str, Any]) -> None:
+        self.folder = Path(folder)
+        try:
+            self.folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise FileError(
+                f"the checkpoint folder {folder} cannot be made: {error.strerror}."
+            ) from None
+        note = self.folder / self.NAME
+        wanted = json.dumps(key, sort_keys=True, indent=1)
+        if note.is_file():
+            if note.read_text(encoding="utf-8") != wanted:
+                raise FileError(
+                    f"the checkpoint folder {folder} belongs to another map; choose another folder "
+                    "or remove it."
+                )
+        elif any(self.folder.iterdir()):
+            raise FileError(f"the checkpoint folder {folder} holds other files; choose another.")
+        else:
+            with whole(note) as beside:
+                beside.write_text(wanted, encoding="utf-8")
+
+    def load(self, start: int) -> Chunk | None:
+        """A finished chunk, or None; a damaged one counts as not there.
+
+        Parameters
+        ----------
+        start
+            Its first cell.
+
+        Returns
+        -------
+        dict of ndarray or None
+        """
+        with suppress(OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+            with np.load(self.folder / f"{start}.npz", allow_pickle=False) as stored:
+                return dict(stored)
+        return None
+
+    def save(self, start: int, chunk: Chunk) -> None:
+        """Keep a finished chunk.
+
+        Parameters
+        ----------
+        start
+            Its first cell.
+        chunk
+            Its arrays by name.
+        """
+        with whole(self.folder / f"{start}.npz", overwrite=True) as beside:
+            np.savez(beside, allow_pickle=False, **chunk)
+
+
+class Cells:
+    """The arrays of a map, filled chunk by chunk.
+
+    Parameters
+    ----------
+    question
+        The question.
+    axes
+        x and y.
+    modes
+        Whether all eigenvalues are kept.
+    """
+
+    def __init__(self, question: Problem, axes: tuple[Grid, Grid], modes: bool) -> None:
+        self.question, self.axes = question, axes
+        self.shape = axes[1].count, axes[0].count
+        self.abscissa = np.empty(self.shape)
+        self.error = np.empty(self.shape)
+        self.frequency = np.empty(self.shape)
+        self.codes = np.zeros(self.shape, dtype=np.int8)
+        self.values = None
+        family = question.family
+        zeros = structure(family).zeros  # established here, before the threads start
+        if modes:
+            count = len(family.system.states) - zeros
+            self.values = np.empty((*self.shape, count), dtype=complex)
+
+    def key(self) -> dict[str, Any]:
+        """What the map is of, for a checkpoint: numbers in full, so that another map is told apart.
+
+        Returns
+        -------
+        dict
+        """
+        swept = {g.name for g in self.axes}
+        family = self.question.family
+        return {
+            "software": __version__,
+            "system": family.system.name,
+            "graph": str(family.system.rhs),
+            "family": family.name,
+            "axes": [[g.name, g.low, g.high, g.count, g.log] for g in self.axes],
+            "values": {n: float(v) for n, v in self.question.values.items() if n not in swept},
+            "modes": self.values is not None,
+            "chunk": CHUNK,
+        }
+
+    def fill(self, workers: int, progress: Progress | None, parts: Parts | None = None) -> None:
+        """Work through the chunks: members here, since CasADi is not shared; spectra in threads.
+
+        Parameters
+        ----------
+        workers
+            Threads.
+        progress
+            Called with (cells done, cells in all), or None.
+        parts
+            Where finished chunks are kept, or None.
+        """
+        total = math.prod(self.shape)
+        pending: list[tuple[int, Future[Chunk]]] = []
+        done = 0
+
+        def settle() -> None:
+            nonlocal done
+            start, future = pending.pop(0)
+            chunk = future.result()
+            if parts is not None:
+                parts.save(start, chunk)
+            done += self._place(start, chunk)
+            if progress:
+                progress(done, total)
+
+        with ThreadPoolExecutor(workers) as pool:
+            try:
+                for start in range(0, total, CHUNK):
+                    chunk = parts.load(start) if parts is not None else None
+                    if chunk is not None:
+                        done += self._place(start, chunk)
+                        continue
+                    pending.append((start, pool.submit(self._work, *self._inputs(start, total))))
+                    if len(pending) > 4 * workers:
+                        settle()
+                while pending:
+                    settle()
+            except BaseException:
+                for _, future in pending:
+                    future.cancel()
+                raise
+        if progress:
+            progress(total, total)
+
+    def _inputs(self, start: int, total: int) -> Iterator[Floats]:
+        xs, ys = self.axes[0].values, self.axes[1].values
+        row, column = np.divmod(np.arange(start, min(start + CHUNK, total)), self.shape[1])
+        swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
+        values = self.question.settled(dict(self.question.values) | swept)
+        a, q, rate, _ = self.question.arrays(values)
+        return iter((a, q, rate, self.question.family.solve(a, q)))
+
+    def _work(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
+        family = self.question.family
+        values, radius = eigenvalues(reduce(family, a, q, u), even=family.conservative)
+        lead = values[:, -1]
+        chunk: Chunk = {
+            "codes": decide(values, radius, even=family.conservative),
+            "abscissa": lead.real * rate,
+            "error": ((values.real + radius).max(axis=1) - lead.real) * rate,
+            "frequency": np.abs(lead.imag) * rate,
+        }
+        if self.values is not None:
+            chunk["values"] = values * rate[:, None]
+        return chunk
+
+    def _place(self, start: int, chunk: Chunk) -> int:
+        count = len(chunk["codes"])
+        for name, array in chunk.items():
+            whole_array = getattr(self, name)
+            flat = whole_array.reshape(-1, *whole_array.shape[2:])
+            flat[start : start + count] = array
+        return count
