@@ -115,25 +115,31 @@ def casadi_algebra() -> Algebra:
     >>> casadi_algebra().constant(0.25)
     SX(0.25)
     """
-    table = {name: getattr(ca, name) for name in _UNARY}
+
+    def exact(name: str) -> Callable[[Any], Any]:
+        # the one algebra in which the right angle is met
+        return lambda x: getattr(x, name)() if isinstance(x, Upright) else getattr(ca, name)(x)
+
+    table = {name: exact(name) for name in _UNARY}
     return Algebra("casadi", ca.SX, table | {"pow": ca.power, "fabs": ca.fabs})
 
 
-_BINARY: dict[int, Callable[[Any, Any], Any]] = {
-    ca.OP_ADD: operator.add,
-    ca.OP_SUB: operator.sub,
-    ca.OP_MUL: operator.mul,
-    ca.OP_DIV: operator.truediv,
+_SYMBOLS = {
+    ca.OP_ADD: "{0} + {1}",
+    ca.OP_SUB: "{0} - {1}",
+    ca.OP_MUL: "{0} * {1}",
+    ca.OP_DIV: "{0} / {1}",
+    ca.OP_NEG: "-{0}",
+    ca.OP_SQ: "{0} * {0}",
+    ca.OP_TWICE: "{0} + {0}",
+    ca.OP_INV: "1 / {0}",
+    ca.OP_ASSIGN: "{0}",
+    ca.OP_POW: "f_pow({0}, {1})",
+    ca.OP_CONSTPOW: "f_pow({0}, {1})",
+    ca.OP_FABS: "f_fabs({0})",
 }
-_PLAIN: dict[int, Callable[[Any], Any]] = {
-    ca.OP_NEG: operator.neg,
-    ca.OP_SQ: lambda x: x * x,
-    ca.OP_TWICE: lambda x: x + x,
-    ca.OP_INV: lambda x: 1 / x,
-    ca.OP_ASSIGN: lambda x: x,
-}
-_NAMED: dict[int, str] = {getattr(ca, f"OP_{name.upper()}"): name for name in _UNARY}
-_NAMED |= {ca.OP_FABS: "fabs"}
+"""Each operation as Python."""
+_SYMBOLS |= {getattr(ca, f"OP_{name.upper()}"): f"f_{name}({{0}})" for name in _UNARY}
 
 
 class Program:
@@ -168,32 +174,40 @@ class Program:
             for i in range(function.n_out())
         )
         """(row, column) of each stored entry of each output; the others are zero by structure."""
-        self._work = function.sz_w()
-        self._steps = [self._step(function, i) for i in range(function.n_instructions())]
+        self._constants: list[float] = []
+        self._held: dict[str, list[Any]] = {}
+        self._code = compile(self._source(function), f"<graph {self.name}>", "exec")
+        space: dict[str, Any] = {}
+        exec(self._code, space)
+        self._run = space["run"]
 
-    @staticmethod
-    def _step(function: ca.Function, index: int) -> tuple[int, Any, tuple[int, ...], Any]:
-        code = function.instruction_id(index)
-        source = tuple(function.instruction_input(index))
-        target = tuple(function.instruction_output(index))
-        if code == ca.OP_CONST:
-            return 0, function.instruction_constant(index), (), target[0]
-        if code == ca.OP_INPUT:
-            return 1, None, source, target[0]
-        if code == ca.OP_OUTPUT:
-            return 2, None, source, target
-        if code in _BINARY:
-            return 3, _BINARY[code], source, target[0]
-        if code in _PLAIN:
-            return 4, _PLAIN[code], source[:1], target[0]
-        if code in _NAMED:
-            return 5, _NAMED[code], source[:1], target[0]
-        if code in (ca.OP_POW, ca.OP_CONSTPOW):
-            return 6, "pow", source, target[0]
-        raise StabilityError(
-            f"the graph {function.name()} uses CasADi operation {code} "
-            "(a branch, comparison or special function); only smooth elementary functions are read."
-        )
+    def _source(self, function: ca.Function) -> str:
+        """The instructions as the source of one straight Python function: no loop, no look-ups."""
+        lines = [f"    o{i} = [0] * {len(places)}" for i, places in enumerate(self.places)]
+        for index in range(function.n_instructions()):
+            code = function.instruction_id(index)
+            source = function.instruction_input(index)
+            target = function.instruction_output(index)
+            if code == ca.OP_CONST:
+                lines.append(f"    w{target[0]} = c[{len(self._constants)}]")
+                self._constants.append(function.instruction_constant(index))
+            elif code == ca.OP_INPUT:
+                lines.append(f"    w{target[0]} = a[{source[0]}][{source[1]}]")
+            elif code == ca.OP_OUTPUT:
+                lines.append(f"    o{target[0]}[{target[1]}] = w{source[0]}")
+            elif code in _SYMBOLS:
+                names = [f"w{s}" for s in source]
+                lines.append(f"    w{target[0]} = {_SYMBOLS[code].format(*names)}")
+            else:
+                raise StabilityError(
+                    f"the graph {self.name} uses CasADi operation {code} (a branch, comparison or "
+                    "special function); only smooth elementary functions are read."
+                )
+        body = "\n".join(lines)
+        used = [name for name in (*_UNARY, "pow", "fabs") if f"f_{name}(" in body]
+        head = "\n".join(["def run(f, c, a):", *[f"    f_{n} = f[{n!r}]" for n in used]])
+        outputs = ", ".join(f"o{i}" for i in range(len(self.places)))
+        return f"{head}\n{body}\n    return [{outputs}]\n"
 
     def run(self, algebra: Algebra, arguments: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """Run the instructions.
@@ -210,27 +224,10 @@ class Program:
         list of list
             For each output, its stored entries in column order (see `places`).
         """
-        work: list[Any] = [None] * max(self._work, 1)
-        outputs: list[list[Any]] = [[0] * len(places) for places in self.places]
-        functions = algebra.functions
-        for kind, what, source, target in self._steps:
-            if kind == 3:
-                work[target] = what(work[source[0]], work[source[1]])
-            elif kind == 4:
-                work[target] = what(work[source[0]])
-            elif kind == 1:
-                work[target] = arguments[source[0]][source[1]]
-            elif kind == 2:
-                outputs[target[0]][target[1]] = work[source[0]]
-            elif kind == 0:
-                work[target] = algebra.constant(what)
-            elif kind == 5:
-                value = work[source[0]]
-                exact = isinstance(value, Upright)
-                work[target] = getattr(value, what)() if exact else functions[what](value)
-            else:
-                work[target] = functions[what](work[source[0]], work[source[1]])
-        return outputs
+        if algebra.name not in self._held:
+            self._held[algebra.name] = [algebra.constant(value) for value in self._constants]
+        out: list[list[Any]] = self._run(algebra.functions, self._held[algebra.name], arguments)
+        return out
 
     def dense(
         self, algebra: Algebra, arguments: Sequence[Sequence[Any]], output: int = 0

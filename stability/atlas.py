@@ -274,12 +274,16 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
         f"Eigenvalues of {family} of the {name} ({inertia}) under viscous friction, μ = {mu:g} "
         f"/√(gR), against the {quantity}: growth rate above (linear below 10⁻³, logarithmic "
         f"beyond), frequency below, in √(g/R), at {len(at)} points; "
-        f"{spectra.structural_zeros} structural zero(s) removed. One colour and number for each "
+        f"without the {_zeros(spectra.structural_zeros)}. One colour and number for each "
         "mode, followed by eigenvector overlap and named by the states that lead it; where a pair "
         "splits into two real eigenvalues, one of them is dashed. Dotted: "
         f"{changes or 'no change of verdict in this range'}."
     )
     return Picture(stem, caption, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}")
+
+
+def _zeros(count: int) -> str:
+    return "structural zero" if count == 1 else f"{count} structural zeros"
 
 
 def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[Any, ...]]:
@@ -311,8 +315,8 @@ def _diagram_caption(family: str, name: str, inertia: str, dataset: Any, limits:
         )
     return (
         f"{family.capitalize()} of the {name} ({inertia}) under viscous friction. Colour: largest "
-        "real part of the eigenvalues that remain when the "
-        f"{dataset.attrs['structural_zeros']} structural zero(s) are removed, on "
+        "real part of the eigenvalues other than the "
+        f"{_zeros(dataset.attrs['structural_zeros'])}, on "
         f"{dataset.sizes['at']} × {dataset.sizes['mu']} points, in √(g/R), linear below 10⁻⁴ and "
         f"logarithmic beyond; hatched where it is positive. Verdicts: {verdicts}{undecided}. "
         f"{curve} Strips: the limit laws on the same axis and colours ({'; '.join(limits)})."
@@ -336,7 +340,8 @@ body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; m
        margin: 0 auto; padding: 1.5rem; }
 h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { margin: 2.2rem 0 .3rem; font-size: 1.25rem; }
 nav a { margin-right: 1rem; } p.lead { max-width: 46rem; }
-.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1.5rem; }
+.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1.5rem;
+       margin-bottom: 1.8rem; }
 figure { margin: 0; } figure img { width: 100%; height: auto; }
 figcaption { font-size: .82rem; color: #333; } figcaption .files { white-space: nowrap; }
 footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color: #444; }

@@ -14,6 +14,7 @@ from enum import Enum
 from typing import Any
 
 import numpy as np
+from flint import ctx
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
@@ -85,6 +86,7 @@ class Line:
     def __init__(self, problem: Problem, axis: str, fixed: Mapping[str, float]) -> None:
         self.problem, self.axis, self.fixed = problem, axis, dict(fixed)
         self._near: list[float] | None = None
+        self._solution: tuple[int, list[Any], list[Any]] | None = None
         self._known: dict[tuple[float, int], list[Any]] = {}
 
     def coefficients(self, value: float, bits: int) -> list[Any]:
@@ -107,7 +109,12 @@ class Line:
 
     def _solved(self, a: list[Any], q: list[Any], near: list[float] | None) -> list[Any]:
         family = self.problem.family
+        # what the equation does not depend on (mu, for the disk) may move without a new solution
+        used = [(*a, *q)[i] for i in family.graph.used]
+        if self._solution and self._solution[0] == ctx.prec and self._solution[1] == used:
+            return matrix_polynomial(family, a, self._solution[2], q)
         unknowns = ball_unknowns(family, a, q, near)
+        self._solution = ctx.prec, used, unknowns
         self._near = [float(v.mid()) for v in unknowns]
         for name, value in zip(family.unknown, self._near, strict=True):
             if name in family.positive and value <= 0:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from flint import arb, arb_mat, ctx
 
 from .algebra import balls
 from .errors import NoMemberError
@@ -29,8 +30,6 @@ def matrix_polynomial(
     list of arb
         Coefficients, lowest first.
     """
-    from flint import arb_mat
-
     matrix = arb_mat(family.graph.matrix.dense(balls(), [list(a), list(u), list(q)]))
     out: list[Any] = matrix.charpoly().coeffs()
     return out
@@ -61,8 +60,6 @@ def ball_unknowns(
 
     Source: R. Krawczyk, Computing 4 (1969) 187-201.
     """
-    from flint import arb, arb_mat, ctx
-
     if not family.unknown or family.closed:
         return [arb(v) for v in family.unknown.values()]
     rough = near
@@ -71,16 +68,14 @@ def ball_unknowns(
         rough = family.solve(*(np.array([part]).reshape(1, -1) for part in point))[0]
     size = len(rough)
     x = arb_mat(size, 1, [arb(float(v)) for v in rough])
-    for _ in range(20):  # Newton doubles the digits; stop once a step is half of them
+    half = arb(2) ** (-ctx.prec // 2)
+    for _ in range(20):  # Newton doubles the digits, and so does the test below: stop halfway
         r, r_u = _residual(family, a, x, q)
-        step = r_u.solve(r).mid()
-        x = (x - step).mid()
-        half = arb(2) ** (-ctx.prec // 2 + 4)
-        if all(abs(step[i, 0]) <= half * abs(x[i, 0]) for i in range(size)):
+        inverse = r_u.mid().inv().mid()
+        shift = inverse * r
+        if all(abs(shift[i, 0]) <= half * abs(x[i, 0]) for i in range(size)):
             break
-    r, r_u = _residual(family, a, x, q)
-    inverse = r_u.mid().inv().mid()
-    shift = inverse * r
+        x = (x - shift).mid()
     spread = [
         3 * shift[i, 0].abs_upper() + abs(x[i, 0]) * arb(2) ** (16 - ctx.prec) for i in range(size)
     ]
@@ -97,8 +92,6 @@ def ball_unknowns(
 
 
 def _residual(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any]:
-    from flint import arb_mat
-
     size = x.nrows()
     u = [x[i, 0] for i in range(size)]
     r, r_u = family.graph.residual.run(balls(), [list(a), u, list(q)])

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from flint import acb_poly, arb, arb_mat, ctx
+
 from .enclosure import ball_unknowns, matrix_polynomial
 from .errors import StabilityError
 from .families import Family
@@ -47,8 +49,6 @@ def precision(bits: int) -> Iterator[None]:
     ...     print((arb(1) / 3).rel_accuracy_bits() > 190)
     True
     """
-    from flint import ctx
-
     before = ctx.prec
     ctx.prec = bits
     try:
@@ -109,8 +109,6 @@ def structure(family: Family) -> Structure:
     >>> structure(disk_family("rolling", "viscous")).zeros
     2
     """
-    from flint import arb
-
     vanishing = [True] * (len(family.system.states) + 1)
     with precision(SAMPLE_BITS):
         for sample in range(SAMPLES):
@@ -227,8 +225,6 @@ def hurwitz_determinant(polynomial: Sequence[Any]) -> Any:
 
     Source: Orlando's formula, Gantmacher vol. 2, ch. XV § 7: Δ(n-1) = ± ∏ (λᵢ + λⱼ) over i < j.
     """
-    from flint import arb, arb_mat
-
     degree = len(polynomial) - 1
     if degree < 2:
         return arb(1)
@@ -255,8 +251,6 @@ def frequency(polynomial: Sequence[Any]) -> float:
     float
         |Im λ| of the root nearest the imaginary axis among those that are not real; 0 if all are.
     """
-    from flint import acb_poly, arb
-
     roots = acb_poly([c.mid() for c in polynomial]).roots(tol=arb(2) ** -80)
     pairs = [(abs(float(r.real)), abs(float(r.imag))) for r in roots if not r.imag.contains(0)]
     return min(pairs)[1] if pairs else math.nan

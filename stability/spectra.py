@@ -129,7 +129,9 @@ class Spectrum:
         bound = f"largest real part {self.abscissa:.3g}, error bound {self.abscissa_error:.1g}"
         if self.family.conservative:
             bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound
-        return f"{bound}; {self.structural_zeros} structural zeros removed through null vectors"
+        count = self.structural_zeros
+        zeros = f"{count} structural zero{'s' * (count != 1)} removed through null vectors"
+        return f"{bound}; {zeros}" if count else bound
 
     @cached_property
     def modes(self) -> Modes:

@@ -43,7 +43,7 @@ def test_the_page_points_only_at_what_is_there_and_says_what_was_computed(folder
     captions = re.findall(r"<figcaption>(.*?)</figcaption>", page, re.DOTALL)
     assert len(captions) == 27
     for caption in captions:
-        assert "structural zero" in caption
+        assert "structural zero" in caption  # of which the spectrum is free
         assert "√(g/R)" in caption
     assert "recomputed" in page
     assert "16 × 12 points" in captions[0]

@@ -43,3 +43,13 @@ def test_commands_in_the_readme_run(
         words = command.split()
         assert main(words) == 0
         assert capsys.readouterr().out
+
+
+def test_the_bicycle_example_prints_the_published_speeds(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    runpy.run_path(str(ROOT / "examples" / "bicycle.py"))
+    text = capsys.readouterr().out
+    assert "self-stable from 4.292382536341" in text
+    assert "to   6.024262015388" in text
+    assert "-14.0783896928" in text

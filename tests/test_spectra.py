@@ -67,7 +67,9 @@ def test_error_discs_hold_the_truth_and_are_not_idle(entry: dict[str, Any]) -> N
 def truth_matrix(family: st.Family, a: float, q: list[float]) -> Any:
     """The linearisation at a member as an mpmath matrix: the graph with its constants exact."""
     functions = {n: getattr(mpmath, n) for n in ("sin", "cos", "sqrt")}
-    algebra: Any = type("Numbers", (), {"constant": mpmath.mpf, "functions": functions})
+    algebra: Any = type(
+        "Numbers", (), {"name": "mpmath", "constant": mpmath.mpf, "functions": functions}
+    )
     values = [mpmath.mpf(v) for v in q]
     if family.name == "tumbling":
         unknown = [1 / mpmath.sqrt(values[0] * mpmath.sin(mpmath.mpf(a)))]
