@@ -174,3 +174,22 @@ def test_a_family_that_does_not_fit_its_system_is_refused(changes: dict, sentenc
     given = {"at": ("g",), "held": {"angle": 0.0, "rate": 0.0}} | changes
     with pytest.raises(st.StabilityError, match=sentence):
         st.Family(system, "hanging", **given)
+
+
+def test_a_root_that_is_not_proved_is_not_handed_out() -> None:
+    """x² = a has no real root for a < 0; Newton's last iterate must not pass for one."""
+    from flint import arb
+
+    from stability.enclosure import ball_unknowns
+    from stability.polynomial import precision
+
+    x, a = ca.SX.sym("x"), ca.SX.sym("a")
+    system = st.System("fold", x, a, a - x**2, states=("x",), parameters=("a",))
+    fold = st.Family(system, "fold", at=("a",), unknown={"x": 1.0}, equations=("x",))
+    with precision(128):
+        [root] = ball_unknowns(fold, [arb(2)], [], [1.4])
+        assert root.contains(arb(2).sqrt())
+        assert root.rel_accuracy_bits() > 60
+        for value in (-1e-30, -1.0, 0.0):
+            with pytest.raises(st.StabilityError, match="no root is proved"):
+                ball_unknowns(fold, [arb(value)], [], [1e-9])

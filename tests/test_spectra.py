@@ -145,6 +145,29 @@ def test_the_naive_verdicts_are_wrong_where_ours_are_not() -> None:
     assert ask(hoop).verdict is Verdict.UNSTABLE
 
 
+BOUNDARIES = [
+    ("rolling", 0.25, 0.3, (1.0, 2.0)), ("rolling", 0.5, 300.0, (0.5, 2.0)),
+    ("spinning", 0.25, 0.3, (1.0, 3.0)), ("spinning", 0.3125, 1.0, (1.8, 2.5)),
+    ("tumbling", 0.25, 3.0, (0.3, 1.5)), ("tumbling", 0.5, 0.1, (0.01, 0.1)),
+    ("tumbling", 0.3125, 10.0, (0.001, 0.1)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("family", "k", "mu", "ends"), BOUNDARIES)
+def test_verdicts_beside_every_boundary_are_right_or_undecided(
+    family: str, k: float, mu: float, ends: tuple[float, float]
+) -> None:
+    disk, law = st.Disk(k=k), st.Viscous(mu)
+    [point] = st.boundaries(family, axis=("at", *ends, 40), disk=disk, contact=law)
+    distances = 10.0 ** -np.arange(2, 16)
+    for side in (-1, 1):
+        at = point.value * (1 + side * distances)
+        right = Verdict.STABLE if (side < 0) == point.stable_below else Verdict.UNSTABLE
+        codes = st.spectrum(family, at=at, disk=disk, contact=law).codes
+        assert np.isin(codes, [right.code, CODES[Verdict.UNDECIDED]]).all()
+        assert codes[0] == codes[1] == right.code  # a hundredth and a thousandth away: decided
+
+
 # --- conservative laws ---
 
 
