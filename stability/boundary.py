@@ -186,12 +186,12 @@ def refine(line: Line, low: float, high: float) -> BoundaryPoint | None:
         if not changes:
             continue
         f = line.function(crossing)
-        root = float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=300))
+        root = float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=5000))
         point = _bracket(line, root, crossing)
         if point is not None:
             return point
     root = float(
-        brentq(lambda v: float(line.sign(v)), low, high, xtol=1e-300, rtol=1e-15, maxiter=300)
+        brentq(lambda v: float(line.sign(v)), low, high, xtol=1e-300, rtol=1e-15, maxiter=5000)
     )
     return _bracket(line, root, Crossing.TOUCHING)
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import __version__
-from .errors import ParameterError
 from .polynomial import structure
 from .problem import Problem
 from .verdict import CODES
@@ -132,19 +131,9 @@ def assemble(
     Returns
     -------
     xarray.Dataset
-
-    Raises
-    ------
-    ParameterError
-        If a fixed parameter is an array.
     """
     import xarray
 
-    for name, value in question.values.items():
-        if np.ndim(value):
-            raise ParameterError(
-                f"{name} is an array; in a map everything but the axes is a number."
-            )
     dims = axes[1].name, axes[0].name
     rate = question.units["rate"]
     words = {"units": rate} | ({"unit_in_words": "√(g/R)"} if question.dimensionless else {})

@@ -42,9 +42,15 @@ def checked(name: str, value: ArrayLike) -> Number:
     try:
         if np.iscomplexobj(value) or isinstance(value, (str, bytes, bool)):
             raise TypeError
+        if np.ma.is_masked(value):
+            raise ParameterError(f"{name} has masked entries; give numbers only.")
         array = np.asarray(value, dtype=float)
+    except ParameterError:
+        raise
     except (TypeError, ValueError):
-        raise ParameterError(f"{name} is {value!r}; a real number is needed.") from None
+        shown = repr(value)
+        shown = shown if len(shown) < 60 else shown[:56] + " ..."
+        raise ParameterError(f"{name} is {shown}; a real number is needed.") from None
     if array.size == 0:
         raise ParameterError(f"{name} is an empty array; at least one number is needed.")
     bad = ~np.isfinite(array)
@@ -137,6 +143,13 @@ class Disk:
                 f"k is {bad.flat[0]:g}; a thin body has a diametral inertia factor in (0, 1/2]."
             )
         object.__setattr__(self, "k", k)
+        with np.errstate(all="ignore"):
+            scales = [np.asarray(s) for s in (self.time, self.rate, self.speed, self.force)]
+        if any((~np.isfinite(s) | (s == 0)).any() for s in scales):
+            raise ParameterError(
+                f"mass {self.mass}, radius {self.radius} and gravity {self.gravity} have scales "
+                "beyond double precision; give values nearer to 1."
+            )
 
     @classmethod
     def uniform(cls, **scales: Any) -> Disk:

@@ -19,6 +19,13 @@ PARTS = "complex_part"
 """Dimension that holds the real and imaginary part of complex data in a file."""
 
 
+def _path(path: str | os.PathLike[str]) -> Path:
+    try:
+        return Path(path)
+    except TypeError:
+        raise FileError(f"the file name is {path!r}; give a string or a path.") from None
+
+
 def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
     """A path that can be written, or a sentence why not; nothing is created.
 
@@ -38,7 +45,7 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
     FileError
         If it exists, is a folder, or its folder is missing or not writable.
     """
-    target = Path(path)
+    target = _path(path)
     if target.is_dir():
         raise FileError(f"{target} is a folder; give the name of a file.")
     if target.exists() and not overwrite:
@@ -139,6 +146,8 @@ def write_map(
     import numpy as np
     import xarray
 
+    if not isinstance(dataset, xarray.Dataset):
+        raise FileError(f"dataset is {dataset!r}; give what stability_map returns.")
     encoded: xarray.Dataset = dataset.copy()
     for name, variable in dataset.variables.items():
         if np.iscomplexobj(variable.values):
@@ -177,7 +186,7 @@ def read_map(path: str | os.PathLike[str]) -> xarray.Dataset:
 
     from .dataset import FORMAT
 
-    source = Path(path)
+    source = _path(path)
     if not source.is_file():
         raise FileError(f"{source} is not a file; give a map written by stability.")
     try:

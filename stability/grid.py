@@ -51,7 +51,7 @@ class Grid:
         >>> Grid.of(("mu", 0.1, 10, 3, "log"), "x").values.round(12).tolist()
         [0.1, 1.0, 10.0]
         """
-        if isinstance(axis, (str, bytes)) or len(tuple(axis)) not in (4, 5):
+        if not isinstance(axis, (tuple, list)) or len(axis) not in (4, 5):
             raise ParameterError(f"{which} is {axis!r}; give (name, low, high, n) or (…, 'log').")
         name, low, high, count, *rest = axis
         if not isinstance(name, str):

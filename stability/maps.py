@@ -101,6 +101,8 @@ def stability_map(
             "certify is True, which this version does not offer for maps; leave it out "
             "(boundary points are proved already)."
         )
+    if workers is not None and (not isinstance(workers, int) or workers < 1):
+        raise ParameterError(f"workers is {workers!r}; a whole number of at least 1 is needed.")
     axes = Grid.of(x, "x"), Grid.of(y, "y")
     question = prepare(family, axes, disk, contact, at, parameters)
     cells = Cells(question, axes, modes)
@@ -152,8 +154,6 @@ def boundaries(
     """
     grid = Grid.of(axis, "axis")
     question = prepare(family, (grid,), disk, contact, at, dict(parameters))
-    if any(np.ndim(v) for n, v in question.values.items() if n != grid.name):
-        raise ParameterError("a value is an array; along one axis everything else is one number.")
     return along(question, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
 
 
@@ -213,6 +213,9 @@ def prepare(
             raise ParameterError(f"{key} is given as a value and as an axis; give it once.")
         if key not in question.values and key not in names:
             raise ParameterError(f"{key} is missing; make it an axis or give its value.")
+    for name, value in question.values.items():
+        if np.ndim(value) and name not in names:
+            raise ParameterError(f"{name} is an array; what is not an axis must be one number.")
     merged = dict(question.values) | {n: v.mean() for n, v in axis_values.items()}
     from dataclasses import replace
 

@@ -34,12 +34,14 @@ def lift(spectrum: Spectrum) -> tuple[Complexes, Floats]:
     pick = _match(values, raw)
     w = np.take_along_axis(x.astype(complex), pick[:, None, :], axis=2)
     for step in reversed(spectrum.reduced.steps):
+        # (r·w, λ w) up to a factor; at λ = 0 a mode may coincide with the removed direction
         head = (step.row[:, :, None] * w).sum(axis=1)
-        # (r·w / λ, w), times λ where that is the smaller
-        small = np.abs(head) > 1e12 * np.abs(values)
-        factor = np.where(small, 0.0, 1.0)
-        first = np.where(small, 1.0, head / np.where(values == 0, 1.0, values))
-        tail = w * factor[:, None, :] + step.multipliers[:, :, None] * first[:, None, :]
+        size = np.maximum(np.abs(head), np.abs(values))
+        alone = size < 1e-300
+        size = np.where(alone, 1.0, size)
+        first = head / size
+        rest = np.where(alone, 1.0, values / size)
+        tail = w * rest[:, None, :] + step.multipliers[:, :, None] * first[:, None, :]
         full = np.concatenate([first[:, None, :], tail], axis=1)
         w = np.empty_like(full)
         np.put_along_axis(w, step.order[:, :, None], full, axis=1)

@@ -71,12 +71,25 @@ class Problem:
         a, q, rate, shape
             Family parameters (N, ·), parameters (N, ·), unit of rate (N,), and the broadcast shape.
         """
-        a, q, rate = self.reduce(values, np.sqrt)
+        shapes = {n: np.shape(v) for n, v in values.items() if np.shape(v)}
+        try:
+            np.broadcast_shapes(*shapes.values())
+        except ValueError:
+            listed = ", ".join(f"{n} {s}" for n, s in shapes.items())
+            raise ParameterError(
+                f"the arrays do not broadcast: their shapes are {listed}; make them fit."
+            ) from None
+        with np.errstate(all="ignore"):
+            a, q, rate = self.reduce(values, np.sqrt)
         shape = np.broadcast_shapes(*(np.shape(v) for v in (*a, *q, rate)))
         flat = [np.broadcast_to(v, shape).reshape(-1) for v in (*a, *q, rate)]
         count = math.prod(shape)
         columns = np.column_stack(flat).astype(float).reshape(count, -1)
         cut = len(a)
+        if not (np.isfinite(columns).all() and (columns[:, -1] > 0).all()):
+            raise ParameterError(
+                "the dimensionless numbers overflow double precision; give values nearer to 1."
+            )
         return columns[:, :cut], columns[:, cut:-1], columns[:, -1], shape
 
     def balls(self, values: Mapping[str, Any]) -> tuple[list[Any], list[Any]]:

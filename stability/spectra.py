@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .errors import DomainError
 from .families import Family
 from .modes import Modes, lift, mode_labels, track
 from .polynomial import structure
@@ -190,6 +191,11 @@ def reduce(family: Family, a: Floats, q: Floats, u: Floats | None = None) -> Red
     Reduced
     """
     u = family.solve(a, q) if u is None else u
+    with np.errstate(all="ignore"):  # `eigenvalues` refuses what is not finite
+        return _reduce(family, a, q, u)
+
+
+def _reduce(family: Family, a: Floats, q: Floats, u: Floats) -> Reduced:
     # Three roundings for what the caller made dimensionless.
     arguments = [
         [Tracked(c, 3 * UNIT * np.abs(c)) for c in a.T],
@@ -205,6 +211,8 @@ def reduce(family: Family, a: Floats, q: Floats, u: Floats | None = None) -> Red
         vector = _push(tangents[..., index], steps)
         matrix, error = _deflate(matrix, error, vector, 8 * UNIT * np.abs(vector), steps)
     for _ in range(zeros - min(zeros, tangents.shape[-1])):
+        if not np.isfinite(matrix).all():
+            break
         _, sizes, right = np.linalg.svd(matrix)
         vector = right[..., -1, :]
         noise = np.sqrt((error**2).sum(axis=(1, 2))) + 8 * UNIT * sizes[..., 0]
@@ -289,8 +297,20 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> tuple[Complexes, Floats]:
         Shapes (N, m).  The exact eigenvalues lie in the union of the discs, and a connected part
         of the union made of j discs holds j of them (Gershgorin); for an even polynomial the same
         holds of each λ separately.
+
+    Raises
+    ------
+    DomainError
+        If the linearisation is not finite.
     """
-    values, radius = _even(reduced) if even else _general(reduced.matrix, reduced.error)
+    if not np.isfinite(reduced.matrix).all():
+        raise DomainError(
+            "the linearisation overflows double precision; give values nearer to 1 "
+            "(dimensionless mu, at and 1/k below 1e100)."
+        )
+    with np.errstate(all="ignore"):  # what overflows comes out as a disc without bound
+        values, radius = _even(reduced) if even else _general(reduced.matrix, reduced.error)
+        radius = np.where(np.isfinite(radius), radius, np.inf)
     order = np.lexsort((values.imag, values.real), axis=-1)
     return np.take_along_axis(values, order, -1), np.take_along_axis(radius, order, -1)
 
@@ -408,8 +428,11 @@ def decide(values: Complexes, radius: Floats, *, even: bool) -> NDArray[np.int8]
     ndarray
         Shape (N,).
     """
-    if even:
-        return _decide_even(values, radius)
+    with np.errstate(all="ignore"):
+        return _decide_even(values, radius) if even else _decide(values, radius)
+
+
+def _decide(values: Complexes, radius: Floats) -> NDArray[np.int8]:
     real = values.real
     stable = (real + radius < 0).all(axis=1)
     right = real - radius > 0

@@ -95,6 +95,17 @@ class System:
     """Names of the implicit form's unknowns: accelerations and contact forces."""
 
     def __post_init__(self) -> None:
+        for what in ("x", "p", "rhs"):
+            value = getattr(self, what)
+            if not isinstance(value, ca.SX):
+                raise ParameterError(
+                    f"{what} is a {type(value).__name__}; give a CasADi SX expression."
+                )
+        for what in ("states", "parameters"):
+            value = getattr(self, what)
+            if isinstance(value, str) or not isinstance(value, (tuple, list)):
+                raise ParameterError(f"{what} is {value!r}; give a tuple of names.")
+            object.__setattr__(self, what, tuple(value))
         for what, symbols, names in (("x", self.x, self.states), ("p", self.p, self.parameters)):
             if symbols.numel() != len(names) or len(set(names)) != len(names):
                 raise ParameterError(

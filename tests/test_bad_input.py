@@ -1,0 +1,94 @@
+"""Bad input in Python: one sentence with the value and what is accepted."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stability as st
+
+V = st.Viscous
+
+
+def ask(at: Any = 1.2, contact: Any = None, disk: Any = None, family: Any = "rolling") -> Any:
+    return st.spectrum(family, at=at, disk=disk, contact=contact or V(0.3))
+
+
+def chart(x: Any = ("at", 1, 2, 3), y: Any = ("mu", 0.1, 1, 3), **more: Any) -> Any:
+    return st.stability_map("rolling", x=x, y=y, **more)
+
+
+CASES: list[tuple[str, Callable[[], Any], str]] = [
+    ("text for at", lambda: ask("a"), "at is 'a'; a real number"),
+    ("nan for at", lambda: ask(np.nan), "at is nan; a finite"),
+    ("one nan of many", lambda: ask([1.0, np.nan]), "at is nan; a finite"),
+    ("truth for at", lambda: ask(True), "at is True; a real number"),
+    ("complex at", lambda: ask(1j), "at is 1j; a real number"),
+    ("nothing for at", lambda: ask(None), "at is missing"),
+    ("empty at", lambda: ask([]), "at is an empty array"),
+    ("ragged at", lambda: ask([[1], [1, 2]]), "a real number is needed"),
+    ("masked at", lambda: ask(np.ma.masked_array([1.0, 2.0], [0, 1])), "masked entries"),
+    ("shapes that do not fit", lambda: ask([1, 2], V([1, 2, 3])), "do not broadcast"),
+    ("no family", lambda: ask(family=None), "family is None"),
+    ("unknown family", lambda: ask(family="hopping"), "known are rolling"),
+    ("contact by name", lambda: ask(contact="viscous"), "give one of Smooth()"),
+    ("contact class", lambda: ask(contact=V), "give one of Smooth()"),
+    ("disk by name", lambda: ask(disk="quarter"), "give a stability.Disk"),
+    ("no contact", lambda: st.spectrum("rolling", at=1), "contact is missing"),
+    ("mu beside", lambda: st.spectrum("rolling", at=1, contact=V(1), mu=2), "not an argument here"),
+    ("certify", lambda: st.spectrum("rolling", at=1, contact=V(1), certify=True), "certify"),
+    ("mu zero", lambda: V(0), "Smooth()"),
+    ("mu nan", lambda: V([0.1, np.nan]), "mu is nan"),
+    ("c negative", lambda: st.LinearViscous(-1), "c is -1"),
+    ("k too large", lambda: st.Disk(k=[0.1, 0.7]), "k is 0.7"),
+    ("mass text", lambda: st.Disk(mass="heavy"), "mass is 'heavy'"),
+    ("hole too large", lambda: st.Disk.annulus(2), "between 0 and the radius"),
+    ("unknown disk", lambda: st.Disk.named("penny"), "known are quarter"),
+    ("scales overflow", lambda: st.Disk(gravity=1e308, radius=1e308), "beyond double precision"),
+    ("at overflows", lambda: ask(1e300, family="spinning"), "overflows double precision"),
+    ("axis is text", lambda: chart(x="at"), "give (name, low, high, n)"),
+    ("axis is a number", lambda: chart(x=5), "give (name, low, high, n)"),
+    ("axis end is text", lambda: chart(x=("at", "a", 2, 3)), "low end 'a'"),
+    ("axis count is float", lambda: chart(x=("at", 1, 2, 3.0)), "at least 2"),
+    ("axis name is number", lambda: chart(x=(1, 1, 2, 3)), "give a string"),
+    ("no workers", lambda: chart(workers=0), "workers is 0"),
+    ("array in a map", lambda: chart(disk=st.Disk(k=[0.2, 0.3])), "k is an array"),
+    ("at as value and axis", lambda: chart(at=1.0), "give it once"),
+    ("checkpoint elsewhere", lambda: chart(checkpoint="/nowhere/at/all"), "cannot be made"),
+    ("not a path", lambda: st.read_map(3), "give a string or a path"),
+    ("not a dataset", lambda: st.write_map(3, "x.nc"), "what stability_map returns"),
+    ("system of numbers", lambda: st.System("x", 1, 2, 3, states=("a",)), "CasADi SX"),
+    ("branch of one point", lambda: st.branch(
+        st.disk_family("tumbling", "viscous"), 1, 0.5, [0.25, 0.3], points=1), "at least 2"),
+    ("state of wrong length", lambda: st.disk_system("viscous").rates([1, 2], [0.25, 0.3]),
+     "must hold 6 values"),
+    ("state with nan", lambda: st.disk_system("rough").rates([1, np.nan, 0, 0], [0.25]),
+     "NaN or infinite"),
+    ("unknown state", lambda: st.disk_system("rough").index("x"), "known are theta"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"), [c[1:] for c in CASES], ids=[c[0].replace(" ", "-") for c in CASES]
+)
+def test_it_is_refused_in_one_sentence(call: Callable[[], Any], sentence: str) -> None:
+    with pytest.raises(st.StabilityError) as caught:
+        call()
+    text = str(caught.value)
+    assert sentence in text
+    assert len(text.splitlines()) == 1
+    assert text.endswith(".")
+    assert isinstance(caught.value, ValueError)
+
+
+@pytest.mark.parametrize("family", ["rolling", "spinning", "tumbling"])
+@pytest.mark.parametrize("mu", [5e-324, 1e-300, 1e-20, 1e20, 1e155, 1e300])
+def test_extreme_friction_is_undecided_or_right_and_never_nan(family: str, mu: float) -> None:
+    found = ask(1.2, V(mu), family=family)
+    assert not np.isnan(found.eigenvalues).any()
+    assert not np.isnan(found.radius).any()
+    assert not np.isnan(found.modes.vectors).any()
+    if found.verdict is st.Verdict.STABLE:  # at 1.2 all three are unstable but weakly
+        assert family == "tumbling"
+        assert mu < 1
