@@ -256,7 +256,8 @@ def _job(body: str, family: str, folder: str, resolution: int) -> Page:
 
 
 def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Picture:
-    from .plots import locus, save
+    from .loci import locus
+    from .plots import save
 
     make, name, inertia = BODIES[body]
     disk = make()

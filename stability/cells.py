@@ -21,7 +21,8 @@ from .files import whole
 from .grid import Grid
 from .polynomial import structure
 from .problem import Problem
-from .spectra import decide, eigenvalues, reduce
+from .reduction import reduce
+from .spectra import decide, eigenvalues
 
 Floats = NDArray[np.float64]
 Progress = Callable[[int, int], None]

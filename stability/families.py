@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from .algebra import Upright
 from .disk import checked
 from .errors import NameUnknownError, NoMemberError, ParameterError
-from .graph import FamilyGraph
+from .graph import FamilyGraph, Frame
 from .system import System
 
 Floats = NDArray[np.float64]
@@ -124,7 +124,7 @@ class Family:
     @cached_property
     def graph(self) -> FamilyGraph:
         """The system's graph read at this family; built at first use."""
-        return FamilyGraph(self)
+        return FamilyGraph(Frame(self.system, self.at, self.held, self.unknown, self.equations))
 
     @property
     def closed(self) -> bool:

@@ -2,15 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from .algebra import Program, Upright, casadi_algebra
+from .system import System
 
-if TYPE_CHECKING:
-    from .families import Family
+FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
+"""CasADi's root-finder runs to the last digit; whether it got there is checked afterwards."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """What a family fixes of a system."""
+
+    system: System
+    """The equations of motion."""
+    at: Sequence[str]
+    """Names of the family parameters."""
+    held: Mapping[str, float | Upright]
+    """States that do not change."""
+    unknown: Mapping[str, float]
+    """First guesses of the states solved for."""
+    equations: Sequence[str]
+    """States whose rates must vanish."""
 
 
 class FamilyGraph:
@@ -18,82 +37,102 @@ class FamilyGraph:
 
     Parameters
     ----------
-    family
-        The family.
+    frame
+        What the family fixes.
     """
 
-    def __init__(self, family: Family) -> None:
-        system, sx = family.system, casadi_algebra()
-        a = [ca.SX.sym(n) for n in family.at]
-        u = [ca.SX.sym(n) for n in family.unknown]
-        q = [ca.SX.sym(n) for n in family.parameters]
-        table: dict[str, Any] = dict(zip(family.at, a, strict=True))
-        table |= {
-            n: v if isinstance(v, Upright) else ca.SX(float(v)) for n, v in family.held.items()
-        }
-        table |= dict(zip(family.parameters, q, strict=True))
-        table_guess = table | {n: ca.SX(float(v)) for n, v in family.unknown.items()}
-        table |= dict(zip(family.unknown, u, strict=True))
-        graph = Program(ca.Function("graph", [system.x, system.p], [system.rhs, system.jacobian]))
+    def __init__(self, frame: Frame) -> None:
+        self._system = system = frame.system
+        others = [n for n in system.parameters if n not in frame.at]
+        a, u, q = ([ca.SX.sym(n) for n in names] for names in (frame.at, frame.unknown, others))
+        self._inputs = [ca.vertcat(*s) if s else ca.SX(0, 1) for s in (a, u, q)]
+        self._size = len(u)
+        known: dict[str, Any] = dict(zip([*frame.at, *others], [*a, *q], strict=True))
+        known |= {n: v if isinstance(v, Upright) else ca.SX(v) for n, v in frame.held.items()}
+        guessed = known | {n: ca.SX(float(v)) for n, v in frame.unknown.items()}
+        table = known | dict(zip(frame.unknown, u, strict=True))
+        rows = [system.index(n) for n in frame.equations]
 
-        def read(values: dict[str, Any]) -> tuple[ca.SX, ca.SX]:
-            x = [values[n] for n in system.states]
-            p = [values[n] for n in system.parameters]
-            rates, slopes = graph.run(sx, [x, p])
-            n = len(x)
-            f, jac = ca.SX(n, 1), ca.SX(n, n)
-            for (i, _), value in zip(graph.places[0], rates, strict=True):
-                f[i] = value
-            for (i, j), value in zip(graph.places[1], slopes, strict=True):
-                jac[i, j] = value
-            return f, ca.sparsify(jac)
-
-        rows = [system.index(n) for n in family.equations]
-        f, jac = read(table)
-        f_guess, jac_guess = read(table_guess)
-        self.closed = bool(family.unknown) and all(f_guess[i].is_zero() for i in rows)
+        rates, slopes = self._read(table)
+        residual = ca.vertcat(*[rates[i] for i in rows]) if rows else ca.SX(0, 1)
+        at_guess = self._read(guessed)
+        self.closed = bool(u) and all(at_guess[0][i].is_zero() for i in rows)
+        """Whether the first guess solves the equations identically."""
         if self.closed:
-            f, jac = f_guess, jac_guess
-        states = [table_guess[n] if self.closed else table[n] for n in system.states]
-        state = ca.vertcat(*[ca.SX(np.pi / 2) if isinstance(v, Upright) else v for v in states])
-        va, vu, vq = (ca.vertcat(*s) if s else ca.SX(0, 1) for s in (a, u, q))
-        inputs = [va, vu, vq]
-        full, _ = read(table)
-        residual = ca.vertcat(*[full[i] for i in rows]) if rows else ca.SX(0, 1)
-        x = ca.vertcat(*[ca.SX(np.pi / 2) if isinstance(table[n], Upright) else table[n]
-                         for n in system.states])  # fmt: skip
-        p = ca.vertcat(*[table[n] for n in system.parameters]) if system.parameters else ca.SX(0, 1)
-        values = [ca.substitute(c.value, ca.vertcat(system.x, system.p), ca.vertcat(x, p))
-                  for c in system.conditions]  # fmt: skip
-        free = [i for i, v in enumerate(values) if not u or not ca.depends_on(v, vu)]
+            rates, slopes = at_guess
+        self.rates = self._program("rates", rates)
+        self.matrix = self._program("matrix", slopes)
+        self._equations(residual, self._numbers(guessed if self.closed else table, system.states))
+        self._conditions(table)
+
+    def _program(self, name: str, *outputs: Any) -> Program:
+        return Program(ca.Function(name, self._inputs, list(outputs)))
+
+    def _read(self, values: Mapping[str, Any]) -> tuple[ca.SX, ca.SX]:
+        """Rates and Jacobian with these values in place of the symbols, folded by CasADi."""
+        system = self._system
+        graph = Program(ca.Function("graph", [system.x, system.p], [system.rhs, system.jacobian]))
+        arguments = [[values[n] for n in names] for names in (system.states, system.parameters)]
+        rates, slopes = graph.run(casadi_algebra(), arguments)
+        n = len(system.states)
+        f, jac = ca.SX(n, 1), ca.SX(n, n)
+        for (i, _), value in zip(graph.places[0], rates, strict=True):
+            f[i] = value
+        for (i, j), value in zip(graph.places[1], slopes, strict=True):
+            jac[i, j] = value
+        return f, ca.sparsify(jac)
+
+    @staticmethod
+    def _numbers(values: Mapping[str, Any], names: Sequence[str]) -> ca.SX:
+        """Values as a column, the right angle as the double nearest to it."""
+        column = [values[n] for n in names]
+        column = [ca.SX(np.pi / 2) if isinstance(v, Upright) else v for v in column]
+        return ca.vertcat(*column) if column else ca.SX(0, 1)
+
+    def _equations(self, residual: ca.SX, state: ca.SX) -> None:
+        """State, equations, their derivatives, and CasADi's root-finder for them."""
+        a, u, q = self._inputs
+        by_u = ca.jacobian(residual, u)
+        dense = ca.densify(residual)
+        self.state = self._program("state", state)
+        self.residual = self._program("residual", dense, by_u)
+        self.tangent = self._program(
+            "tangent", ca.jacobian(state, a), ca.jacobian(state, u), dense, by_u,
+            ca.jacobian(residual, a),
+        )  # fmt: skip
+        given = ca.vertcat(a, q)
+        self.used = [i for i in range(given.numel()) if ca.depends_on(residual, given[i])]
+        """Which of (family parameters, parameters) the equations depend on."""
+        if self._size:
+            problem = ca.Function("residual", [u, given], [residual])
+            self.finder = ca.rootfinder("root", "fast_newton", problem, FINDER)
+
+    def _conditions(self, table: Mapping[str, Any]) -> None:
+        """The conditions on which no unknown has a say, to be checked before solving."""
+        system, unknowns = self._system, self._inputs[1]
+        symbols = ca.vertcat(system.x, system.p)
+        place = ca.vertcat(
+            self._numbers(table, system.states), self._numbers(table, system.parameters)
+        )
+        values = [ca.substitute(c.value, symbols, place) for c in system.conditions]
+        free = [i for i, v in enumerate(values) if not self._size or not ca.depends_on(v, unknowns)]
         self.early = (
             [system.conditions[i] for i in free],
-            Program(ca.Function("early", inputs, [values[i] for i in free])),
+            self._program("early", *[values[i] for i in free]),
         )
-        self.state = Program(ca.Function("state", inputs, [state]))
-        self.rates = Program(ca.Function("rates", inputs, [f]))
-        self.matrix = Program(ca.Function("matrix", inputs, [jac]))
-        by_u = ca.jacobian(residual, vu)
-        self.tangent = Program(ca.Function("tangent", inputs, [
-            ca.jacobian(state, va), ca.jacobian(state, vu),
-            ca.densify(residual), by_u, ca.jacobian(residual, va),
-        ]))  # fmt: skip
-        self.residual = Program(ca.Function("residual", inputs, [ca.densify(residual), by_u]))
-        parameters = ca.vertcat(va, vq)
-        self.used = [i for i in range(parameters.numel()) if ca.depends_on(residual, parameters[i])]
-        self._size = len(u)
-        if u:
-            problem = ca.Function("residual", [vu, parameters], [residual])
-            options = {
-                "abstol": 1e-300,
-                "abstolStep": 1e-14,
-                "max_iter": 200,
-                "error_on_fail": False,
-            }
-            self.finder = ca.rootfinder("root", "fast_newton", problem, options)
 
     def place(self, entries: list[Any]) -> list[list[Any]]:
-        """Rows of the unknowns' Jacobian from its stored entries."""
+        """Rows of the unknowns' Jacobian from its stored entries.
+
+        Parameters
+        ----------
+        entries
+            As `residual` gives them.
+
+        Returns
+        -------
+        list of list
+        """
         dense: list[list[Any]] = [[0] * self._size for _ in range(self._size)]
         for (i, j), value in zip(self.residual.places[1], entries, strict=True):
             dense[i][j] = value

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from .spectra import Spectrum
+from .reduction import Reduced
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -25,15 +24,29 @@ class Modes(NamedTuple):
     """Readable names, shape (…, mode); a tuple for a single spectrum."""
 
 
-def lift(spectrum: Spectrum) -> tuple[Complexes, Floats]:
-    """Eigenvectors over the states, and each state's share, in the order of the eigenvalues."""
-    matrix = spectrum.reduced.matrix
-    shape = spectrum.eigenvalues.shape
-    values = (spectrum.eigenvalues / np.asarray(spectrum.rate)[..., None]).reshape(len(matrix), -1)
+def lift(eigenvalues: Complexes, reduced: Reduced, scale: Floats) -> tuple[Complexes, Floats]:
+    """Eigenvectors over the states, and each state's share, in the order of the eigenvalues.
+
+    Parameters
+    ----------
+    eigenvalues
+        Dimensionless, shape (…, mode).
+    reduced
+        The linearisation without structural zeros, one row per point.
+    scale
+        Unit of each state, broadcastable to (…, states).
+
+    Returns
+    -------
+    vectors, participation
+        Shapes (…, mode, state).
+    """
+    matrix, shape = reduced.matrix, eigenvalues.shape
+    values = eigenvalues.reshape(len(matrix), -1)
     raw, x = np.linalg.eig(matrix)
     pick = _match(values, raw)
     w = np.take_along_axis(x.astype(complex), pick[:, None, :], axis=2)
-    for step in reversed(spectrum.reduced.steps):
+    for step in reversed(reduced.steps):
         # (r·w, λ w) up to a factor; at λ = 0 a mode may coincide with the removed direction
         head = (step.row[:, :, None] * w).sum(axis=1)
         size = np.maximum(np.abs(head), np.abs(values))
@@ -48,8 +61,8 @@ def lift(spectrum: Spectrum) -> tuple[Complexes, Floats]:
     vectors = np.swapaxes(w, 1, 2)
     vectors = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
     share = np.abs(vectors) ** 2
-    scale = np.broadcast_to(spectrum.scale, (*shape[:-1], vectors.shape[-1]))
-    lifted = vectors.reshape(*shape, -1) * scale[..., None, :]
+    units = np.broadcast_to(scale, (*shape[:-1], vectors.shape[-1]))
+    lifted = vectors.reshape(*shape, -1) * units[..., None, :]
     lifted = lifted / np.linalg.norm(lifted, axis=-1, keepdims=True)
     return lifted, share.reshape(*shape, -1)
 

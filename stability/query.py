@@ -13,7 +13,8 @@ from .errors import ParameterError
 from .families import Family
 from .polynomial import structure
 from .problem import Problem, disk_problem, system_problem
-from .spectra import Spectrum, decide, eigenvalues, reduce
+from .reduction import reduce
+from .spectra import Spectrum, decide, eigenvalues
 
 SPEEDS = ("slip_x", "slip_y")
 

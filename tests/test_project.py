@@ -15,8 +15,8 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "stability"
 CORE = (
     "errors", "disk", "contact", "algebra", "tracked", "system", "equations", "graph", "families",
-    "continuation", "steady", "enclosure", "polynomial", "verdict", "modes", "spectra", "problem",
-    "query", "grid", "files", "boundary", "curves", "cells", "maps",
+    "continuation", "steady", "enclosure", "polynomial", "verdict", "reduction", "modes", "spectra",
+    "problem", "query", "grid", "files", "boundary", "curves", "cells", "maps",
 )  # fmt: skip
 
 
@@ -56,12 +56,21 @@ def test_the_core_knows_no_plotting_no_command_line_and_no_progress_bar() -> Non
             for alias in node.names
         }
         assert not {
-            m for m in modules if re.match(r"(matplotlib|tqdm|argparse|plots|cli|atlas)", m)
+            m for m in modules if re.match(r"(matplotlib|tqdm|argparse|plots|loci|cli|atlas)", m)
         }
 
 
 def test_spectra_know_no_disk() -> None:
-    for name in ("spectra", "modes", "families", "graph", "polynomial", "enclosure", "system"):
+    for name in (
+        "spectra",
+        "reduction",
+        "modes",
+        "families",
+        "graph",
+        "polynomial",
+        "enclosure",
+        "system",
+    ):
         text = (PACKAGE / f"{name}.py").read_text()
         imports = re.findall(r"^\s*from \.(\w+) import (.+)$", text, re.MULTILINE)
         assert not {m for m, what in imports if m in ("equations", "steady", "contact")}

@@ -11,7 +11,8 @@ import reference
 import stability as st
 from stability.algebra import Program
 from stability.modes import track
-from stability.spectra import decide, eigenvalues, reduce
+from stability.reduction import reduce
+from stability.spectra import decide, eigenvalues
 from stability.verdict import CODES, Verdict
 
 SPECTRA = reference.spectra()

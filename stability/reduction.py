@@ -1,0 +1,144 @@
+"""A linearisation without its structural zeros, each entry with a bound on its error.
+
+Structural zeros are removed through null vectors, never by size: the family's own tangents first,
+then null vectors of what is left, as many as the family's structure has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .families import Family
+from .polynomial import structure
+from .tracked import UNIT, Tracked, tracked_arrays
+
+Floats = NDArray[np.float64]
+
+
+class Deflation(NamedTuple):
+    """One structural zero taken out by a similarity with multipliers of at most 1."""
+
+    order: NDArray[np.intp]
+    """Which coordinate comes first, shape (N, n)."""
+    multipliers: Floats
+    """Null vector below its first entry, shape (N, n - 1)."""
+    row: Floats
+    """Coupling of the rest to the removed coordinate, shape (N, n - 1)."""
+
+
+class Reduced(NamedTuple):
+    """A linearisation without its structural zeros."""
+
+    matrix: Floats
+    """Shape (N, m, m)."""
+    error: Floats
+    """Bound on the error of each entry, shape (N, m, m)."""
+    steps: list[Deflation]
+    """How to lift a mode back."""
+
+
+def reduce(family: Family, a: Floats, q: Floats, u: Floats | None = None) -> Reduced:
+    """Linearise at members and take out the structural zeros.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q
+        Family parameters and parameters, dimensionless, shapes (N, ·).
+    u
+        Unknowns from `family.solve`, or None.
+
+    Returns
+    -------
+    Reduced
+    """
+    u = family.solve(a, q) if u is None else u
+    with np.errstate(all="ignore"):  # `eigenvalues` refuses what is not finite
+        return _reduce(family, a, q, u)
+
+
+def _reduce(family: Family, a: Floats, q: Floats, u: Floats) -> Reduced:
+    # Three roundings for what the caller made dimensionless.
+    arguments = [
+        [Tracked(c, 3 * UNIT * np.abs(c)) for c in a.T],
+        [Tracked(c, e) for c, e in zip(u.T, _root_error(family, a, u, q).T, strict=True)],
+        [Tracked(c, 3 * UNIT * np.abs(c)) for c in q.T],
+    ]
+    graph = family.graph
+    matrix, error = tracked_arrays(graph.matrix, arguments, a.shape[:1])[0]
+    steps: list[Deflation] = []
+    zeros = structure(family).zeros
+    tangents = family.tangent(a, u, q)
+    for index in range(min(zeros, tangents.shape[-1])):
+        vector = _push(tangents[..., index], steps)
+        matrix, error = _deflate(matrix, error, vector, 8 * UNIT * np.abs(vector), steps)
+    for _ in range(zeros - min(zeros, tangents.shape[-1])):
+        if not np.isfinite(matrix).all():
+            break
+        _, sizes, right = np.linalg.svd(matrix)
+        vector = right[..., -1, :]
+        noise = np.sqrt((error**2).sum(axis=(1, 2))) + 8 * UNIT * sizes[..., 0]
+        gap = np.maximum(sizes[..., -2], UNIT * sizes[..., 0])
+        doubt = np.minimum(noise / gap, 1.0)[:, None] * np.ones_like(vector)
+        matrix, error = _deflate(matrix, error, vector, doubt, steps)
+    return Reduced(matrix, error, steps)
+
+
+def _root_error(family: Family, a: Floats, u: Floats, q: Floats) -> Floats:
+    """Bound on the error of the solved unknowns: residual's rounding through the inverse slope."""
+    if not u.shape[1] or family.closed:
+        return np.zeros_like(u)
+    arguments = [[Tracked(c, 2 * UNIT * np.abs(c)) for c in block.T] for block in (a, u, q)]
+    out = tracked_arrays(family.graph.tangent, arguments, a.shape[:1])
+    residual, slope = out[2], out[3][0]
+    size = np.abs(residual[0]) + residual[1]
+    error: Floats = (np.abs(np.linalg.inv(slope)) @ size)[..., 0]
+    return error + 2 * UNIT * np.abs(u)
+
+
+def _push(vector: Floats, steps: Sequence[Deflation]) -> Floats:
+    """A vector of the full space in the coordinates left after the steps so far."""
+    for step in steps:
+        ordered = np.take_along_axis(vector, step.order, axis=1)
+        vector = ordered[:, 1:] - step.multipliers * ordered[:, :1]
+    return vector
+
+
+def _deflate(
+    matrix: Floats, error: Floats, vector: Floats, doubt: Floats, steps: list[Deflation]
+) -> tuple[Floats, Floats]:
+    """Take out one null vector: B = A[1:, 1:] - m ⊗ A[0, 1:] with the largest entry put first."""
+    count, size = vector.shape
+    pivot = np.abs(vector).argmax(axis=1)
+    order = np.tile(np.arange(size), (count, 1))
+    order[np.arange(count), pivot] = 0
+    order[:, 0] = pivot
+    if (pivot == pivot[:1]).all():  # one order for all rows: plain slices, no gathering
+        pick = np.ix_(np.arange(count), order[0], order[0])
+        matrix, error = matrix[pick], error[pick]
+    else:
+        for axis in (1, 2):
+            index = order[:, :, None] if axis == 1 else order[:, None, :]
+            matrix = np.take_along_axis(matrix, index, axis=axis)
+            error = np.take_along_axis(error, index, axis=axis)
+    vector = np.take_along_axis(vector, order, axis=1)
+    doubt = np.take_along_axis(doubt, order, axis=1)
+    m = vector[:, 1:] / vector[:, :1]
+    m_error = (doubt[:, 1:] + np.abs(m) * doubt[:, :1]) / np.abs(vector[:, :1]) + UNIT * np.abs(m)
+    row, row_error = matrix[:, 0, 1:], error[:, 0, 1:]
+    product = m[:, :, None] * row[:, None, :]
+    reduced = matrix[:, 1:, 1:] - product
+    size_product = np.abs(product)
+    bound = (
+        error[:, 1:, 1:]
+        + m_error[:, :, None] * (np.abs(row) + row_error)[:, None, :]
+        + np.abs(m)[:, :, None] * row_error[:, None, :]
+        + UNIT * (size_product + np.abs(reduced))
+    )
+    steps.append(Deflation(order, m, row))
+    return reduced, bound
