@@ -220,7 +220,10 @@ def _table(options: argparse.Namespace) -> None:
         for key in ("k", "mu", "contact", "mass", "radius", "gravity"):
             if getattr(options, key) is not None:
                 raise ParameterError(f"--{key} goes with `table conditions` only; leave it out.")
-    rows = records(options.name, **settings)
+    with _bar("lines") as progress:
+        if options.name == "conditions":
+            settings["progress"] = progress
+        rows = records(options.name, **settings)
     if options.json:
         body = {
             "table": options.name,

@@ -46,8 +46,12 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
         If it exists, is a folder, or its folder is missing or not writable.
     """
     target = _path(path)
+    if target.is_symlink():  # write where it points, and leave the link
+        target = target.resolve()
     if target.is_dir():
         raise FileError(f"{target} is a folder; give the name of a file.")
+    if target.exists() and not target.is_file():
+        raise FileError(f"{target} is not a regular file; give the name of one.")
     if target.exists() and not overwrite:
         raise FileError(f"{target} exists; choose another name, or replace it with --force.")
     folder = target.parent

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Any
@@ -161,6 +161,7 @@ def conditions(
     mu: Sequence[float] = (0.1, 0.3, 1.0, 3.0, 10.0),
     disk: Disk | None = None,
     laws: Sequence[str] = ("smooth", "viscous", "rough"),
+    progress: Callable[[int, int], None] | None = None,
 ) -> list[ConditionRow]:
     """Where the verdict changes along each family, each place a proved bracket.
 
@@ -174,6 +175,8 @@ def conditions(
         Gives mass, radius, gravity.
     laws
         Contact laws.
+    progress
+        Called with (lines done, lines in all).
 
     Returns
     -------
@@ -190,13 +193,19 @@ def conditions(
     [('rolling', 'flutter'), ('spinning', 'static'), ('tumbling', 'none')]
     """
     base = disk or Disk()
-    rows = []
-    for name in SCAN:
-        for inertia in k:
-            body = Disk(base.mass, base.radius, inertia, base.gravity)
-            for law in laws:
-                for contact in _contacts(law, mu, body):
-                    rows += _rows(name, body, contact)
+    bodies = [Disk(base.mass, base.radius, inertia, base.gravity) for inertia in k]
+    asked = [
+        (name, body, contact)
+        for name in SCAN
+        for body in bodies
+        for law in laws
+        for contact in _contacts(law, mu, body)
+    ]
+    rows: list[ConditionRow] = []
+    for done, question in enumerate(asked, start=1):
+        rows += _rows(*question)
+        if progress:
+            progress(done, len(asked))
     return rows
 
 

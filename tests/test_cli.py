@@ -241,6 +241,8 @@ def test_bad_questions_get_one_sentence(
         ({"--out": "."}, "is a folder"),
         ({"--out": "nowhere/map.nc"}, "does not exist"),
         ({"--certify": None}, "certify"),
+        ({"--out": "/dev/full", "--force": None}, "not a regular file"),
+        ({"--out": "/proc/map.nc"}, "cannot be written"),
     ],
 )
 def test_bad_maps_get_one_sentence_and_write_nothing(
