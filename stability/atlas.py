@@ -276,8 +276,8 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
         f"/√(gR), against the {quantity}: growth rate above (linear below 10⁻³, logarithmic "
         f"beyond), frequency below, in √(g/R), at {len(at)} points; "
         f"without the {_zeros(spectra.structural_zeros)}. One colour and number for each "
-        "mode, followed by eigenvector overlap and named by the states that lead it; where a pair "
-        "splits into two real eigenvalues, one of them is dashed. Dotted: "
+        "mode, followed by eigenvector overlap and named by the states that lead it on average; "
+        "where a pair splits into two real eigenvalues, one of them is dashed. Dotted: "
         f"{changes or 'no change of verdict in this range'}."
     )
     return Picture(stem, caption, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}")

@@ -61,8 +61,7 @@ def locus(
         for index, columns in enumerate(groups):
             colour = MODE_COLOURS[index % len(MODE_COLOURS)]
             states = mode_states(share, columns, spectrum.family.system.states)
-            kind = "pair" if len(columns) > 1 else "real"
-            text = f"{index + 1} {kind}: {', '.join(SYMBOLS.get(s, s) for s in states)}"
+            text = f"{index + 1}: {', '.join(SYMBOLS.get(s, s) for s in states)}"
             for position, column in enumerate(columns):
                 top.plot(at, values[:, column].real, color=colour, zorder=3,
                          linestyle="-" if position == 0 else (0, (3, 1.5)),
@@ -160,7 +159,7 @@ def mode_states(
 
 def _locus_limits(axes: Axes, values: NDArray[np.complex128]) -> None:
     # Rates span many orders of magnitude on both sides of zero, and the sign is what matters.
-    axes.set_yscale("symlog", linthresh=LOCUS_LINEAR, linscale=0.5)
+    axes.set_yscale("symlog", linthresh=LOCUS_LINEAR, linscale=0.8)
     size = max(float(np.abs(values.real).max()), 10 * LOCUS_LINEAR)
     axes.set_ylim(-2.5 * size, 2.5 * size)
     powers = range(round(np.log10(LOCUS_LINEAR)), math.floor(np.log10(2.5 * size)) + 1)
