@@ -178,22 +178,32 @@ def refine(line: Line, low: float, high: float) -> BoundaryPoint | None:
     for end, sign in zip((low, high), signs, strict=True):
         if not sign:
             return _bracket(line, end, _kind_at(line, end))
-    ends = [line.polynomial(low), line.polynomial(high)]
-    static = bool(ends[0][0] * ends[1][0] < 0)
-    determinants = [hurwitz_determinant(p) for p in ends]
-    flutter = bool(determinants[0] * determinants[1] < 0)
-    for crossing, changes in ((Crossing.STATIC, static), (Crossing.FLUTTER, flutter)):
-        if not changes:
-            continue
-        f = line.function(crossing)
-        root = float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=5000))
-        point = _bracket(line, root, crossing)
+    point = _crossing(line, low, high)
+    if point is not None:
+        return point
+    # Both determinants may change an even number of times: find the verdict's change first.
+    root = _zero(lambda v: float(line.sign(v)), low, high)
+    for width in (1e-6, 1e-9, 1e-12):
+        near = max(low, root - width * abs(root)), min(high, root + width * abs(root))
+        point = _crossing(line, *near)
         if point is not None:
             return point
-    root = float(
-        brentq(lambda v: float(line.sign(v)), low, high, xtol=1e-300, rtol=1e-15, maxiter=5000)
-    )
     return _bracket(line, root, Crossing.TOUCHING)
+
+
+def _crossing(line: Line, low: float, high: float) -> BoundaryPoint | None:
+    """A change of verdict at a zero of one of the two determinants, if one changes sign."""
+    for crossing in (Crossing.STATIC, Crossing.FLUTTER):
+        f = line.function(crossing)
+        if f(low) * f(high) < 0:
+            point = _bracket(line, _zero(f, low, high), crossing)
+            if point is not None:
+                return point
+    return None
+
+
+def _zero(f: Callable[[float], float], low: float, high: float) -> float:
+    return float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=5000))
 
 
 def _bracket(line: Line, root: float, crossing: Crossing) -> BoundaryPoint | None:

@@ -199,7 +199,7 @@ class Cells:
         xs, ys = self.axes[0].values, self.axes[1].values
         row, column = np.divmod(np.arange(start, min(start + CHUNK, total)), self.shape[1])
         swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
-        values = self.question.settled(dict(self.question.values) | swept)
+        values = dict(self.question.values) | swept
         a, q, rate, _ = self.question.arrays(values)
         return iter((a, q, rate, self.question.family.solve(a, q)))
 

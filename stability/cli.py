@@ -71,7 +71,7 @@ def _spectrum(options: argparse.Namespace) -> None:
     from .steady import AT
 
     disk = _disk(options)
-    contact = law_named(options.contact, options.mu, disk)
+    contact = law_named(options.contact, options.mu)
     at = _at(options.at)
     result = spectrum(options.family, at=at, disk=disk, contact=contact, certify=options.certify)
     parameters = {n: float(getattr(disk, n)) for n in ("mass", "radius", "k", "gravity")}
@@ -128,7 +128,7 @@ def _map(options: argparse.Namespace) -> None:
     if "mu" in swept and options.contact in LAWS:
         contact = LAWS[options.contact]
     else:
-        contact = law_named(options.contact, options.mu, disk)
+        contact = law_named(options.contact, options.mu)
     targets = [Path(check_target(options.out, overwrite=options.force))]
     if options.plot:
         targets.append(_picture(options.plot, options.force))

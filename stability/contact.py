@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from numpy.typing import ArrayLike
 
 from .disk import Disk, Number, positive
-from .errors import NameUnknownError
+from .errors import NameUnknownError, ParameterError
 
 ZERO_MU = "friction must be positive (without friction the law is Smooth(), `--contact smooth`)"
 
@@ -36,6 +36,12 @@ class Contact:
     """Whether energy is kept, so that the reduced spectrum is even in λ."""
     slips: ClassVar[bool] = True
     """Whether the slip at the contact belongs to the state that a spectrum needs."""
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The coefficient by the name under which it was given; empty for a law without one."""
+        values = {n: getattr(self, n, None) for n in ("mu", "c")}
+        return {n: v for n, v in values.items() if v is not None}
 
     def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """Horizontal contact force over m g, for the slip over √(gR) and the normal force over m g.
@@ -122,11 +128,13 @@ class LinearViscous(Contact):
     ----------
     c
         Positive [kg/s]; dimensionless c* = (c/m) √(R/g).
+    mu
+        In place of c: positive [s/m], meaning c = mu m g of whatever disk is asked about.
 
     Raises
     ------
     ParameterError
-        If c is not a finite number above zero.
+        If not exactly one of them is given, or it is not a finite number above zero.
 
     Examples
     --------
@@ -134,14 +142,21 @@ class LinearViscous(Contact):
     0.6
     """
 
-    c: ArrayLike
-    """Friction coefficient [kg/s]."""
+    c: ArrayLike | None = None
+    """Friction coefficient [kg/s], or None."""
+    mu: ArrayLike | None = None
+    """Friction coefficient of the viscous law it is like [s/m], or None."""
     name: ClassVar[str] = "linear-viscous"
     coefficient: ClassVar[str | None] = "c"
     coefficient_unit: ClassVar[str] = "kg/s"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "c", positive("c", self.c, ZERO_MU))
+        if (self.c is None) == (self.mu is None):
+            raise ParameterError(
+                f"LinearViscous has c = {self.c} and mu = {self.mu}; give exactly one of them."
+            )
+        name = "c" if self.mu is None else "mu"
+        object.__setattr__(self, name, positive(name, getattr(self, name), ZERO_MU))
 
     @classmethod
     def like(cls, mu: ArrayLike, disk: Disk) -> LinearViscous:
@@ -190,7 +205,7 @@ LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, Lin
 """The contact laws by name."""
 
 
-def law_named(name: str, mu: float | None, disk: Disk) -> Contact:
+def law_named(name: str, mu: float | None) -> Contact:
     """The contact law of that name, with its coefficient where it has one.
 
     Parameters
@@ -200,8 +215,6 @@ def law_named(name: str, mu: float | None, disk: Disk) -> Contact:
     mu
         Friction coefficient [s/m], or None for a law without one; for `linear-viscous` the
         coefficient is c = mu m g, which has the same linearisation.
-    disk
-        Gives m g.
 
     Returns
     -------
@@ -216,11 +229,9 @@ def law_named(name: str, mu: float | None, disk: Disk) -> Contact:
 
     Examples
     --------
-    >>> law_named("viscous", 0.3, Disk()).mu
+    >>> law_named("viscous", 0.3).mu
     0.3
     """
-    from .errors import ParameterError
-
     if name == "coulomb":
         raise NameUnknownError(
             "contact is 'coulomb', which is set-valued at rest and has no linearisation of its "
@@ -237,4 +248,4 @@ def law_named(name: str, mu: float | None, disk: Disk) -> Contact:
         return law()
     if mu is None:
         raise ParameterError(f"mu is missing; the {name} law needs a positive coefficient (--mu).")
-    return LinearViscous.like(mu, disk) if law is LinearViscous else Viscous(mu)
+    return LinearViscous(mu=mu) if law is LinearViscous else Viscous(mu)

@@ -74,7 +74,7 @@ def trace(
     sign = _signs(question, axes, codes, abscissa)
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
     xs, ys = axes[0].values, axes[1].values
-    fixed = {n: float(v) for n, v in question.settled(question.values).items()}
+    fixed = {n: float(v) for n, v in question.values.items()}
     found: dict[tuple[int, int, int], BoundaryPoint | None] = {}
     rows: list[tuple[float, float, int, BoundaryPoint, int]] = []
     missing = 0
@@ -126,7 +126,7 @@ def _signs(
     doubtful = np.argwhere(codes == CODES[Verdict.UNDECIDED])
     sign[codes == CODES[Verdict.UNDECIDED]] = -np.sign(abscissa[codes == CODES[Verdict.UNDECIDED]])
     if len(doubtful) <= MOST_DOUBTFUL:
-        fixed = {n: float(v) for n, v in question.settled(question.values).items()}
+        fixed = {n: float(v) for n, v in question.values.items()}
         xs, ys = axes[0].values, axes[1].values
         for i, j in doubtful:
             line = Line(question, axes[0].name, fixed | {axes[1].name: float(ys[i])})

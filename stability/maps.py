@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .boundary import BoundaryPoint, along
 from .cells import Cells, Parts
-from .contact import LAWS, Contact, Viscous
+from .contact import LAWS, Contact, LinearViscous, Viscous
 from .curves import trace
 from .disk import Disk
 from .errors import NameUnknownError, ParameterError
@@ -193,8 +193,12 @@ def prepare(
         question = make_problem(family, at, disk, _law(contact, axes), dict(parameters))
         keys = ("at",) if len(question.family.at) == 1 else question.family.at
         known = (*keys, *(n for n in question.names if n not in keys))
-        if "c" in known:
-            known = (*known, "mu")
+        if isinstance(question.law, LinearViscous):
+            known = tuple(dict.fromkeys((*known, "c", "mu")))
+            if {"c", "mu"} <= set(names):
+                raise ParameterError(
+                    "the axes are c and mu, which are two names for one coefficient; take one."
+                )
     alias = {"at": question.family.at[0]} if isinstance(family, Family) else {}
     for grid in axes:
         name = alias.get(grid.name, grid.name)
@@ -216,7 +220,10 @@ def prepare(
     for name, value in question.values.items():
         if np.ndim(value) and name not in names:
             raise ParameterError(f"{name} is an array; what is not an axis must be one number.")
-    merged = dict(question.values) | {n: v.mean() for n, v in axis_values.items()}
+    kept = dict(question.values)
+    if "c" in names or "mu" in names:  # two names for one coefficient: the axis takes its place
+        kept = {n: v for n, v in kept.items() if n not in ("c", "mu")}
+    merged = kept | {n: v.mean() for n, v in axis_values.items()}
     from dataclasses import replace
 
     question = replace(question, values=merged)
@@ -251,5 +258,5 @@ def _check_members(question: Problem, axis_values: Mapping[str, Floats]) -> None
     values = dict(question.values) | {
         n: c.ravel() for n, c in zip(axis_values, corners, strict=True)
     }
-    a, q, _, _ = question.arrays(question.settled(values))
+    a, q, _, _ = question.arrays(values)
     question.family.member(a, q)

@@ -54,10 +54,6 @@ class Problem:
         """What may be an axis."""
         return tuple(self.values)
 
-    def settled(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Values without the linear law's own coefficient where mu is given in its place."""
-        return {n: v for n, v in values.items() if n != "c" or "mu" not in values}
-
     def arrays(self, values: Mapping[str, Any]) -> tuple[Floats, Floats, Floats, tuple[int, ...]]:
         """Dimensionless rows for broadcast values.
 
@@ -161,8 +157,7 @@ def disk_problem(family: str, disk: Disk, contact: Contact, at: ArrayLike | None
         columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
         values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
     values |= {"k": disk.k} | {n: getattr(disk, n) for n in PHYSICAL}
-    if contact.coefficient:
-        values[contact.coefficient] = getattr(contact, contact.coefficient)
+    values |= contact.given
     si = not disk.dimensionless
     units = {"k": "1", "mass": "kg", "radius": "m", "gravity": "m/s2", "rate": "1/s"}
     units |= {"mu": "s/m", "c": "kg/s"}
@@ -179,7 +174,7 @@ def disk_problem(family: str, disk: Disk, contact: Contact, at: ArrayLike | None
         a = [v[k] if p in ANGLES else v[k] * time for k, p in zip(keys, parts, strict=True)]
         q = [v["k"]]
         if contact.coefficient:
-            # a `mu` that is swept under the linear law means c = mu m g
+            # under the linear law mu means c = mu m g
             if "mu" in v:
                 q.append(v["mu"] * root(v["gravity"] * v["radius"]))
             else:

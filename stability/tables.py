@@ -199,7 +199,7 @@ def conditions(
         for name in SCAN
         for body in bodies
         for law in laws
-        for contact in _contacts(law, mu, body)
+        for contact in _contacts(law, mu)
     ]
     rows: list[ConditionRow] = []
     for done, question in enumerate(asked, start=1):
@@ -209,13 +209,13 @@ def conditions(
     return rows
 
 
-def _contacts(law: str, mu: Sequence[float], disk: Disk) -> list[Contact]:
+def _contacts(law: str, mu: Sequence[float]) -> list[Contact]:
     if law not in LAWS:
         raise NameUnknownError(f"contact is {law!r}; known are {', '.join(LAWS)}.")
     if law == "viscous":
         return [Viscous(m) for m in mu]
     if law == "linear-viscous":
-        return [LinearViscous.like(m, disk) for m in mu]
+        return [LinearViscous(mu=m) for m in mu]
     return [LAWS[law]()]
 
 
@@ -229,10 +229,7 @@ def _scan(name: str, disk: Disk, contact: Contact) -> list[Any]:
 def _rows(name: str, disk: Disk, contact: Contact) -> list[ConditionRow]:
     from .query import spectrum
 
-    given = getattr(contact, contact.coefficient) if contact.coefficient else None
-    mu = None if given is None else float(given)
-    if isinstance(contact, LinearViscous) and mu is not None:
-        mu = mu / float(disk.force)
+    mu = contact.given.get("mu")
     points = _scan(name, disk, contact)
     good = "neutral" if contact.conservative else "stable"
     common: dict[str, Any] = {

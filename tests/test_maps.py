@@ -207,6 +207,35 @@ def test_any_two_quantities_may_be_axes(x: tuple, y: tuple, at: float | None, co
     assert float(found.abscissa[i, j]) == pytest.approx(one.abscissa, rel=1e-11)
 
 
+def test_coarse_scans_name_what_crosses_as_fine_ones_do() -> None:
+    """On a coarse scan both determinants may change an even number of times between neighbours."""
+    disk, law = st.Disk(k=0.44322082648807054), st.Viscous(0.049348406290313625)
+    fine, coarse = (
+        st.boundaries("rolling", axis=("at", 0.02, 20.0, n, "log"), disk=disk, contact=law)
+        for n in (200, 2)
+    )
+    assert [p.crossing for p in fine] == [p.crossing for p in coarse] == [st.Crossing.FLUTTER]
+    assert coarse[0].value == pytest.approx(fine[0].value, rel=1e-15)
+    assert coarse[0].frequency == pytest.approx(fine[0].frequency, rel=1e-12)
+
+
+def test_mu_under_the_linear_law_follows_the_mass_and_gravity_of_each_cell() -> None:
+    law = st.LinearViscous(mu=0.3)
+    axes = {"x": ("mass", 0.5, 2.0, 4), "y": ("gravity", 0.5, 2.0, 3)}
+    found = st.stability_map("rolling", **axes, at=1.3, contact=law)
+    for i, gravity in enumerate(found.gravity.values):
+        for j, mass in enumerate(found.mass.values):
+            disk = st.Disk(mass=float(mass), gravity=float(gravity))
+            one = st.spectrum("rolling", at=1.3, disk=disk, contact=law)
+            two = st.spectrum("rolling", at=1.3, disk=disk, contact=st.Viscous(0.3))
+            assert float(found.abscissa[i, j]) == pytest.approx(one.abscissa, rel=1e-12)
+            assert one.abscissa == pytest.approx(two.abscissa, rel=1e-12)
+    with pytest.raises(st.StabilityError, match="two names for one"):
+        st.stability_map("rolling", x=("c", 1, 2, 3), y=("mu", 1, 2, 3), at=1, contact=law)
+    with pytest.raises(st.StabilityError, match="exactly one"):
+        st.LinearViscous()
+
+
 def test_circling_has_both_its_parameters_as_axes() -> None:
     found = st.stability_map(
         "circling", x=("theta", 0.3, 1.5, 12), y=("phi_dot", 0.2, 2, 10), contact=st.Rough()
