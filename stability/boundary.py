@@ -215,8 +215,6 @@ def _bracket(line: Line, root: float, crossing: Crossing) -> BoundaryPoint | Non
             return BoundaryPoint(
                 root, float(width), crossing, _frequency(line, root, crossing), below > 0
             )
-        if below and above and width > 1e-9 * abs(root):
-            return None
         width *= 4
     return None
 

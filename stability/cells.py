@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import __version__
-from .errors import FileError
+from .errors import FileError, ParameterError
 from .files import whole
 from .grid import Grid
 from .polynomial import structure
@@ -30,6 +30,10 @@ Chunk = dict[str, NDArray[Any]]
 
 CHUNK = 16384
 """Cells that are worked on at once: small enough for the cache, large enough for NumPy."""
+
+
+MOST_CELLS = 10**9
+"""Largest map; its arrays take 33 bytes a cell."""
 
 
 class Parts:
@@ -51,6 +55,8 @@ class Parts:
     NAME = "map.json"
 
     def __init__(self, folder: str | PathLike[str], key: dict[str, Any]) -> None:
+        if not isinstance(folder, (str, PathLike)) or not str(folder):
+            raise FileError(f"the checkpoint folder is {folder!r}; give the name of a folder.")
         self.folder = Path(folder)
         try:
             self.folder.mkdir(exist_ok=True)
@@ -61,7 +67,7 @@ class Parts:
         note = self.folder / self.NAME
         wanted = json.dumps(key, sort_keys=True, indent=1)
         if note.is_file():
-            if note.read_text(encoding="utf-8") != wanted:
+            if note.read_bytes() != wanted.encode():
                 raise FileError(
                     f"the checkpoint folder {folder} belongs to another map; choose another folder "
                     "or remove it."
@@ -103,6 +109,25 @@ class Parts:
             np.savez(beside, allow_pickle=False, **chunk)
 
 
+def remove_parts(folder: str | PathLike[str]) -> None:
+    """Remove the files that `Parts` wrote, and the folder if nothing else is in it.
+
+    Parameters
+    ----------
+    folder
+        The checkpoint folder.
+    """
+    where = Path(folder)
+    if not (where / Parts.NAME).is_file():
+        return
+    with suppress(OSError):
+        for path in where.glob("*.npz"):
+            if path.stem.isdigit():
+                path.unlink()
+        (where / Parts.NAME).unlink()
+        where.rmdir()
+
+
 class Cells:
     """The arrays of a map, filled chunk by chunk.
 
@@ -119,6 +144,11 @@ class Cells:
     def __init__(self, question: Problem, axes: tuple[Grid, Grid], modes: bool) -> None:
         self.question, self.axes = question, axes
         self.shape = axes[1].count, axes[0].count
+        if math.prod(self.shape) > MOST_CELLS:
+            raise ParameterError(
+                f"the map has {math.prod(self.shape):.3g} cells; at most {MOST_CELLS:.0e} are "
+                "accepted."
+            )
         self.abscissa = np.empty(self.shape)
         self.error = np.empty(self.shape)
         self.frequency = np.empty(self.shape)
@@ -180,7 +210,7 @@ class Cells:
             try:
                 for start in range(0, total, CHUNK):
                     chunk = parts.load(start) if parts is not None else None
-                    if chunk is not None:
+                    if chunk is not None and self._fits(start, chunk):
                         done += self._place(start, chunk)
                         continue
                     pending.append((start, pool.submit(self._work, *self._inputs(start, total))))
@@ -205,7 +235,8 @@ class Cells:
 
     def _work(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
         family = self.question.family
-        values, radius = eigenvalues(reduce(family, a, q, u), even=family.conservative)
+        reduced = reduce(family, a, q, u, self.question.roundings)
+        values, radius = eigenvalues(reduced, even=family.conservative)
         lead = values[:, -1]
         chunk: Chunk = {
             "codes": decide(values, radius, even=family.conservative),
@@ -216,6 +247,17 @@ class Cells:
         if self.values is not None:
             chunk["values"] = values * rate[:, None]
         return chunk
+
+    def _fits(self, start: int, chunk: Chunk) -> bool:
+        """Whether a stored chunk is whole: every array, of the right length and type."""
+        count = min(CHUNK, math.prod(self.shape) - start)
+        names = ["codes", "abscissa", "error", "frequency"]
+        names += ["values"] if self.values is not None else []
+        return sorted(chunk) == sorted(names) and all(
+            chunk[n].shape == (count, *getattr(self, n).shape[2:])
+            and chunk[n].dtype == getattr(self, n).dtype
+            for n in names
+        )
 
     def _place(self, start: int, chunk: Chunk) -> int:
         count = len(chunk["codes"])

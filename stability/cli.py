@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import io
 import json
-import shutil
+import os
+import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Any, NoReturn
 
 from . import __version__
@@ -20,10 +22,20 @@ CONTACTS = "smooth, viscous, linear-viscous, rough"
 class _Parser(argparse.ArgumentParser):
     """A parser that answers a bad argument with one sentence and exit code 2."""
 
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        # argparse takes -1e-3, -inf and -1,2 for options; here they are numbers to be judged
+        self._negative_number_matcher = re.compile(r"^-(\d|\.\d|inf|nan).*$")
+
     def error(self, message: str) -> NoReturn:
-        sentence = message[:1] + message[1:].rstrip(".")
-        print(f"stability: {sentence}; see `{self.prog} --help`.", file=sys.stderr)
+        _say(f"{message.rstrip('.')}; see `{self.prog} --help`.")
         raise SystemExit(2)
+
+
+def _say(sentence: str) -> None:
+    """A message on standard error, if there is one."""
+    if sys.stderr is not None:
+        print(f"stability: {sentence}", file=sys.stderr)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -45,20 +57,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rolling, viscous contact, at omega3 = 1.8, k = 0.25, mu = 0.3
     verdict     stable: ...
     """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a terminal that lacks √ shows its code instead
+            stream.reconfigure(errors="backslashreplace")
     parser = _parser()
     options = parser.parse_args(arguments)
     try:
         run: Callable[[argparse.Namespace], None] = options.run
         run(options)
+        sys.stdout.flush()
     except StabilityError as error:
-        print(f"stability: {error}", file=sys.stderr)
+        _say(str(error))
         return 2
     except KeyboardInterrupt as stop:
-        print(f"stability: {str(stop) or 'interrupted; nothing was written'}.", file=sys.stderr)
+        _say(f"{str(stop) or 'interrupted; nothing was written'}.")
         return 130
     except BrokenPipeError:  # the reader of our output has left, which is its right
-        sys.stderr.close()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        _say(f"the output cannot be written: {error.strerror}.")
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 2
     return 0
 
 
@@ -73,6 +93,12 @@ def _spectrum(options: argparse.Namespace) -> None:
     disk = _disk(options)
     contact = law_named(options.contact, options.mu)
     at = _at(options.at)
+    parts = AT.get(options.family, ("at",))
+    if isinstance(at, list) and len(at) != len(parts):
+        raise ParameterError(
+            f"at is {options.at!r}; {options.family} takes {' and '.join(parts)}, "
+            f"{len(parts)} number{'s' * (len(parts) > 1)}."
+        )
     result = spectrum(options.family, at=at, disk=disk, contact=contact, certify=options.certify)
     parameters = {n: float(getattr(disk, n)) for n in ("mass", "radius", "k", "gravity")}
     if options.mu is not None:
@@ -93,7 +119,7 @@ def _spectrum(options: argparse.Namespace) -> None:
         "unit": "√(g/R)" if disk.dimensionless else "1/s",
     }
     if options.json:
-        print(json.dumps(record, indent=2, ensure_ascii=False))
+        print(json.dumps(record, indent=2))
         return
     names = AT[options.family]
     where = [
@@ -114,8 +140,9 @@ def _spectrum(options: argparse.Namespace) -> None:
 def _map(options: argparse.Namespace) -> None:
     from pathlib import Path
 
+    from .cells import remove_parts
     from .contact import LAWS, law_named
-    from .files import check_target, write_map
+    from .files import check_target, whole, write_map
     from .maps import stability_map
 
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
@@ -130,7 +157,7 @@ def _map(options: argparse.Namespace) -> None:
     else:
         contact = law_named(options.contact, options.mu)
     targets = [Path(check_target(options.out, overwrite=options.force))]
-    if options.plot:
+    if options.plot is not None:
         targets.append(_picture(options.plot, options.force))
         if targets[0].resolve() == targets[1].resolve():
             raise ParameterError(f"--out and --plot are both {options.out!r}; give two files.")
@@ -149,11 +176,13 @@ def _map(options: argparse.Namespace) -> None:
                 f"interrupted; finished cells are kept in {options.checkpoint}: give the same "
                 "command again to go on"
             ) from None
-    write_map(dataset, targets[0], overwrite=options.force)
+    with ExitStack() as both:  # both files are whole before either has its name
+        if options.plot:
+            picture = both.enter_context(whole(targets[1], overwrite=options.force))
+            _draw(dataset, picture)
+        write_map(dataset, targets[0], overwrite=options.force)
     if options.checkpoint is not None:
-        shutil.rmtree(options.checkpoint, ignore_errors=True)
-    if options.plot:
-        _draw(dataset, targets[1])
+        remove_parts(options.checkpoint)
     from .verdict import CODES
 
     counts = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
@@ -165,7 +194,7 @@ def _map(options: argparse.Namespace) -> None:
         "boundary_unresolved": int(dataset.attrs["boundary_unresolved"]),
     }
     if options.json:
-        print(json.dumps(record, indent=2, ensure_ascii=False))
+        print(json.dumps(record, indent=2))
         return
     cells = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
     print(
@@ -176,12 +205,10 @@ def _map(options: argparse.Namespace) -> None:
 def _draw(dataset: Any, target: Any) -> None:
     import matplotlib.pyplot as plt
 
-    from .files import whole
     from .plots import diagram
 
     figure = diagram(dataset, title=str(dataset.attrs["title"]).split(":")[0])
-    with whole(target, overwrite=True) as beside:
-        figure.savefig(beside, dpi=300)
+    figure.savefig(target, dpi=300)
     plt.close(figure)
 
 
@@ -199,6 +226,7 @@ def _atlas(options: argparse.Namespace) -> None:
 
 
 def _table(options: argparse.Namespace) -> None:
+    from .contact import law_named
     from .errors import NameUnknownError
     from .tables import TABLES, records, text
 
@@ -211,6 +239,7 @@ def _table(options: argparse.Namespace) -> None:
             if given is not None:
                 settings[key] = given
         if options.contact is not None:
+            law_named(options.contact, None if options.mu is None else options.mu[0], needed=False)
             settings["laws"] = [options.contact]
         scales = {n: getattr(options, n) for n in ("mass", "radius", "gravity")}
         from .disk import Disk
@@ -230,7 +259,7 @@ def _table(options: argparse.Namespace) -> None:
             "heading": f"{TABLES[options.name]} (recomputed)",
             "rows": rows,
         }
-        print(json.dumps(body, indent=2, ensure_ascii=False))
+        print(json.dumps(body, indent=2))
         return
     disk = settings.get("disk")
     print(text(options.name, rows, "√(g/R)" if disk is None or disk.dimensionless else "rad/s"))
@@ -376,6 +405,9 @@ def _bar(unit: str) -> Iterator[Callable[[int, int], None]]:
     """A progress bar on standard error, shown once the work has taken a second."""
     from tqdm import tqdm
 
+    if sys.stderr is None:
+        yield lambda *_: None
+        return
     bar = tqdm(total=None, unit=f" {unit}", delay=1, disable=None, leave=False, file=sys.stderr)
 
     def update(done: int, total: int) -> None:

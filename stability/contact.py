@@ -205,7 +205,7 @@ LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, Lin
 """The contact laws by name."""
 
 
-def law_named(name: str, mu: float | None) -> Contact:
+def law_named(name: str, mu: float | None, *, needed: bool = True) -> Contact:
     """The contact law of that name, with its coefficient where it has one.
 
     Parameters
@@ -215,6 +215,8 @@ def law_named(name: str, mu: float | None) -> Contact:
     mu
         Friction coefficient [s/m], or None for a law without one; for `linear-viscous` the
         coefficient is c = mu m g, which has the same linearisation.
+    needed
+        Whether a law with a coefficient must be given one; else 1 stands in.
 
     Returns
     -------
@@ -246,6 +248,8 @@ def law_named(name: str, mu: float | None) -> Contact:
                 f"mu is given but the {name} law has no coefficient; leave it out."
             )
         return law()
+    if mu is None and not needed:
+        mu = 1.0
     if mu is None:
         raise ParameterError(f"mu is missing; the {name} law needs a positive coefficient (--mu).")
     return LinearViscous(mu=mu) if law is LinearViscous else Viscous(mu)

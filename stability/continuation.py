@@ -67,6 +67,15 @@ def branch(
     >>> run.complete, float(run.state[0, 2].round(6))
     (True, 2.00251)
     """
+    if not isinstance(family, Family):
+        raise ParameterError(f"family is {family!r}; give a stability.Family.")
+    if isinstance(points, bool) or not isinstance(points, int):
+        raise ParameterError(f"points is {points!r}; a whole number is needed.")
+    for what, given, names in (
+        ("parameters", parameters, family.parameters), ("fixed", fixed, family.at[1:]),
+    ):  # fmt: skip
+        if np.size(given) != len(names) or (np.size(given) and np.ndim(checked(what, given)) != 1):
+            raise ParameterError(f"{what} must hold {len(names)} values ({', '.join(names)}).")
     if points < 2:
         raise ParameterError(f"points is {points}; a branch needs at least 2.")
     lo, hi = float(checked("start", start)), float(checked("stop", stop))

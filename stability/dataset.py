@@ -104,7 +104,7 @@ def axis_attributes(question: Problem, name: str) -> dict[str, str]:
     dict
     """
     meaning = question.family.at[0] if name == "at" else name
-    long = LONG_NAMES.get(meaning, meaning)
+    long = LONG_NAMES.get(meaning, meaning) if question.law is not None else meaning
     attributes = {"units": question.units.get(name, "1"), "long_name": long, "quantity": meaning}
     if question.dimensionless and question.law is not None:
         scale = {"omega3": "√(g/R)", "phi_dot": "√(g/R)", "mu": "1/√(gR)", "c": "m √(g/R)",

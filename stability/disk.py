@@ -40,14 +40,18 @@ def checked(name: str, value: ArrayLike) -> Number:
     3.0
     """
     try:
-        if np.iscomplexobj(value) or isinstance(value, (str, bytes, bool)):
-            raise TypeError
+        if (
+            value is None
+            or isinstance(value, (str, bytes))
+            or np.asarray(value).dtype.kind not in "iufO"
+        ):
+            raise TypeError  # text, truth values, complex numbers, dates
         if np.ma.is_masked(value):
             raise ParameterError(f"{name} has masked entries; give numbers only.")
         array = np.asarray(value, dtype=float)
     except ParameterError:
         raise
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         shown = repr(value)
         shown = shown if len(shown) < 60 else shown[:56] + " ..."
         raise ParameterError(f"{name} is {shown}; a real number is needed.") from None
@@ -188,6 +192,8 @@ class Disk:
         >>> Disk.annulus(0.5).k
         0.3125
         """
+        if "k" in scales:
+            raise ParameterError("k is given, but an annulus has its own; leave it out.")
         inner = np.asarray(checked("inner_radius", inner_radius))
         ratio = inner / positive("radius", scales.get("radius", 1.0))
         if (ratio < 0).any() or (ratio > 1).any():
@@ -231,7 +237,7 @@ class Disk:
         >>> coin.mass, coin.radius
         (0.00567, 0.01213)
         """
-        if name not in REAL_DISKS:
+        if not isinstance(name, str) or name not in REAL_DISKS:
             raise NameUnknownError(f"disk is {name!r}; known are {', '.join(REAL_DISKS)}.")
         return cls(**REAL_DISKS[name][0])
 

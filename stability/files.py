@@ -48,12 +48,18 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
     target = _path(path)
     if target.is_symlink():  # write where it points, and leave the link
         target = target.resolve()
+    try:
+        there = target.exists()
+    except OSError as error:
+        raise FileError(f"{str(target)[:60]} cannot be written: {error.strerror}.") from None
     if target.is_dir():
         raise FileError(f"{target} is a folder; give the name of a file.")
-    if target.exists() and not target.is_file():
+    if there and not target.is_file():
         raise FileError(f"{target} is not a regular file; give the name of one.")
-    if target.exists() and not overwrite:
-        raise FileError(f"{target} exists; choose another name, or replace it with --force.")
+    if there and not overwrite:
+        raise FileError(
+            f"{target} exists; choose another name, or replace it with --force (overwrite=True)."
+        )
     folder = target.parent
     if not folder.is_dir():
         raise FileError(f"the folder {folder} does not exist; create it first.")
@@ -106,12 +112,25 @@ def whole(path: str | os.PathLike[str], *, overwrite: bool = False) -> Iterator[
     try:
         yield beside
         beside.chmod(0o666 & ~mask)
-        beside.replace(target)
+        if overwrite:
+            beside.replace(target)
+        else:
+            _name(beside, target)
     except OSError as error:
         raise FileError(f"{target} cannot be written: {error.strerror or error}.") from None
     finally:
         with suppress(FileNotFoundError):
             beside.unlink()
+
+
+def _name(beside: Path, target: Path) -> None:
+    """Give the file its name unless another has taken it meanwhile."""
+    try:
+        os.link(beside, target)
+    except FileExistsError:
+        raise FileError(f"{target} exists by now; choose another name.") from None
+    except OSError:  # a file system without hard links
+        beside.replace(target)
 
 
 def write_map(
@@ -158,13 +177,12 @@ def write_map(
             parts = np.stack([variable.values.real, variable.values.imag], axis=-1)
             attributes = dict(variable.attrs) | {"complex": "real and imaginary part, last axis"}
             encoded[name] = xarray.Variable((*variable.dims, PARTS), parts, attributes)
+    compress: dict[Any, dict[str, Any]] = {
+        str(n): {"zlib": True, "complevel": 4} for n, v in encoded.data_vars.items() if v.ndim > 1
+    }
+    # into memory first: a disk that fills up while HDF5 writes to it takes the process down
     with whole(path, overwrite=overwrite) as beside:
-        compress: dict[Any, dict[str, Any]] = {
-            str(n): {"zlib": True, "complevel": 4}
-            for n, v in encoded.data_vars.items()
-            if v.ndim > 1
-        }
-        encoded.to_netcdf(beside, engine="h5netcdf", encoding=compress)
+        beside.write_bytes(encoded.to_netcdf(engine="h5netcdf", encoding=compress))
     return Path(path)
 
 
@@ -191,7 +209,11 @@ def read_map(path: str | os.PathLike[str]) -> xarray.Dataset:
     from .dataset import FORMAT
 
     source = _path(path)
-    if not source.is_file():
+    try:
+        there = source.is_file()
+    except OSError as error:
+        raise FileError(f"{str(source)[:60]} cannot be read: {error.strerror}.") from None
+    if not there:
         raise FileError(f"{source} is not a file; give a map written by stability.")
     try:
         with xarray.open_dataset(source, engine=ENGINE) as opened:
@@ -201,7 +223,8 @@ def read_map(path: str | os.PathLike[str]) -> xarray.Dataset:
             f"{source} cannot be read as NetCDF ({str(error).splitlines()[0][:80]}); it may be "
             "damaged or of another format."
         ) from None
-    if dataset.attrs.get("format") != FORMAT:
+    whole_map = {"abscissa", "verdict"} <= set(dataset.variables)
+    if str(dataset.attrs.get("format")) != FORMAT or not whole_map:
         raise FileError(f"{source} is a NetCDF file but not a map written by stability.")
     for name, variable in list(dataset.variables.items()):
         if PARTS in variable.dims:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,9 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .disk import checked
 from .errors import ParameterError
 
 Floats = NDArray[np.float64]
+
+
+MOST_POINTS = 10_000_000
+"""Longest axis."""
 
 
 @dataclass(frozen=True)
@@ -58,11 +62,12 @@ class Grid:
             raise ParameterError(f"{which} axis name is {name!r}; give a string such as 'at'.")
         if rest and rest[0] not in ("log", "linear"):
             raise ParameterError(f"{which} spacing is {rest[0]!r}; give 'linear' or 'log'.")
-        for what, value in (("low", low), ("high", high)):
-            if isinstance(value, (str, bool)) or not np.isreal(value) or not math.isfinite(value):
-                raise ParameterError(
-                    f"{which} axis {name} has {what} end {value!r}; a finite number is needed."
-                )
+        low, high = (
+            checked(f"the {what} end of the {which} axis {name}", value)
+            for what, value in (("low", low), ("high", high))
+        )
+        if not isinstance(low, float) or not isinstance(high, float):
+            raise ParameterError(f"{which} axis {name} has an array for an end; give numbers.")
         if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 2:
             raise ParameterError(
                 f"{which} axis {name} has {count!r} points; at least 2 are needed."
@@ -77,7 +82,17 @@ class Grid:
             raise ParameterError(
                 f"{which} axis {name} starts at {low:g}; a logarithmic axis starts above zero."
             )
-        return cls(name, float(low), float(high), int(count), log)
+        if count > MOST_POINTS:
+            raise ParameterError(f"{which} axis {name} has {count} points; at most {MOST_POINTS}.")
+        grid = cls(name, low, high, int(count), log)
+        with np.errstate(all="ignore"):
+            apart = np.diff(grid.values)
+        if not (apart > 0).all():
+            raise ParameterError(
+                f"{which} axis {name} from {low!r} to {high!r} has no {count} different numbers; "
+                "widen it or ask for fewer points."
+            )
+        return grid
 
     @property
     def values(self) -> Floats:

@@ -17,7 +17,7 @@ from .disk import Disk
 from .errors import NameUnknownError, ParameterError
 from .families import Family
 from .grid import Grid
-from .problem import Problem, check_axis
+from .problem import PHYSICAL, Problem, check_axis, disk_roundings, disk_units
 from .query import problem as make_problem
 
 if TYPE_CHECKING:
@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 Axis = tuple[str, float, float, int] | tuple[str, float, float, int, str]
+
+RESERVED = ("abscissa", "abscissa_error", "frequency", "verdict", "eigenvalues", "mode",
+            "complex_part")  # fmt: skip
+"""Variables and dimensions of every map, which no axis may be called."""
 
 
 def stability_map(
@@ -208,6 +212,11 @@ def prepare(
             )
     if isinstance(family, Family) and "at" in names:
         raise NameUnknownError(f"axis is 'at'; for {family.name} it is called {family.at[0]!r}.")
+    for name in names:
+        if not name or name in RESERVED or name.startswith("boundary_") or "/" in name:
+            raise NameUnknownError(
+                f"axis is {name!r}, a name that the map needs for itself; rename the parameter."
+            )
     axis_values = {g.name: g.values for g in axes}
     for name, values in axis_values.items():
         check_axis(question, name, values)
@@ -227,6 +236,14 @@ def prepare(
     from dataclasses import replace
 
     question = replace(question, values=merged)
+    if question.dimensionless and set(names) & set(PHYSICAL):  # then the numbers are SI after all
+        parts = question.family.at
+        question = replace(
+            question,
+            dimensionless=False,
+            units=disk_units(["at"] if len(parts) == 1 else parts, parts, si=True),
+            roundings=disk_roundings(parts, question.law, si=True),  # type: ignore[arg-type]
+        )
     _check_members(question, axis_values)
     return question
 

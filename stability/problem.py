@@ -9,7 +9,7 @@ doubles.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -46,6 +46,8 @@ class Problem:
     """(values, square root) → family parameters, parameters, unit of rate; over any number type."""
     speed: Callable[[Mapping[str, Any]], Any] = field(default=lambda _: 1.0)
     """Unit of speed from the values."""
+    roundings: tuple[int, ...] = ()
+    """Roundings behind each of (family parameters, parameters) when they are made dimensionless."""
     law: Contact | None = None
     """The contact law, for the disk."""
 
@@ -69,7 +71,7 @@ class Problem:
         """
         shapes = {n: np.shape(v) for n, v in values.items() if np.shape(v)}
         try:
-            np.broadcast_shapes(*shapes.values())
+            shape = np.broadcast_shapes(*shapes.values())
         except ValueError:
             listed = ", ".join(f"{n} {s}" for n, s in shapes.items())
             raise ParameterError(
@@ -77,7 +79,6 @@ class Problem:
             ) from None
         with np.errstate(all="ignore"):
             a, q, rate = self.reduce(values, np.sqrt)
-        shape = np.broadcast_shapes(*(np.shape(v) for v in (*a, *q, rate)))
         flat = [np.broadcast_to(v, shape).reshape(-1) for v in (*a, *q, rate)]
         count = math.prod(shape)
         columns = np.column_stack(flat).astype(float).reshape(count, -1)
@@ -158,14 +159,6 @@ def disk_problem(family: str, disk: Disk, contact: Contact, at: ArrayLike | None
         values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
     values |= {"k": disk.k} | {n: getattr(disk, n) for n in PHYSICAL}
     values |= contact.given
-    si = not disk.dimensionless
-    units = {"k": "1", "mass": "kg", "radius": "m", "gravity": "m/s2", "rate": "1/s"}
-    units |= {"mu": "s/m", "c": "kg/s"}
-    units |= {k: "rad" if p in ANGLES else "rad/s" for k, p in zip(keys, parts, strict=True)}
-    if not si:
-        units = dict.fromkeys(units, "1") | {
-            k: "rad" for k, p in zip(keys, parts, strict=True) if p in ANGLES
-        }
 
     def reduce(
         v: Mapping[str, Any], root: Callable[[Any], Any]
@@ -182,9 +175,53 @@ def disk_problem(family: str, disk: Disk, contact: Contact, at: ArrayLike | None
         return a, q, 1 / time
 
     return Problem(
-        resolved, values, units, not si, reduce,
-        lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]), contact,
+        resolved, values, disk_units(keys, parts, si=not disk.dimensionless), disk.dimensionless,
+        reduce, lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
+        disk_roundings(parts, contact, si=not disk.dimensionless), contact,
     )  # fmt: skip
+
+
+def disk_units(keys: Sequence[str], parts: Sequence[str], *, si: bool) -> dict[str, str]:
+    """Unit by name of what a question about the disk may vary.
+
+    Parameters
+    ----------
+    keys
+        Names of the family parameters as axes.
+    parts
+        Which states they are.
+    si
+        Whether numbers are SI; else they are dimensionless.
+
+    Returns
+    -------
+    dict
+    """
+    units = {"k": "1", "mass": "kg", "radius": "m", "gravity": "m/s2", "rate": "1/s"}
+    units |= {"mu": "s/m", "c": "kg/s"} | dict.fromkeys(keys, "rad/s")
+    if not si:
+        units = dict.fromkeys(units, "1")
+    return units | {k: "rad" for k, p in zip(keys, parts, strict=True) if p in ANGLES}
+
+
+def disk_roundings(parts: Sequence[str], contact: Contact, *, si: bool) -> tuple[int, ...]:
+    """Roundings behind each dimensionless number: angles and k are taken as they are.
+
+    Parameters
+    ----------
+    parts
+        Which states are the family parameters.
+    contact
+        The law.
+    si
+        Whether numbers are SI; with m = R = g = 1 nothing is rounded.
+
+    Returns
+    -------
+    tuple of int
+    """
+    some = 4 if si else 0
+    return (*(0 if p in ANGLES else some for p in parts), 0, *((some,) * bool(contact.coefficient)))
 
 
 def system_problem(
@@ -211,6 +248,8 @@ def system_problem(
         If a parameter is missing or unknown.
     """
     for name in parameters:
+        if at is not None and name in family.at:
+            raise ParameterError(f"{name} is given as at and by name; give it once.")
         if name not in (*family.parameters, *family.at):
             raise NameUnknownError(
                 f"{name!r} is not a parameter of {family.name}; known are "
@@ -235,7 +274,8 @@ def system_problem(
     units = {n: family.system.units.get(n, "1") for n in (*keys, *family.parameters)} | {
         "rate": "1/s"
     }
-    return Problem(family, values, units, False, reduce)
+    exact = (0,) * (len(family.at) + len(family.parameters))
+    return Problem(family, values, units, False, reduce, roundings=exact)
 
 
 def check_axis(problem: Problem, name: str, values: Floats) -> None:

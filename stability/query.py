@@ -15,6 +15,7 @@ from .polynomial import structure
 from .problem import Problem, disk_problem, system_problem
 from .reduction import reduce
 from .spectra import Spectrum, decide, eigenvalues
+from .tracked import UNIT
 
 SPEEDS = ("slip_x", "slip_y")
 
@@ -128,9 +129,10 @@ def spectrum(
     resolved = question.family
     u = resolved.solve(a, q)
     states = resolved.member(a, q)
-    reduced = reduce(resolved, a, q, u)
+    reduced = reduce(resolved, a, q, u, question.roundings)
     values, radius = eigenvalues(reduced, even=resolved.conservative)
     codes = decide(values, radius, even=resolved.conservative)
+    last = 0.0 if question.dimensionless else 4 * UNIT  # of the product with the unit
     names = resolved.system.states
     scale = np.ones((len(a), len(names)))
     if question.law is not None:
@@ -142,7 +144,7 @@ def spectrum(
         resolved,
         _shaped(np.column_stack(_given(question)).reshape(-1, len(resolved.at)), shape),
         _shaped(values * rate[:, None], shape),
-        _shaped(radius * rate[:, None], shape),
+        _shaped((radius + last * np.abs(values)) * rate[:, None], shape),
         structure(resolved).zeros,
         codes.reshape(shape),
         _shaped(states, shape),

@@ -41,7 +41,13 @@ class Reduced(NamedTuple):
     """How to lift a mode back."""
 
 
-def reduce(family: Family, a: Floats, q: Floats, u: Floats | None = None) -> Reduced:
+def reduce(
+    family: Family,
+    a: Floats,
+    q: Floats,
+    u: Floats | None = None,
+    roundings: Sequence[int] | None = None,
+) -> Reduced:
     """Linearise at members and take out the structural zeros.
 
     Parameters
@@ -52,6 +58,8 @@ def reduce(family: Family, a: Floats, q: Floats, u: Floats | None = None) -> Red
         Family parameters and parameters, dimensionless, shapes (N, ·).
     u
         Unknowns from `family.solve`, or None.
+    roundings
+        How many roundings each column of a and q has behind it; none when left out.
 
     Returns
     -------
@@ -59,16 +67,15 @@ def reduce(family: Family, a: Floats, q: Floats, u: Floats | None = None) -> Red
     """
     u = family.solve(a, q) if u is None else u
     with np.errstate(all="ignore"):  # `eigenvalues` refuses what is not finite
-        return _reduce(family, a, q, u)
+        return _reduce(family, a, q, u, roundings or [0] * (a.shape[1] + q.shape[1]))
 
 
-def _reduce(family: Family, a: Floats, q: Floats, u: Floats) -> Reduced:
-    # Three roundings for what the caller made dimensionless.
-    arguments = [
-        [Tracked(c, 3 * UNIT * np.abs(c)) for c in a.T],
-        [Tracked(c, e) for c, e in zip(u.T, _root_error(family, a, u, q).T, strict=True)],
-        [Tracked(c, 3 * UNIT * np.abs(c)) for c in q.T],
-    ]
+def _reduce(family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence[int]) -> Reduced:
+    cut = a.shape[1]
+    given = [_rounded(a, roundings[:cut]), _rounded(q, roundings[cut:])]
+    doubt = _root_error(family, given, u)
+    solved = [Tracked(c, e) for c, e in zip(u.T, doubt.T, strict=True)]
+    arguments = [given[0], solved, given[1]]
     graph = family.graph
     matrix, error = tracked_arrays(graph.matrix, arguments, a.shape[:1])[0]
     steps: list[Deflation] = []
@@ -89,12 +96,16 @@ def _reduce(family: Family, a: Floats, q: Floats, u: Floats) -> Reduced:
     return Reduced(matrix, error, steps)
 
 
-def _root_error(family: Family, a: Floats, u: Floats, q: Floats) -> Floats:
+def _rounded(block: Floats, roundings: Sequence[int]) -> list[Tracked]:
+    return [Tracked(c, n * UNIT * np.abs(c)) for c, n in zip(block.T, roundings, strict=True)]
+
+
+def _root_error(family: Family, given: list[list[Tracked]], u: Floats) -> Floats:
     """Bound on the error of the solved unknowns: residual's rounding through the inverse slope."""
     if not u.shape[1] or family.closed:
         return np.zeros_like(u)
-    arguments = [[Tracked(c, 2 * UNIT * np.abs(c)) for c in block.T] for block in (a, u, q)]
-    out = tracked_arrays(family.graph.tangent, arguments, a.shape[:1])
+    arguments = [given[0], _rounded(u, [0] * u.shape[1]), given[1]]
+    out = tracked_arrays(family.graph.tangent, arguments, u.shape[:1])
     residual, slope = out[2], out[3][0]
     size = np.abs(residual[0]) + residual[1]
     error: Floats = (np.abs(np.linalg.inv(slope)) @ size)[..., 0]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import DomainError
+from .errors import DomainError, ParameterError
 from .families import Family
 from .modes import Modes, lift, mode_labels, track
 from .reduction import Reduced
@@ -102,6 +102,8 @@ class Spectrum:
     @property
     def reason(self) -> str:
         """One sentence on how the verdict was reached, or why it was not; for a single spectrum."""
+        if self.codes.ndim:
+            raise ParameterError("reason is for a single spectrum; ask for one point.")
         bound = f"largest real part {self.abscissa:.3g}, error bound {self.abscissa_error:.1g}"
         if self.family.conservative:
             bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound
@@ -135,6 +137,8 @@ class Spectrum:
         >>> s.tracked().shape
         (9, 5)
         """
+        if not self.codes.ndim:
+            raise ParameterError("tracked is for a branch; give `at` as an array.")
         return track(self.eigenvalues, self.modes.vectors)
 
 
@@ -173,6 +177,8 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> tuple[Complexes, Floats]:
     DomainError
         If the linearisation is not finite.
     """
+    if not reduced.matrix.shape[-1]:
+        raise DomainError("every eigenvalue is zero by structure; there is no spectrum to judge.")
     if not np.isfinite(reduced.matrix).all():
         raise DomainError(
             "the linearisation overflows double precision; give values nearer to 1 "
@@ -181,6 +187,8 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> tuple[Complexes, Floats]:
     with np.errstate(all="ignore"):  # what overflows comes out as a disc without bound
         values, radius = _even(reduced) if even else _general(reduced.matrix, reduced.error)
         radius = np.where(np.isfinite(radius), radius, np.inf)
+    if not np.isfinite(values).all():
+        raise DomainError("the eigenvalues overflow double precision; give values nearer to 1.")
     order = np.lexsort((values.imag, values.real), axis=-1)
     return np.take_along_axis(values, order, -1), np.take_along_axis(radius, order, -1)
 

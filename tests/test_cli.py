@@ -163,6 +163,26 @@ def test_a_reader_that_leaves_is_no_error() -> None:
     assert "(recomputed)" in piped.stdout
 
 
+def test_a_terminal_without_unicode_is_no_obstacle() -> None:
+    environment = dict(os.environ, PYTHONIOENCODING="ascii")
+    for words in (["table", "families"], ["spectrum", "rolling", "--at", "-1e0", "--mu", "1"]):
+        done = subprocess.run(
+            [sys.executable, "-m", "stability", *words], capture_output=True, env=environment
+        )
+        assert done.returncode == 0
+        assert done.stderr == b""
+
+
+def test_a_full_standard_output_is_said_so() -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "stability", *ASK], stdout=full, stderr=subprocess.PIPE
+        )
+    assert done.returncode == 2
+    assert b"the output cannot be written" in done.stderr
+    assert b"Traceback" not in done.stderr
+
+
 # --- what it refuses ---
 
 ASK = ["spectrum", "rolling", "--at", "1.2", "--mu", "0.3"]
@@ -196,6 +216,10 @@ ASK = ["spectrum", "rolling", "--at", "1.2", "--mu", "0.3"]
         (["spectrum", "circling", "--at", "1,1", "--mu", "1"], "rough disk"),
         (["spectrum", "circling", "--at", "1", "--contact", "rough"], "the pair (theta, phi_dot)"),
         (["spectrum", "circling", "--at", "1.2,0", "--contact", "rough"], "no admissible"),
+        (["spectrum", "rolling", "--at", "1,2", "--mu", "1"], "rolling takes omega3, 1 number"),
+        (["spectrum", "rolling", "--at", "-inf", "--mu", "1"], "at is -inf"),
+        ([*ASK[:4], "--mu", "-1e-3"], "mu is -0.001"),
+        (["table", "conditions", "--contact", "rough", "--mu", "0.3"], "no coefficient"),
         (["spectrum", "rolling"], "--at"),
         (["table", "launches"], "known are families, conditions, completeness"),
         (["table", "families", "--k", "0.3"], "table conditions"),

@@ -308,6 +308,48 @@ def test_an_interrupted_map_goes_on_where_it_stopped(
         st.stability_map("tumbling", **axes, disk=st.Disk(k=0.3), checkpoint=kept)
 
 
+def test_a_checkpoint_folder_keeps_what_is_not_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from stability.cli import main
+
+    monkeypatch.chdir(tmp_path)
+    words = ["map", "rolling", "--x", "at:1:2:8", "--y", "mu:0.1:1:8", "--out", "m.nc"]
+    assert main([*words, "--checkpoint", "."]) == 0
+    assert [p.name for p in tmp_path.iterdir()] == ["m.nc"]
+
+
+def test_a_chunk_of_another_length_is_worked_anew(tmp_path: Path) -> None:
+    axes = {"x": ("at", 1, 2, 8), "y": ("mu", 0.1, 1, 8)}
+    fresh = st.stability_map("rolling", **axes, checkpoint=tmp_path / "kept")
+    [part] = (tmp_path / "kept").glob("*.npz")
+    with np.load(part) as stored:
+        cut = {name: array[:5] for name, array in stored.items()}
+    np.savez(part, **cut)
+    again = st.stability_map("rolling", **axes, checkpoint=tmp_path / "kept")
+    assert again.drop_attrs().identical(fresh.drop_attrs())
+
+
+def test_a_swept_radius_makes_the_map_si() -> None:
+    found = st.stability_map("rolling", x=("radius", 0.1, 1, 3), y=("mu", 1, 2, 3), at=3.0)
+    assert found.abscissa.attrs["units"] == "1/s"
+    assert found.radius.attrs["units"] == "m"
+
+
+def test_a_change_of_odd_order_at_zero_is_found() -> None:
+    """Damping c³: the Hurwitz determinant has a triple root, and the axis passes through zero."""
+    import casadi as ca
+
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    system = st.System(
+        "pendulum", x, p, ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] ** 3 * x[1]),
+        states=("angle", "rate"), parameters=("g", "c"),
+    )  # fmt: skip
+    hanging = st.Family(system, "hanging", at=("g",), held={"angle": 0, "rate": 0})
+    [point] = st.boundaries(hanging, axis=("c", -1, 1.3, 10), at=1)
+    assert abs(point.value) <= point.error <= 1e-9
+
+
 # --- files ---
 
 

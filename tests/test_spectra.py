@@ -327,3 +327,14 @@ def test_leading_axes_are_parameters_and_the_last_is_the_mode() -> None:
     assert k.eigenvalues.shape == (2, 4)
     assert s.modes.vectors.shape == (3, 5, 4, 6)
     assert np.asarray(s.modes.labels).shape == (3, 5, 4)
+
+
+def test_an_array_of_masses_is_an_axis_even_where_mass_does_not_matter() -> None:
+    for law in (st.Rough(), st.Viscous(0.3), st.LinearViscous(0.3)):
+        found = st.spectrum("rolling", at=1.0, disk=st.Disk(mass=[0.1, 0.2, 0.3]), contact=law)
+        assert found.abscissa.shape == (3,)
+
+
+def test_rough_tumbling_at_the_branch_point_is_decided() -> None:
+    found = st.spectrum("tumbling", at=np.pi / 2, contact=st.Rough())
+    assert found.verdict is Verdict.NEUTRAL
