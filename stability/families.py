@@ -306,13 +306,13 @@ class Family:
     def _require_steady(self, a: Floats, u: Floats, q: Floats) -> None:
         arguments = [columns(a), columns(u), columns(q)]
         rates = self.graph.rates.arrays(arguments, a.shape[:1])[0][..., 0]
-        if not np.isfinite(rates).all():
-            raise NoMemberError(
-                f"{self.name}: the rates overflow double precision; give values nearer to 1."
-            )
         with np.errstate(all="ignore"):
             size = np.abs(self.matrix(a, u, q)).max(axis=(1, 2))
             scale = 1 + size * (1 + np.abs(u).max(axis=1, initial=0))
+        if not (np.isfinite(rates).all() and np.isfinite(scale).all()):
+            raise NoMemberError(
+                f"{self.name}: the rates overflow double precision; give values nearer to 1."
+            )
         bad = ~(np.abs(rates).max(axis=1) <= 1e-10 * scale)
         if bad.any():
             row = int(np.argmax(bad))
