@@ -46,7 +46,7 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("hole too large", lambda: st.Disk.annulus(2), "between 0 and the radius"),
     ("unknown disk", lambda: st.Disk.named("penny"), "known are quarter"),
     ("scales overflow", lambda: st.Disk(gravity=1e308, radius=1e308), "beyond double precision"),
-    ("at overflows", lambda: ask(1e300, family="spinning"), "overflows double precision"),
+    ("at overflows", lambda: ask(1e300, family="spinning"), "overflow double precision"),
     ("axis is text", lambda: chart(x="at"), "give (name, low, high, n)"),
     ("axis is a number", lambda: chart(x=5), "give (name, low, high, n)"),
     ("axis end is text", lambda: chart(x=("at", "a", 2, 3)), "the low end of the x axis at is 'a'"),
