@@ -15,7 +15,7 @@ test: lint
 
 # Campaigns of minutes: thousands of random points against ball arithmetic, large maps.
 test-long: $(READY)
-	$(BIN)/pytest -q -m long tests
+	$(BIN)/pytest -q -s -m long tests
 
 # The figures that the README quotes, measured here; ARGS=--large adds the large map.
 bench: $(READY)
