@@ -175,6 +175,9 @@ class _beside:  # noqa: N801  # a context manager that reads as a word
 def _move(folder: Path, target: Path) -> None:
     try:
         target.mkdir(exist_ok=True)
+        for path in folder.iterdir():  # all or nothing
+            if (target / path.name).is_dir():
+                raise FileError(f"{target / path.name} is a folder in the way; move it aside.")
         for path in sorted(folder.iterdir(), key=lambda p: p.name == "index.html"):
             path.chmod(0o644)
             path.replace(target / path.name)  # the page last: it never points at what is not there

@@ -135,7 +135,7 @@ def boundaries(
         As for `stability_map`, everything but the axis a single number.
     axis
         (name, low, high, n) or (name, low, high, n, "log"); n is the number of points of the scan,
-        between two of which a pair of changes goes unseen.
+        between two of which a pair of changes goes unseen, as does one exactly at an end.
 
     Returns
     -------

@@ -82,6 +82,15 @@ def test_force_replaces_its_own_files_and_leaves_others(folder: Path) -> None:
     assert [p.name for p in folder.parent.iterdir()] == ["atlas"]
 
 
+def test_a_folder_in_the_way_stops_it_before_anything_is_moved(tmp_path: Path) -> None:
+    target = tmp_path / "atlas"
+    (target / "rolling-disk.png").mkdir(parents=True)
+    with pytest.raises(st.StabilityError, match="in the way"):
+        atlas(target, resolution=8, workers=2, force=True)
+    assert [p.name for p in target.iterdir()] == ["rolling-disk.png"]
+    assert [p.name for p in tmp_path.iterdir()] == ["atlas"]
+
+
 def test_figures_use_colours_that_differ_in_lightness_and_mark_growth_without_colour() -> None:
     """Luminance of decay and growth ends differ from neutral, and growth is hatched."""
     from stability.plots import DIVERGING, diagram
