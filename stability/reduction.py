@@ -26,6 +26,8 @@ class Deflation(NamedTuple):
     """Which coordinate comes first, shape (N, n)."""
     multipliers: Floats
     """Null vector below its first entry, shape (N, n - 1)."""
+    doubt: Floats
+    """Bound on the error of the multipliers, shape (N, n - 1)."""
     row: Floats
     """Coupling of the rest to the removed coordinate, shape (N, n - 1)."""
 
@@ -80,10 +82,10 @@ def _reduce(family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence
     matrix, error = tracked_arrays(graph.matrix, arguments, a.shape[:1])[0]
     steps: list[Deflation] = []
     zeros = structure(family).zeros
-    tangents = family.tangent(a, u, q)
+    tangents, doubts = _tangents(family, arguments, a.shape[:1])
     for index in range(min(zeros, tangents.shape[-1])):
-        vector = _push(tangents[..., index], steps)
-        matrix, error = _deflate(matrix, error, vector, 8 * UNIT * np.abs(vector), steps)
+        vector, doubt = _push(tangents[..., index], doubts[..., index], steps)
+        matrix, error = _deflate(matrix, error, vector, doubt, steps)
     for _ in range(zeros - min(zeros, tangents.shape[-1])):
         if not np.isfinite(matrix).all():
             break
@@ -112,12 +114,42 @@ def _root_error(family: Family, given: list[list[Tracked]], u: Floats) -> Floats
     return error + 2 * UNIT * np.abs(u)
 
 
-def _push(vector: Floats, steps: Sequence[Deflation]) -> Floats:
-    """A vector of the full space in the coordinates left after the steps so far."""
+def _tangents(
+    family: Family, arguments: list[list[Tracked]], shape: tuple[int, ...]
+) -> tuple[Floats, Floats]:
+    """Tangents of the family and a bound on their error, which grows where the equations fold.
+
+    Near a branch point the slope of the unknowns is a quotient of two small numbers; its error is
+    then far above a few roundings, and must reach the error discs.
+    """
+    by_a, by_u, _, r_u, r_a = tracked_arrays(family.graph.tangent, arguments, shape)
+    tangent, error = by_a
+    if family.unknown and not family.closed:
+        inverse = np.linalg.inv(r_u[0])
+        slope = inverse @ r_a[0]
+        size, absolute = np.abs(inverse), np.abs(slope)
+        rough = 8 * UNIT * (np.abs(r_u[0]) @ absolute)
+        doubt = size @ (r_a[1] + r_u[1] @ absolute + rough)
+        shrink = (size @ r_u[1]).sum(axis=-1).max(axis=-1)[:, None, None]
+        doubt = np.where(shrink < 0.5, doubt / (1 - np.minimum(shrink, 0.5)), np.inf)
+        tangent = tangent - by_u[0] @ slope
+        carried = np.abs(by_u[0])[..., :, :, None] * doubt[..., None, :, :]
+        carried[np.abs(by_u[0]) == 0] = 0.0  # no share of an infinite doubt
+        error = error + carried.sum(axis=-2) + by_u[1] @ absolute + 4 * UNIT * np.abs(tangent)
+    keep = [i for i, name in enumerate(family.at) if name in family.system.states]
+    return tangent[..., keep], error[..., keep]
+
+
+def _push(vector: Floats, doubt: Floats, steps: Sequence[Deflation]) -> tuple[Floats, Floats]:
+    """A vector of the full space, and its error, in the coordinates left after the steps so far."""
     for step in steps:
         ordered = np.take_along_axis(vector, step.order, axis=1)
+        unsure = np.take_along_axis(doubt, step.order, axis=1)
+        size, first = np.abs(step.multipliers), np.abs(ordered[:, :1])
         vector = ordered[:, 1:] - step.multipliers * ordered[:, :1]
-    return vector
+        doubt = unsure[:, 1:] + size * unsure[:, :1] + step.doubt * first
+        doubt = doubt + 2 * UNIT * (np.abs(vector) + size * first)
+    return vector, doubt
 
 
 def _deflate(
@@ -151,5 +183,5 @@ def _deflate(
         + np.abs(m)[:, :, None] * row_error[:, None, :]
         + UNIT * (size_product + np.abs(reduced))
     )
-    steps.append(Deflation(order, m, row))
+    steps.append(Deflation(order, m, m_error, row))
     return reduced, bound

@@ -338,3 +338,19 @@ def test_an_array_of_masses_is_an_axis_even_where_mass_does_not_matter() -> None
 def test_rough_tumbling_at_the_branch_point_is_decided() -> None:
     found = st.spectrum("tumbling", at=np.pi / 2, contact=st.Rough())
     assert found.verdict is Verdict.NEUTRAL
+
+
+@pytest.mark.parametrize(("k", "mu"), [(0.25, 0.3), (0.5, 0.6), (0.25, 3.0)])
+def test_discs_hold_the_truth_up_to_the_branch_point_of_tumbling(k: float, mu: float) -> None:
+    """The slope of phi_dot is 0/0 there; with too small a bound on it, verdicts came out wrong."""
+    family = st.disk_family("tumbling", "viscous")
+    for power in range(2, 17):
+        at = float(np.pi / 2 - 10.0**-power)
+        found = st.spectrum("tumbling", at=at, disk=st.Disk(k=k), contact=st.Viscous(mu))
+        with mpmath.workdps(60):
+            values, _ = mpmath.eig(truth_matrix(family, at, [k, mu]))
+            truth = np.array([complex(v) for v in sorted(values, key=abs)[1:]])
+        distance = np.abs(truth[:, None] - found.eigenvalues)
+        assert (distance <= found.radius).any(axis=1).all()
+        right = Verdict.UNSTABLE if truth.real.max() > 0 else Verdict.STABLE
+        assert found.verdict in (right, Verdict.UNDECIDED)
