@@ -166,7 +166,6 @@ class Program:
     def __init__(self, function: ca.Function) -> None:
         function = function if function.is_a("SXFunction") else function.expand()
         self.name: str = function.name()
-        self.inputs = tuple(function.nnz_in(i) for i in range(function.n_in()))
         self.shapes = tuple(function.size_out(i) for i in range(function.n_out()))
         """Shape of each output."""
         self.places = tuple(

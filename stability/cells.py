@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from os import PathLike
@@ -225,13 +225,13 @@ class Cells:
         if progress:
             progress(total, total)
 
-    def _inputs(self, start: int, total: int) -> Iterator[Floats]:
+    def _inputs(self, start: int, total: int) -> tuple[Floats, Floats, Floats, Floats]:
         xs, ys = self.axes[0].values, self.axes[1].values
         row, column = np.divmod(np.arange(start, min(start + CHUNK, total)), self.shape[1])
         swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
         values = dict(self.question.values) | swept
         a, q, rate, _ = self.question.arrays(values)
-        return iter((a, q, rate, self.question.family.solve(a, q)))
+        return a, q, rate, self.question.family.solve(a, q)
 
     def _work(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
         family = self.question.family

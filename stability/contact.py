@@ -30,8 +30,6 @@ class Contact:
     """The word on the command line and in files."""
     coefficient: ClassVar[str | None] = None
     """Name of the friction coefficient's field, or None."""
-    coefficient_unit: ClassVar[str] = ""
-    """SI unit of the coefficient."""
     conservative: ClassVar[bool] = False
     """Whether energy is kept, so that the reduced spectrum is even in λ."""
     slips: ClassVar[bool] = True
@@ -108,7 +106,6 @@ class Viscous(Contact):
     """Friction coefficient [s/m]."""
     name: ClassVar[str] = "viscous"
     coefficient: ClassVar[str | None] = "mu"
-    coefficient_unit: ClassVar[str] = "s/m"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mu", positive("mu", self.mu, ZERO_MU))
@@ -148,7 +145,6 @@ class LinearViscous(Contact):
     """Friction coefficient of the viscous law it is like [s/m], or None."""
     name: ClassVar[str] = "linear-viscous"
     coefficient: ClassVar[str | None] = "c"
-    coefficient_unit: ClassVar[str] = "kg/s"
 
     def __post_init__(self) -> None:
         if (self.c is None) == (self.mu is None):

@@ -163,11 +163,32 @@ class Family:
             If the equations have no meaning there.
         """
         a, q, shape = self._inputs(at, parameters)
-        u = self.solve(a, q, guess)
+        return self.checked_states(a, self.solve(a, q, guess), q).reshape(*shape, -1)
+
+    def checked_states(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        """States of members whose unknowns are known, refused where they are not steady motions.
+
+        Parameters
+        ----------
+        a, u, q
+            Family parameters, unknowns (from `solve`) and parameters, shapes (N, ·).
+
+        Returns
+        -------
+        ndarray
+            Shape (N, n).
+
+        Raises
+        ------
+        NoMemberError
+            If a rate does not vanish.
+        DomainError
+            If the equations have no meaning there.
+        """
         states = self.states(a, u, q)
         self.system.check(states, self._system_parameters(a, q))
         self._require_steady(a, u, q)
-        return states.reshape(*shape, -1)
+        return states
 
     def matrix(self, a: Floats, u: Floats, q: Floats) -> Floats:
         """Linearisation ∂f/∂x at members.

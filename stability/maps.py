@@ -203,16 +203,11 @@ def prepare(
                 raise ParameterError(
                     "the axes are c and mu, which are two names for one coefficient; take one."
                 )
-    alias = {"at": question.family.at[0]} if isinstance(family, Family) else {}
-    for grid in axes:
-        name = alias.get(grid.name, grid.name)
+    for name in names:
         if name not in known:
             raise NameUnknownError(
-                f"axis is {grid.name!r}; known for {question.family.name} are {', '.join(known)}."
+                f"axis is {name!r}; known for {question.family.name} are {', '.join(known)}."
             )
-    if isinstance(family, Family) and "at" in names:
-        raise NameUnknownError(f"axis is 'at'; for {family.name} it is called {family.at[0]!r}.")
-    for name in names:
         if not name or name in RESERVED or name.startswith("boundary_") or "/" in name:
             raise NameUnknownError(
                 f"axis is {name!r}, a name that the map needs for itself; rename the parameter."

@@ -128,7 +128,7 @@ def spectrum(
     a, q, rate, shape = question.arrays(question.values)
     resolved = question.family
     u = resolved.solve(a, q)
-    states = resolved.member(a, q)
+    states = resolved.checked_states(a, u, q)
     reduced = reduce(resolved, a, q, u, question.roundings)
     values, radius = eigenvalues(reduced, even=resolved.conservative)
     codes = decide(values, radius, even=resolved.conservative)

@@ -107,10 +107,9 @@ def _root_error(family: Family, given: list[list[Tracked]], u: Floats) -> Floats
     if not u.shape[1] or family.closed:
         return np.zeros_like(u)
     arguments = [given[0], _rounded(u, [0] * u.shape[1]), given[1]]
-    out = tracked_arrays(family.graph.tangent, arguments, u.shape[:1])
-    residual, slope = out[2], out[3][0]
+    residual, slope = tracked_arrays(family.graph.residual, arguments, u.shape[:1])
     size = np.abs(residual[0]) + residual[1]
-    error: Floats = (np.abs(np.linalg.inv(slope)) @ size)[..., 0]
+    error: Floats = (np.abs(np.linalg.inv(slope[0])) @ size)[..., 0]
     return error + 2 * UNIT * np.abs(u)
 
 
