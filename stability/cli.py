@@ -92,14 +92,19 @@ def _spectrum(options: argparse.Namespace) -> None:
 
     disk = _disk(options)
     contact = law_named(options.contact, options.mu)
-    at = _at(options.at)
+    if (options.at is None) == (options.lean is None):
+        raise ParameterError("give --at, or for tumbling --lean, and not both.")
+    at = None if options.at is None else _at(options.at)
     parts = AT.get(options.family, ("at",))
     if isinstance(at, list) and len(at) != len(parts):
         raise ParameterError(
             f"at is {options.at!r}; {options.family} takes {' and '.join(parts)}, "
             f"{len(parts)} number{'s' * (len(parts) > 1)}."
         )
-    result = spectrum(options.family, at=at, disk=disk, contact=contact, certify=options.certify)
+    result = spectrum(
+        options.family, at=at, lean=options.lean, disk=disk, contact=contact,
+        certify=options.certify,
+    )  # fmt: skip
     parameters = {n: float(getattr(disk, n)) for n in ("mass", "radius", "k", "gravity")}
     if options.mu is not None:
         parameters["mu"] = options.mu
@@ -107,24 +112,29 @@ def _spectrum(options: argparse.Namespace) -> None:
         "family": options.family,
         "contact": options.contact,
         "parameters": parameters,
-        "at": at,
+        "at": at if at is not None else float(result.at[0]),
         "eigenvalues": [[float(v.real) + 0.0, float(v.imag) + 0.0] for v in result.eigenvalues],
         "structural_zeros": result.structural_zeros,
         "abscissa": result.abscissa + 0.0,
         "verdict": result.verdict.word,
         "nonlinear": result.nonlinear.word,
         "abscissa_error": _finite(result.abscissa_error),
+        "certified": result.certified,
+        "radius": [_finite(r) for r in result.radius],
         "modes": list(result.modes.labels),
         "reason": result.reason,
         "unit": "√(g/R)" if disk.dimensionless else "1/s",
     }
+    if options.lean is not None:
+        record["lean"] = options.lean
     if options.json:
         print(json.dumps(record, indent=2))
         return
-    names = AT[options.family]
-    where = [
-        f"{n} = {v:g}" for n, v in zip(names, at if isinstance(at, list) else [at], strict=True)
-    ]
+    if at is None:
+        where = [f"lean = {options.lean:g}"]
+    else:
+        given = at if isinstance(at, list) else [at]
+        where = [f"{n} = {v:g}" for n, v in zip(AT[options.family], given, strict=True)]
     rest = [
         f"{n} = {v:g}" for n, v in parameters.items() if n in ("k", "mu") or not disk.dimensionless
     ]
@@ -133,8 +143,11 @@ def _spectrum(options: argparse.Namespace) -> None:
     print(f"nonlinear   {result.nonlinear.value}")
     print(f"reason      {result.reason}")
     print(f"eigenvalues [{record['unit']}]")
-    for value, label in zip(result.eigenvalues, result.modes.labels, strict=True):
-        print(f"  {value.real + 0.0:+.12e} {value.imag + 0.0:+.12e}i   {label}")
+    for value, r, label in zip(
+        result.eigenvalues, result.radius, result.modes.labels, strict=True
+    ):
+        off = f"   within {r:.0e}" if result.certified else ""
+        print(f"  {value.real + 0.0:+.12e} {value.imag + 0.0:+.12e}i{off}   {label}")
 
 
 def _map(options: argparse.Namespace) -> None:
@@ -289,8 +302,9 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("spectrum", _spectrum, "Eigenvalues and verdict of one steady motion",
                   "stability spectrum tumbling --at 0.5 --mu 0.3 --json")  # fmt: skip
     sub.add_argument("family", metavar="FAMILY", help=FAMILY_HELP)
+    sub.add_argument("--at", help="omega3, phi_dot, or theta; for circling THETA,PHI_DOT")
     sub.add_argument(
-        "--at", required=True, help="omega3, phi_dot, or theta; for circling THETA,PHI_DOT"
+        "--lean", type=float, help="for tumbling, in place of --at: π/2 - theta, 0 is upright"
     )
     _physics(sub)
 
@@ -339,7 +353,8 @@ def _physics(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
     for name in ("mass", "radius", "gravity"):
         parser.add_argument(f"--{name}", type=float, help="of the disk (default 1)")
-    parser.add_argument("--certify", action="store_true", help="not in this version")
+    parser.add_argument("--certify", action="store_true",
+                        help="prove every verdict, in rational arithmetic or balls")  # fmt: skip
 
 
 def _disk(options: argparse.Namespace) -> Any:

@@ -53,6 +53,8 @@ class Family:
         Whether the reduced characteristic polynomial is even in λ by structure.
     integrals
         Whether first integrals make a spectrally neutral member stable.
+    drifts
+        Whether a slow flow on the centre manifold carries a stable member to its threshold.
 
     Raises
     ------
@@ -92,6 +94,8 @@ class Family:
     """Whether the reduced characteristic polynomial is even in λ."""
     integrals: bool = False
     """Whether first integrals make a neutral member stable."""
+    drifts: bool = False
+    """Whether a slow flow on the centre manifold carries a stable member to its threshold."""
 
     def __post_init__(self) -> None:
         for name in (*self.held, *self.unknown, *self.equations):

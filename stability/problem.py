@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from .contact import LAWS, ZERO_MU, Contact
 from .disk import Disk, checked, positive
 from .errors import NameUnknownError, ParameterError
+from .exact import Exact, exact
 from .families import Family
 from .steady import AT, disk_family
 
@@ -50,6 +51,8 @@ class Problem:
     """Roundings behind each of (family parameters, parameters) when they are made dimensionless."""
     law: Contact | None = None
     """The contact law, for the disk."""
+    exact: Exact | None = None
+    """The characteristic polynomial over Q, where it is known."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -108,7 +111,67 @@ class Problem:
         return a, q
 
 
-def disk_problem(family: str, disk: Disk, contact: Contact, at: ArrayLike | None = None) -> Problem:
+    def point(
+        self, given: Mapping[str, Any], sine: Callable[[Mapping[str, Any]], Any] | None
+    ) -> list[Any] | None:
+        """What the exact polynomial depends on, over any number type: k, M, z, s.
+
+        Parameters
+        ----------
+        given
+            Number by name, in the user's units.
+        sine
+            sinθ from these numbers, or None to have only what is rational in them.
+
+        Returns
+        -------
+        list or None
+            Values of `exact.variables`; None if sinθ is needed and neither given nor exactly 1.
+        """
+        assert self.exact is not None
+        v = given
+        length = v["radius"] / v["gravity"]
+        found = {"k": v["k"], "M": 1}
+        if "mu" in v:
+            found["M"] = v["mu"] * v["mu"] * (v["gravity"] * v["radius"])
+        elif "c" in v:
+            drag = v["c"] / v["mass"]
+            found["M"] = drag * drag * length
+        turn = next((n for n in ("phi_dot", "at") if n in v), None)
+        if turn and "z" in self.exact.variables:
+            found["z"] = v[turn] * v[turn] * length
+        if "s" in self.exact.variables:
+            named = dict(v) if "theta" in v or "lean" in v else dict(v) | {"theta": v["at"]}
+            if sine is None and not ("lean" in v and v["lean"] == 0):
+                return None
+            found["s"] = 1 if sine is None else sine(named)
+        return [found[n] for n in self.exact.variables]
+
+    def scale(self, given: Mapping[str, Any]) -> tuple[Any, Any]:
+        """Unit of the exact polynomial's variable in the user's unit of rate.
+
+        Parameters
+        ----------
+        given
+            As in `point`.
+
+        Returns
+        -------
+        scale, square
+            λ = σ · scale, with scale mu g or c/m; without friction that is None, and λ² = σ² ·
+            square with square g/R.
+        """
+        if "mu" in given:
+            return given["mu"] * given["gravity"], None
+        if "c" in given:
+            return given["c"] / given["mass"], None
+        return None, given["gravity"] / given["radius"]
+
+
+def disk_problem(
+    family: str, disk: Disk, contact: Contact, at: ArrayLike | None = None,
+    lean: ArrayLike | None = None,
+) -> Problem:  # fmt: skip
     """The question about one of the disk's families.
 
     Parameters
@@ -120,6 +183,8 @@ def disk_problem(family: str, disk: Disk, contact: Contact, at: ArrayLike | None
     at
         Family parameter; for circling the pair (theta, phi_dot) along the last axis.  None where
         it is an axis to come.
+    lean
+        In place of theta for tumbling: π/2 - theta [rad], exactly upright at 0.
 
     Returns
     -------
@@ -157,6 +222,8 @@ def disk_problem(family: str, disk: Disk, contact: Contact, at: ArrayLike | None
             )
         columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
         values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
+    if lean is not None:
+        values |= {"lean": checked_lean(family, at, lean)}
     values |= {"k": disk.k} | {n: getattr(disk, n) for n in PHYSICAL}
     values |= contact.given
 
@@ -164,6 +231,10 @@ def disk_problem(family: str, disk: Disk, contact: Contact, at: ArrayLike | None
         v: Mapping[str, Any], root: Callable[[Any], Any]
     ) -> tuple[list[Any], list[Any], Any]:
         time = root(v["radius"] / v["gravity"])
+        if "lean" in v:
+            # no double is π/2, so the right angle takes the type of the lean
+            upright = v["lean"].pi() / 2 if hasattr(v["lean"], "pi") else np.pi / 2
+            v = dict(v) | {"at": upright - v["lean"]}
         a = [v[k] if p in ANGLES else v[k] * time for k, p in zip(keys, parts, strict=True)]
         q = [v["k"]]
         if contact.coefficient:
@@ -177,7 +248,8 @@ def disk_problem(family: str, disk: Disk, contact: Contact, at: ArrayLike | None
     return Problem(
         resolved, values, disk_units(keys, parts, si=not disk.dimensionless), disk.dimensionless,
         reduce, lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
-        disk_roundings(parts, contact, si=not disk.dimensionless), contact,
+        disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
+        exact(family, contact),
     )  # fmt: skip
 
 
@@ -201,10 +273,43 @@ def disk_units(keys: Sequence[str], parts: Sequence[str], *, si: bool) -> dict[s
     units |= {"mu": "s/m", "c": "kg/s"} | dict.fromkeys(keys, "rad/s")
     if not si:
         units = dict.fromkeys(units, "1")
+    units["lean"] = "rad"
     return units | {k: "rad" for k, p in zip(keys, parts, strict=True) if p in ANGLES}
 
 
-def disk_roundings(parts: Sequence[str], contact: Contact, *, si: bool) -> tuple[int, ...]:
+def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
+    """The lean as finite numbers, or a sentence why not.
+
+    Parameters
+    ----------
+    family
+        Only tumbling has one.
+    at
+        Must be None.
+    lean
+        π/2 - theta [rad].
+
+    Raises
+    ------
+    ParameterError
+        If it is out of place or beyond a right angle.
+    """
+    if family != "tumbling":
+        raise ParameterError(f"lean names a member of tumbling; for {family} give at.")
+    if at is not None:
+        raise ParameterError("at and lean are both given; give one of them.")
+    value = checked("lean", lean)
+    bad = np.asarray(value)[np.abs(value) >= np.pi / 2]
+    if bad.size:
+        raise ParameterError(
+            f"lean is {bad.flat[0]:g}; it must lie strictly between -π/2 and π/2, 0 is upright."
+        )
+    return value
+
+
+def disk_roundings(
+    parts: Sequence[str], contact: Contact, *, si: bool, lean: bool = False
+) -> tuple[int, ...]:
     """Roundings behind each dimensionless number: angles and k are taken as they are.
 
     Parameters
@@ -215,13 +320,17 @@ def disk_roundings(parts: Sequence[str], contact: Contact, *, si: bool) -> tuple
         The law.
     si
         Whether numbers are SI; with m = R = g = 1 nothing is rounded.
+    lean
+        Whether theta comes from the lean.
 
     Returns
     -------
     tuple of int
     """
     some = 4 if si else 0
-    return (*(0 if p in ANGLES else some for p in parts), 0, *((some,) * bool(contact.coefficient)))
+    angle = 2 if lean else 0
+    turns = (angle if p in ANGLES else some for p in parts)
+    return (*turns, 0, *((some,) * bool(contact.coefficient)))
 
 
 def system_problem(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from .families import Family
 from .polynomial import structure
 from .problem import Problem, disk_problem, system_problem
 from .reduction import reduce
-from .spectra import Spectrum, decide, eigenvalues
+from .spectra import Proof, Spectrum, decide, eigenvalues
 from .tracked import UNIT
 
 SPEEDS = ("slip_x", "slip_y")
@@ -26,6 +27,7 @@ def problem(
     disk: Disk | None,
     contact: Contact | None,
     parameters: dict[str, Any],
+    lean: ArrayLike | None = None,
 ) -> Problem:
     """The question that the arguments of `spectrum` and `stability_map` ask.
 
@@ -39,6 +41,8 @@ def problem(
         For the disk's families.
     parameters
         For a user's family.
+    lean
+        In place of `at` for tumbling.
 
     Returns
     -------
@@ -50,6 +54,8 @@ def problem(
         If they do not fit together.
     """
     if isinstance(family, Family):
+        if lean is not None:
+            raise ParameterError(f"lean belongs to the disk's tumbling; {family.name} takes at.")
         if disk is not None or contact is not None:
             raise ParameterError(
                 f"disk and contact belong to the disk's families; {family.name} takes "
@@ -65,13 +71,14 @@ def problem(
         raise ParameterError(
             "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough()."
         )
-    return disk_problem(family, disk or Disk(), contact, at)
+    return disk_problem(family, disk or Disk(), contact, at, lean)
 
 
 def spectrum(
     family: str | Family,
     *,
-    at: ArrayLike,
+    at: ArrayLike | None = None,
+    lean: ArrayLike | None = None,
     disk: Disk | None = None,
     contact: Contact | None = None,
     certify: bool = False,
@@ -87,12 +94,16 @@ def spectrum(
         What names the member: omega3 (rolling), phi_dot (spinning) [rad/s], theta (tumbling)
         [rad], the pair (theta, phi_dot) along the last axis (circling).  Arrays broadcast with the
         fields of disk and contact.
+    lean
+        In place of `at` for tumbling: π/2 - theta [rad], which is exactly upright at 0; no double
+        theta is.
     disk
         The body; the uniform disk with m = R = g = 1 when left out.
     contact
         The law.
     certify
-        Not in this version: verdicts come from double precision with proved error discs.
+        Whether every verdict and eigenvalue is proved, in rational arithmetic or balls, so that a
+        verdict is undecided only where the budget of precision ends.
     **parameters
         For a family of a user's system: its parameters by name.
 
@@ -117,14 +128,11 @@ def spectrum(
     >>> s.eigenvalues.round(4).tolist()[0]
     (-1.7739+0j)
     """
-    if certify:
-        raise ParameterError(
-            "certify is True, which this version does not offer for spectra; leave it out and read "
-            "the error discs in .radius (boundaries are proved already)."
-        )
-    if at is None:
+    if at is None and lean is None:
         raise ParameterError("at is missing; it names the member of the family.")
-    question = problem(family, at, disk, contact, dict(parameters))
+    if not isinstance(certify, bool):
+        raise ParameterError(f"certify is {certify!r}; give True or False.")
+    question = problem(family, at, disk, contact, dict(parameters), lean)
     a, q, rate, shape = question.arrays(question.values)
     resolved = question.family
     u = resolved.solve(a, q)
@@ -140,7 +148,7 @@ def spectrum(
         for index, name in enumerate(names):
             unit = speed if name in SPEEDS else rate
             scale[:, index] = 1.0 if name == "theta" else unit
-    return Spectrum(
+    found = Spectrum(
         resolved,
         _shaped(np.column_stack(_given(question)).reshape(-1, len(resolved.at)), shape),
         _shaped(values * rate[:, None], shape),
@@ -152,12 +160,53 @@ def spectrum(
         rate.reshape(shape),
         _shaped(scale, shape),
     )
+    return proved(found, question, shape) if certify else found
+
+
+def proved(found: Spectrum, question: Problem, shape: tuple[int, ...]) -> Spectrum:
+    """A spectrum with every verdict and eigenvalue replaced by a proved one.
+
+    Parameters
+    ----------
+    found
+        From double precision; its modes are kept.
+    question
+        The question.
+    shape
+        Leading shape.
+
+    Returns
+    -------
+    Spectrum
+    """
+    from .certify import certify as one
+
+    values = {n: np.broadcast_to(v, shape).reshape(-1) for n, v in question.values.items()}
+    flat = found.eigenvalues.reshape(-1, found.eigenvalues.shape[-1]).copy()
+    radius, error = found.radius.reshape(flat.shape).copy(), np.empty(len(flat))
+    codes, bits = np.empty(len(flat), dtype=np.int8), np.zeros(len(flat), dtype=np.int64)
+    for row in range(len(flat)):
+        certificate = one(question, {n: float(v[row]) for n, v in values.items()})
+        codes[row], bits[row] = certificate.verdict.code, certificate.bits
+        error[row] = certificate.abscissa_error
+        if certificate.eigenvalues:
+            flat[row], radius[row] = certificate.eigenvalues, certificate.radius
+        else:  # the budget ended: the discs of double precision stand
+            error[row] = (flat[row].real + radius[row]).max() - flat[row].real.max()
+    return replace(
+        found, eigenvalues=flat.reshape(found.eigenvalues.shape),
+        radius=radius.reshape(found.radius.shape), codes=codes.reshape(shape),
+        proof=Proof(error.reshape(shape), bits.reshape(shape)),
+    )  # fmt: skip
 
 
 def _given(question: Problem) -> list[Any]:
-    keys = [n for n in ("at",) if n in question.values] or list(question.family.at)
     shape = np.broadcast_shapes(*(np.shape(v) for v in question.values.values()))
-    return [np.broadcast_to(question.values[k], shape).reshape(-1) for k in keys]
+    values = dict(question.values)
+    if "lean" in values:
+        values["at"] = np.pi / 2 - np.asarray(values["lean"])
+    keys = ["at"] if "at" in values else question.family.at
+    return [np.broadcast_to(values[k], shape).reshape(-1) for k in keys]
 
 
 def _shaped(rows: Any, shape: tuple[int, ...]) -> Any:

@@ -25,6 +25,21 @@ Complexes = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
+class Proof:
+    """How a certified spectrum was proved."""
+
+    abscissa_error: Floats
+    """Proved bound on the error of the abscissa, shape (…)."""
+    bits: NDArray[np.int64]
+    """Precision of the balls that decided each verdict, 0 for rational arithmetic, shape (…)."""
+
+    @property
+    def how(self) -> str:
+        """In words, for a single spectrum."""
+        return f"balls of {self.bits} bits" if self.bits else "rational arithmetic"
+
+
+@dataclass(frozen=True, eq=False)
 class Spectrum:
     """Eigenvalues of the linearisation at members of a family, structural zeros removed.
 
@@ -60,6 +75,8 @@ class Spectrum:
     """Unit of the eigenvalues in dimensionless ones, shape (…) or () [1/s]."""
     scale: Floats
     """Unit of each state, shape (…, states)."""
+    proof: Proof | None = None
+    """How verdicts and eigenvalues were proved, where they were asked to be."""
 
     def __repr__(self) -> str:
         shape = self.eigenvalues.shape[:-1]
@@ -73,10 +90,21 @@ class Spectrum:
         return float(value) if value.ndim == 0 else value
 
     @property
+    def certified(self) -> Any:
+        """Whether the verdict is proved, in rational arithmetic or balls, shape (…)."""
+        if self.proof is None:
+            value = np.zeros(self.codes.shape, dtype=bool)
+        else:
+            value = self.codes != CODES[Verdict.UNDECIDED]
+        return bool(value) if value.ndim == 0 else value
+
+    @property
     def abscissa_error(self) -> Any:
         """Bound on the error of the abscissa, shape (…)."""
         real = self.eigenvalues.real
         value = (real + self.radius).max(axis=-1) - real.max(axis=-1)
+        if self.proof is not None:
+            value = self.proof.abscissa_error
         return float(value) if value.ndim == 0 else value
 
     @property
@@ -89,6 +117,8 @@ class Spectrum:
         """`Nonlinear`, or an object array of them, shape (…): what the motion itself does."""
         harmless = self.structural_zeros == self.family.tangents
         stable = Nonlinear.ASYMPTOTIC if harmless else Nonlinear.OPEN
+        if self.family.drifts:
+            stable = Nonlinear.DRIFTS
         # Neutral with every λ² strictly negative: the integrals confine the motion.
         kept = Nonlinear.BY_INTEGRALS if self.family.integrals else Nonlinear.OPEN
         table = {
@@ -97,7 +127,11 @@ class Spectrum:
             CODES[Verdict.NEUTRAL]: kept,
             CODES[Verdict.UNDECIDED]: Nonlinear.OPEN,
         }
-        return _members(self.codes, table)
+        on_zero = (self.codes == CODES[Verdict.NEUTRAL]) & (
+            np.abs(self.eigenvalues) <= self.radius
+        ).any(axis=-1)
+        codes = np.where(on_zero, CODES[Verdict.UNDECIDED], self.codes)
+        return _members(np.asarray(codes), table)
 
     @property
     def reason(self) -> str:
@@ -107,6 +141,9 @@ class Spectrum:
         bound = f"largest real part {self.abscissa:.3g}, error bound {self.abscissa_error:.1g}"
         if self.family.conservative:
             bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound
+        if self.proof is not None:
+            budget = "undecided within the budget of precision" if not self.certified else "proved"
+            return f"{budget} in {self.proof.how}; {bound}"
         count = self.structural_zeros
         zeros = f"{count} structural zero{'s' * (count != 1)} removed through null vectors"
         return f"{bound}; {zeros}" if count else bound

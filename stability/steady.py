@@ -80,4 +80,5 @@ def disk_family(name: str, law: str) -> Family:
         positive=("phi_dot",) if name == "tumbling" else (),
         typical={"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3, "k": 0.3, "mu": 0.7},
         conservative=LAWS[law].conservative, integrals=LAWS[law].conservative,
+        drifts=name == "rolling" and LAWS[law].coefficient is not None,
     )  # fmt: skip

@@ -54,6 +54,11 @@ class Nonlinear(Enum):
         "asymptotic along the family: a disturbed motion tends to a neighbouring member "
         "(Lyapunov-Malkin: every structural zero is a tangent of the family)"
     )
+    DRIFTS = (
+        "drifts: spectrally stable, yet it does not last: friction lets the slow manifold's tilt "
+        "and spin move until the spin falls through the linear threshold (stability.drift, "
+        "`stability table drift`)"
+    )
     BY_INTEGRALS = "stable by integrals: first integrals keep a disturbed motion near the family"
     UNSTABLE = "unstable: some disturbance grows exponentially"
     OPEN = "open: the spectrum does not decide; higher orders do"
