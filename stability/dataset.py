@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import __version__
+from .cells import GRAPH
 from .polynomial import structure
 from .problem import Problem
 from .verdict import CODES
@@ -39,7 +40,9 @@ LONG_NAMES = {
 """What an axis is called in words."""
 
 
-def provenance(question: Problem, axes: tuple[Grid, Grid] | None = None) -> dict[str, Any]:
+def provenance(
+    question: Problem, axes: tuple[Grid, Grid] | None = None, route: str = GRAPH
+) -> dict[str, Any]:
     """How a result came about: versions, parameters, method, tolerances.
 
     Parameters
@@ -48,6 +51,8 @@ def provenance(question: Problem, axes: tuple[Grid, Grid] | None = None) -> dict
         The question.
     axes
         The axes of a map, which are not fixed parameters.
+    route
+        How the numbers were worked out.
 
     Returns
     -------
@@ -58,10 +63,6 @@ def provenance(question: Problem, axes: tuple[Grid, Grid] | None = None) -> dict
     swept = {g.name for g in axes or ()}
     fixed = {n: v for n, v in question.values.items() if n not in swept}
     how = structure(family)
-    route = (
-        "eigenvalues of the AD Jacobian with structural zeros removed through null vectors "
-        "(LAPACK), error discs by running error analysis and Gershgorin's theorem"
-    )
     if family.conservative:
         route += "; conservative law, decided by the sign of λ²"
     return {
@@ -158,7 +159,7 @@ def assemble(
     if curves is not None:
         variables |= _boundary_variables(question, axes, curves, words)
     coordinates = {g.name: ((g.name,), g.values, axis_attributes(question, g.name)) for g in axes}
-    attributes = provenance(question, axes)
+    attributes = provenance(question, axes, cells.route)
     if curves is not None:
         attributes["boundary_unresolved"] = curves.unresolved
     return xarray.Dataset(variables, coordinates, attributes)

@@ -62,6 +62,25 @@ class Polynomial:
         return tuple(max((e[i] for _, e in self.terms), default=0)
                      for i in range(len(self.variables)))  # fmt: skip
 
+    def ordered(self) -> tuple[Polynomial, list[int]]:
+        """The same with the variable of least degree outermost, and the order of its arguments.
+
+        Over broadcast arrays the outermost scheme is the one that runs over the full shape.
+        """
+        order = sorted(range(len(self.variables)), key=lambda i: -self.degrees[i])
+        terms = tuple((c, tuple(e[i] for i in order)) for c, e in self.terms)
+        return Polynomial(tuple(self.variables[i] for i in order), terms), order
+
+    def roundings(self, behind: Mapping[str, int]) -> int:
+        """Most roundings on the way of any monomial through the Horner schemes.
+
+        Parameters
+        ----------
+        behind
+            Roundings already behind each variable.
+        """
+        return _roundings(list(self.terms), [behind[n] for n in self.variables])
+
     def derivative(self, variable: str) -> Polynomial:
         """The derivative by one variable.
 
@@ -105,6 +124,24 @@ def _horner(terms: list[tuple[int, tuple[int, ...]]], names: list[str]) -> str:
         following = powers[place + 1] if place + 1 < len(powers) else 0
         text += f" * {x}" * (power - following)
     return text
+
+
+def _roundings(terms: list[tuple[int, tuple[int, ...]]], behind: list[int]) -> int:
+    """Mirrors `_horner`: one for each product and sum, and those behind each factor."""
+    if not terms or not behind:
+        return 0
+    groups: dict[int, list[tuple[int, tuple[int, ...]]]] = {}
+    for c, e in terms:
+        groups.setdefault(e[-1], []).append((c, e[:-1]))
+    count, last = -1, 0
+    for power in sorted(groups, reverse=True):
+        inner = _roundings(groups[power], behind[:-1])
+        if count < 0:
+            count = inner
+        else:
+            count = max(count + (last - power) * (1 + behind[-1]), inner) + 1
+        last = power
+    return count + last * (1 + behind[-1])
 
 
 @dataclass(frozen=True)

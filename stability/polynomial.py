@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
+from threading import RLock
 from typing import Any
 
 from flint import acb_poly, arb, arb_mat, ctx
@@ -19,6 +20,9 @@ SAMPLES = 3
 """Random members at which the structure of a spectrum is established."""
 SAMPLE_BITS = 400
 """Precision there; a coefficient that vanishes to this many bits at every sample is structural."""
+
+
+_PRECISION = RLock()
 
 
 @dataclass(frozen=True)
@@ -49,12 +53,13 @@ def precision(bits: int) -> Iterator[None]:
     ...     print((arb(1) / 3).rel_accuracy_bits() > 190)
     True
     """
-    before = ctx.prec
-    ctx.prec = bits
-    try:
-        yield
-    finally:
-        ctx.prec = before
+    with _PRECISION:  # one precision for the whole process: threads take turns
+        before = ctx.prec
+        ctx.prec = bits
+        try:
+            yield
+        finally:
+            ctx.prec = before
 
 
 def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[Any]:

@@ -1,0 +1,345 @@
+"""Roots of many real cubics or quintics at once, in real arithmetic, with proved error bounds.
+
+A polynomial of odd degree is kept as (x - r) ∏ (x² + p x + q).  All factors are improved at once by
+Weierstrass' correction written for quadratics, which converges quadratically and does not care
+whether a pair is real or complex.  The error bound is Gershgorin's theorem for the companion of the
+factors: it needs no assumption on how the factors were found.
+
+Sources: K. Dvorčuk, Apl. Mat. 14 (1969) 207-223 (factors of Weierstrass' method); A. Neumaier, J.
+Comput. Appl. Math. 156 (2003) 389-401 (Gershgorin discs of approximate roots); tests/test_maps.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+BLOCK = 32768
+"""Rows worked on at once, so that what is live stays in the cache."""
+MORE = 12
+"""Most corrections of the points that have not settled."""
+
+
+class Factors(NamedTuple):
+    """Linear and quadratic factors of monic polynomials, one row each."""
+
+    r: Array
+    """Root of the linear factor, shape (N,)."""
+    pairs: list[tuple[Array, Array]]
+    """(p, q) of each quadratic x² + p x + q, shapes (N,)."""
+
+    def take(self, index: Any) -> Factors:
+        """The factors of some rows.
+
+        Parameters
+        ----------
+        index
+            Which rows.
+        """
+        return Factors(self.r[index], [(p[index], q[index]) for p, q in self.pairs])
+
+    def between(self, index: Sequence[Any]) -> Factors:
+        """The factors in the middle of four rows in line, by cubic interpolation.
+
+        Parameters
+        ----------
+        index
+            Rows far below, below, above and far above each wanted one; where the far ones repeat
+            the near ones this is the mean.
+        """
+        far, low, high, beyond = index
+
+        def middle(v: Array) -> Array:
+            return 0.5625 * (v[low] + v[high]) - 0.0625 * (v[far] + v[beyond])
+
+        return Factors(middle(self.r), [(middle(p), middle(q)) for p, q in self.pairs])
+
+    def astype(self, kind: Any) -> Factors:
+        """The factors in another floating-point type.
+
+        Parameters
+        ----------
+        kind
+            The type.
+        """
+        return Factors(self.r.astype(kind), [(p.astype(kind), q.astype(kind)) for p, q in self.pairs])
+
+    def put(self, index: Any, other: Factors) -> None:
+        """Overwrite some rows.
+
+        Parameters
+        ----------
+        index
+            Which rows.
+        other
+            Their factors.
+        """
+        self.r[index] = other.r
+        for (p, q), (u, v) in zip(self.pairs, other.pairs, strict=True):
+            p[index], q[index] = u, v
+
+
+class Roots(NamedTuple):
+    """Roots of one row of polynomials, with discs that hold the exact ones."""
+
+    real: list[Array]
+    """Real parts, one array a root."""
+    imag: list[Array]
+    """Imaginary parts."""
+    radius: list[Array]
+    """Radius about each; infinite where nothing is proved."""
+
+
+def start(a: Sequence[Array]) -> Factors:
+    """Factors from LAPACK's eigenvalues of the companion matrix.
+
+    Parameters
+    ----------
+    a
+        Monic coefficients a[0] … a[n-1], shapes (N,), finite.
+
+    Returns
+    -------
+    Factors
+    """
+    n, count = len(a), len(a[0])
+    companion = np.zeros((count, n, n))
+    companion[:, np.arange(1, n), np.arange(n - 1)] = 1.0
+    for i, c in enumerate(a):
+        companion[:, i, n - 1] = -c
+    found = np.linalg.eigvals(companion).astype(complex)
+    # sorted by whether real, then size: real roots first, conjugates next to each other
+    order = np.lexsort((found.imag, found.real, np.abs(found.imag), found.imag != 0), axis=-1)
+    found = np.take_along_axis(found, order, -1)
+    r = found[:, 0].real
+    pairs = []
+    for i in range(1, n, 2):
+        u, v = found[:, i], found[:, i + 1]
+        pairs.append((-(u + v).real, (u * v).real))
+    kind = a[0].dtype
+    return Factors(r.astype(kind), [(p.astype(kind), q.astype(kind)) for p, q in pairs])
+
+
+def improve(a: Sequence[Array], factors: Factors, *, watch: bool = True) -> tuple[Factors, Any]:
+    """One correction of all factors at once.
+
+    Parameters
+    ----------
+    a
+        Monic coefficients, lowest first.
+    factors
+        Factors so far.
+    watch
+        Whether the change is wanted.
+
+    Returns
+    -------
+    factors, change
+        New factors, and the square of the largest relative change of a row (0 if not watched).
+    """
+    r = factors.r
+    value = r + a[-1]
+    for c in reversed(a[:-1]):
+        value = value * r + c
+    others: Array | float = 1.0
+    for p, q in factors.pairs:
+        others = others * ((r + p) * r + q)
+    dr = -value / others
+    change: Any = (dr / r) ** 2 if watch else 0.0
+    pairs = []
+    for i, (p, q) in enumerate(factors.pairs):
+        # the polynomial modulo x² + p x + q is alpha x + beta
+        high: Any = 1.0
+        low = a[-1] - p
+        for c in reversed(a[1:-1]):
+            high, low = low, c - p * low - q * high
+        alpha, beta = low, a[0] - q * high
+        # the other factors modulo x² + p x + q are gamma x + delta
+        gamma, delta = 1.0, -r
+        for j, (u, v) in enumerate(factors.pairs):
+            if j != i:
+                e, f = u - p, v - q  # (x² + u x + v) mod (x² + p x + q)
+                gamma, delta = gamma * f + delta * e - gamma * e * p, delta * f - gamma * e * q
+        m = delta - gamma * p
+        det = delta * m + gamma * gamma * q
+        dp = (alpha * delta - beta * gamma) / det
+        dq = (m * beta + gamma * q * alpha) / det
+        pairs.append((p + dp, q + dq))
+        if watch:  # p is of the size of the root of q at least where it matters
+            change = np.maximum(change, (dq / q) ** 2 + dp * dp / (np.abs(q) + p * p))
+    return Factors(r + dr, pairs), change
+
+
+def settle(a: Sequence[Array], factors: Factors, steps: int = 0) -> Factors:
+    """Factors improved until they no longer change, or until the budget of corrections ends.
+
+    Parameters
+    ----------
+    a
+        Monic coefficients, lowest first.
+    factors
+        First factors; rows that do not settle from them start again from LAPACK.
+    steps
+        Corrections of every row before it is looked at which have settled.
+
+    Returns
+    -------
+    Factors
+        Nothing is promised about them; `enclose` says how good they are.
+    """
+    enough = 8 * np.finfo(a[0].dtype).eps
+    change: Array = np.empty(0)
+    if steps:
+        factors, change = _blocks(a, factors, steps)
+    # convergence is quadratic: what is left of the error is the square of the last change
+    left = np.arange(len(a[0])) if not steps else np.flatnonzero(~(change < enough))
+    for fresh in (False, True):
+        if not len(left):
+            break
+        some = [c[left] for c in a]
+        part = start(some) if fresh else factors.take(left)
+        place = np.arange(len(left))
+        for _ in range(MORE):
+            part, change = improve([c[place] for c in some], part)
+            open_rows = ~(change < enough)
+            factors.put(left[place], part)
+            place, part = place[open_rows], part.take(open_rows)
+            if not len(place):
+                break
+        left = left[place]
+    return factors
+
+
+def _blocks(a: Sequence[Array], factors: Factors, steps: int) -> tuple[Factors, Array]:
+    """Some corrections of every row, block by block, in place."""
+    n = len(a[0])
+    change = np.empty(n, a[0].dtype)
+    for first in range(0, n, BLOCK):
+        rows = slice(first, first + BLOCK)
+        some, part = [c[rows] for c in a], factors.take(rows)
+        for step in range(steps):
+            part, change[rows] = improve(some, part, watch=step == steps - 1)
+        factors.put(rows, part)
+    return factors, change
+
+
+class _Pair(NamedTuple):
+    """The two roots of each quadratic x² + p x + q."""
+
+    real: tuple[Array, Array]
+    imag: Array
+    modulus: tuple[Array, Array]
+    apart: Array
+    """Square of their distance."""
+    slip: Array
+    """Bound on their rounding."""
+
+
+def _pair(p: Array, q: Array, unit: float) -> _Pair:
+    half = -0.5 * p
+    square = half * half
+    disc = square - q
+    size = np.abs(disc)
+    root = np.sqrt(size)
+    real = disc > 0
+    big = half + np.copysign(root, half)
+    first = np.where(real, big, half)
+    second = np.where(real, q / np.where(big == 0, 1.0, big), half)
+    turn = np.where(real, 0.0, root)
+    common = np.sqrt(np.abs(q))
+    modulus = np.where(real, np.abs(first), common), np.where(real, np.abs(second), common)
+    slip = unit * ((square + np.abs(q)) / root + np.abs(half) + root)
+    return _Pair((first, second), turn, modulus, 4 * size, slip)
+
+
+def enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roots:
+    """Roots with discs that hold the exact roots of every polynomial within the error.
+
+    Parameters
+    ----------
+    a, error
+        Monic coefficients and bounds on their errors, lowest first.
+    factors
+        Approximate factors.
+
+    Returns
+    -------
+    Roots
+    """
+    n = len(a[0])
+    blocks = [slice(first, first + BLOCK) for first in range(0, n, BLOCK)]
+    parts = [_enclose([c[b] for c in a], [e[b] for e in error], factors.take(b)) for b in blocks]
+    if len(parts) == 1:
+        return parts[0]
+    return Roots(*([np.concatenate(x) for x in zip(*lists, strict=True)]
+                   for lists in zip(*parts, strict=True)))  # fmt: skip
+
+
+def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roots:
+    unit = np.finfo(a[0].dtype).eps
+    # δ = (coefficients) - (product of factors), with the rounding of the product
+    product: list[Any] = [-factors.r, 1.0]
+    size: list[Any] = [np.abs(factors.r), 1.0]
+    for p, q in factors.pairs:
+        product = _times(product, p, q)
+        size = _times(size, np.abs(p), np.abs(q))
+    steps = 2 * len(factors.pairs) + 1  # in units of two roundings: product and sum, twice a pair
+    off = [np.abs(c - m) + e + steps * unit * s
+           for c, m, e, s in zip(a, product, error, size, strict=False)]  # fmt: skip
+    pairs = [_pair(p, q, unit) for p, q in factors.pairs]
+    spread: list[Any] = [1.0] + [one.apart for one in pairs for _ in range(2)]
+    closest = np.minimum.reduce([one.apart for one in pairs])
+    for i, one in enumerate(pairs):
+        turn = one.imag * one.imag
+        for s in range(2):
+            gap = (one.real[s] - factors.r) ** 2 + turn
+            closest = np.minimum(closest, gap)
+            spread[0] = spread[0] * gap
+            spread[2 * i + 1 + s] = spread[2 * i + 1 + s] * gap
+    if len(pairs) == 2:
+        one, two = pairs
+        near, far = (one.imag - two.imag) ** 2, (one.imag + two.imag) ** 2
+        for s in range(2):
+            for t in range(2):
+                along = (one.real[s] - two.real[t]) ** 2
+                gap = along + (near if s == t else far)
+                closest = np.minimum(closest, gap)
+                spread[1 + s] = spread[1 + s] * gap
+                spread[3 + t] = spread[3 + t] * gap
+    modulus = [np.abs(factors.r)] + [one.modulus[s] + one.slip for one in pairs for s in range(2)]
+    slip: list[Any] = [0.0] + [one.slip for one in pairs for _ in range(2)]
+    weights = []
+    for size_, spread_, slip_ in zip(modulus, spread, slip, strict=True):
+        value = off[-1]
+        for o in reversed(off[:-1]):
+            value = value * size_ + o
+        # where the discs are clear below, rounding moves the distances by less than that factor
+        weights.append(1.2 * value / np.sqrt(spread_) + slip_)
+    n = len(weights)
+    heaviest = np.maximum.reduce(weights)
+    # discs of diag(λ) - w 1ᵀ scaled by 1/10 in one place: it keeps clear of the others
+    clear = closest > (2 * (n + 10) * heaviest) ** 2
+    factor = np.where(clear, 1 + (n - 1) / 10, np.inf)
+    zero = np.zeros_like(factors.r)
+    return Roots(
+        [factors.r] + [one.real[s] for one in pairs for s in range(2)],
+        [zero] + [turn for one in pairs for turn in (one.imag, -one.imag)],
+        [factor * w for w in weights],
+    )
+
+
+def _times(poly: list[Any], p: Any, q: Any) -> list[Any]:
+    """A polynomial times x² + p x + q; the leading 1 stays implicit in its place."""
+    n = len(poly)
+    out: list[Any] = [0.0] * (n + 2)
+    for i, c in enumerate(poly):
+        one = i == n - 1
+        out[i] = out[i] + (q if one else c * q)
+        out[i + 1] = out[i + 1] + (p if one else c * p)
+        out[i + 2] = out[i + 2] + c
+    return out
