@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import __version__
+from .certify import verdict
 from .errors import FileError, ParameterError
 from .files import whole
 from .grid import Grid
@@ -25,6 +26,7 @@ from .polynomial import structure
 from .problem import Problem
 from .reduction import reduce
 from .spectra import decide, eigenvalues
+from .verdict import CODES, Verdict
 
 Floats = NDArray[np.float64]
 Progress = Callable[[int, int], None]
@@ -254,6 +256,15 @@ class Cells:
                 raise
         if progress:
             progress(total, total)
+
+    def settle(self) -> None:
+        """Decide in balls every cell that double precision left open."""
+        xs, ys = self.axes[0].values, self.axes[1].values
+        for i, j in np.argwhere(self.codes == CODES[Verdict.UNDECIDED]):
+            swept = {self.axes[0].name: float(xs[j]), self.axes[1].name: float(ys[i])}
+            values = {n: float(v) for n, v in (dict(self.question.values) | swept).items()}
+            self.codes[i, j] = CODES[verdict(self.question, values)]
+            self.handed_on += 1
 
     def _submit(self, pool: ThreadPoolExecutor, start: int, total: int) -> Future[Chunk]:
         if self.exact:

@@ -163,6 +163,8 @@ def _map(options: argparse.Namespace) -> None:
     for name in ("at", "k", "mu", "mass", "radius", "gravity"):
         if name in swept and getattr(options, name) is not None:
             raise ParameterError(f"{name} is given as --{name} and as an axis; give it once.")
+    if options.levels is not None and not options.certify:
+        raise ParameterError("--levels goes with --certify; leave it out or certify.")
     disk = _disk(options)
     contact: Any
     if "mu" in swept and options.contact in LAWS:
@@ -179,7 +181,8 @@ def _map(options: argparse.Namespace) -> None:
         try:
             dataset = stability_map(
                 options.family, x=x, y=y, disk=disk, contact=contact, at=at,
-                certify=options.certify, modes=options.modes, progress=progress,
+                certify=options.certify, levels=options.levels, modes=options.modes,
+                progress=progress,
                 checkpoint=options.checkpoint,
             )  # fmt: skip
         except KeyboardInterrupt:
@@ -206,12 +209,17 @@ def _map(options: argparse.Namespace) -> None:
         "boundary_points": dataset.sizes["boundary_point"],
         "boundary_unresolved": int(dataset.attrs["boundary_unresolved"]),
     }
+    if options.certify:
+        record["certified"] = True
+        record["proved_area"] = float(dataset.attrs["box_proved"])
     if options.json:
         print(json.dumps(record, indent=2))
         return
     cells = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
+    proved = f"; {dataset.attrs['box_comment']}" if options.certify else ""
     print(
         f"{' and '.join(map(str, targets))}: {cells}; {record['boundary_points']} boundary points"
+        + proved
     )
 
 
@@ -319,6 +327,8 @@ def _parser() -> argparse.ArgumentParser:
     _physics(sub)
     sub.add_argument("--out", required=True, metavar="F.nc", help="NetCDF file to write")
     sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
+    sub.add_argument("--levels", type=int, metavar="L",
+                     help="with --certify: halve the map this often at most")  # fmt: skip
     sub.add_argument(
         "--modes", action="store_true", help="keep all eigenvalues, not only the first"
     )

@@ -20,6 +20,7 @@ from .verdict import CODES
 if TYPE_CHECKING:
     import xarray
 
+    from .boxes import Boxes
     from .curves import Curves
     from .grid import Grid
 
@@ -30,6 +31,7 @@ LONG_NAMES = {
     "omega3": "axial angular velocity",
     "phi_dot": "precession rate",
     "theta": "axis inclination",
+    "lean": "lean from upright",
     "k": "inertia factor",
     "mu": "friction coefficient",
     "c": "linear friction coefficient",
@@ -116,8 +118,9 @@ def axis_attributes(question: Problem, name: str) -> dict[str, str]:
 
 
 def assemble(
-    question: Problem, axes: tuple[Grid, Grid], cells: Any, curves: Curves | None
-) -> xarray.Dataset:
+    question: Problem, axes: tuple[Grid, Grid], cells: Any, curves: Curves | None,
+    boxes: Boxes | None = None,
+) -> xarray.Dataset:  # fmt: skip
     """The dataset of a map.
 
     Parameters
@@ -128,6 +131,8 @@ def assemble(
         Filled arrays.
     curves
         Boundary curves, or None.
+    boxes
+        Proved boxes, or None.
 
     Returns
     -------
@@ -158,11 +163,33 @@ def assemble(
             "long_name": "eigenvalues, structural zeros removed, sorted by real part"})  # fmt: skip
     if curves is not None:
         variables |= _boundary_variables(question, axes, curves, words)
+    if boxes is not None:
+        variables |= _box_variables(question, axes, boxes, flags)
     coordinates = {g.name: ((g.name,), g.values, axis_attributes(question, g.name)) for g in axes}
     attributes = provenance(question, axes, cells.route)
     if curves is not None:
         attributes["boundary_unresolved"] = curves.unresolved
+    if boxes is not None:
+        attributes |= {
+            "box_levels": boxes.levels,
+            "box_proved": boxes.proved,
+            "box_comment": f"share {boxes.proved:.6f} of the map's area is proved; the strip that "
+            f"encloses every change of verdict is made of boxes 2^-{boxes.levels} of each axis "
+            "wide (in its logarithm on a logarithmic axis)",
+        }
     return xarray.Dataset(variables, coordinates, attributes)
+
+
+def _box_variables(
+    question: Problem, axes: tuple[Grid, Grid], boxes: Boxes, flags: Mapping[str, Any]
+) -> dict[str, Any]:
+    long = {"long_name": "verdict proved everywhere in the box, 0 in the enclosing strip"}
+    out: dict[str, Any] = {"box_verdict": (("box",), boxes.codes, dict(flags) | long)}
+    for axis, ends in zip(axes, (boxes.x, boxes.y), strict=True):
+        words = axis_attributes(question, axis.name)
+        words["long_name"] += ", low and high end of the box"
+        out[f"box_{axis.name}"] = (("box", "end"), ends, words)
+    return out
 
 
 def _boundary_variables(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .boundary import BoundaryPoint, along
+from .boxes import prove_boxes
 from .cells import Cells, Parts
 from .contact import LAWS, Contact, LinearViscous, Viscous
 from .curves import trace
@@ -28,7 +29,7 @@ Progress = Callable[[int, int], None]
 Axis = tuple[str, float, float, int] | tuple[str, float, float, int, str]
 
 RESERVED = ("abscissa", "abscissa_error", "frequency", "verdict", "eigenvalues", "mode",
-            "complex_part")  # fmt: skip
+            "complex_part", "box", "end")  # fmt: skip
 """Variables and dimensions of every map, which no axis may be called."""
 
 
@@ -41,6 +42,7 @@ def stability_map(
     contact: Contact | type[Contact] | None = None,
     at: ArrayLike | None = None,
     certify: bool = False,
+    levels: int | None = None,
     boundaries: bool = True,
     modes: bool = False,
     workers: int | None = None,
@@ -56,12 +58,16 @@ def stability_map(
         Name of a disk's family, or a `Family`.
     x, y
         Axes as (name, low, high, n) or (name, low, high, n, "log"): any two of `at`, `k`, `mu`,
-        `mass`, `radius`, `gravity`; `theta`, `phi_dot` for circling; for a `Family`, its own names.
+        `mass`, `radius`, `gravity`; `lean` for tumbling, `theta`, `phi_dot` for circling; for a
+        `Family`, its own names.
     disk, contact, at
         The rest, as for `spectrum`.  An axis takes the place of the value given here; where `mu` is
         an axis, contact may be left out (viscous) or be the class of a law.
     certify
-        Not in this version (boundaries are proved already).
+        Whether whole boxes of the map are proved too, with the boundary enclosed in a strip of
+        narrow ones, and every cell that double precision leaves open is decided in balls.
+    levels
+        How often the map may be halved for that; as fine as the cells when left out.
     boundaries
         Whether to find the boundary curves.
     modes
@@ -83,7 +89,8 @@ def stability_map(
         `abscissa_error` (a bound), `frequency` (of the eigenvalue with the largest real part),
         `verdict` (CF flags); along `boundary_point`: `boundary_X` for each axis X,
         `boundary_error`, `boundary_axis` (along which the error is meant), `boundary_kind`,
-        `boundary_frequency`, `boundary_curve` (which polyline).  Attributes hold units, versions,
+        `boundary_frequency`, `boundary_curve` (which polyline); if certified, along `box`: `box_X`
+        (low and high end) and `box_verdict` (proved on all of the box, 0 in the strip).  Attributes hold units, versions,
         parameters, method and tolerances.
 
     Raises
@@ -100,11 +107,10 @@ def stability_map(
     >>> m.abscissa.dims, m.abscissa.shape
     (('mu', 'at'), (5, 7))
     """
-    if certify:
-        raise ParameterError(
-            "certify is True, which this version does not offer for maps; leave it out "
-            "(boundary points are proved already)."
-        )
+    if not isinstance(certify, bool):
+        raise ParameterError(f"certify is {certify!r}; give True or False.")
+    if levels is not None and not certify:
+        raise ParameterError("levels goes with certify=True; leave it out or certify.")
     if workers is not None and (not isinstance(workers, int) or workers < 1):
         raise ParameterError(f"workers is {workers!r}; a whole number of at least 1 is needed.")
     axes = Grid.of(x, "x"), Grid.of(y, "y")
@@ -114,8 +120,13 @@ def stability_map(
     cells.fill(workers or os.cpu_count() or 1, progress, parts)
     from .dataset import assemble
 
+    boxes = None
+    if certify:
+        finest = (max(g.count for g in axes) - 1).bit_length()
+        boxes = prove_boxes(question, axes, min(finest, 12) if levels is None else levels)
+        cells.settle()
     curves = trace(question, axes, cells.codes, cells.abscissa, progress) if boundaries else None
-    return assemble(question, axes, cells, curves)
+    return assemble(question, axes, cells, curves, boxes)
 
 
 def boundaries(
@@ -194,8 +205,10 @@ def prepare(
         question = make_problem(family, at, disk, contact, dict(parameters))  # type: ignore[arg-type]
         known: tuple[str, ...] = (*family.at, *family.parameters)
     else:
-        question = make_problem(family, at, disk, _law(contact, axes), dict(parameters))
+        tilted = 0.0 if "lean" in names else None  # the axis takes its place
+        question = make_problem(family, at, disk, _law(contact, axes), dict(parameters), tilted)
         keys = ("at",) if len(question.family.at) == 1 else question.family.at
+        keys = ("lean",) if tilted is not None else keys
         known = (*keys, *(n for n in question.names if n not in keys))
         if isinstance(question.law, LinearViscous):
             known = tuple(dict.fromkeys((*known, "c", "mu")))
@@ -208,14 +221,14 @@ def prepare(
             raise NameUnknownError(
                 f"axis is {name!r}; known for {question.family.name} are {', '.join(known)}."
             )
-        if not name or name in RESERVED or name.startswith("boundary_") or "/" in name:
+        if not name or name in RESERVED or name.startswith(("boundary_", "box_")) or "/" in name:
             raise NameUnknownError(
                 f"axis is {name!r}, a name that the map needs for itself; rename the parameter."
             )
     axis_values = {g.name: g.values for g in axes}
     for name, values in axis_values.items():
         check_axis(question, name, values)
-    keys = tuple(n for n in known if n in ("at", *question.family.at))
+    keys = tuple(n for n in known if n in ("at", "lean", *question.family.at))
     for key in keys:
         if key in question.values and key in names and at is not None:
             raise ParameterError(f"{key} is given as a value and as an axis; give it once.")

@@ -13,6 +13,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
@@ -33,6 +34,7 @@ SYMBOLS = {
     "omega3": r"$\omega_3$",
     "phi_dot": r"$\dot\varphi$",
     "theta": r"$\theta$",
+    "lean": r"$\pi/2-\theta$",
     "theta_dot": r"$\dot\theta$",
     "slip_x": r"$v_x$",
     "slip_y": r"$v_y$",
@@ -177,7 +179,23 @@ def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     elif growing.all():
         axes.contourf(x, y, growing, levels=[0.5, 1.5], colors="none", hatches=["////"])
     axes.set_ylim(float(y[0]), float(y[-1]))
+    if "box_verdict" in dataset:
+        _boxes(axes, dataset)
     return mesh
+
+
+def _boxes(axes: Axes, dataset: xarray.Dataset) -> None:
+    """Outlines of the proved boxes, and the strip that encloses the boundary, filled."""
+    ends = [dataset[f"box_{name}"].values for name in (_x(dataset), _y(dataset))]
+    (x0, x1), (y0, y1) = (e.T for e in ends)
+    corners = np.stack([np.stack([x0, x1, x1, x0], 1), np.stack([y0, y0, y1, y1], 1)], axis=-1)
+    strip = dataset.box_verdict.values == CODES[Verdict.UNDECIDED]
+    proved = PolyCollection(corners[~strip], facecolors="none", edgecolors="#00000055",
+                            linewidths=0.25)  # fmt: skip
+    open_boxes = PolyCollection(corners[strip], facecolors="#f7d038", edgecolors="#f7d038",
+                                linewidths=0.4, label="enclosing strip")  # fmt: skip
+    axes.add_collection(proved, autolim=False)
+    axes.add_collection(open_boxes, autolim=False)
 
 
 def _bar_ticks(bar: Any, norm: Any) -> None:

@@ -37,7 +37,7 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("disk by name", lambda: ask(disk="quarter"), "give a stability.Disk"),
     ("no contact", lambda: st.spectrum("rolling", at=1), "contact is missing"),
     ("mu beside", lambda: st.spectrum("rolling", at=1, contact=V(1), mu=2), "not an argument here"),
-    ("certify", lambda: st.spectrum("rolling", at=1, contact=V(1), certify=True), "certify"),
+    ("certify", lambda: st.spectrum("rolling", at=1, contact=V(1), certify=1), "certify"),
     ("mu zero", lambda: V(0), "Smooth()"),
     ("mu nan", lambda: V([0.1, np.nan]), "mu is nan"),
     ("c negative", lambda: st.LinearViscous(-1), "c is -1"),

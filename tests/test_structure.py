@@ -67,11 +67,11 @@ def test_circling_has_two_structural_zeros_and_two_tangents() -> None:
     assert structure(family).zeros == family.tangents == 2
 
 
-def test_rollings_second_zero_is_not_a_tangent_so_its_motion_is_left_open() -> None:
+def test_rollings_second_zero_is_not_a_tangent_so_it_drifts() -> None:
     family = st.disk_family("rolling", "viscous")
     assert (structure(family).zeros, family.tangents) == (2, 1)
     stable = st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3))
-    assert stable.nonlinear is st.Nonlinear.OPEN
+    assert stable.nonlinear is st.Nonlinear.DRIFTS
 
 
 def test_viscous_rolling_changes_at_omega3_squared_1_over_2k_for_every_mu() -> None:
