@@ -26,6 +26,9 @@ _HOME = {
     "boundary": ("BoundaryPoint", "Crossing"),
     "maps": ("stability_map", "boundaries"),
     "files": ("read_map", "write_map"),
+    "exact": ("exact_polynomial", "Exact"),
+    "passage": ("drift", "Drift"),
+    "lines": ("hopf", "HopfPoint", "HopfKind"),
     "errors": ("StabilityError",),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
@@ -46,11 +49,18 @@ if TYPE_CHECKING:
     from .disk import Disk as Disk
     from .equations import disk_system as disk_system
     from .errors import StabilityError as StabilityError
+    from .exact import Exact as Exact
+    from .exact import exact_polynomial as exact_polynomial
     from .families import Family as Family
     from .files import read_map as read_map
     from .files import write_map as write_map
+    from .lines import HopfKind as HopfKind
+    from .lines import HopfPoint as HopfPoint
+    from .lines import hopf as hopf
     from .maps import boundaries as boundaries
     from .maps import stability_map as stability_map
+    from .passage import Drift as Drift
+    from .passage import drift as drift
     from .query import spectrum as spectrum
     from .spectra import Spectrum as Spectrum
     from .steady import disk_family as disk_family

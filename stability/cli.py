@@ -90,10 +90,10 @@ def _spectrum(options: argparse.Namespace) -> None:
     from .query import spectrum
     from .steady import AT
 
-    disk = _disk(options)
-    contact = law_named(options.contact, options.mu)
     if (options.at is None) == (options.lean is None):
         raise ParameterError("give --at, or for tumbling --lean, and not both.")
+    disk = _disk(options)
+    contact = law_named(options.contact, options.mu)
     at = None if options.at is None else _at(options.at)
     parts = AT.get(options.family, ("at",))
     if isinstance(at, list) and len(at) != len(parts):
@@ -247,43 +247,79 @@ def _atlas(options: argparse.Namespace) -> None:
 
 
 def _table(options: argparse.Namespace) -> None:
-    from .contact import law_named
     from .errors import NameUnknownError
     from .tables import TABLES, records, text
 
     if options.name not in TABLES:
         raise NameUnknownError(f"table is {options.name!r}; known are {', '.join(TABLES)}.")
-    settings: dict[str, Any] = {}
-    if options.name == "conditions":
-        for key in ("k", "mu"):
-            given = getattr(options, key)
-            if given is not None:
-                settings[key] = given
-        if options.contact is not None:
-            law_named(options.contact, None if options.mu is None else options.mu[0], needed=False)
-            settings["laws"] = [options.contact]
-        scales = {n: getattr(options, n) for n in ("mass", "radius", "gravity")}
-        from .disk import Disk
-
-        settings["disk"] = Disk(**{n: v for n, v in scales.items() if v is not None})
-    else:
-        for key in ("k", "mu", "contact", "mass", "radius", "gravity"):
-            if getattr(options, key) is not None:
-                raise ParameterError(f"--{key} goes with `table conditions` only; leave it out.")
+    settings = _table_settings(options)
+    formulas: list[Any] = []
     with _bar("lines") as progress:
-        if options.name == "conditions":
+        if options.name in ("conditions", "hopf"):
             settings["progress"] = progress
-        rows = records(options.name, **settings)
+        rows = [] if options.latex else records(options.name, **settings)
+        if options.name == "conditions":
+            from .formulas import rows as formula_rows
+
+            laws = settings.get("laws", ("smooth", "viscous", "rough"))
+            formulas = formula_rows(laws, settings.get("k", (0.25, 0.5)), progress)
+    if options.latex:
+        from .formulas import latex
+
+        print("\n\n".join(latex(f) for f in formulas))
+        return
     if options.json:
-        body = {
+        from dataclasses import asdict
+
+        body: dict[str, Any] = {
             "table": options.name,
             "heading": f"{TABLES[options.name]} (recomputed)",
             "rows": rows,
         }
-        print(json.dumps(body, indent=2))
+        if formulas:
+            body["formulas"] = [asdict(f) for f in formulas]
+        print(json.dumps(body, indent=2, default=str))
         return
     disk = settings.get("disk")
+    if formulas:
+        from .tables import formula_lines
+
+        print("\n".join(formula_lines(formulas)))
     print(text(options.name, rows, "√(g/R)" if disk is None or disk.dimensionless else "rad/s"))
+
+
+def _table_settings(options: argparse.Namespace) -> dict[str, Any]:
+    """Options of a table as arguments of its function; what does not belong is refused."""
+    from .contact import law_named
+    from .disk import Disk
+
+    name = options.name
+    settings: dict[str, Any] = {}
+    if options.latex and (name != "conditions" or options.json):
+        raise ParameterError("--latex goes with `table conditions`, without --json.")
+    if options.tilt is not None:
+        if name != "drift":
+            raise ParameterError("--tilt goes with `table drift` only; leave it out.")
+        settings["tilt"] = options.tilt
+    if name not in ("conditions", "drift", "hopf"):
+        for key in ("k", "mu", "contact", "mass", "radius", "gravity"):
+            if getattr(options, key) is not None:
+                raise ParameterError(
+                    f"--{key} goes with `table conditions`, `drift` and `hopf` only; leave it out."
+                )
+        return settings
+    for key in ("k", "mu"):
+        if getattr(options, key) is not None:
+            settings[key] = getattr(options, key)
+    if options.contact is not None:
+        law_named(options.contact, None if options.mu is None else options.mu[0], needed=False)
+        key = "laws" if name == "conditions" else "law"
+        settings[key] = [options.contact] if name == "conditions" else options.contact
+    scales = {n: getattr(options, n) for n in ("mass", "radius", "gravity")}
+    settings["disk"] = Disk(**{n: v for n, v in scales.items() if v is not None})
+    if "k" in settings:
+        Disk(k=settings["k"])
+    return settings
 
 
 # --- arguments ---
@@ -343,11 +379,15 @@ def _parser() -> argparse.ArgumentParser:
                      help="points along the family's axis (default 400)")  # fmt: skip
     sub.add_argument("--force", action="store_true", help="replace files in an existing folder")
 
-    sub = command("table", _table, "A table, recomputed: families, conditions, or completeness",
+    sub = command("table", _table, "A table, recomputed: families, conditions, drift, hopf, completeness",
                   "stability table conditions --k 0.25,0.5 --mu 0.1,1,10")  # fmt: skip
-    sub.add_argument("name", metavar="NAME", help="families, conditions or completeness")
+    sub.add_argument(
+        "name", metavar="NAME", help="families, conditions, drift, hopf or completeness"
+    )
     sub.add_argument("--k", type=_list, help="inertia factors, comma-separated")
     sub.add_argument("--mu", type=_list, help="friction coefficients, comma-separated")
+    sub.add_argument("--tilt", type=_list, help="tilts of `table drift` in rad, comma-separated")
+    sub.add_argument("--latex", action="store_true", help="formulas of `table conditions` as LaTeX")
     sub.add_argument("--contact", help=f"one law of {CONTACTS}")
     for name in ("mass", "radius", "gravity"):
         sub.add_argument(f"--{name}", type=float, help="of the disk")

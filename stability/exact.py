@@ -183,7 +183,7 @@ class Exact:
         return [[c(*values) for c in factor] for factor in self.factors]
 
 
-def exact(family: str, law: str | Contact) -> Exact:
+def exact_polynomial(family: str, law: str | Contact) -> Exact:
     """The characteristic polynomial and the conditions of a family under a law.
 
     Parameters
@@ -206,7 +206,7 @@ def exact(family: str, law: str | Contact) -> Exact:
 
     Examples
     --------
-    >>> found = exact("rolling", "viscous")
+    >>> found = exact_polynomial("rolling", "viscous")
     >>> found.zeros, [str(p) for _, p in found.conditions]
     (2, ['2*k*z - 1'])
     """

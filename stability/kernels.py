@@ -42,8 +42,8 @@ class VerdictKernel:
 
     Examples
     --------
-    >>> from stability.exact import exact
-    >>> kernel = VerdictKernel(exact("rolling", "viscous"))
+    >>> from stability.exact import exact_polynomial
+    >>> kernel = VerdictKernel(exact_polynomial("rolling", "viscous"))
     >>> kernel([0.25, 1.0, np.array([1.9, 2.0, 2.1])]).tolist()  # unstable, open, stable
     [2, 0, 1]
     """

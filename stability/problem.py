@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from .contact import LAWS, ZERO_MU, Contact
 from .disk import Disk, checked, positive
 from .errors import NameUnknownError, ParameterError
-from .exact import Exact, exact
+from .exact import Exact, exact_polynomial
 from .families import Family
 from .steady import AT, disk_family
 
@@ -249,7 +249,7 @@ def disk_problem(
         resolved, values, disk_units(keys, parts, si=not disk.dimensionless), disk.dimensionless,
         reduce, lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
         disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
-        exact(family, contact),
+        exact_polynomial(family, contact),
     )  # fmt: skip
 
 

@@ -82,7 +82,7 @@ def _reduce(family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence
     matrix, error = tracked_arrays(graph.matrix, arguments, a.shape[:1])[0]
     steps: list[Deflation] = []
     zeros = structure(family).zeros
-    tangents, doubts = _tangents(family, arguments, a.shape[:1])
+    tangents, doubts = tangent_vectors(family, arguments, a.shape[:1])
     for index in range(min(zeros, tangents.shape[-1])):
         vector, doubt = _push(tangents[..., index], doubts[..., index], steps)
         matrix, error = _deflate(matrix, error, vector, doubt, steps)
@@ -113,7 +113,7 @@ def _root_error(family: Family, given: list[list[Tracked]], u: Floats) -> Floats
     return error + 2 * UNIT * np.abs(u)
 
 
-def _tangents(
+def tangent_vectors(
     family: Family, arguments: list[list[Tracked]], shape: tuple[int, ...]
 ) -> tuple[Floats, Floats]:
     """Tangents of the family and a bound on their error, which grows where the equations fold.

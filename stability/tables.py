@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .beyond import DRIFT_NOTES, HOPF_NOTES, drift_rows, hopf_rows
 from .boundary import along
 from .contact import LAWS, Contact, LinearViscous, Viscous
 from .disk import Disk
@@ -17,9 +18,14 @@ from .polynomial import structure
 from .problem import disk_problem
 from .steady import AT, FAMILIES, disk_family
 
+if TYPE_CHECKING:
+    from .formulas import Formulas
+
 TABLES = {
     "families": "the steady motions with their conditions, structural zeros and limits",
-    "conditions": "where the verdict changes along each family, for several k and mu",
+    "conditions": "stability conditions as formulas, and where the verdict changes, by k and mu",
+    "drift": "how long straight rolling under friction lasts before it crosses its threshold",
+    "hopf": "flutter boundaries of spinning and tumbling as Hopf bifurcations without parameters",
     "completeness": "why the viscous disk has no other steady motions: proof and search",
 }
 """What each table holds."""
@@ -277,6 +283,10 @@ def records(name: str, **options: Any) -> list[dict[str, Any]]:
         return [asdict(row) for row in families()]
     if name == "conditions":
         return [asdict(row) for row in conditions(**options)]
+    if name == "drift":
+        return [asdict(row) for row in drift_rows(**options)]
+    if name == "hopf":
+        return [asdict(row) for row in hopf_rows(**options)]
     if name == "completeness":
         from .completeness import prove, search
 
@@ -306,42 +316,12 @@ def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:
         return "\n".join(head + _family_lines(rows))
     if name == "completeness":
         return "\n".join(head + _completeness_lines(rows))
-    columns = (
-        "family",
-        "contact",
-        "k",
-        "mu",
-        "at",
-        "± proved",
-        "crossing",
-        "frequency",
-        "below",
-        "above",
-    )
-    keys = (
-        "family",
-        "contact",
-        "k",
-        "mu",
-        "at",
-        "error",
-        "crossing",
-        "frequency",
-        "below",
-        "above",
-    )
-    formats = {
-        "k": "{:g}",
-        "mu": "{:g}",
-        "at": "{:.12g}",
-        "error": "{:.1e}",
-        "frequency": "{:.10g}",
-    }
-    cells = [list(columns)]
-    for row in rows:
-        cells.append(
-            ["-" if row[key] is None else formats.get(key, "{}").format(row[key]) for key in keys]
-        )
+    if name in ("drift", "hopf"):
+        notes = DRIFT_NOTES if name == "drift" else HOPF_NOTES
+        units = f"angular velocities in {unit}; angles in rad; times in 1/({unit})"
+        units = units.replace("1/(rad/s)", "s")
+        return "\n".join(head + _aligned(_cells(rows)) + ["", *notes, units])
+    cells = _cells(rows, {"error": "± proved"})
     foot = [
         "",
         f"at: omega3 (rolling), phi_dot (spinning) in {unit}, theta (tumbling) in rad; "
@@ -351,6 +331,53 @@ def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:
         f"{POINTS} points goes unseen; each place is a bracket proved in ball arithmetic.",
     ]
     return "\n".join(head + _aligned(cells) + foot)
+
+
+FORMATS = {
+    "k": "{:g}", "mu": "{:g}", "tilt": "{:g}", "at": "{:.12g}", "error": "{:.1e}",
+    "frequency": "{:.10g}", "omega3": "{:.6g}", "threshold": "{:.6g}", "tilt_end": "{:.4g}",
+    "time_slow": "{:.6g}", "time_launch": "{:.6g}", "crossing": "{:.6g}", "push": "{:.6g}",
+}  # fmt: skip
+"""How each number is printed."""
+
+
+def _cells(rows: list[dict[str, Any]], titles: dict[str, str] | None = None) -> list[list[str]]:
+    cells = [[(titles or {}).get(key, key) for key in rows[0]]]
+    for row in rows:
+        cells.append([
+            "-" if value is None
+            else value if isinstance(value, str)
+            else FORMATS[key].format(value)
+            for key, value in row.items()
+        ])  # fmt: skip
+    return cells
+
+
+def formula_lines(found: Sequence[Formulas]) -> list[str]:
+    """The formulas of `stability.formulas` as lines of text.
+
+    Parameters
+    ----------
+    found
+        One a family and law.
+
+    Returns
+    -------
+    list of str
+    """
+    lines: list[str] = []
+    for one in found:
+        product = "".join(f"({p})" for p in one.polynomial)
+        lines += [f"{one.family}, {one.contact}", f"    det(λ - A) ~ λ^{one.structural_zeros} {product}"]
+        lines += [f"    decides: {c['kind']:<9} {c['positive']} > 0" for c in one.conditions]
+        lines += [
+            f"    {b['kind']} boundary: {b['of']} = {b['formula']}" for b in one.boundaries
+        ]
+        for limit, values in one.limits.items():
+            lines += [f"    as {limit}: {value} > 0" for value in values]
+        lines += [f"    {p['name']} {p['positive']} > 0: {p['proof']}" for p in one.proved]
+        lines += [f"    * {s}" for s in one.statements] + [""]
+    return [*lines, "lam = λ; where M = mu*² occurs, λ = σ mu; z = at*², s = sin(theta).", ""]
 
 
 def _aligned(cells: list[list[str]]) -> list[str]:

@@ -1,0 +1,470 @@
+"""Stability conditions as formulas: polynomials, boundaries, limits, and what holds for every mu.
+
+Everything is worked out by SymPy from the polynomials of `stability.exact`: Hurwitz determinants are
+factored, boundaries solved where they are at most quadratic, and the pattern of verdicts along a
+family is followed through all mu by cylindrical decomposition: it can change only where a leading
+coefficient, an end value or a discriminant vanishes, and is read off at one sample in between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import lru_cache
+from itertools import combinations
+from typing import Any
+
+import sympy
+
+from .derivation import LAM, MU, SIN, SQUARE, Derived, K, M
+from .exact import Exact, Polynomial, exact_polynomial
+from .hurwitz import conditions, decisive
+
+Expr = sympy.Expr
+AT = {"rolling": "omega3", "spinning": "phi_dot", "tumbling": "theta", "circling": "phi_dot"}
+
+
+@dataclass(frozen=True)
+class Range:
+    """An interval of mu over which the verdicts along a family have one pattern."""
+
+    low: str
+    """mu*² at its low end, exactly if rational, else 20 digits (0 for none)."""
+    high: str
+    """mu*² at its high end, likewise (oo for none)."""
+    mu_low: float
+    """mu* at its low end."""
+    mu_high: float
+    """mu* at its high end."""
+    pattern: str
+    """Verdicts in order along the family, with what separates them."""
+
+
+@dataclass(frozen=True)
+class Formulas:
+    """What is known of a family under a law, as formulas; dimensionless (m = R = g = 1)."""
+
+    family: str
+    """Name."""
+    contact: str
+    """Contact law."""
+    structural_zeros: int
+    """Multiplicity of the factor λ, divided out."""
+    polynomial: list[str]
+    """Factors over Q of the rest, in λ, mu, k and at² or s = sin(theta)."""
+    determinants: dict[str, str]
+    """Coefficients and Hurwitz determinants that must be positive, factored (λ = σ mu, M = mu²)."""
+    conditions: list[dict[str, str]]
+    """Those that decide: kind and polynomial, positive on the stable (or neutral) side."""
+    proved: list[dict[str, str]]
+    """The others, which hold wherever these do, each with its proof."""
+    boundaries: list[dict[str, str]]
+    """Boundaries solved: kind, what is solved for, formulas."""
+    limits: dict[str, list[str]]
+    """What must be positive as mu → 0 and as mu → ∞, factored."""
+    statements: list[str] = field(default_factory=list)
+    """What holds for whole ranges of mu, with the obligations that were checked."""
+    ranges: list[dict[str, Any]] = field(default_factory=list)
+    """The same as data, each with its k ("all" where it holds for every k in (0, 1/2])."""
+
+
+def expression(polynomial: Polynomial) -> Expr:
+    """A polynomial of `stability.exact` as a SymPy expression.
+
+    Parameters
+    ----------
+    polynomial
+        The polynomial.
+
+    Examples
+    --------
+    >>> expression(exact_polynomial("rolling", "viscous").conditions[0][1])
+    2*k*z - 1
+    """
+    names = [sympy.Symbol(n) for n in polynomial.variables]
+    return sympy.Add(*[
+        c * sympy.prod(x**p for x, p in zip(names, e, strict=True)) for c, e in polynomial.terms
+    ])  # fmt: skip
+
+
+def derived(known: Exact) -> Derived:
+    """The cached polynomials in the form that `stability.hurwitz` takes.
+
+    Parameters
+    ----------
+    known
+        From `exact_polynomial`.
+
+    Returns
+    -------
+    Derived
+    """
+    names = [sympy.Symbol(n) for n in known.variables]
+    factors = tuple(
+        sympy.Poly(sum(expression(c) * LAM**i for i, c in enumerate(f)), LAM, *names)
+        for f in known.factors
+    )
+    return Derived(known.zeros, known.even, factors)
+
+
+@lru_cache(maxsize=32)
+def formulas(family: str, law: str, k: tuple[str, ...] = ()) -> Formulas:
+    """Conditions, boundaries, limits and statements of a family under a law.
+
+    Parameters
+    ----------
+    family, law
+        Names.
+    k
+        Inertia factors as exact numbers ("1/4", "0.3") for which the ranges of mu are worked out.
+
+    Returns
+    -------
+    Formulas
+
+    Source: tests/test_formulas.py tries to refute each statement.
+
+    Examples
+    --------
+    >>> found = formulas("spinning", "viscous")
+    >>> found.boundaries[0]
+    {'kind': 'static', 'of': 'phi_dot**2', 'formula': '1/k'}
+    >>> found.statements[0]
+    'for every k in (0, 1/2] and mu*² < 4*k/(2*k + 1)**2: stable beyond the static boundary'
+    """
+    known = exact_polynomial(family, law)
+    whole = derived(known)
+    asked, proved = decisive(whole)
+    in_lambda = [_in_lambda(f, known) for f in whole.factors]
+    found = Formulas(
+        family, law, known.zeros, [str(f) for f in in_lambda],
+        {name: str(value) for name, value in conditions(whole)},
+        [{"kind": c.kind, "positive": str(sympy.factor(c.polynomial.as_expr()))} for c in asked],
+        [{"name": o.name, "positive": str(o.polynomial), "proof": o.proof} for o in proved],
+        [b for c in asked for b in _solved(c.kind, c.polynomial.as_expr(), family)],
+        _limits([c.polynomial.as_expr() for c in asked]),
+    )  # fmt: skip
+    return Formulas(**(asdict(found) | _statements(family, known, asked, k)))
+
+
+def _in_lambda(factor: sympy.Poly, known: Exact) -> Expr:
+    """A factor in λ and mu again: σ = λ/mu, cleared of mu."""
+    if known.even or "M" not in known.variables:
+        return sympy.factor(factor.as_expr())
+    value = factor.as_expr().subs({LAM: LAM / MU, M: MU**2})
+    return sympy.expand(sympy.fraction(sympy.together(value))[0])
+
+
+def _solved(kind: str, condition: Expr, family: str) -> list[dict[str, str]]:
+    """The boundary solved for at² or for mu², whichever is at most quadratic."""
+    out = []
+    for variable in (SQUARE, M):
+        if not condition.has(variable):
+            continue
+        poly = sympy.Poly(condition, variable)
+        if poly.degree() > 2:
+            continue
+        of = f"{AT[family]}**2" if variable is SQUARE else "mu**2"
+        if poly.degree() == 1:
+            roots = [sympy.factor(-poly.nth(0) / poly.nth(1))]
+        else:
+            a, b, c = (sympy.factor(x) for x in poly.all_coeffs())
+            root = sympy.sqrt(sympy.factor(b**2 - 4 * a * c))
+            roots = [(-b + sign * root) / (2 * a) for sign in (1, -1)]
+        out += [{"kind": kind, "of": of, "formula": str(r)} for r in roots]
+    return out
+
+
+def _limits(polynomials: Sequence[Expr]) -> dict[str, list[str]]:
+    """Lowest and highest power of M in each condition, positive factors and all."""
+    out: dict[str, list[str]] = {"mu -> 0": [], "mu -> oo": []}
+    for polynomial in polynomials:
+        if not polynomial.has(M):
+            continue
+        terms = sympy.Poly(polynomial, M).terms()
+        out["mu -> 0"].append(str(sympy.factor(terms[-1][1])))
+        out["mu -> oo"].append(str(sympy.factor(terms[0][1])))
+    return out if out["mu -> 0"] else {}
+
+
+# --- ranges of mu ---
+
+
+def _statements(
+    family: str, known: Exact, asked: Sequence[Any], k: Sequence[str]
+) -> dict[str, Any]:
+    flutter = [c.polynomial.as_expr() for c in asked if c.kind == "flutter"]
+    if not flutter or known.even:
+        return {"statements": _plain(family, known, asked)}
+    [condition] = flutter
+    if not condition.has(M):
+        where = _solved("flutter", condition, family)[0]
+        text = f"for every k in (0, 1/2] and every mu: stable for {where['of']} > {where['formula']}, "
+        return {"statements": [text + "unstable below"]}
+    statements: list[str] = []
+    ranges: list[dict[str, Any]] = []
+    line = _Line(family, condition)
+    general = line.for_every_k() if family == "spinning" else None
+    if general is not None:
+        statements += [f"for every k in (0, 1/2] and {_span(r)}: {r.pattern}" for r in general]
+        statements.append(line.obligation)
+        ranges += [{"k": "all", **asdict(r)} for r in general]
+    for value in k:
+        exactly = sympy.Rational(value)
+        for r in line.for_one_k(exactly):
+            statements.append(f"for k = {exactly} and {_span(r)}: {r.pattern}")
+            ranges.append({"k": str(exactly), **asdict(r)})
+    if k and general is None:
+        statements.append(line.obligation)
+    return {"statements": statements, "ranges": ranges}
+
+
+def _plain(family: str, known: Exact, asked: Sequence[Any]) -> list[str]:
+    good = "neutral" if known.even else "stable"
+    if not asked:
+        return [f"for every k in (0, 1/2] and every {AT[family]}: {good}"]
+    return [f"{good} where {sympy.factor(c.polynomial.as_expr())} > 0, unstable where it is negative"
+            for c in asked]  # fmt: skip
+
+
+def _span(r: Range) -> str:
+    if r.low == "0" and r.high == "oo":
+        return "every mu"
+    if r.low == "0":
+        return f"mu*² < {r.high}"
+    return f"mu*² > {r.low}" if r.high == "oo" else f"{r.low} < mu*² < {r.high}"
+
+
+class _Line:
+    """The flutter condition along a family: verdicts in order, for each mu."""
+
+    def __init__(self, family: str, condition: Expr) -> None:
+        self.family, self.condition = family, condition
+        self.x = SQUARE if family == "spinning" else SIN
+        # spinning is asked beyond its static boundary z = 1/k; tumbling for s in (0, 1)
+        self.low: Expr = 1 / K if family == "spinning" else sympy.Integer(0)
+        self.high: Expr = sympy.oo if family == "spinning" else sympy.Integer(1)
+        self.obligation = ""
+
+    def critical(self, condition: Expr) -> list[Expr]:
+        """Factors in M (and k) at whose zeros the pattern may change."""
+        poly = sympy.Poly(condition, self.x)
+        found = [poly.LC(), sympy.discriminant(poly.as_expr(), self.x), poly.nth(0)]
+        ends = [e for e in (self.low, self.high) if e is not sympy.oo]
+        found += [sympy.fraction(sympy.together(condition.subs(self.x, e)))[0] for e in ends]
+        factors: dict[Expr, None] = {}
+        for expression_ in found:
+            for factor, _ in sympy.factor_list(sympy.expand(expression_))[1]:
+                if factor.has(M):
+                    factors[sympy.expand(factor)] = None
+        return [f for f in factors if f != M]
+
+    def for_one_k(self, k: Expr) -> list[Range]:
+        """Ranges of mu for one inertia factor."""
+        condition = self.condition.subs(K, k)
+        line = _Line(self.family, condition)
+        line.low = self.low.subs(K, k)
+        critical = line.critical(condition)
+        roots: list[Expr] = []
+        for factor in critical:
+            roots += [r for r in sympy.Poly(factor, M).real_roots(radicals=False) if r > 0]
+        roots = sorted(set(roots), key=lambda r: sympy.N(r, 40))
+        self.obligation = (
+            "checked: between consecutive critical mu*² (zeros in mu*² of the leading coefficient, "
+            "the end values and the discriminant of the flutter condition) no boundary is born or "
+            "dies; the pattern is that of an exact sample in each"
+        )
+        edges: list[Expr] = [sympy.Integer(0), *roots, sympy.oo]
+        samples = [_between(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        patterns = [line.pattern(condition.subs(M, m)) for m in samples]
+        return _merged(edges, patterns)
+
+    def for_every_k(self) -> list[Range] | None:
+        """Ranges of mu whose ends are functions of k, or None if k in (0, 1/2] is no one cell."""
+        critical = self.critical(self.condition)
+        half = sympy.Rational(1, 2)
+        watched: list[Expr] = []
+        for factor in critical:
+            poly = sympy.Poly(factor, M)
+            watched += [poly.LC(), poly.nth(0)]
+            if poly.degree() > 1:
+                watched.append(sympy.discriminant(factor, M))
+        watched += [sympy.resultant(a, b, M) for a, b in combinations(critical, 2)]
+        for expression_ in watched:
+            for factor, _ in sympy.factor_list(sympy.expand(expression_))[1]:
+                if factor.has(K) and _roots_in(sympy.Poly(factor, K), half):
+                    return None
+        sample = self.for_one_k(sympy.Rational(1, 4))
+        symbolic: list[Range] = []
+        ends = {str(r.low): r for r in sample} | {str(r.high): r for r in sample}
+        names: dict[str, str] = {"0": "0", "oo": "oo"}
+        for end in ends:
+            for factor in critical:
+                poly = sympy.Poly(factor, M)
+                if end not in names and poly.degree() == 1:
+                    value = sympy.factor(-poly.nth(0) / poly.nth(1))
+                    if value.subs(K, sympy.Rational(1, 4)) == sympy.sympify(end):
+                        names[end] = str(value)
+        if any(end not in names for end in ends):
+            return None
+        for r in sample:
+            symbolic.append(Range(names[r.low], names[r.high], r.mu_low, r.mu_high, r.pattern))
+        self.obligation = (
+            f"checked: {len(critical)} critical polynomials in mu*² (leading coefficient, end values "
+            f"and discriminant of the flutter condition), whose {len(watched)} leading and constant "
+            "coefficients, discriminants and pairwise resultants have no zero for k in (0, 1/2]; "
+            "so the order of their roots, and the pattern between them, is that of k = 1/4"
+        )
+        return symbolic
+
+    def pattern(self, condition: Expr) -> str:
+        """Verdicts in order along the family, at one mu and k."""
+        poly = sympy.Poly(condition, self.x)
+        roots = [r for r in sorted(set(poly.real_roots(radicals=False))) if r > self.low]
+        roots = [r for r in roots if self.high is sympy.oo or r < self.high]
+        ends = [self.low, *roots, self.high]
+        signs = []
+        for a, b in zip(ends[:-1], ends[1:], strict=True):
+            at = _between(a, b)
+            signs.append("stable" if poly.eval(at) > 0 else "unstable")
+        kept = [s for i, s in enumerate(signs) if i == 0 or s != signs[i - 1]]
+        if self.family == "spinning":
+            return f"{', then '.join(kept)} beyond the static boundary" if len(kept) == 1 else (
+                f"{', then '.join(kept)} as phi_dot grows beyond the static boundary")  # fmt: skip
+        return f"{kept[0]} for every theta" if len(kept) == 1 else (
+            f"{', then '.join(kept)} as the disk goes from flat to upright")  # fmt: skip
+
+
+def _between(a: Expr, b: Expr) -> Expr:
+    """A rational strictly between two real algebraic numbers, the second perhaps infinite."""
+    if b is sympy.oo:
+        return sympy.ceiling(a) + 1
+    low, high = (sympy.Rational(str(sympy.N(v, 60))) for v in (a, b))
+    middle, slack = (low + high) / 2, (high - low) / 10
+    digits = 1
+    while True:  # the shortest decimal that is well between
+        short = sympy.Rational(str(sympy.N(middle, digits)))
+        if low + slack < short < high - slack:
+            return short
+        digits += 1
+
+
+def _roots_in(poly: sympy.Poly, high: Expr) -> bool:
+    """Whether a polynomial in k has a zero in (0, high]."""
+    return poly.degree() > 0 and bool(poly.count_roots(0, high) - (poly.eval(0) == 0))
+
+
+def _merged(edges: Sequence[Expr], patterns: Sequence[str]) -> list[Range]:
+    out: list[Range] = []
+    start = 0
+    for i, pattern in enumerate(patterns):
+        if i + 1 < len(patterns) and patterns[i + 1] == pattern:
+            continue
+        low, high = edges[start], edges[i + 1]
+        out.append(Range(
+            _exactly(low), _exactly(high), float(sympy.sqrt(sympy.N(low, 30))),
+            float("inf") if high is sympy.oo else float(sympy.sqrt(sympy.N(high, 30))), pattern,
+        ))  # fmt: skip
+        start = i + 1
+    return out
+
+
+def _exactly(value: Expr) -> str:
+    """A rational as it is; of another algebraic number 20 digits."""
+    if value.is_rational or value is sympy.oo:
+        return str(value)
+    return f"{sympy.N(value, 20)}…"
+
+
+def latex(found: Formulas) -> str:
+    """The formulas as LaTeX.
+
+    Parameters
+    ----------
+    found
+        From `formulas`.
+
+    Returns
+    -------
+    str
+        An itemised list; needs amsmath.
+
+    Examples
+    --------
+    >>> print(latex(formulas("spinning", "rough")).splitlines()[1])
+    \\paragraph{spinning, rough contact} $\\lambda^{2}$ times $k \\lambda^{2} + k z + \\lambda^{2} + z - 1$
+    """
+    names = {LAM: "\\lambda", MU: "\\mu", sympy.Symbol("phi_dot"): "\\dot\\varphi",
+             sympy.Symbol("omega3"): "\\omega_3"}  # fmt: skip
+
+    def show(text: str) -> str:
+        value = sympy.sympify(text, locals={"lam": LAM, "S": sympy.Symbol("S")})
+        return str(sympy.latex(value, symbol_names=names))
+
+    product = " ".join(f"\\left({show(p)}\\right)" for p in found.polynomial)
+    if len(found.polynomial) == 1:
+        product = show(found.polynomial[0])
+    lines = [
+        "% stability table conditions: recomputed from the equations of motion",
+        f"\\paragraph{{{found.family}, {found.contact} contact}} "
+        f"$\\lambda^{{{found.structural_zeros}}}$ times ${product}$",
+        "\\begin{itemize}",
+    ]
+    lines += [f"\\item {c['kind']}: ${show(c['positive'])} > 0$" for c in found.conditions]
+    lines += [
+        f"\\item {b['kind']} boundary: ${show(b['of'])} = {show(b['formula'])}$"
+        for b in found.boundaries
+    ]
+    for limit, values in found.limits.items():
+        arrow = limit.replace("mu", "\\mu").replace("->", "\\to").replace("oo", "\\infty")
+        lines += [f"\\item ${arrow}$: ${show(v)} > 0$" for v in values]
+    lines += [f"\\item {_words(s)}" for s in found.statements]
+    return "\n".join([*lines, "\\end{itemize}"])
+
+
+def _words(statement: str) -> str:
+    """A statement with what LaTeX would misread put right."""
+    text = statement.replace("mu*²", "$\\mu_*^2$").replace("**", "^").replace("*", " ")
+    for plain in ("phi_dot", "omega3"):
+        text = text.replace(plain, plain.replace("_", "\\_"))
+    return text.replace("^", "\\^{}").replace("<", "$<$").replace(">", "$>$").replace("&", "\\&")
+
+
+def cases(laws: Sequence[str]) -> list[tuple[str, str]]:
+    """Family and law of every polynomial, for the given laws.
+
+    Parameters
+    ----------
+    laws
+        Contact laws.
+    """
+    return [(f, law) for law in laws for f in ("rolling", "spinning", "tumbling", "circling")
+            if f != "circling" or law == "rough"]  # fmt: skip
+
+
+def rows(
+    laws: Sequence[str], k: Sequence[float], progress: Callable[[int, int], None] | None = None
+) -> list[Formulas]:
+    """Formulas of every family under the given laws.
+
+    Parameters
+    ----------
+    laws
+        Contact laws.
+    k
+        Inertia factors for the ranges of mu, taken as the decimals they are written as.
+    progress
+        Called with (families done, families in all).
+
+    Returns
+    -------
+    list of Formulas
+    """
+    asked = cases(laws)
+    values = tuple(str(sympy.Rational(repr(float(x)))) for x in k)
+    out = []
+    for done, (family, law) in enumerate(asked, start=1):
+        out.append(formulas(family, law, values))
+        if progress:
+            progress(done, len(asked))
+    return out
