@@ -168,10 +168,26 @@ def _solved(kind: str, condition: Expr, family: str) -> list[dict[str, str]]:
         if poly.degree() == 1:
             roots = [sympy.factor(-poly.nth(0) / poly.nth(1))]
         else:
-            a, b, c = (sympy.factor(x) for x in poly.all_coeffs())
-            root = sympy.sqrt(sympy.factor(b**2 - 4 * a * c))
-            roots = [(-b + sign * root) / (2 * a) for sign in (1, -1)]
+            roots = _quadratic(*poly.all_coeffs())
         out += [{"kind": kind, "of": of, "formula": str(r)} for r in roots]
+    return out
+
+
+def _quadratic(a: Expr, b: Expr, c: Expr) -> list[Expr]:
+    """Both roots, with squares taken out of the root: which sign is which depends on the point."""
+    content, factors = sympy.factor_list(sympy.expand(b**2 - 4 * a * c))
+    outer, inner = sympy.Integer(1), content
+    for factor, power in factors:
+        outer, inner = outer * factor ** (power // 2), inner * factor ** (power % 2)
+    square = sympy.sqrt(content)
+    if square.is_rational:
+        outer, inner = outer * square, inner / content
+    out = []
+    for sign in (1, -1):
+        # a common factor of top and bottom goes
+        common = sympy.gcd(sympy.gcd(sympy.expand(b), sympy.expand(2 * a)), sympy.expand(outer))
+        top = -sympy.cancel(b / common) + sign * sympy.cancel(outer / common) * sympy.sqrt(inner)
+        out.append(top / sympy.factor(sympy.cancel(2 * a / common)))
     return out
 
 
@@ -424,10 +440,12 @@ def latex(found: Formulas) -> str:
 
 def _words(statement: str) -> str:
     """A statement with what LaTeX would misread put right."""
-    text = statement.replace("mu*²", "$\\mu_*^2$").replace("**", "^").replace("*", " ")
+    text = statement.replace("mu*²", "@").replace("**", "^").replace("*", " ")
     for plain in ("phi_dot", "omega3"):
         text = text.replace(plain, plain.replace("_", "\\_"))
-    return text.replace("^", "\\^{}").replace("<", "$<$").replace(">", "$>$").replace("&", "\\&")
+    for plain, shown in (("^", "\\^{}"), ("<", "$<$"), (">", "$>$"), ("&", "\\&")):
+        text = text.replace(plain, shown)
+    return text.replace("@", "$\\mu_*^2$")
 
 
 def cases(laws: Sequence[str]) -> list[tuple[str, str]]:

@@ -16,3 +16,9 @@ def spectra() -> list[dict[str, Any]]:
         fresh: list[dict[str, Any]] = json.loads(beside.read_text())
         assert fresh == kept, "tests/data/spectra.json has aged: copy it anew"
     return kept
+
+
+def beyond() -> dict[str, Any]:
+    """The independent derivation of slow drift and of flutter on lines of steady motions."""
+    found: dict[str, Any] = json.loads((DATA / "beyond.json").read_text())
+    return found

@@ -1,0 +1,324 @@
+"""Certified verdicts and eigenvalues against 200-digit arithmetic: none wrong, none undecided."""
+
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as s
+from test_spectra import random_points, truth_matrix
+
+import stability as st
+from stability.certify import certify, rational, split, verdict
+from stability.problem import disk_problem, system_problem
+from stability.verdict import Verdict
+
+DIGITS = 200
+FAMILIES = ["rolling", "spinning", "tumbling"]
+
+
+def reduced_truth(family: str, law: str, at: Any, k: float, mu: float) -> list[Any]:
+    """Coefficients of det(λ - A) / λ^zeros by Faddeev-LeVerrier in mpmath, lowest first."""
+    resolved = st.disk_family(family, law)
+    matrix = truth_matrix(resolved, at, [k, mu][: len(resolved.parameters)])
+    n = matrix.rows
+    coefficients, power = [mpmath.mpf(1)], mpmath.eye(n)
+    for i in range(1, n + 1):
+        power = matrix * (power + (coefficients[-1] * mpmath.eye(n) if i > 1 else 0 * power))
+        coefficients.append(-sum(power[j, j] for j in range(n)) / i)
+    zeros = {"rolling": 2, "spinning": 1, "tumbling": 1}[family]
+    return coefficients[::-1][zeros if law == "viscous" else 2 :]
+
+
+def truth(family: str, at: Any, k: float, mu: float) -> Verdict:
+    """The verdict by Routh's array in 200-digit arithmetic."""
+    with mpmath.workdps(DIGITS):
+        rows = reduced_truth(family, "viscous", at, k, mu)[::-1]
+        here, following = rows[::2], rows[1::2]
+        while following:
+            if following[0] <= 0:
+                return Verdict.UNSTABLE
+            ratio = here[0] / following[0]
+            padded = [*following[1:], mpmath.mpf(0)][: len(here) - 1]
+            here, following = following, [x - ratio * y for x, y in zip(here[1:], padded, strict=True)]
+        return Verdict.STABLE
+
+
+def mine(family: str, at: float, k: float, mu: float) -> Verdict:
+    question = disk_problem(family, st.Disk(k=k), st.Viscous(mu), at)
+    return verdict(question, {n: float(v) for n, v in question.values.items()})
+
+
+def campaign(family: str, count: int, seed: int) -> tuple[int, int]:
+    at, q = random_points(family, count, seed)
+    wrong = undecided = 0
+    for (a,), (k, mu) in zip(at.tolist(), q.tolist(), strict=True):
+        found = mine(family, a, k, mu)
+        undecided += found is Verdict.UNDECIDED
+        wrong += found is not truth(family, a, k, mu)
+    return wrong, undecided
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_no_verdict_is_wrong_or_undecided_at_random_points(family: str) -> None:
+    assert campaign(family, 250, seed=21) == (0, 0)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("family", FAMILIES)
+def test_no_verdict_is_wrong_or_undecided_at_ten_thousand_points(family: str) -> None:
+    wrong, undecided = campaign(family, 10_000, seed=22)
+    print(f"{family}: 10000 points against {DIGITS} digits, {wrong} wrong, {undecided} undecided")
+    assert (wrong, undecided) == (0, 0)
+
+
+BOUNDARIES = [
+    ("rolling", 0.25, 0.3, (1.0, 2.0)), ("rolling", 0.5, 300.0, (0.5, 2.0)),
+    ("rolling", 0.001, 1e-5, (10.0, 40.0)), ("spinning", 0.25, 0.3, (1.0, 3.0)),
+    ("spinning", 0.3125, 0.9, (2.0, 9.0)), ("spinning", 0.5, 1.05, (1.42, 1.5)),
+    ("tumbling", 0.25, 3.0, (0.3, 1.5)), ("tumbling", 0.5, 0.1, (0.01, 0.1)),
+    ("tumbling", 0.5, 0.003, (1e-6, 1e-3)), ("tumbling", 0.375, 0.9, (0.4, 0.6)),
+    ("tumbling", 0.375, 0.9, (0.7, 1.0)), ("tumbling", 0.3125, 10.0, (0.001, 0.1)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("family", "k", "mu", "ends"), BOUNDARIES)
+def test_verdicts_beside_every_boundary_are_right_down_to_the_last_digits(
+    family: str, k: float, mu: float, ends: tuple[float, float]
+) -> None:
+    [point] = st.boundaries(
+        family, axis=("at", *ends, 40), disk=st.Disk(k=k), contact=st.Viscous(mu)
+    )
+    seen = set()
+    for digits in range(2, 16):
+        for side in (-1, 1):
+            at = point.value * (1 + side * 10.0**-digits)
+            found = mine(family, at, k, mu)
+            assert found is truth(family, at, k, mu)
+            seen.add(found)
+            if digits < 15:
+                right = (side < 0) == point.stable_below
+                assert found is (Verdict.STABLE if right else Verdict.UNSTABLE)
+    assert seen == {Verdict.STABLE, Verdict.UNSTABLE}
+
+
+def test_the_hoop_nearly_flat_is_truly_unstable() -> None:
+    for theta in (1e-4, 1e-3, 0.0017, 0.0175, 0.08):
+        s_ = st.spectrum("tumbling", at=theta, disk=st.Disk.hoop(), contact=st.Viscous(3.0),
+                         certify=True)  # fmt: skip
+        assert s_.verdict is truth("tumbling", theta, 0.5, 3.0) is Verdict.UNSTABLE
+        assert 0 < s_.abscissa < 1e-4
+        assert s_.abscissa_error < 1e-15 * s_.abscissa
+
+
+# --- eigenvalues ---
+
+
+@pytest.mark.parametrize(
+    ("family", "at", "k", "mu"),
+    [
+        ("rolling", 1.3, 0.25, 0.3), ("rolling", 1.3, 0.25, 1e6), ("spinning", 2.5, 0.3, 1e4),
+        ("spinning", 0.4, 0.1, 0.01), ("tumbling", 0.0003, 0.5, 2.0), ("tumbling", 1.1, 0.01, 1e5),
+        ("tumbling", 0.0001, 0.5, 0.02),
+    ],
+)  # fmt: skip
+def test_certified_eigenvalues_lie_in_their_discs_and_the_abscissa_is_sharp(
+    family: str, at: float, k: float, mu: float
+) -> None:
+    found = st.spectrum(
+        family, at=at, disk=st.Disk(k=k), contact=st.Viscous(mu), certify=True
+    )
+    with mpmath.workdps(DIGITS):
+        coefficients = reduced_truth(family, "viscous", at, k, mu)
+        roots = mpmath.polyroots(coefficients[::-1], maxsteps=2000, extraprec=2000)
+        for value, radius in zip(found.eigenvalues, found.radius, strict=True):
+            assert min(abs(mpmath.mpc(value) - r) for r in roots) <= radius
+        exact_abscissa = max(mpmath.re(r) for r in roots)
+        assert abs(exact_abscissa - found.abscissa) <= found.abscissa_error
+        assert found.abscissa_error <= 1e-11 * abs(found.abscissa)
+        assert found.abscissa_error < 4e-16 * abs(found.abscissa)
+
+
+def test_growth_rates_of_1e_14_have_eleven_digits_and_more() -> None:
+    found = st.spectrum("tumbling", at=1.2e-4, disk=st.Disk.hoop(), contact=st.Viscous(0.02),
+                        certify=True)  # fmt: skip
+    assert abs(found.abscissa) < 1e-12
+    assert found.abscissa_error <= 1e-15 * abs(found.abscissa)
+
+
+@given(s.floats(0.05, 0.5), s.floats(-3, 3), s.floats(-1.2, 1.2))
+@settings(max_examples=40, deadline=None)
+def test_double_precision_and_certified_spectra_agree(k: float, mu: float, at: float) -> None:
+    for family, point in (("rolling", 10**at), ("spinning", 10**at), ("tumbling", 0.7 + at / 2)):
+        question = {"at": point, "disk": st.Disk(k=k), "contact": st.Viscous(10**mu)}
+        plain = st.spectrum(family, **question)
+        proved = st.spectrum(family, **question, certify=True)
+        assert plain.verdict in (proved.verdict, Verdict.UNDECIDED)
+        near = np.abs(plain.eigenvalues[:, None] - proved.eigenvalues[None, :])
+        assert (near <= plain.radius[:, None] + proved.radius[None, :]).any(axis=1).all()
+
+
+# --- exactly on a boundary ---
+
+
+def test_points_on_a_boundary_are_neutral() -> None:
+    hoop = st.Disk.hoop()
+    for mu in (1e-3, 0.3, 1.0, 77.0):  # omega3² = 1/(2k) = 1
+        found = st.spectrum("rolling", at=1.0, disk=hoop, contact=st.Viscous(mu), certify=True)
+        assert found.verdict is Verdict.NEUTRAL
+        assert (found.abscissa, found.abscissa_error) == (0.0, 0.0)
+        assert found.nonlinear is st.Nonlinear.OPEN
+    found = st.spectrum("spinning", at=2.0, contact=st.Viscous(0.5), certify=True)
+    assert found.verdict is Verdict.NEUTRAL  # phi_dot² = 1/k
+    beyond = st.spectrum("spinning", at=2.0, contact=st.Viscous(1.5), certify=True)
+    assert beyond.verdict is Verdict.UNSTABLE  # static zero, but flutter besides: mu* > 1
+
+
+def test_boundaries_are_met_in_si_units_too() -> None:
+    # at² R / g = 1/(2k) with at² R = 2 · 9.8125 exactly in doubles
+    disk = st.Disk(mass=0.3, radius=0.5, gravity=9.0, k=0.25)
+    for law in (st.Viscous(0.7), st.LinearViscous(0.13)):
+        found = st.spectrum("rolling", at=6.0, disk=disk, contact=law, certify=True)
+        assert found.verdict is Verdict.NEUTRAL
+        up = st.spectrum("rolling", at=np.nextafter(6.0, 7), disk=disk, contact=law, certify=True)
+        down = st.spectrum("rolling", at=np.nextafter(6.0, 5), disk=disk, contact=law, certify=True)
+        assert (up.verdict, down.verdict) == (Verdict.STABLE, Verdict.UNSTABLE)
+        assert 0 < down.abscissa < 1e-14
+        assert down.abscissa_error < 1e-11 * down.abscissa
+
+
+@pytest.mark.parametrize("law", [st.Smooth(), st.Rough()], ids=["smooth", "rough"])
+def test_conservative_verdicts_go_by_the_square_of_lambda(law: Any) -> None:
+    k = 0.25
+    square = {"smooth": 1 / (4 * k), "rough": 1 / (2 * (2 * k + 1))}[law.name]
+    threshold = square**0.5
+    for step, wanted in ((2, Verdict.NEUTRAL), (-2, Verdict.UNSTABLE)):
+        at = threshold * (1 + step * 2.0**-52)
+        found = st.spectrum("rolling", at=at, contact=law, certify=True)
+        assert found.verdict is wanted
+    if law.name == "smooth":  # the threshold 1 is a double
+        found = st.spectrum("rolling", at=threshold, contact=law, certify=True)
+        assert found.verdict is Verdict.NEUTRAL
+        assert (found.eigenvalues == 0).all() and (found.radius == 0).all()
+        assert found.nonlinear is st.Nonlinear.OPEN
+    above = st.spectrum("rolling", at=2.0, contact=law, certify=True)
+    assert (above.eigenvalues.real == 0).all()
+    assert above.nonlinear is st.Nonlinear.BY_INTEGRALS
+
+
+def test_upright_is_a_symbol_and_the_lean_is_carried() -> None:
+    for mu, wanted in ((0.6, Verdict.NEUTRAL), (1.5, Verdict.UNSTABLE)):
+        found = st.spectrum("tumbling", lean=0.0, contact=st.Viscous(mu), certify=True)
+        assert found.verdict is wanted
+        spin = st.spectrum("spinning", at=2.0, contact=st.Viscous(mu), certify=True)
+        assert np.abs(found.eigenvalues - spin.eigenvalues).max() < 1e-15  # the branch point
+    with mpmath.workdps(DIGITS):
+        for lean in (1e-3, 1e-9, 1e-25, -1e-25):
+            found = st.spectrum("tumbling", lean=lean, contact=st.Viscous(0.6), certify=True)
+            theta = mpmath.pi / 2 - mpmath.mpf(lean)
+            roots = mpmath.polyroots(
+                reduced_truth("tumbling", "viscous", theta, 0.25, 0.6)[::-1],
+                maxsteps=2000, extraprec=2000,
+            )  # fmt: skip
+            top = max(mpmath.re(r) for r in roots)
+            assert abs(top - found.abscissa) <= found.abscissa_error < 1e-15 * abs(found.abscissa)
+            assert found.verdict is Verdict.STABLE
+
+
+def test_lean_and_theta_name_the_same_motion() -> None:
+    one = st.spectrum("tumbling", lean=0.5, contact=st.Viscous(0.4))
+    other = st.spectrum("tumbling", at=np.pi / 2 - 0.5, contact=st.Viscous(0.4))
+    assert np.abs(one.eigenvalues - other.eigenvalues).max() < 1e-14
+    assert one.at == pytest.approx(other.at)
+
+
+# --- the arithmetic itself ---
+
+
+@given(s.lists(s.integers(-4, 4), min_size=1, max_size=5), s.integers(0, 2), s.integers(0, 3))
+@settings(max_examples=80, deadline=None)
+def test_verdicts_of_polynomials_over_q_are_those_of_their_roots(
+    real: list[int], zeros: int, pairs: int
+) -> None:
+    """Known roots: some real, some at zero, some pairs a ± 2i with a = -1, 0, 1."""
+    from flint import fmpq_poly
+
+    from stability.certify import _on_the_axis
+
+    kept = [r for r in real if r]
+    p = fmpq_poly([1])
+    for r in kept:
+        p = p * fmpq_poly([-r, 1])
+    parts = [-1, 0, 1][:pairs]
+    for a in parts:
+        p = p * fmpq_poly([a * a + 4, -2 * a, 1])
+    p = p * fmpq_poly([0] * zeros + [1])
+    if p.degree() < 1:
+        return
+    top = max([*kept, *parts, *([0] if zeros else [])])
+    wanted = Verdict.UNSTABLE if top > 0 else Verdict.STABLE if top < 0 else Verdict.NEUTRAL
+    assert _on_the_axis([p]) is wanted
+    count, symmetric, rest = split(p)
+    assert count == zeros
+    assert fmpq_poly([0] * count + [1]) * symmetric * rest == p
+
+
+def test_the_budget_ends_in_undecided_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    import stability.certify as module
+
+    monkeypatch.setattr(module, "MOST_BITS", 64)
+    found = st.spectrum("tumbling", at=1.0, contact=st.Viscous(0.6), certify=True)
+    assert found.verdict is Verdict.UNDECIDED
+    assert not found.certified
+    assert "budget" in found.reason
+
+
+def test_a_users_family_is_certified_in_balls() -> None:
+    import casadi as ca
+
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    system = st.System(
+        "damped", x, p, ca.vertcat(x[1], -ca.sin(x[0]) - p[0] * x[1] + p[1] * x[0]),
+        states=("angle", "rate"), parameters=("drag", "push"),
+    )  # fmt: skip
+    rest = st.Family(system, "rest", at=("drag",), held={"angle": 0, "rate": 0})
+    for push, wanted in ((1 - 1e-15, Verdict.STABLE), (1 + 1e-15, Verdict.UNSTABLE)):
+        found = st.spectrum(rest, at=0.3, push=push, certify=True)
+        assert found.verdict is wanted
+        assert found.certified
+        assert 1e-16 < abs(found.abscissa) < 1e-13
+        assert found.abscissa_error < 1e-14 * abs(found.abscissa)
+    question = system_problem(rest, 0.3, {"push": 1.0})
+    here = verdict(question, {"drag": 0.3, "push": 1.0})
+    assert here is Verdict.UNDECIDED  # balls cannot prove a zero; the budget ends
+
+
+def test_circling_is_certified() -> None:
+    found = st.spectrum("circling", at=(1.0, 0.7), contact=st.Rough(), certify=True)
+    plain = st.spectrum("circling", at=(1.0, 0.7), contact=st.Rough())
+    assert found.verdict is plain.verdict
+    assert np.abs(found.eigenvalues - plain.eigenvalues).max() < 1e-14
+
+
+def test_rational_is_the_double_itself() -> None:
+    assert rational(0.1) != rational(0.1 + 2e-17 + 1e-17)
+    assert float(rational(0.1).p) / float(rational(0.1).q) == 0.1
+
+
+def test_a_batch_is_what_its_points_are() -> None:
+    at = np.array([[1.2, 1.5], [2.0, 0.3]])
+    batch = st.spectrum("rolling", at=at, contact=st.Viscous(0.3), certify=True)
+    assert batch.certified.all()
+    for index in np.ndindex(at.shape):
+        one = st.spectrum("rolling", at=at[index], contact=st.Viscous(0.3), certify=True)
+        assert (batch.eigenvalues[index] == one.eigenvalues).all()
+        assert batch.verdict[index] is one.verdict
+        assert batch.abscissa_error[index] == one.abscissa_error
+
+
+def test_certify_returns_what_it_says() -> None:
+    question = disk_problem("rolling", st.Disk(), st.Viscous(0.3), 1.8)
+    found = certify(question, {n: float(v) for n, v in question.values.items()})
+    assert found.how == "rational arithmetic"
+    assert sorted(found.eigenvalues, key=lambda v: (v.real, v.imag)) == list(found.eigenvalues)
