@@ -26,6 +26,7 @@ _HOME = {
     "boundary": ("BoundaryPoint", "Crossing"),
     "maps": ("stability_map", "boundaries"),
     "files": ("read_map", "write_map"),
+    "stream": ("stream_map",),
     "exact": ("exact_polynomial", "Exact"),
     "passage": ("drift", "Drift"),
     "lines": ("hopf", "HopfPoint", "HopfKind"),
@@ -64,6 +65,7 @@ if TYPE_CHECKING:
     from .query import spectrum as spectrum
     from .spectra import Spectrum as Spectrum
     from .steady import disk_family as disk_family
+    from .stream import stream_map as stream_map
     from .system import Condition as Condition
     from .system import System as System
     from .verdict import Nonlinear as Nonlinear

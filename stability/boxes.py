@@ -109,7 +109,7 @@ def prove_boxes(
         raise ParameterError(
             f"levels is {levels!r}; a whole number from 0 to {MOST_LEVELS} is needed."
         )
-    judge = _Conditions(question) if question.exact is not None else _WideBalls(question)
+    judge = BoxConditions(question) if question.exact is not None else _WideBalls(question)
     edges = [_edges(axis, levels) for axis in axes]
     i = j = np.zeros(1, dtype=np.int64)
     found: list[tuple[Any, Any, Any]] = []
@@ -139,8 +139,14 @@ def _edges(axis: Grid, levels: int) -> Floats:
 Spans = Mapping[str, tuple[Floats, Floats]]
 
 
-class _Conditions:
-    """Signs of the exact conditions over boxes, vectorised."""
+class BoxConditions:
+    """Verdicts proved over whole boxes from the exact conditions, vectorised.
+
+    Parameters
+    ----------
+    question
+        About a family with an exact polynomial.
+    """
 
     def __init__(self, question: Problem) -> None:
         assert question.exact is not None
@@ -149,6 +155,18 @@ class _Conditions:
         self.parts = [_Range(p) for _, p in self.exact.conditions]
 
     def __call__(self, spans: Spans) -> NDArray[np.int8]:
+        """Verdict flags, 0 where none is proved.
+
+        Parameters
+        ----------
+        spans
+            Low and high ends by name of what varies, shapes (N,).
+
+        Returns
+        -------
+        ndarray
+            Shape (N,).
+        """
         count = len(next(iter(spans.values()))[0])
         values: dict[str, Any] = {}
         upright = np.zeros(count, dtype=bool)

@@ -21,11 +21,11 @@ from .errors import FileError, ParameterError
 from .files import whole
 from .grid import Grid
 from .growth import GrowthKernel, steady_memory
-from .kernels import Filtered
 from .polynomial import structure
 from .problem import Problem
 from .reduction import reduce
 from .spectra import decide, eigenvalues
+from .tiles import GridVerdicts
 from .verdict import CODES, Verdict
 
 Floats = NDArray[np.float64]
@@ -177,7 +177,7 @@ class Cells:
             count = len(family.system.states) - zeros
             self.values = np.empty((*self.shape, count), dtype=complex)
         if self.exact:
-            self._verdicts = Filtered(question)
+            self._verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
             self._growth = GrowthKernel(question, modes=modes)
             self.chunk = max(1, BAND // self.shape[1]) * self.shape[1]
             steady_memory()
@@ -277,7 +277,7 @@ class Cells:
         x, y = self.axes
         values = dict(self.question.values)
         values |= {x.name: x.values[None, :], y.name: y.values[rows, None]}
-        codes, left = self._verdicts.codes(values)
+        codes, left = self._verdicts(x.values, y.values[rows])
         growth = self._growth(values)
         self.handed_on += left + growth.handed_on
         chunk: Chunk = {

@@ -177,6 +177,9 @@ def _map(options: argparse.Namespace) -> None:
         if targets[0].resolve() == targets[1].resolve():
             raise ParameterError(f"--out and --plot are both {options.out!r}; give two files.")
     at = None if options.at is None else _at(options.at)
+    if options.verdict_only:
+        _stream(options, x, y, disk, contact, at)
+        return
     with _bar("cells") as progress:
         try:
             dataset = stability_map(
@@ -221,6 +224,28 @@ def _map(options: argparse.Namespace) -> None:
         f"{' and '.join(map(str, targets))}: {cells}; {record['boundary_points']} boundary points"
         + proved
     )
+
+
+def _stream(
+    options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any, at: Any
+) -> None:
+    from .files import read_map
+    from .stream import stream_map
+
+    for name in ("plot", "certify", "modes", "checkpoint"):
+        if getattr(options, name):
+            raise ParameterError(f"--{name} does not go with --verdict-only; leave one of them out.")
+    with _bar("cells") as progress:
+        path = stream_map(
+            options.family, x=x, y=y, out=options.out, disk=disk, contact=contact, at=at,
+            overwrite=options.force, progress=progress,
+        )  # fmt: skip
+    with read_map(path, lazy=True) as dataset:
+        record = {"out": str(path), "cells": dataset.verdict.size, "method": dataset.method}
+    if options.json:
+        print(json.dumps(record, indent=2))
+    else:
+        print(f"{path}: {record['cells']} verdicts; {record['method']}")
 
 
 def _draw(dataset: Any, target: Any) -> None:
@@ -368,6 +393,8 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "--modes", action="store_true", help="keep all eigenvalues, not only the first"
     )
+    sub.add_argument("--verdict-only", action="store_true",
+                     help="proved verdicts alone, streamed to the file, however large")  # fmt: skip
     sub.add_argument("--checkpoint", metavar="DIR",
                      help="keep finished cells there, to go on after an interruption")  # fmt: skip
     sub.add_argument("--force", action="store_true", help="replace existing files")

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
-BLOCK = 32768
+BLOCK = 65536
 """Rows worked on at once, so that what is live stays in the cache."""
-MORE = 12
+MORE = 8
 """Most corrections of the points that have not settled."""
 
 
@@ -43,21 +43,20 @@ class Factors(NamedTuple):
         """
         return Factors(self.r[index], [(p[index], q[index]) for p, q in self.pairs])
 
-    def between(self, index: Sequence[Any]) -> Factors:
-        """The factors in the middle of four rows in line, by cubic interpolation.
+    def stack(self) -> Array:
+        """All of them in one array, shape (n, N)."""
+        return np.stack([self.r, *(v for pair in self.pairs for v in pair)])
+
+    @classmethod
+    def unstack(cls, stacked: Array) -> Factors:
+        """The factors from one array.
 
         Parameters
         ----------
-        index
-            Rows far below, below, above and far above each wanted one; where the far ones repeat
-            the near ones this is the mean.
+        stacked
+            As `stack` gives it.
         """
-        far, low, high, beyond = index
-
-        def middle(v: Array) -> Array:
-            return 0.5625 * (v[low] + v[high]) - 0.0625 * (v[far] + v[beyond])
-
-        return Factors(middle(self.r), [(middle(p), middle(q)) for p, q in self.pairs])
+        return cls(stacked[0], list(zip(stacked[1::2], stacked[2::2], strict=True)))
 
     def astype(self, kind: Any) -> Factors:
         """The factors in another floating-point type.

@@ -186,18 +186,20 @@ def write_map(
     return Path(path)
 
 
-def read_map(path: str | os.PathLike[str]) -> xarray.Dataset:
-    """Read a map that `write_map` wrote.
+def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:
+    """Read a map that `write_map` or `stream_map` wrote.
 
     Parameters
     ----------
     path
         File to read.
+    lazy
+        Whether to leave the data in the file until it is used; then close the dataset afterwards.
 
     Returns
     -------
     xarray.Dataset
-        In memory; the file is closed.
+        In memory, and the file is closed, unless lazy.
 
     Raises
     ------
@@ -216,15 +218,18 @@ def read_map(path: str | os.PathLike[str]) -> xarray.Dataset:
     if not there:
         raise FileError(f"{source} is not a file; give a map written by stability.")
     try:
-        with xarray.open_dataset(source, engine=ENGINE) as opened:
-            dataset = opened.load()
+        if lazy:
+            dataset = xarray.open_dataset(source, engine=ENGINE)
+        else:
+            with xarray.open_dataset(source, engine=ENGINE) as opened:
+                dataset = opened.load()
     except (OSError, ValueError, KeyError, RuntimeError, TypeError) as error:
         raise FileError(
             f"{source} cannot be read as NetCDF ({str(error).splitlines()[0][:80]}); it may be "
             "damaged or of another format."
         ) from None
-    whole_map = {"abscissa", "verdict"} <= set(dataset.variables)
-    if str(dataset.attrs.get("format")) != FORMAT or not whole_map:
+    if str(dataset.attrs.get("format")) != FORMAT or "verdict" not in dataset.variables:
+        dataset.close()
         raise FileError(f"{source} is a NetCDF file but not a map written by stability.")
     for name, variable in list(dataset.variables.items()):
         if PARTS in variable.dims:

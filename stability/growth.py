@@ -8,7 +8,6 @@ done again in extended precision where the machine has it, and then exactly.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -262,40 +261,41 @@ def _some(values: Mapping[str, Any], shape: tuple[int, ...], index: Any, kind: A
     }
 
 
-@lru_cache(maxsize=8)
-def _levels(rows: int, columns: int) -> tuple[Any, ...]:
-    """Flat indices of the first cells, then of each finer level with the two it lies between."""
-    i, j = np.divmod(np.arange(rows * columns), columns)
-    out: list[Any] = [np.flatnonzero((i % STRIDE == 0) & (j % STRIDE == 0))]
-    step = STRIDE // 2
-    while step:
-        new = np.flatnonzero((i % step == 0) & (j % step == 0)
-                             & ((i % (2 * step) != 0) | (j % (2 * step) != 0)))  # fmt: skip
-        a, b = i[new], j[new]
-        lines = []
-        for reach in (-3, -1, 1, 3):
-            lines.append((np.where(a % (2 * step), a + reach * step, a),
-                          np.where(b % (2 * step), b + reach * step, b)))  # fmt: skip
-        inside = [(x >= 0) & (y >= 0) & (x < rows) & (y < columns) for x, y in lines]
-        wide = inside[0] & inside[3]
-        flat = [x * columns + y for x, y in lines]
-        flat[2] = np.where(inside[2], flat[2], flat[1])  # at the far edges no cell lies beyond
-        flat[0], flat[3] = np.where(wide, flat[0], flat[1]), np.where(wide, flat[3], flat[2])
-        out.append((new, flat))
-        step //= 2
-    return tuple(out)
+def _coarse_to_fine(a: list[Any], shape: tuple[int, int]) -> Factors:
+    """Factors over a grid: at every STRIDE-th cell from LAPACK, in between from their neighbours."""
+    coefficients = [c.reshape(shape) for c in a]
+    count = len(a)
+    whole = np.empty((count, *shape), dtype=a[0].dtype)
+    step = STRIDE
+    first = slice(None, None, step)
+    some = [np.ascontiguousarray(c[first, first]).ravel() for c in coefficients]
+    corner = whole[:, first, first]
+    corner[...] = settle(some, start(some)).stack().reshape(corner.shape)
+    while step > 1:
+        half = step // 2
+        even, odd, every = (slice(None, None, step), slice(half, None, step),
+                            slice(None, None, half))  # fmt: skip
+        steps = STEPS if half > 1 else 1
+        # first the rows in between, then all columns in between
+        for rows, columns, axis in ((odd, even, 1), (every, odd, 2)):
+            known = whole[:, even, even] if axis == 1 else whole[:, every, even]
+            target = whole[:, rows, columns]
+            if target.size:
+                near = _between(known, axis, target.shape[axis])
+                part = [np.ascontiguousarray(c[rows, columns]).ravel() for c in coefficients]
+                found = settle(part, Factors.unstack(near.reshape(count, -1)), steps)
+                target[...] = found.stack().reshape(target.shape)
+        step = half
+    return Factors.unstack(whole.reshape(count, -1))
 
 
-def _coarse_to_fine(a: list[Any], shape: tuple[int, ...]) -> Factors:
-    first, *finer = _levels(*shape)
-    some = [c[first] for c in a]
-    part = settle(some, start(some))
-    n, kind = len(a[0]), part.r.dtype
-    pairs = [(np.empty(n, kind), np.empty(n, kind)) for _ in part.pairs]
-    whole = Factors(np.empty(n, kind), pairs)
-    whole.put(first, part)
-    for new, lines in finer:
-        if len(new):
-            steps = STEPS if new is not finer[-1][0] else 1
-            whole.put(new, settle([c[new] for c in a], whole.between(lines), steps))
-    return whole
+def _between(known: Any, axis: int, count: int) -> Any:
+    """Values half-way between neighbours along an axis, by cubic interpolation inside."""
+    v = np.moveaxis(known, axis, 0)
+    out = np.empty((count, *v.shape[1:]), dtype=v.dtype)
+    pairs = len(v) - 1
+    out[:pairs] = 0.5 * (v[:-1] + v[1:])
+    if pairs > 2:
+        out[1 : pairs - 1] = 0.5625 * (v[1:-2] + v[2:-1]) - 0.0625 * (v[:-3] + v[3:])
+    out[pairs:] = v[-1]  # beyond the last known one
+    return np.ascontiguousarray(np.moveaxis(out, 0, axis))

@@ -1,0 +1,190 @@
+"""Fast kernels from the exact polynomials against AD Jacobian + numpy.linalg.eigvals.
+
+Everything is measured in one run, on the same points, and the routes take turns, since machines
+are shared and noisy; ratios of medians are what counts.  The baseline evaluates the AD Jacobian of
+all points at once and calls one batched `eigvals`; it gives no bound and many wrong signs.
+
+Usage: python benchmarks/kernels.py [--large]
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import resource
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import stability as st
+from stability.cells import Cells
+from stability.certify import certify
+from stability.grid import Grid
+from stability.maps import prepare
+from stability.problem import disk_problem
+
+REPEATS = 5
+NX, NY = 2000, 1500
+AXES = {"rolling": (0.2, 3.0), "spinning": (0.55, 5.0), "tumbling": (0.05, 1.55)}
+MU = (0.05, 3.0)
+BASE_ROWS = 40
+"""Rows of the map on which the slow route is timed."""
+
+
+def timed(run: Callable[[], Any]) -> float:
+    start = time.perf_counter()
+    run()
+    return time.perf_counter() - start
+
+
+def axes_of(family: str, packed: float | None = None) -> tuple[Grid, Grid]:
+    low, high = AXES[family]
+    mu = MU
+    if packed is not None:
+        edge = {"rolling": np.sqrt(2), "spinning": 2.0, "tumbling": None}[family]
+        if edge is None:
+            [point] = st.boundaries(
+                "tumbling", axis=("at", 0.9, 1.2, 9), contact=st.Viscous(1.5), disk=st.Disk()
+            )
+            edge, mu = point.value, (1.5 * (1 - packed), 1.5 * (1 + packed))
+        low, high = edge * (1 - packed), edge * (1 + packed)
+    return Grid("at", low, high, NX), Grid("mu", *mu, NY, packed is None)
+
+
+def baseline(family: str, axes: tuple[Grid, Grid]) -> Callable[[], Any]:
+    resolved = st.disk_family(family, "viscous")
+    at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
+    a = at.reshape(-1, 1)
+    q = np.column_stack([np.full(len(a), 0.25), mu.reshape(-1)])
+    u = resolved.solve(a, q)  # not timed: the family is closed or solved once
+
+    def run() -> Any:
+        return np.linalg.eigvals(resolved.matrix(a, u, q)).real.max(axis=1)
+
+    run.count = len(a)  # type: ignore[attr-defined]
+    return run
+
+
+def maps(family: str) -> dict[str, Any]:
+    from stability.tiles import GridVerdicts
+
+    axes = axes_of(family)
+    slow = baseline(family, axes)
+    question = prepare(family, axes, None, st.Viscous, None, {})
+    xs, ys = axes[0].values, axes[1].values
+    grid = GridVerdicts(question, "at", "mu")
+
+    def verdicts() -> None:
+        grid(xs, ys)
+
+    def growth() -> None:
+        import os
+
+        Cells(question, axes, False).fill(os.cpu_count() or 1, None)
+
+    rounds: dict[str, list[float]] = {"eigvals": [], "verdicts": [], "growth": []}
+    for run in (slow, verdicts, growth):
+        run()
+    for _ in range(REPEATS):
+        rounds["eigvals"].append(timed(slow) / slow.count)  # type: ignore[attr-defined]
+        rounds["verdicts"].append(timed(verdicts) / (NX * NY))
+        rounds["growth"].append(timed(growth) / (NX * NY))
+    point = {name: statistics.median(times) for name, times in rounds.items()}
+    wrong = signs_wrong(family, axes, slow)
+    return {
+        "ns_per_point": {name: round(1e9 * t, 2) for name, t in point.items()},
+        "verdict_ratio": round(point["eigvals"] / point["verdicts"]),
+        "growth_and_verdict_ratio": round(point["eigvals"] / point["growth"], 1),
+        "signs_wrong_by_eigvals": wrong,
+        "raw_seconds_per_point": rounds,
+    }
+
+
+def signs_wrong(family: str, axes: tuple[Grid, Grid], slow: Callable[[], Any]) -> str:
+    at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
+    question = disk_problem(family, st.Disk(), st.Viscous(1.0), 1.0)
+    from stability.kernels import Filtered
+
+    codes, _ = Filtered(question).codes(dict(question.values) | {"at": at, "mu": mu})
+    lead = slow().reshape(at.shape)
+    return f"{int(((lead < 0) != (codes == 1)).sum())} of {at.size}"
+
+
+def packed(family: str, distance: float) -> dict[str, Any]:
+    """The verdict route on a grid packed around a boundary, exact arithmetic included."""
+    from stability.tiles import GridVerdicts
+
+    axes = axes_of(family, distance)
+    question = prepare(family, axes, None, st.Viscous, None, {})
+    grid = GridVerdicts(question, "at", "mu")
+    xs = np.linspace(axes[0].low, axes[0].high, 400)
+    ys = np.linspace(axes[1].low, axes[1].high, 300)
+    start = time.perf_counter()
+    codes, left = grid(xs, ys)
+    spent = time.perf_counter() - start
+    return {
+        "distance": distance, "ns_per_point": round(1e9 * spent / codes.size, 1),
+        "handed_to_exact": left / codes.size, "undecided": int((codes == 0).sum()),
+    }  # fmt: skip
+
+
+def queries() -> dict[str, float]:
+    """Median time of a certified single query, in ms, after first use."""
+    random = np.random.default_rng(1)
+    whole, alone = [], []
+    for family, (low, high) in AXES.items():
+        st.spectrum(family, at=low, contact=st.Viscous(1.0), certify=True)
+        for _ in range(100):
+            at, mu = random.uniform(low, high), 10 ** random.uniform(-3, 3)
+            law = st.Viscous(mu)
+            whole.append(
+                timed(lambda at=at, law=law, family=family: st.spectrum(
+                    family, at=at, contact=law, certify=True))
+            )  # fmt: skip
+            question = disk_problem(family, st.Disk(), law, at)
+            values = {n: float(v) for n, v in question.values.items()}
+            alone.append(timed(lambda q=question, v=values: certify(q, v)))
+    return {"spectrum(certify=True)_ms": 1e3 * statistics.median(whole),
+            "verdict_and_eigenvalues_alone_ms": 1e3 * statistics.median(alone)}  # fmt: skip
+
+
+def streamed(side: int) -> dict[str, Any]:
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "map.nc"
+        spent = timed(lambda: st.stream_map(
+            "tumbling", x=("at", 0.011, 1.57, side), y=("mu", 0.01, 10, side, "log"), out=target))  # fmt: skip
+        start = time.perf_counter()
+        with st.read_map(target, lazy=True) as dataset:
+            corner = int(dataset.verdict[-1, -1])
+        opened = time.perf_counter() - start
+        return {
+            "cells": side * side, "seconds": round(spent, 1), "corner": corner,
+            "file_MiB": round(target.stat().st_size / 2**20, 2),
+            "peak_memory_MiB": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10),
+            "opened_lazily_in_s": round(opened, 3),
+        }  # fmt: skip
+
+
+def main() -> None:
+    large = "--large" in sys.argv[1:]
+    if large:  # first, so that the peak memory is its own
+        print(json.dumps({"streamed": streamed(31623)}), flush=True)
+    print(json.dumps({"machine": platform.machine(), "python": platform.python_version(),
+                      "numpy": np.__version__}))  # fmt: skip
+    print(json.dumps({"certified_query": queries()}), flush=True)
+    for family in AXES:
+        result = maps(family)
+        raw = result.pop("raw_seconds_per_point")
+        print(json.dumps({family: result, "raw": raw}), flush=True)
+        for distance in (1e-3, 1e-9, 1e-13, 1e-15):
+            print(json.dumps({family: "packed", **packed(family, distance)}), flush=True)
+
+
+if __name__ == "__main__":
+    main()

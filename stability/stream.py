@@ -1,0 +1,181 @@
+"""Verdict maps too large for memory: worked out band by band, straight into their file."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .contact import Contact
+from .dataset import axis_attributes, provenance
+from .disk import Disk
+from .errors import FileError, ParameterError
+from .files import check_target, whole
+from .grid import Grid
+from .growth import steady_memory
+from .maps import Axis, prepare
+from .tiles import GridVerdicts
+from .verdict import CODES
+
+BAND = 2**20
+"""Cells of a band of rows."""
+MOST_CELLS = 10**11
+"""Largest streamed map."""
+Progress = Callable[[int, int], None]
+
+METHOD = (
+    "verdicts from the exact stability conditions: whole tiles proved at once, cells beside the "
+    "boundary by a floating-point filter with a proved bound, what it leaves open in rational "
+    "arithmetic or balls"
+)
+
+
+def stream_map(
+    family: str,
+    *,
+    x: Axis,
+    y: Axis,
+    out: str | os.PathLike[str],
+    disk: Disk | None = None,
+    contact: Contact | type[Contact] | None = None,
+    at: ArrayLike | None = None,
+    workers: int | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Path:
+    """Proved verdicts over two parameters, written to a file in bands, however large the map.
+
+    Parameters
+    ----------
+    family
+        Name of a disk's family.
+    x, y
+        Axes, as for `stability_map`.
+    out
+        NetCDF file to write; `read_map(out, lazy=True)` opens it without loading it.
+    disk, contact, at
+        As for `stability_map`.
+    workers
+        Threads beside the one that writes; one when left out, since bands are short.
+    overwrite
+        Whether an existing file may be replaced.
+    progress
+        Called with (cells done, cells in all).
+
+    Returns
+    -------
+    Path
+        The file.  It is whole or not there.
+
+    Raises
+    ------
+    StabilityError
+        One sentence that says what is wrong and what is accepted.
+
+    Source: tests/test_kernels.py; the figures of benchmarks/kernels.py.
+
+    Examples
+    --------
+    >>> import tempfile, stability as st
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = stream_map("spinning", x=("at", 1, 4, 50), y=("mu", 0.1, 2, 40),
+    ...                       out=Path(folder) / "map.nc")
+    ...     st.read_map(file).verdict.shape
+    (40, 50)
+    """
+    if not isinstance(family, str):
+        raise ParameterError(
+            "family is not a name; maps are streamed for the disk's families, which have exact "
+            "polynomials. Use stability_map for one's own."
+        )
+    if workers is not None and (not isinstance(workers, int) or workers < 1):
+        raise ParameterError(f"workers is {workers!r}; a whole number of at least 1 is needed.")
+    axes = Grid.of(x, "x"), Grid.of(y, "y")
+    question = prepare(family, axes, disk, contact, at, {})
+    total = axes[0].count * axes[1].count
+    if total > MOST_CELLS:
+        raise ParameterError(f"the map has {total:.3g} cells; at most {MOST_CELLS:.0e} are streamed.")
+    target = check_target(out, overwrite=overwrite)
+    free = shutil.disk_usage(target.parent).free
+    if free < total + 2**24:
+        raise FileError(
+            f"{target} may need {total / 2**20:.0f} MiB, and {free / 2**20:.0f} MiB are free there."
+        )
+    steady_memory()
+    verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
+    with whole(target, overwrite=overwrite) as beside:
+        file, variable = _created(beside, question, axes)
+        with file:
+            left = _fill(variable, verdicts, axes, workers or 1, progress)
+            file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
+    return Path(out)
+
+
+def _created(path: Path, question: Any, axes: tuple[Grid, Grid]) -> tuple[Any, Any]:
+    import h5netcdf
+
+    file = h5netcdf.File(path, "w")
+    file.dimensions = {g.name: g.count for g in axes}
+    for grid in axes:
+        coordinate = file.create_variable(grid.name, (grid.name,), float, data=grid.values)
+        coordinate.attrs.update(axis_attributes(question, grid.name))
+    rows = min(_rows(axes), axes[1].count)
+    verdict = file.create_variable(
+        "verdict", (axes[1].name, axes[0].name), np.int8,
+        chunks=(rows, min(axes[0].count, BAND)), compression="gzip", compression_opts=1,
+    )  # fmt: skip
+    verdict.attrs.update({
+        "flag_values": np.array(list(CODES.values()), dtype=np.int8),
+        "flag_meanings": " ".join(v.word for v in CODES),
+        "long_name": "spectral verdict",
+    })  # fmt: skip
+    file.attrs.update(provenance(question, axes, METHOD))
+    return file, verdict
+
+
+def _rows(axes: tuple[Grid, Grid]) -> int:
+    return max(1, BAND // axes[0].count)
+
+
+def _fill(
+    variable: Any, verdicts: GridVerdicts, axes: tuple[Grid, Grid], workers: int,
+    progress: Progress | None,
+) -> int:  # fmt: skip
+    """Bands in order, a few in flight; returns how many cells went to exact arithmetic."""
+    xs, ys = axes[0].values, axes[1].values
+    step, total = _rows(axes), math.prod(g.count for g in axes)
+    pending: deque[tuple[int, Future[tuple[NDArray[np.int8], int]]]] = deque()
+    left = 0
+
+    def band(first: int) -> tuple[NDArray[np.int8], int]:
+        return verdicts(xs, ys[first : first + step])
+
+    def write() -> int:
+        first, future = pending.popleft()
+        codes, open_cells = future.result()
+        variable[first : first + len(codes), :] = codes
+        if progress:
+            progress(min((first + step) * axes[0].count, total), total)
+        return open_cells
+
+    with ThreadPoolExecutor(workers) as pool:
+        try:
+            for first in range(0, axes[1].count, step):
+                pending.append((first, pool.submit(band, first)))
+                if len(pending) > workers:
+                    left += write()
+            while pending:
+                left += write()
+        except BaseException:
+            for _, future in pending:
+                future.cancel()
+            raise
+    return left
