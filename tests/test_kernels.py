@@ -1,0 +1,375 @@
+"""Fast kernels and boxes: what they decide is what exact arithmetic decides, and bounds hold."""
+
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from test_certify import DIGITS, reduced_truth, truth
+from test_spectra import random_points
+
+import stability as st
+from stability.boxes import BoxConditions, Interval, prove_boxes
+from stability.certify import certify, verdict
+from stability.factoring import Factors, enclose, improve, settle, start
+from stability.grid import Grid
+from stability.growth import GrowthKernel
+from stability.kernels import INPUT, Filtered, VerdictKernel, point
+from stability.problem import disk_problem
+from stability.tiles import GridVerdicts
+from stability.verdict import CODES, Verdict
+
+FAMILIES = ["rolling", "spinning", "tumbling"]
+SI = st.Disk(mass=0.3, radius=0.013, gravity=9.81, k=0.27)
+
+
+def question(family: str, disk: Any = None, law: Any = None) -> Any:
+    return disk_problem(family, disk or st.Disk(), law or st.Viscous(1.0), 1.0)
+
+
+@pytest.mark.parametrize("disk", [None, SI], ids=["dimensionless", "si"])
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_filter_never_contradicts_exact_arithmetic(family: str, disk: Any) -> None:
+    at, q = random_points(family, 400, seed=31)
+    asked = question(family, disk)
+    values = dict(asked.values) | {"at": at[:, 0], "mu": q[:, 1], "k": q[:, 0]}
+    plain = Filtered(asked).kernel(point(asked, values))
+    for i, code in enumerate(plain):
+        one = {n: float(np.broadcast_to(v, 400)[i]) for n, v in values.items()}
+        assert code in (0, CODES[verdict(asked, one)])
+    assert (plain == 0).mean() < 0.01
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_timed_route_decides_every_random_point_rightly(family: str) -> None:
+    at, q = random_points(family, 150, seed=32)
+    asked = question(family)
+    values = dict(asked.values) | {"at": at[:, 0], "mu": q[:, 1], "k": q[:, 0]}
+    codes, _ = Filtered(asked).codes(values)
+    for i, code in enumerate(codes):
+        assert code == CODES[truth(family, float(at[i, 0]), float(q[i, 0]), float(q[i, 1]))]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_timed_route_decides_ten_thousand_points_rightly(family: str) -> None:
+    at, q = random_points(family, 10_000, seed=33)
+    asked = question(family)
+    values = dict(asked.values) | {"at": at[:, 0], "mu": q[:, 1], "k": q[:, 0]}
+    codes, left = Filtered(asked).codes(values)
+    wrong = sum(
+        code != CODES[truth(family, float(at[i, 0]), float(q[i, 0]), float(q[i, 1]))]
+        for i, code in enumerate(codes)
+    )
+    print(f"{family}: 10000 points by the filter, {left} handed on, {wrong} wrong")
+    assert wrong == 0
+
+
+@pytest.mark.parametrize(("family", "edge"), [("rolling", 2**0.5), ("spinning", 2.0), ("tumbling", 0.0)])
+def test_grids_packed_around_a_boundary_are_decided_rightly(family: str, edge: float) -> None:
+    low, high = 0.5, 0.9
+    if family == "tumbling":
+        [found] = st.boundaries("tumbling", axis=("at", 0.9, 1.2, 9), contact=st.Viscous(1.5))
+        edge, low, high = found.value, 1.5 * (1 - 1e-15), 1.5 * (1 + 1e-15)
+    asked = question(family)
+    xs = edge * (1 + np.linspace(-1, 1, 25) * 1e-14)
+    ys = np.linspace(low, high, 9)
+    codes, handed_on = GridVerdicts(asked, "at", "mu")(np.unique(xs), np.unique(ys))
+    assert handed_on > 0
+    kinds = set()
+    for (i, j), code in np.ndenumerate(codes):
+        one = dict(asked.values) | {"at": float(np.unique(xs)[j]), "mu": float(np.unique(ys)[i])}
+        found_verdict = verdict(asked, one)
+        assert code == CODES[found_verdict]
+        kinds.add(found_verdict)
+    assert {Verdict.STABLE, Verdict.UNSTABLE} <= kinds
+
+
+@pytest.mark.parametrize("law", [None, st.LinearViscous(0.4), st.Rough(), st.Smooth()])
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("names", [("at", "k"), ("k", "at"), ("radius", "gravity"), ("at", "mass")])
+def test_tiles_say_what_cells_say(family: str, names: tuple[str, str], law: Any) -> None:
+    ends = {"at": (0.05, 1.5), "k": (0.01, 0.5), "radius": (0.3, 3.0), "gravity": (0.5, 20.0),
+            "mass": (0.1, 4.0)}  # fmt: skip
+    asked = question(family, law=law)
+    xs, ys = (np.linspace(*ends[n], count) for n, count in zip(names, (70, 45), strict=True))
+    codes, _ = GridVerdicts(asked, *names)(xs, ys)
+    swept = dict(asked.values) | {names[0]: xs[None, :], names[1]: ys[:, None]}
+    cells, _ = Filtered(asked).codes(swept)
+    assert (codes == cells).all()
+    flat = {n: np.broadcast_to(v, cells.shape).ravel() for n, v in swept.items()}
+    scattered, _ = Filtered(asked).codes(flat)
+    assert (scattered.reshape(cells.shape) == cells).all()
+
+
+def test_upright_is_handed_to_exact_arithmetic() -> None:
+    asked = disk_problem("tumbling", st.Disk(), st.Viscous(0.6), lean=0.0)
+    for lean in (np.array([-1e-9, 0.0, 1e-30]), np.linspace(-1e-3, 1e-3, 41)):
+        codes, _ = Filtered(asked).codes(dict(asked.values) | {"lean": lean})
+        wanted = np.where(lean == 0, CODES[Verdict.NEUTRAL], CODES[Verdict.STABLE])
+        assert (codes == wanted).all()
+        grid, _ = GridVerdicts(asked, "lean", "mu")(lean, np.array([0.6, 0.7]))
+        assert (grid == wanted).all()
+
+
+def test_what_overflows_goes_to_exact_arithmetic() -> None:
+    kernel = VerdictKernel(question("tumbling").exact)
+    assert kernel([0.25, 1e200, 0.5]) == 0
+    assert kernel([0.25, 1e-250, 0.5]) == 0
+    codes, left = Filtered(question("spinning")).codes(
+        dict(question("spinning").values) | {"mu": np.array([1e90, 1e-90]), "at": 5.0}
+    )
+    assert left == 2
+    assert codes.tolist() == [CODES[Verdict.UNSTABLE], CODES[Verdict.STABLE]]
+
+
+def test_sines_are_as_exact_as_the_bound_assumes() -> None:
+    random = np.random.default_rng(1)
+    theta = np.exp(random.uniform(np.log(1e-6), np.log(np.pi / 2), 3000))
+    with mpmath.workdps(40):
+        for x, y, c in zip(theta, np.sin(theta), np.cos(theta), strict=True):
+            for function, value in ((mpmath.sin, y), (mpmath.cos, c)):
+                truth_ = function(mpmath.mpf(float(x)))
+                assert abs((mpmath.mpf(float(value)) - truth_) / truth_) <= INPUT["s"] * 2.0**-53
+
+
+def test_the_filter_can_be_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With its bound taken away the filter says something false beside a boundary."""
+    asked = question("tumbling")
+    [found] = st.boundaries("tumbling", axis=("at", 0.9, 1.2, 9), contact=st.Viscous(1.5))
+    at = found.value * (1 + np.linspace(-1, 1, 401) * 1e-15)
+    values = dict(asked.values) | {"at": at, "mu": 1.5}
+    kernel = Filtered(asked).kernel
+    for part in kernel._parts:
+        monkeypatch.setattr(part, "ratio", 1.0)
+    codes = kernel(point(asked, values))
+    wrong = [code not in (0, CODES[verdict(asked, dict(asked.values) | {"at": float(x), "mu": 1.5})])
+             for x, code in zip(at, codes, strict=True)]  # fmt: skip
+    assert any(wrong)
+
+
+# --- growth rates ---
+
+
+@pytest.mark.parametrize("disk", [st.Disk(k=0.25), st.Disk.hoop(), SI], ids=["disk", "hoop", "si"])
+@pytest.mark.parametrize("family", FAMILIES)
+def test_growth_rates_of_a_map_are_right_to_1e_13(family: str, disk: Any) -> None:
+    unit = 1.0 if family == "tumbling" else float(disk.rate)
+    low, high = {"rolling": (0.1, 6), "spinning": (0.1, 6), "tumbling": (0.003, 1.5707)}[family]
+    x = ("at", low * unit, high * unit, 61)
+    mu = 1 / float(disk.speed)
+    found = st.stability_map(
+        family, x=x, y=("mu", 0.003 * mu, 300 * mu, 47, "log"), disk=disk, contact=st.Viscous,
+        boundaries=False, modes=True,
+    )  # fmt: skip
+    asked = disk_problem(family, disk, st.Viscous(1.0), 1.0)
+    random = np.random.default_rng(2)
+    assert (found.verdict > 0).all()
+    for _ in range(60):
+        i, j = int(random.integers(47)), int(random.integers(61))
+        one = dict(asked.values) | {"at": float(found["at"][j]), "mu": float(found.mu[i])}
+        proved = certify(asked, {n: float(v) for n, v in one.items()})
+        largest = max(abs(v) for v in proved.eigenvalues)
+        off = abs(float(found.abscissa[i, j]) - proved.eigenvalues[-1].real)
+        assert off <= 1e-13 * largest
+        assert off <= float(found.abscissa_error[i, j]) + proved.abscissa_error
+        near = np.abs(found.eigenvalues[i, j].values - np.array(proved.eigenvalues))
+        assert near.max() <= 1e-11 * largest
+        assert abs(found.frequency[i, j] - abs(proved.eigenvalues[-1].imag)) <= 1e-11 * largest
+    signs = np.where(found.abscissa.values > 0, CODES[Verdict.UNSTABLE], CODES[Verdict.STABLE])
+    assert (signs == found.verdict.values).all()
+    assert (found.abscissa_error <= np.abs(found.abscissa)).all()
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_scattered_points_are_right_too(family: str) -> None:
+    at, q = random_points(family, 60, seed=41)
+    asked = question(family)
+    values = dict(asked.values) | {"at": at[:, 0], "mu": q[:, 1], "k": q[:, 0]}
+    found = GrowthKernel(asked)(values, scattered=True)
+    for i in range(60):
+        with mpmath.workdps(DIGITS):
+            coefficients = reduced_truth(family, "viscous", at[i, 0], q[i, 0], q[i, 1])
+            roots = mpmath.polyroots(coefficients[::-1], maxsteps=3000, extraprec=3000)
+            top = max(mpmath.re(r) for r in roots)
+            off = abs(top - mpmath.mpf(float(found.abscissa[i])))
+            assert off <= found.error[i]
+            assert found.error[i] <= 1.01e-13 * max(abs(r) for r in roots)
+
+
+def test_conservative_maps_take_the_same_route() -> None:
+    found = st.stability_map("rolling", x=("at", 0.3, 2, 40), y=("k", 0.1, 0.5, 30),
+                             contact=st.Rough(), boundaries=False)  # fmt: skip
+    threshold = 1 / (2 * (2 * found.k + 1))
+    growing = found["at"] ** 2 < threshold
+    square = ((1 - 2 * (2 * found.k + 1) * found["at"] ** 2) / (1 + found.k)).transpose("k", "at")
+    assert ((found.verdict == CODES[Verdict.UNSTABLE]) == growing.transpose("k", "at")).all()
+    wanted = np.where(square > 0, np.sqrt(np.abs(square)), 0.0)
+    assert np.abs(found.abscissa - wanted).max() < 1e-14
+    assert (found.abscissa_error.values[square < -1e-6] == 0).all()
+
+
+def test_error_discs_of_factors_hold_known_roots() -> None:
+    """Polynomials with known roots, coefficients exact in doubles; and clusters get no bound."""
+    cases = [[-3, -2, -1, 2, 5], [-1, -1 + 2j, -1 - 2j, 3j, -3j], [4, -1, -2, 1 + 1j, 1 - 1j],
+             [-0.25, 0.5 + 8j, 0.5 - 8j]]  # fmt: skip
+    for roots in cases:
+        a = [np.array([c]) for c in np.poly(roots).real[::-1][:-1]]
+        factors = settle(a, start(a))
+        found = enclose(a, [0 * c for c in a], factors)
+        values = np.array([x + 1j * y for x, y in zip(found.real, found.imag, strict=True)])[:, 0]
+        radius = np.array(found.radius)[:, 0]
+        assert radius.max() < 1e-12
+        distance = np.abs(values[:, None] - np.array(roots)[None, :])
+        assert (distance <= radius[:, None]).any(axis=1).all()
+        assert (distance <= radius[:, None]).any(axis=0).all()
+    double = [np.array([c]) for c in np.poly([-1, -1, -2, -3, -4])[::-1][:-1]]
+    assert np.isinf(enclose(double, [1e-16 + 0 * c for c in double], settle(double, start(double))).radius).any()
+
+
+def test_corrections_of_factors_converge_quadratically() -> None:
+    roots = [-2.0, -1 + 2j, -1 - 2j, 0.5 + 1j, 0.5 - 1j]
+    a = [np.array([c]) for c in np.poly(roots).real[::-1][:-1]]
+    factors = Factors(np.array([-2.01]), [(np.array([2.01]), np.array([5.02])),
+                                          (np.array([-0.99]), np.array([1.26]))])  # fmt: skip
+    errors = []
+    for _ in range(4):
+        errors.append(abs(factors.r[0] + 2) + abs(factors.pairs[0][1][0] - 5))
+        factors, _ = improve(a, factors)
+    orders = np.diff(np.log(errors[1:])) / np.diff(np.log(errors[:-1]))
+    assert orders[0] > 1.7
+
+
+# --- boxes ---
+
+
+@pytest.mark.parametrize(
+    ("family", "x", "y", "law"),
+    [
+        ("rolling", ("at", 0.2, 3.0), ("mu", 0.01, 10.0), None),
+        ("spinning", ("at", 0.5, 6.0), ("mu", 0.1, 3.0), None),
+        ("tumbling", ("at", 0.02, 1.57), ("mu", 0.01, 10.0), None),
+        ("tumbling", ("at", 1.0, 2.5), ("k", 0.01, 0.5), None),
+        ("spinning", ("k", 0.01, 0.5), ("radius", 0.1, 5.0), st.LinearViscous(0.6)),
+        ("rolling", ("at", -2.0, 2.0), ("k", 0.05, 0.5), st.Rough()),
+        ("tumbling", ("lean", -0.5, 0.7), ("mu", 0.3, 2.0), None),
+    ],
+)
+def test_no_box_holds_a_point_of_another_verdict(family: str, x: Any, y: Any, law: Any) -> None:
+    """An attempt to refute: random points of random boxes, their corners, in exact arithmetic."""
+    lean = 0.1 if "lean" in (x[0], y[0]) else None
+    asked = disk_problem(family, st.Disk(), law or st.Viscous(1.0), None if lean else 1.0, lean)
+    axes = Grid(*x, 9), Grid(*y, 9)
+    boxes = prove_boxes(asked, axes, 6)
+    assert boxes.proved > 0.5
+    random = np.random.default_rng(7)
+    area = np.diff(boxes.x, axis=1)[:, 0] * np.diff(boxes.y, axis=1)[:, 0]
+    assert area.sum() == pytest.approx((axes[0].high - axes[0].low) * (axes[1].high - axes[1].low))
+    proved = np.flatnonzero(boxes.codes)
+    assert len(set(boxes.codes[proved].tolist())) == (1 if family == "tumbling" and law else 2)
+    for box in random.choice(proved, 60):
+        for u, v in [*random.uniform(0, 1, (3, 2)), (0, 0), (0, 1), (1, 0), (1, 1)]:
+            ends = boxes.x[box], boxes.y[box]
+            at = [float(np.clip(e[0] + t * (e[1] - e[0]), *e)) for e, t in zip(ends, (u, v), strict=True)]
+            one = dict(asked.values) | {x[0]: at[0], y[0]: at[1]}
+            found = verdict(asked, {n: float(w) for n, w in one.items()})
+            assert CODES[found] == boxes.codes[box]
+
+
+def test_the_strip_encloses_every_boundary_point() -> None:
+    found = st.stability_map("spinning", x=("at", 0.5, 5, 60), y=("mu", 0.1, 3, 50, "log"),
+                             certify=True, levels=7)  # fmt: skip
+    strip = found.box_verdict.values == 0
+    x, y = found.box_at.values[strip], found.box_mu.values[strip]
+    for a, m in zip(found.boundary_at.values, found.boundary_mu.values, strict=True):
+        inside = (x[:, 0] <= a) & (a <= x[:, 1]) & (y[:, 0] <= m) & (m <= y[:, 1])
+        assert inside.any()
+    widths = np.diff(x, axis=1)[:, 0]
+    assert widths.max() == pytest.approx(4.5 / 2**7)
+    assert np.diff(np.log(y), axis=1).max() == pytest.approx(np.log(30) / 2**7)
+    assert found.box_proved > 0.98
+    assert "2^-7" in found.box_comment
+
+
+def test_a_users_family_is_boxed_in_wide_balls() -> None:
+    import casadi as ca
+
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    system = st.System("damped", x, p, ca.vertcat(x[1], -p[1] * ca.sin(x[0]) - p[0] * x[1]),
+                       states=("angle", "rate"), parameters=("drag", "pull"))  # fmt: skip
+    rest = st.Family(system, "rest", at=("drag",), held={"angle": 0, "rate": 0})
+    found = st.stability_map(rest, x=("drag", -1.03, 1, 9), y=("pull", -1.01, 1, 9), certify=True,
+                             levels=5)  # fmt: skip
+    for code, a, b in zip(found.box_verdict.values, found.box_drag.values, found.box_pull.values,
+                          strict=True):  # fmt: skip
+        good = a[0] > 0 and b[0] > 0
+        bad = a[1] < 0 or b[1] < 0
+        assert code in (0, 1 if good else 2 if bad else 0)
+    assert found.box_proved > 0.85
+    assert (found.verdict > 0).all()
+
+
+def test_intervals_are_rounded_outwards() -> None:
+    one = Interval(np.array([0.1]), np.array([0.3]))
+    product, quotient = one * one, one / one
+    assert product.low[0] < 0.1 * 0.1 < 0.3 * 0.3 < product.high[0]
+    assert quotient.low[0] < 0.1 / 0.3 < 0.3 / 0.1 < quotient.high[0]
+
+
+def test_a_box_over_the_right_angle_is_left_open() -> None:
+    conditions = BoxConditions(disk_problem("tumbling", st.Disk(), st.Viscous(0.5), 1.0))
+    spans = {"at": (np.array([1.5, 1.5]), np.array([1.57, 1.58]))}
+    assert conditions(spans).tolist() == [CODES[Verdict.STABLE], 0]
+
+
+@pytest.mark.parametrize("levels", [-1, 17, 2.5, True])
+def test_levels_out_of_range_are_refused(levels: Any) -> None:
+    with pytest.raises(st.StabilityError, match="levels is"):
+        st.stability_map("rolling", x=("at", 1, 2, 3), y=("mu", 1, 2, 3), certify=True, levels=levels)
+
+
+# --- streaming ---
+
+
+def test_a_streamed_map_is_the_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import stability.stream as module
+
+    monkeypatch.setattr(module, "BAND", 300)
+    axes = {"x": ("at", 0.5, 5, 50), "y": ("mu", 0.1, 3, 41, "log")}
+    done: list[int] = []
+    path = st.stream_map("spinning", **axes, out=tmp_path / "v.nc",
+                         progress=lambda a, _: done.append(a))  # fmt: skip
+    back = st.read_map(path)
+    whole = st.stability_map("spinning", **axes, boundaries=False)
+    assert (back.verdict == whole.verdict).all()
+    assert back["at"].identical(whole["at"])
+    assert done[-1] == 50 * 41 and len(done) > 3
+    with st.read_map(path, lazy=True) as lazy:
+        assert lazy.verdict.sizes == {"mu": 41, "at": 50}
+    assert "exact stability conditions" in back.attrs["method"]
+
+
+def test_an_interrupted_stream_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import stability.stream as module
+
+    monkeypatch.setattr(module, "BAND", 300)
+
+    def stop(*_: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        st.stream_map("spinning", x=("at", 0.5, 5, 50), y=("mu", 0.1, 3, 41),
+                      out=tmp_path / "v.nc", progress=stop)  # fmt: skip
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_streams_that_cannot_be_are_refused(tmp_path: Path) -> None:
+    axes = {"x": ("at", 0.5, 5, 5), "y": ("mu", 0.1, 3, 4)}
+    with pytest.raises(st.StabilityError, match="at most 1e"):
+        st.stream_map("spinning", x=("at", 1, 2, 10**6), y=("mu", 1, 2, 10**6), out=tmp_path / "a.nc")
+    with pytest.raises(st.StabilityError, match="exact polynomials"):
+        st.stream_map(st.disk_family("spinning", "viscous"), **axes, out=tmp_path / "a.nc")  # type: ignore[arg-type]
+    with pytest.raises(st.StabilityError, match="does not exist"):
+        st.stream_map("spinning", **axes, out=tmp_path / "none" / "a.nc")
+    assert list(tmp_path.iterdir()) == []
