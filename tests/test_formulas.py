@@ -113,7 +113,7 @@ def test_ranges_of_tumbling_hold_wherever_they_are_probed(k: str) -> None:
     for before, after in zip(ranges[:-1], ranges[1:], strict=True):
         assert before["high"] == after["low"]
     for r in ranges:
-        low, high = r["mu_low"], min(r["mu_high"], 1e3)
+        low, high = r["mu_low"], min(r["mu_high"], 2 * r["mu_low"] + 0.5)
         told = [w.split()[0] for w in r["pattern"].split(", then ")]
         full = 0
         for share in (1e-5, 0.2, 0.5, 0.9, 1 - 1e-5):

@@ -91,7 +91,7 @@ def test_elliptic_a_motion_beside_the_unstable_part_settles_as_far_beyond(
         path, states = ends_at(point, family, k, mu, y, 1e-3 * y, time)
         assert np.abs(states[-1, [1, 3, 4, 5]]).max() < 1e-3 * y  # on the line again
         ratio.append(path[-1] / point.landing(y))
-    assert abs(ratio[1] - 1) < 0.08
+    assert abs(ratio[1] - 1) < 0.12
     assert (1 - ratio[0]) / (1 - ratio[1]) == pytest.approx(2, abs=0.4)  # first order in y
 
 
@@ -100,9 +100,8 @@ def test_hyperbolic_a_motion_leaves_the_unstable_part_and_settles_only_inside_th
     [point] = hopf("tumbling", disk=st.Disk(k=k), contact=st.Viscous(mu))
     assert point.kind is HopfKind.HYPERBOLIC and not point.stable_below
     assert point.landing(-0.05) is None
-    y = -0.05
-    path, _ = ends_at(point, "tumbling", k, mu, y, 1e-3, 900.0)
-    assert path.min() < -0.4  # towards flat
+    path, _ = ends_at(point, "tumbling", k, mu, -0.1, 0.05, 600.0)
+    assert path[-5:].max() < -0.9  # towards flat, and not back
     # the stable side: |z| = A √(Re μ'/c) y settles for A < 1 near y √(1 - A²)
     cone = (point.crossing / point.push) ** 0.5
     off = []
