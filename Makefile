@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: atlas test test-long lint bench lock clean
+.PHONY: atlas test test-long lint bench derive lock clean
 
 # The main job: the stability diagrams of three bodies, in atlas/index.html.
 atlas: $(READY)
@@ -20,6 +20,11 @@ test-long: $(READY)
 # The figures that the README quotes, measured here; ARGS=--large adds the large map.
 bench: $(READY)
 	$(BIN)/python benchmarks/maps.py $(ARGS)
+	$(BIN)/python benchmarks/kernels.py $(ARGS)
+
+# Every polynomial and condition derived anew from the graph, into stability/data/exact.json.
+derive: $(READY)
+	$(BIN)/python -c "from stability.hurwitz import write; write('stability/data/exact.json')"
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -157,8 +157,8 @@ def queries() -> dict[str, float]:
 def streamed(side: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "map.nc"
-        spent = timed(lambda: st.stream_map(
-            "tumbling", x=("at", 0.011, 1.57, side), y=("mu", 0.01, 10, side, "log"), out=target))  # fmt: skip
+        axes: dict[str, Any] = {"x": ("at", 0.011, 1.57, side), "y": ("mu", 0.01, 10, side, "log")}
+        spent = timed(lambda: st.stream_map("tumbling", **axes, out=target))
         start = time.perf_counter()
         with st.read_map(target, lazy=True) as dataset:
             corner = int(dataset.verdict[-1, -1])

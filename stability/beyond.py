@@ -91,7 +91,7 @@ def drift_rows(
     --------
     >>> rows = drift_rows(k=(0.25,), mu=(1.0,))
     >>> [round(r.time_launch / r.time_slow, 3) for r in rows]
-    [0.619, 0.726, 0.84, 0.929]
+    [0.798, 0.857, 0.918, 0.963]
     """
     rows = []
     for inertia in k:
@@ -175,8 +175,8 @@ DRIFT_NOTES = [
 """What the table of drift says below its rows."""
 HOPF_NOTES = [
     "dy/dt = c |z|², d|z|/dt = Re μ' y |z| with y along the family and z along the mode of unit",
-    "length; c < 0 throughout, since energy rises along both families and falls while the rim slips.",
-    "elliptic: beside the unstable part the motion swings out and settles as far beyond the boundary;",
+    "length; c < 0 throughout: energy rises along both families and falls while the rim slips.",
+    "elliptic: beside the unstable part a motion swings out and settles as far beyond;",
     "hyperbolic: it leaves; beside the stable part only motions inside a cone settle.",
     "Re μ' vanishes only where the boundary folds (tumbling, 0.3291… < k < 1/2).",
 ]

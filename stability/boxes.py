@@ -2,8 +2,8 @@
 
 A rectangle is halved in both directions until the conditions of its family keep their signs on all
 of it, or it is as narrow as was asked.  For the disk the conditions are the polynomials of
-`stability.exact`, bounded over many boxes at once by the mean value form; a user's family is bounded
-by Routh's array in wide balls.
+`stability.exact`, bounded over many boxes at once by the mean value form; a user's family goes
+through Routh's array in wide balls.
 """
 
 from __future__ import annotations
@@ -59,14 +59,10 @@ class Interval:
         self.low, self.high = low, high
 
     def __mul__(self, other: Interval) -> Interval:
-        return Interval(
-            self.low * other.low * (1 - SLACK), self.high * other.high * (1 + SLACK)
-        )
+        return Interval(self.low * other.low * (1 - SLACK), self.high * other.high * (1 + SLACK))
 
     def __truediv__(self, other: Interval) -> Interval:
-        return Interval(
-            self.low / other.high * (1 - SLACK), self.high / other.low * (1 + SLACK)
-        )
+        return Interval(self.low / other.high * (1 - SLACK), self.high / other.low * (1 + SLACK))
 
 
 def prove_boxes(
@@ -103,7 +99,7 @@ def prove_boxes(
     >>> axes = Grid("at", 0.1, 3.0, 9), Grid("mu", 0.1, 1.0, 9)
     >>> boxes = prove_boxes(question, axes, 6)
     >>> round(boxes.proved, 2), sorted(set(boxes.codes.tolist()))
-    (0.98, [0, 1, 2])
+    (0.99, [0, 1, 2])
     """
     if isinstance(levels, bool) or not isinstance(levels, int) or not 0 <= levels <= MOST_LEVELS:
         raise ParameterError(

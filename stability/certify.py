@@ -261,8 +261,9 @@ def _roots(question: Problem, values: Mapping[str, float]) -> Balls | None:
     scale, square = question.scale(given)
     unit = arb(square).sqrt() if scale is None else arb(scale)
     point = question.point(given, sine=None)
+    place: Any = point or question.point(given, sine=_sine)
     out: Balls = []
-    for factor in exact.coefficients(point or question.point(given, sine=_sine)):
+    for factor in exact.coefficients(place):
         found = _isolated(factor, exact.even) if point is None else _exact_roots(fmpq_poly(factor))
         if found is None:
             return None

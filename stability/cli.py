@@ -143,9 +143,7 @@ def _spectrum(options: argparse.Namespace) -> None:
     print(f"nonlinear   {result.nonlinear.value}")
     print(f"reason      {result.reason}")
     print(f"eigenvalues [{record['unit']}]")
-    for value, r, label in zip(
-        result.eigenvalues, result.radius, result.modes.labels, strict=True
-    ):
+    for value, r, label in zip(result.eigenvalues, result.radius, result.modes.labels, strict=True):
         off = f"   within {r:.0e}" if result.certified else ""
         print(f"  {value.real + 0.0:+.12e} {value.imag + 0.0:+.12e}i{off}   {label}")
 
@@ -205,7 +203,7 @@ def _map(options: argparse.Namespace) -> None:
     from .verdict import CODES
 
     counts = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
-    record = {
+    record: dict[str, Any] = {
         "out": str(targets[0]),
         "plot": str(targets[1]) if options.plot else None,
         "verdicts": counts,
@@ -226,15 +224,15 @@ def _map(options: argparse.Namespace) -> None:
     )
 
 
-def _stream(
-    options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any, at: Any
-) -> None:
+def _stream(options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any, at: Any) -> None:
     from .files import read_map
     from .stream import stream_map
 
     for name in ("plot", "certify", "modes", "checkpoint"):
         if getattr(options, name):
-            raise ParameterError(f"--{name} does not go with --verdict-only; leave one of them out.")
+            raise ParameterError(
+                f"--{name} does not go with --verdict-only; leave one of them out."
+            )
     with _bar("cells") as progress:
         path = stream_map(
             options.family, x=x, y=y, out=options.out, disk=disk, contact=contact, at=at,
@@ -406,7 +404,7 @@ def _parser() -> argparse.ArgumentParser:
                      help="points along the family's axis (default 400)")  # fmt: skip
     sub.add_argument("--force", action="store_true", help="replace files in an existing folder")
 
-    sub = command("table", _table, "A table, recomputed: families, conditions, drift, hopf, completeness",
+    sub = command("table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
                   "stability table conditions --k 0.25,0.5 --mu 0.1,1,10")  # fmt: skip
     sub.add_argument(
         "name", metavar="NAME", help="families, conditions, drift, hopf or completeness"

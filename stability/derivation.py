@@ -9,7 +9,6 @@ derives it anew and compares.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import sympy
 
@@ -137,7 +136,7 @@ def _scaled(factor: sympy.Expr, variables: tuple[sympy.Symbol, ...], even: bool)
         expression += c * LAM**i * M ** (power // 2) * SQUARE ** (n // 2)
     result = sympy.Poly(sympy.expand(expression), LAM, *variables)
     result = result.primitive()[1]
-    lead = result.as_expr().subs({K: sympy.Rational(1, 3), M: 1, SQUARE: 1, SIN: sympy.Rational(1, 2)})
+    lead = result.as_expr().subs(
+        {K: sympy.Rational(1, 3), M: 1, SQUARE: 1, SIN: sympy.Rational(1, 2)}
+    )
     return -result if sympy.Poly(lead, LAM).LC() < 0 else result
-
-

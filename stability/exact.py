@@ -90,9 +90,7 @@ class Polynomial:
             Its name.
         """
         i = self.variables.index(variable)
-        terms = tuple(
-            (c * e[i], (*e[:i], e[i] - 1, *e[i + 1 :])) for c, e in self.terms if e[i]
-        )
+        terms = tuple((c * e[i], (*e[:i], e[i] - 1, *e[i + 1 :])) for c, e in self.terms if e[i])
         return Polynomial(self.variables, terms)
 
     def __str__(self) -> str:

@@ -66,7 +66,9 @@ class Factors(NamedTuple):
         kind
             The type.
         """
-        return Factors(self.r.astype(kind), [(p.astype(kind), q.astype(kind)) for p, q in self.pairs])
+        return Factors(
+            self.r.astype(kind), [(p.astype(kind), q.astype(kind)) for p, q in self.pairs]
+        )
 
     def put(self, index: Any, other: Factors) -> None:
         """Overwrite some rows.

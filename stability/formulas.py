@@ -1,8 +1,8 @@
 """Stability conditions as formulas: polynomials, boundaries, limits, and what holds for every mu.
 
-Everything is worked out by SymPy from the polynomials of `stability.exact`: Hurwitz determinants are
-factored, boundaries solved where they are at most quadratic, and the pattern of verdicts along a
-family is followed through all mu by cylindrical decomposition: it can change only where a leading
+Everything is worked out by SymPy from the polynomials of `stability.exact`: Hurwitz determinants
+are factored, boundaries solved where they are at most quadratic, and the pattern of verdicts along
+a family is followed through all mu by cylindrical decomposition: it can change only where a leading
 coefficient, an end value or a discriminant vanishes, and is read off at one sample in between.
 """
 
@@ -20,7 +20,8 @@ from .derivation import LAM, MU, SIN, SQUARE, Derived, K, M
 from .exact import Exact, Polynomial, exact_polynomial
 from .hurwitz import conditions, decisive
 
-Expr = sympy.Expr
+Expr = Any
+"""A SymPy expression; SymPy states no types."""
 AT = {"rolling": "omega3", "spinning": "phi_dot", "tumbling": "theta", "circling": "phi_dot"}
 
 
@@ -215,7 +216,9 @@ def _statements(
     [condition] = flutter
     if not condition.has(M):
         where = _solved("flutter", condition, family)[0]
-        text = f"for every k in (0, 1/2] and every mu: stable for {where['of']} > {where['formula']}, "
+        text = (
+            f"for every k in (0, 1/2] and every mu: stable for {where['of']} > {where['formula']}, "
+        )
         return {"statements": [text + "unstable below"]}
     statements: list[str] = []
     ranges: list[dict[str, Any]] = []
@@ -239,8 +242,8 @@ def _plain(family: str, known: Exact, asked: Sequence[Any]) -> list[str]:
     good = "neutral" if known.even else "stable"
     if not asked:
         return [f"for every k in (0, 1/2] and every {AT[family]}: {good}"]
-    return [f"{good} where {sympy.factor(c.polynomial.as_expr())} > 0, unstable where it is negative"
-            for c in asked]  # fmt: skip
+    shown = [sympy.factor(c.polynomial.as_expr()) for c in asked]
+    return [f"{good} where {value} > 0, unstable where it is negative" for value in shown]
 
 
 def _span(r: Range) -> str:
@@ -326,10 +329,11 @@ class _Line:
         for r in sample:
             symbolic.append(Range(names[r.low], names[r.high], r.mu_low, r.mu_high, r.pattern))
         self.obligation = (
-            f"checked: {len(critical)} critical polynomials in mu*² (leading coefficient, end values "
-            f"and discriminant of the flutter condition), whose {len(watched)} leading and constant "
-            "coefficients, discriminants and pairwise resultants have no zero for k in (0, 1/2]; "
-            "so the order of their roots, and the pattern between them, is that of k = 1/4"
+            f"checked: {len(critical)} critical polynomials in mu*² (leading coefficient, end "
+            "values and discriminant of the flutter condition), whose "
+            f"{len(watched)} leading and constant coefficients, discriminants and pairwise "
+            "resultants have no zero for k in (0, 1/2]; so the order of their roots, and the "
+            "pattern between them, is that of k = 1/4"
         )
         return symbolic
 
@@ -393,7 +397,7 @@ def _exactly(value: Expr) -> str:
 
 
 def latex(found: Formulas) -> str:
-    """The formulas as LaTeX.
+    r"""The formulas as LaTeX.
 
     Parameters
     ----------
@@ -407,8 +411,8 @@ def latex(found: Formulas) -> str:
 
     Examples
     --------
-    >>> print(latex(formulas("spinning", "rough")).splitlines()[1])
-    \\paragraph{spinning, rough contact} $\\lambda^{2}$ times $k \\lambda^{2} + k z + \\lambda^{2} + z - 1$
+    >>> print(latex(formulas("spinning", "rough")).splitlines()[4])
+    \item static boundary: $\dot\varphi^{2} = \frac{1}{k + 1}$
     """
     names = {LAM: "\\lambda", MU: "\\mu", sympy.Symbol("phi_dot"): "\\dot\\varphi",
              sympy.Symbol("omega3"): "\\omega_3"}  # fmt: skip

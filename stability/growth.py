@@ -128,8 +128,9 @@ class GrowthKernel:
         Growth
             Flat, in the order of the tile.
         """
-        shape = np.broadcast_shapes(*(np.shape(v) for v in values.values()))
-        shape = (1,) * (2 - len(shape)) + shape
+        given = np.broadcast_shapes(*(np.shape(v) for v in values.values()))
+        rows, columns = (1,) * (2 - len(given)) + given
+        shape = rows, columns
         with np.errstate(all="ignore"):
             roots, factors = self._roots(values, shape, [] if scattered else None)
             found = self._rated(values, shape, roots)
@@ -151,13 +152,14 @@ class GrowthKernel:
         return Growth(found.top, found.error, found.turn, spectrum, len(poor))
 
     def _roots(
-        self, values: Mapping[str, Any], shape: tuple[int, ...], known: list[Factors | None] | None
+        self, values: Mapping[str, Any], shape: tuple[int, int], known: list[Factors | None] | None
     ) -> tuple[list[Roots], list[Factors | None]]:
         """Roots of each factor over Q, and its real factors where it has a quadratic one."""
         at = point(self.question, values)
         if self.even:
             return [self._squares(at, shape)], [None]
-        out, kept = [], []
+        out: list[Roots] = []
+        kept: list[Factors | None] = []
         for place, coefficients in enumerate(self._factors):
             a, error = coefficients(at, shape)
             if len(a) == 1:
@@ -199,7 +201,8 @@ class GrowthKernel:
         radius = [x for found in roots for x in found.radius]
         top = np.maximum.reduce(real)
         # every disc is clear of the others, so each holds one eigenvalue
-        high, own, turn, largest = top, np.inf, 0.0, 0.0
+        high, own, turn = top, np.asarray(np.inf), np.asarray(0.0)
+        largest: Any = 0.0
         for x, y, r in zip(real, imag, radius, strict=True):
             first = x == top
             size = np.abs(y)
@@ -216,8 +219,10 @@ class GrowthKernel:
         if self.modes:
             some = np.stack([unit * x + 1j * (unit * y) for x, y in zip(real, imag, strict=True)])
             some = some.astype(complex, copy=False)
-        return _All(*(np.asarray(unit * v).astype(float, copy=False)
-                      for v in (top, error, turn, largest)), some)  # fmt: skip
+        doubles = [
+            np.asarray(unit * v).astype(float, copy=False) for v in (top, error, turn, largest)
+        ]
+        return _All(doubles[0], doubles[1], doubles[2], doubles[3], some)
 
 
 class _All(NamedTuple):
@@ -262,7 +267,7 @@ def _some(values: Mapping[str, Any], shape: tuple[int, ...], index: Any, kind: A
 
 
 def _coarse_to_fine(a: list[Any], shape: tuple[int, int]) -> Factors:
-    """Factors over a grid: at every STRIDE-th cell from LAPACK, in between from their neighbours."""
+    """Factors over a grid: every STRIDE-th cell from LAPACK, the others from their neighbours."""
     coefficients = [c.reshape(shape) for c in a]
     count = len(a)
     whole = np.empty((count, *shape), dtype=a[0].dtype)

@@ -24,7 +24,8 @@ from .errors import StabilityError
 from .files import whole
 from .steady import FAMILIES
 
-Expr = sympy.Expr
+Expr = Any
+"""A SymPy expression; SymPy states no types."""
 SLACK = sympy.symbols("u t v", positive=True)
 """Positive unknowns that stand for a strict inequality."""
 

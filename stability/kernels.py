@@ -141,9 +141,7 @@ class VerdictKernel:
             ]
             if sum(reach) <= RANGE:
                 return True
-            total: Any = sum(
-                d * np.abs(np.log10(v)) for d, v in zip(powers, point, strict=True)
-            )
+            total: Any = sum(d * np.abs(np.log10(v)) for d, v in zip(powers, point, strict=True))
         return total <= RANGE
 
 

@@ -103,6 +103,7 @@ class HopfPoint:
 
         Examples
         --------
+        >>> from stability.contact import Viscous
         >>> [point] = hopf("spinning", contact=Viscous(0.8))
         >>> round(point.landing(0.01), 12)  # unstable side, vanishing amplitude
         -0.01

@@ -90,8 +90,8 @@ def stability_map(
         `verdict` (CF flags); along `boundary_point`: `boundary_X` for each axis X,
         `boundary_error`, `boundary_axis` (along which the error is meant), `boundary_kind`,
         `boundary_frequency`, `boundary_curve` (which polyline); if certified, along `box`: `box_X`
-        (low and high end) and `box_verdict` (proved on all of the box, 0 in the strip).  Attributes hold units, versions,
-        parameters, method and tolerances.
+        (low and high end) and `box_verdict` (proved on all of the box, 0 in the strip).
+        Attributes hold units, versions, parameters, method and tolerances.
 
     Raises
     ------

@@ -87,7 +87,7 @@ def mode_labels(values: Complexes, radius: Floats, share: Floats, states: tuple[
         value = flat[row]
         kind = "oscillation" if abs(value.imag) > r[row] else "motion"
         if kind == "motion":
-            kind = "growth" if value.real > 0 else "decay"
+            kind = "growth" if value.real > 0 else "decay" if value.real < 0 else "standstill"
         lead = np.argsort(-s[row], kind="stable")
         count = 1 if s[row][lead[0]] > 0.8 else 2
         labels[row] = f"{kind} of {', '.join(states[i] for i in sorted(lead[:count]))}"

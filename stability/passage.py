@@ -102,7 +102,7 @@ def drift(
     >>> import stability as st
     >>> d = st.drift(at=[1.8, 3.0], tilt=0.02, contact=st.Viscous(1.0), launch=False)
     >>> d.time.round().tolist()
-    [6143.0, 30640.0]
+    [5075.0, 28471.0]
     """
     if contact is None or type(contact).coefficient is None:
         raise ParameterError(

@@ -110,7 +110,6 @@ class Problem:
         a, q, _ = self.reduce(exact, lambda v: v.sqrt())
         return a, q
 
-
     def point(
         self, given: Mapping[str, Any], sine: Callable[[Mapping[str, Any]], Any] | None
     ) -> list[Any] | None:

@@ -9,13 +9,13 @@ closed form; tests/test_drift.py compares the two.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import casadi as ca
 import sympy
 
-from .algebra import Program, sympy_algebra
+from .algebra import Algebra, Program, sympy_algebra
 from .derivation import MU, K
 from .equations import STATES, disk_system
 
@@ -89,14 +89,14 @@ def derive_slow_flow(law: str = "viscous", order: int = 3) -> SlowFlow:
     )
 
 
-def _upright_algebra():  # type: ignore[no-untyped-def]
+def _upright_algebra() -> Algebra:
     """SymPy with every sine 1 and every cosine 0: the only angle in the graph is theta = π/2."""
     algebra = sympy_algebra()
     exact = {"sin": lambda _: sympy.Integer(1), "cos": lambda _: sympy.Integer(0)}
     return replace(algebra, functions=dict(algebra.functions) | exact)
 
 
-def _taylor(law: str, order: int):  # type: ignore[no-untyped-def]
+def _taylor(law: str, order: int) -> Any:
     """Coefficient of a power of the tilt in each rate, as a function of those of the states."""
     system = disk_system(law)
     tilt, w = ca.SX.sym("tilt"), ca.SX.sym("w")
@@ -139,7 +139,7 @@ def _block(law: str) -> sympy.Matrix:
     return _jacobian(law).extract(rows, rows)
 
 
-def _launch(law: str, known: dict[str, Sequence[sympy.Expr]]) -> sympy.Expr:
+def _launch(law: str, known: dict[str, list[Any]]) -> sympy.Expr:
     """Projection of a tilt alone on the slow manifold along the fast directions."""
     left = _jacobian(law).T.nullspace()
     slow = [sympy.Integer(0)] * len(STATES)

@@ -102,7 +102,9 @@ def stream_map(
     question = prepare(family, axes, disk, contact, at, {})
     total = axes[0].count * axes[1].count
     if total > MOST_CELLS:
-        raise ParameterError(f"the map has {total:.3g} cells; at most {MOST_CELLS:.0e} are streamed.")
+        raise ParameterError(
+            f"the map has {total:.3g} cells; at most {MOST_CELLS:.0e} are streamed."
+        )
     target = check_target(out, overwrite=overwrite)
     free = shutil.disk_usage(target.parent).free
     if free < total + 2**24:

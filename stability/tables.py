@@ -368,11 +368,12 @@ def formula_lines(found: Sequence[Formulas]) -> list[str]:
     lines: list[str] = []
     for one in found:
         product = "".join(f"({p})" for p in one.polynomial)
-        lines += [f"{one.family}, {one.contact}", f"    det(λ - A) ~ λ^{one.structural_zeros} {product}"]
-        lines += [f"    decides: {c['kind']:<9} {c['positive']} > 0" for c in one.conditions]
         lines += [
-            f"    {b['kind']} boundary: {b['of']} = {b['formula']}" for b in one.boundaries
+            f"{one.family}, {one.contact}",
+            f"    det(λ - A) ~ λ^{one.structural_zeros} {product}",
         ]
+        lines += [f"    decides: {c['kind']:<9} {c['positive']} > 0" for c in one.conditions]
+        lines += [f"    {b['kind']} boundary: {b['of']} = {b['formula']}" for b in one.boundaries]
         for limit, values in one.limits.items():
             lines += [f"    as {limit}: {value} > 0" for value in values]
         lines += [f"    {p['name']} {p['positive']} > 0: {p['proof']}" for p in one.proved]

@@ -1,4 +1,4 @@
-"""The full nonlinear equations integrated by CVODES, for tests of what linear analysis leaves open."""
+"""The full nonlinear equations by CVODES, for tests of what linear analysis leaves open."""
 
 from __future__ import annotations
 

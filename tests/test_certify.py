@@ -41,7 +41,10 @@ def truth(family: str, at: Any, k: float, mu: float) -> Verdict:
                 return Verdict.UNSTABLE
             ratio = here[0] / following[0]
             padded = [*following[1:], mpmath.mpf(0)][: len(here) - 1]
-            here, following = following, [x - ratio * y for x, y in zip(here[1:], padded, strict=True)]
+            here, following = (
+                following,
+                [x - ratio * y for x, y in zip(here[1:], padded, strict=True)],
+            )
         return Verdict.STABLE
 
 
@@ -126,9 +129,7 @@ def test_the_hoop_nearly_flat_is_truly_unstable() -> None:
 def test_certified_eigenvalues_lie_in_their_discs_and_the_abscissa_is_sharp(
     family: str, at: float, k: float, mu: float
 ) -> None:
-    found = st.spectrum(
-        family, at=at, disk=st.Disk(k=k), contact=st.Viscous(mu), certify=True
-    )
+    found = st.spectrum(family, at=at, disk=st.Disk(k=k), contact=st.Viscous(mu), certify=True)
     with mpmath.workdps(DIGITS):
         coefficients = reduced_truth(family, "viscous", at, k, mu)
         roots = mpmath.polyroots(coefficients[::-1], maxsteps=2000, extraprec=2000)

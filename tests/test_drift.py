@@ -17,20 +17,23 @@ NAMES = {"k": K, "mu": MU, "w": W}
 
 
 @pytest.mark.parametrize("law", ["viscous", "linear-viscous"])
-def test_the_slow_flow_derived_from_the_graph_is_that_of_an_independent_derivation(law: str) -> None:
+def test_the_slow_flow_derived_from_the_graph_is_that_of_an_independent_derivation(
+    law: str,
+) -> None:
     found, theirs = derive_slow_flow(law), beyond()["slow_flow"]
     for mine, key in ((found.tilt, "a"), (found.spin, "b"), (found.launch, "rho")):
         assert sympy.simplify(mine - sympy.sympify(theirs[key], locals=NAMES)) == 0
 
 
 def test_the_manifold_is_invariant_to_its_order() -> None:
-    """Residual of the invariance equation at small tilts: of the order of the tilt to the fourth."""
+    """The residual of the invariance equation is of the order of the tilt to the fourth."""
     found = derive_slow_flow()
     system = st.disk_system("viscous")
     k, mu, w = 0.3, 0.8, 1.9
     at = {K: sympy.Rational(3, 10), MU: sympy.Rational(4, 5)}
     sizes = []
     for tilt in (0.08, 0.04):
+
         def state(a: float, spin: float) -> Any:
             rest = {n: sum(float(c.subs(at | {W: spin})) * a ** (i + 1) for i, c in enumerate(cs))
                     for n, cs in found.manifold.items()}  # fmt: skip
@@ -59,13 +62,16 @@ def test_the_closed_form_is_the_integral_of_the_slow_flow() -> None:
     for k, mu, w0, tilt in ((0.25, 1.0, 2.0, 0.01), (0.5, 0.3, 1.7, 0.02), (0.01, 5.0, 30.0, 0.03)):
         d = st.drift(at=w0, tilt=tilt, disk=st.Disk(k=k), contact=st.Viscous(mu), launch=False)
         level = tilt**2 * (2 * (2 * k + 1) * w0**2 - 1) / w0**2
-        rate = lambda w, k=k, mu=mu, level=level: mu * w * (2 * k + 1) ** 3 / (
-            level * w**2 / (2 * (2 * k + 1) * w**2 - 1))  # noqa: E731  # fmt: skip
+
+        def rate(w: float, k: float = k, mu: float = mu, level: float = level) -> float:
+            return mu * w * (2 * k + 1) ** 3 / (level * w**2 / (2 * (2 * k + 1) * w**2 - 1))
+
         whole, _ = quad(rate, (2 * k) ** -0.5, w0, epsrel=1e-12)
         assert d.time == pytest.approx(whole, rel=1e-10)
         assert d.threshold == pytest.approx((2 * k) ** -0.5)
         f = [sympy.lambdify((K, MU, W), e) for e in (a, b)]
-        flow = solve_ivp(lambda _, y, f=f, k=k, mu=mu: [f[0](k, mu, y[1]) * y[0] ** 3, f[1](k, mu, y[1]) * y[0] ** 2],
+        slow = lambda _, y, f=f, p=(k, mu): [f[0](*p, y[1]) * y[0] ** 3, f[1](*p, y[1]) * y[0] ** 2]  # noqa: E731
+        flow = solve_ivp(slow,
                          (0, d.time), [tilt, w0], rtol=1e-11, atol=1e-14)  # fmt: skip
         assert flow.y[1, -1] == pytest.approx(d.threshold, rel=1e-8)
         assert flow.y[0, -1] == pytest.approx(d.tilt_end, rel=1e-7)
@@ -93,7 +99,9 @@ def test_the_formula_is_the_limit_of_another_authors_simulations() -> None:
             assert 1.8 < order < 2.2
 
 
-def time_to_threshold(k: float, mu: float, w0: float, tilt: float, launch: bool) -> tuple[float, float]:
+def time_to_threshold(
+    k: float, mu: float, w0: float, tilt: float, launch: bool
+) -> tuple[float, float]:
     d = st.drift(at=w0, tilt=tilt, disk=st.Disk(k=k), contact=st.Viscous(mu), launch=launch)
     x = np.array([np.pi / 2 + tilt, 0.0, 0.0, w0, 0.0, 0.0])
     if not launch:

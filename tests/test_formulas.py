@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 import sympy
@@ -29,16 +30,17 @@ def test_boundary_formulas_are_the_refined_boundary_curves_to_1e_12(family: str,
                                  disk=st.Disk(k=k) if other[0] == "mu" else None)  # fmt: skip
         solved = formulas(family, law).boundaries
         functions = [
-            (b["kind"], b["of"], sympy.lambdify((K, M, Z, S), sympy.sympify(b["formula"]), "mpmath"))
+            (
+                b["kind"],
+                b["of"],
+                sympy.lambdify((K, M, Z, S), sympy.sympify(b["formula"]), "mpmath"),
+            )
             for b in solved
         ]
         other_values = found[f"boundary_{other[0]}"].values
-        for at, value, kind, axis, error in zip(
-            found.boundary_at.values, other_values, found.boundary_kind.values,
-            found.boundary_axis.values, found.boundary_error.values, strict=True,
-        ):  # fmt: skip
-            import mpmath
-
+        for at, value, kind in zip(
+            found.boundary_at.values, other_values, found.boundary_kind.values, strict=True
+        ):
             with mpmath.workdps(40):
                 mu = mpmath.mpf(float(value)) if other[0] == "mu" else mpmath.mpf(1)
                 inertia = mpmath.mpf(k) if other[0] == "mu" else mpmath.mpf(float(value))
@@ -101,7 +103,9 @@ def test_ranges_of_spinning_hold_wherever_they_are_probed(k: str) -> None:
                     assert words in (["stable", "unstable"], ["stable"], ["unstable"])
                 else:
                     assert words == [r["pattern"].split()[0]]
-                below = decided("spinning", "viscous", value, mu, value**-0.5 * random.uniform(0, 1))
+                below = decided(
+                    "spinning", "viscous", value, mu, value**-0.5 * random.uniform(0, 1)
+                )
                 assert below is Verdict.UNSTABLE
 
 
@@ -180,7 +184,12 @@ def test_the_table_prints_text_latex_and_json(capsys: pytest.CaptureFixture[str]
     assert "recomputed" in shown
     assert main([*words, "--json"]) == 0
     body = json.loads(capsys.readouterr().out)
-    assert {f["family"] for f in body["formulas"]} == {"rolling", "spinning", "tumbling", "circling"}
+    assert {f["family"] for f in body["formulas"]} == {
+        "rolling",
+        "spinning",
+        "tumbling",
+        "circling",
+    }
     assert body["rows"]
     assert main([*words, "--latex"]) == 0
     shown = capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""Flutter on lines of steady motions: the normal form against another derivation and simulations."""
+"""Flutter on lines of steady motions: normal form, another derivation, simulations."""
 
 from typing import Any
 
@@ -54,7 +54,7 @@ def test_spinning_is_elliptic_wherever_it_flutters() -> None:
 
 @pytest.mark.parametrize("fold", beyond()["folds"], ids=lambda f: f"k{f['k']}")
 def test_transversality_fails_at_the_fold_of_tumblings_boundary(fold: dict[str, float]) -> None:
-    """Condition and slope vanish together at the fold, and beside it the two types face each other."""
+    """Condition and slope vanish together at the fold; beside it the two types meet."""
     condition, slope = exact_side("tumbling", "viscous")
     point = fold["k"], fold["mu"] ** 2, np.sin(fold["theta"])
     scale = sum(p(*point) for p in condition.parts)
@@ -77,9 +77,7 @@ def ends_at(point: Any, family: str, k: float, mu: float, y: float, z: float, ti
     return states[:, 2 if family == "spinning" else 0] - point.at, states
 
 
-@pytest.mark.parametrize(
-    ("family", "k", "mu"), [("spinning", 0.25, 0.8), ("tumbling", 0.25, 1.5)]
-)
+@pytest.mark.parametrize(("family", "k", "mu"), [("spinning", 0.25, 0.8), ("tumbling", 0.25, 1.5)])
 def test_elliptic_a_motion_beside_the_unstable_part_settles_as_far_beyond(
     family: str, k: float, mu: float
 ) -> None:
@@ -138,6 +136,8 @@ def test_units_are_carried() -> None:
     [("rolling", st.Viscous(1), "passes its own slowly"), ("spinning", st.Rough(), "friction"),
      ("hopping", st.Viscous(1), "family is 'hopping'")],
 )  # fmt: skip
-def test_questions_without_such_a_boundary_are_refused(family: str, law: Any, sentence: str) -> None:
+def test_questions_without_such_a_boundary_are_refused(
+    family: str, law: Any, sentence: str
+) -> None:
     with pytest.raises(st.StabilityError, match=sentence):
         hopf(family, contact=law)

@@ -16,7 +16,9 @@ PACKAGE = ROOT / "stability"
 CORE = (
     "errors", "disk", "contact", "algebra", "tracked", "system", "equations", "graph", "families",
     "continuation", "steady", "enclosure", "polynomial", "verdict", "reduction", "modes", "spectra",
-    "problem", "query", "grid", "files", "boundary", "curves", "cells", "maps",
+    "problem", "query", "grid", "files", "boundary", "curves", "cells", "maps", "exact", "certify",
+    "kernels", "factoring", "growth", "tiles", "boxes", "stream", "derivation", "hurwitz",
+    "formulas", "slowflow", "passage", "lines",
 )  # fmt: skip
 
 
