@@ -191,7 +191,7 @@ def _boxes(axes: Axes, dataset: xarray.Dataset) -> None:
     corners = np.stack([np.stack([x0, x1, x1, x0], 1), np.stack([y0, y0, y1, y1], 1)], axis=-1)
     strip = dataset.box_verdict.values == CODES[Verdict.UNDECIDED]
     proved = PolyCollection(corners[~strip], facecolors="none", edgecolors="#00000055",
-                            linewidths=0.25)  # fmt: skip
+                            linewidths=0.25, label="proved boxes")  # fmt: skip
     open_boxes = PolyCollection(corners[strip], facecolors="#f7d038", edgecolors="#f7d038",
                                 linewidths=0.4, label="enclosing strip")  # fmt: skip
     axes.add_collection(proved, autolim=False)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 TABLES = {
     "families": "the steady motions with their conditions, structural zeros and limits",
-    "conditions": "stability conditions as formulas, and where the verdict changes, by k and mu",
+    "conditions": "where the verdict changes along each family, for several k and mu",
     "drift": "how long straight rolling under friction lasts before it crosses its threshold",
     "hopf": "flutter boundaries of spinning and tumbling as Hopf bifurcations without parameters",
     "completeness": "why the viscous disk has no other steady motions: proof and search",
@@ -365,7 +365,7 @@ def formula_lines(found: Sequence[Formulas]) -> list[str]:
     -------
     list of str
     """
-    lines: list[str] = []
+    lines = ["stability conditions as formulas, dimensionless (recomputed)", ""]
     for one in found:
         product = "".join(f"({p})" for p in one.polynomial)
         lines += [
