@@ -77,8 +77,8 @@ for y, colour in ((0.1, "#d55e00"), (0.05, "#0072b2")):
 _, times, along, slip = path("tumbling", 0.5, 1.0, -0.1, 0.05, 500)
 assert along[-5:].max() < -0.9
 axes[1].plot(along, slip, color="#d55e00", lw=0.5)
-for axis, title in zip(axes, ("elliptic: spinning disk, mu = 0.8", "hyperbolic: tumbling hoop, mu = 1"),
-                       strict=True):  # fmt: skip
+titles = "elliptic: spinning disk, mu = 0.8", "hyperbolic: tumbling hoop, mu = 1"
+for axis, title in zip(axes, titles, strict=True):
     axis.axvline(0, color="black", lw=0.8, ls="--")
     axis.set_title(title, fontsize=9)
     axis.set_ylabel(r"slip  [$\sqrt{gR}$]")

@@ -8,7 +8,6 @@ the sign of P is proved; if P⁻ > ρ P⁺, too; what is left goes to exact arit
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -27,10 +26,6 @@ INPUT = {"k": 0, "M": 5, "z": 5, "s": 2}
 """Roundings behind each variable at most: mu·mu·(g·R), at·at·(R/g), the sine within one unit."""
 PLAIN = INPUT | {"M": 1, "z": 1}
 """The same with m = R = g = 1."""
-BLOCK = 65536
-"""Cells of a block of rows, so that its arrays stay in the cache."""
-GROUP = 16
-"""Blocks that share one error bound."""
 RANGE = 280.0
 """Decimal exponents that a monomial may use, so that nothing over- or underflows."""
 
@@ -73,13 +68,9 @@ class VerdictKernel:
             int8, of the broadcast shape, in C order.
         """
         shape = np.broadcast_shapes(*(np.shape(v) for v in point))
-        row = _row_variable(point, shape)
         with np.errstate(all="ignore"):
-            if row is None:
-                signs = [part.signs(point) for part in self._parts]
-                codes = np.ascontiguousarray(np.broadcast_to(self._codes(signs), shape))
-            else:
-                codes = self._banded(point, row, shape)
+            signs = [part.signs(point) for part in self._parts]
+            codes = np.ascontiguousarray(np.broadcast_to(self._codes(signs), shape))
         sure = self.in_range(point)
         if sure is not True:
             codes = np.where(sure, codes, np.int8(0))
@@ -92,36 +83,6 @@ class VerdictKernel:
             good, bad = good & above, bad | below
         good, bad = np.asarray(good).view(np.int8), np.asarray(bad).view(np.int8)
         codes: Codes = good * np.int8(self.good) + bad * np.int8(self.bad)
-        return codes
-
-    def _banded(self, point: list[Any], row: int, shape: tuple[int, ...]) -> Codes:
-        """The same where one variable alone varies along the rows, and only along them.
-
-        Then each condition is a short Horner scheme in it over the grid, and its error bound, at
-        the largest value in a block of rows, is one row: cells that this leaves open are asked
-        again one by one.
-        """
-        codes = np.empty(shape, dtype=np.int8)
-        schemes = [part.scheme(row, point) for part in self._parts]
-        values = np.asarray(point[row])
-        step = max(1, BLOCK // shape[1])
-        buffer = np.empty((step, shape[1]))
-        for first in range(0, shape[0], GROUP * step):
-            group = slice(first, first + GROUP * step)
-            limits = [_limit(bounds, values[group].max()) for _, bounds in schemes]
-            for low in range(first, min(first + GROUP * step, shape[0]), step):
-                rows = slice(low, low + step)
-                x = values[rows]
-                signs = [
-                    _sweep(scheme, x, limit, buffer[: len(x)])
-                    for (scheme, _), limit in zip(schemes, limits, strict=True)
-                ]
-                codes[rows] = self._codes(signs)
-        left = np.nonzero(codes == 0)
-        if len(left[0]):
-            some = [np.broadcast_to(v, shape)[left] if np.ndim(v) else v for v in point]
-            signs = [part.signs(some) for part in self._parts]
-            codes[left] = np.broadcast_to(self._codes(signs), left[0].shape)
         return codes
 
     def in_range(self, point: list[Any]) -> Any:
@@ -150,11 +111,10 @@ class _Split:
 
     def __init__(self, polynomial: Polynomial, behind: Mapping[str, int]) -> None:
         self.degrees = polynomial.degrees
-        self._polynomial = polynomial
         turned, self._order = polynomial.ordered()
         self._plus, self._minus = turned.parts
         most = max(self._plus.roundings(behind), self._minus.roundings(behind))
-        self.error = error = 1.01 * (most + 3) * UNIT
+        error = 1.01 * (most + 3) * UNIT
         self.ratio = (1 + error) / (1 - error) * (1 + 8 * UNIT)
 
     def signs(self, point: list[Any]) -> tuple[Any, Any]:
@@ -162,57 +122,6 @@ class _Split:
         place = [point[i] for i in self._order]
         plus, minus = self._plus(*place), self._minus(*place)
         return plus > self.ratio * minus, minus > self.ratio * plus
-
-    def scheme(self, row: int, point: list[Any]) -> tuple[list[Any], list[Any]]:
-        """Coefficients in one variable, highest first, and bounds on the error of their sum."""
-        coefficients, bounds = [], []
-        for plus, minus in self._by(row):
-            high, low = plus(*point), minus(*point)
-            coefficients.append(high - low)
-            bounds.append(2 * self.error * (high + low))
-        return coefficients, bounds
-
-    @lru_cache(maxsize=8)  # noqa: B019 (kernels are few and live long)
-    def _by(self, row: int) -> list[tuple[Polynomial, Polynomial]]:
-        degree = self.degrees[row]
-        out = []
-        for power in range(degree, -1, -1):
-            terms = tuple((c, (*e[:row], 0, *e[row + 1 :]))
-                          for c, e in self._polynomial.terms if e[row] == power)  # fmt: skip
-            out.append(Polynomial(self._polynomial.variables, terms).parts)
-        return out
-
-
-def _row_variable(point: list[Any], shape: tuple[int, ...]) -> int | None:
-    """The one variable that varies along the rows of a grid, if it does not along the columns."""
-    if len(shape) != 2 or shape[0] < 2:
-        return None
-    tall = [i for i, v in enumerate(point) if np.ndim(v) == 2 and np.shape(v)[0] > 1]
-    if len(tall) != 1 or np.shape(point[tall[0]])[1] != 1:
-        return None
-    return tall[0]
-
-
-def _limit(bounds: list[Any], top: float) -> tuple[Any, Any]:
-    """Bound on the error of a Horner scheme up to the largest value in a group of rows."""
-    limit = bounds[0]
-    for b in bounds[1:]:
-        limit = limit * top + b
-    return limit, -limit
-
-
-def _sweep(coefficients: list[Any], x: Floats, limit: tuple[Any, Any], out: Floats) -> Any:
-    """Signs of a Horner scheme over a block of rows."""
-    if len(coefficients) == 1:
-        value = coefficients[0]
-    else:
-        value = np.multiply(coefficients[0], x, out=out)
-        for c in coefficients[1:-1]:
-            value += c
-            value *= x
-        value += coefficients[-1]
-    # NaN and infinities from an overflow compare as open: the limit is not finite then
-    return value > limit[0], value < limit[1]
 
 
 class Filtered:

@@ -177,7 +177,7 @@ def test_points_on_a_boundary_are_neutral() -> None:
 
 
 def test_boundaries_are_met_in_si_units_too() -> None:
-    # at² R / g = 1/(2k) with at² R = 2 · 9.8125 exactly in doubles
+    # at² R / g = 36 · 0.5 / 9 = 2 = 1/(2k), exactly in doubles
     disk = st.Disk(mass=0.3, radius=0.5, gravity=9.0, k=0.25)
     for law in (st.Viscous(0.7), st.LinearViscous(0.13)):
         found = st.spectrum("rolling", at=6.0, disk=disk, contact=law, certify=True)
@@ -187,6 +187,31 @@ def test_boundaries_are_met_in_si_units_too() -> None:
         assert (up.verdict, down.verdict) == (Verdict.STABLE, Verdict.UNSTABLE)
         assert 0 < down.abscissa < 1e-14
         assert down.abscissa_error < 1e-11 * down.abscissa
+
+
+@given(s.floats(-3, 3), s.floats(-2, 2), s.floats(-2, 2), s.floats(0.02, 0.5), s.floats(-2, 2))
+@settings(max_examples=25, deadline=None)
+def test_si_units_and_dimensionless_numbers_are_certified_alike(
+    mass: float, radius: float, gravity: float, k: float, mu: float
+) -> None:
+    disk = st.Disk(mass=10**mass, radius=10**radius, gravity=10**gravity, k=k)
+    rate, speed, drag = float(disk.rate), float(disk.speed), 10**mu
+    for family, at in (("rolling", 1.7), ("spinning", 2.3), ("tumbling", 0.8)):
+        here = at if family == "tumbling" else at * rate
+        laws = [
+            (st.Viscous(drag / speed), st.Viscous(drag)),
+            (st.LinearViscous(drag * 10**mass * rate), st.LinearViscous(drag)),
+            (st.LinearViscous(mu=drag / speed), st.Viscous(drag)),
+            (st.Rough(), st.Rough()), (st.Smooth(), st.Smooth()),
+        ]  # fmt: skip
+        for si, plain in laws:
+            one = st.spectrum(family, at=here, disk=disk, contact=si, certify=True)
+            other = st.spectrum(family, at=at, disk=st.Disk(k=k), contact=plain, certify=True)
+            size = np.abs(other.eigenvalues).max()
+            assert np.abs(one.eigenvalues / rate - other.eigenvalues).max() < 1e-9 * size
+            double = st.spectrum(family, at=here, disk=disk, contact=si)
+            near = np.abs(one.eigenvalues[:, None] - double.eigenvalues[None, :])
+            assert (near <= one.radius[:, None] + double.radius[None, :]).any(axis=1).all()
 
 
 @pytest.mark.parametrize("law", [st.Smooth(), st.Rough()], ids=["smooth", "rough"])

@@ -100,7 +100,7 @@ def test_the_formula_is_the_limit_of_another_authors_simulations() -> None:
 
 
 def time_to_threshold(
-    k: float, mu: float, w0: float, tilt: float, launch: bool
+    k: float, mu: float, w0: float, tilt: float, launch: bool, beyond: float = 1.05
 ) -> tuple[float, float]:
     d = st.drift(at=w0, tilt=tilt, disk=st.Disk(k=k), contact=st.Viscous(mu), launch=launch)
     x = np.array([np.pi / 2 + tilt, 0.0, 0.0, w0, 0.0, 0.0])
@@ -108,7 +108,7 @@ def time_to_threshold(
         x[2], x[4] = tilt / (w0 * (2 * k + 1)), -tilt / (mu * (2 * k + 1))
         x[5] = 2 * k * tilt**2 / (mu**2 * w0 * (2 * k + 1) ** 3)
     # not far beyond: there the motion departs, may lift off, and is nobody's concern here
-    times = np.linspace(0, 1.05 * d.time, 701)[1:]
+    times = np.linspace(0, beyond * d.time, 701)[1:]
     states = simulate(k, mu, x, times)
     return crossing(times, states[:, 3], d.threshold), d.time
 
@@ -133,7 +133,7 @@ def test_simulations_of_the_full_equations_cross_the_threshold_when_told(
 @pytest.mark.parametrize("mu", [0.1, 1.0, 5.0])
 def test_simulations_over_the_whole_long_time(k: float, mu: float, launch: bool) -> None:
     for ratio in (1.5, 2.5):
-        found, told = time_to_threshold(k, mu, ratio / (2 * k) ** 0.5, 0.01, launch)
+        found, told = time_to_threshold(k, mu, ratio / (2 * k) ** 0.5, 0.01, launch, 1.006)
         print(f"k {k} mu {mu} ratio {ratio} launch {launch}: T {found:.6g}, formula {told:.6g}")
         assert abs(found / told - 1) < 0.003
 

@@ -231,6 +231,30 @@ def test_error_discs_of_factors_hold_known_roots() -> None:
     ).any()
 
 
+def test_bounds_of_coefficients_hold_and_are_not_idle() -> None:
+    """Monic coefficients in doubles against exact rationals: inside their bounds, not far in."""
+    from fractions import Fraction
+
+    from stability.growth import _Coefficients
+    from stability.kernels import PLAIN
+
+    random = np.random.default_rng(9)
+    closest = 0.0
+    for family in ("spinning", "tumbling"):
+        known = question(family).exact
+        [factor] = known.factors
+        coefficients = _Coefficients(factor, PLAIN)
+        for _ in range(200):
+            at = [random.uniform(0.01, 0.5), 10 ** random.uniform(-3, 3), random.uniform(0.01, 1)]
+            values, errors = coefficients([np.array([v]) for v in at], (1,))
+            truth_ = [c(*[Fraction(v) for v in at]) for c in factor]
+            for value, error, c in zip(values, errors, truth_, strict=False):
+                off = abs(Fraction(float(value[0])) - Fraction(c) / Fraction(truth_[-1]))
+                assert off <= Fraction(float(error[0]))
+                closest = max(closest, float(off / Fraction(float(error[0]))))
+    assert closest > 0.02
+
+
 def test_corrections_of_factors_converge_quadratically() -> None:
     roots = [-2.0, -1 + 2j, -1 - 2j, 0.5 + 1j, 0.5 - 1j]
     a = [np.array([c]) for c in np.poly(roots).real[::-1][:-1]]
