@@ -234,7 +234,8 @@ class _Pair(NamedTuple):
 
     real: tuple[Array, Array]
     imag: Array
-    modulus: tuple[Array, Array]
+    modulus: tuple[Array, ...]
+    """Of each root; one for both where they are complex in every row."""
     apart: Array
     """Square of their distance."""
     slip: Array
@@ -247,15 +248,16 @@ def _pair(p: Array, q: Array, unit: float) -> _Pair:
     disc = square - q
     size = np.abs(disc)
     root = np.sqrt(size)
+    slip = unit * ((square + np.abs(q)) / root + np.abs(half) + root)
+    common = np.sqrt(np.abs(q))
     real = disc > 0
+    if not real.any():
+        return _Pair((half, half), root, (common,), 4 * size, slip)
     big = half + np.copysign(root, half)
     first = np.where(real, big, half)
     second = np.where(real, q / np.where(big == 0, 1.0, big), half)
-    turn = np.where(real, 0.0, root)
-    common = np.sqrt(np.abs(q))
     modulus = np.where(real, np.abs(first), common), np.where(real, np.abs(second), common)
-    slip = unit * ((square + np.abs(q)) / root + np.abs(half) + root)
-    return _Pair((first, second), turn, modulus, 4 * size, slip)
+    return _Pair((first, second), np.where(real, 0.0, root), modulus, 4 * size, slip)
 
 
 def enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roots:
@@ -293,45 +295,68 @@ def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Ro
     off = [np.abs(c - m) + e + steps * unit * s
            for c, m, e, s in zip(a, product, error, size, strict=False)]  # fmt: skip
     pairs = [_pair(p, q, unit) for p, q in factors.pairs]
-    spread: list[Any] = [1.0] + [one.apart for one in pairs for _ in range(2)]
-    closest = np.minimum.reduce([one.apart for one in pairs])
-    for i, one in enumerate(pairs):
-        turn = one.imag * one.imag
-        for s in range(2):
-            gap = (one.real[s] - factors.r) ** 2 + turn
-            closest = np.minimum(closest, gap)
-            spread[0] = spread[0] * gap
-            spread[2 * i + 1 + s] = spread[2 * i + 1 + s] * gap
-    if len(pairs) == 2:
-        one, two = pairs
-        near, far = (one.imag - two.imag) ** 2, (one.imag + two.imag) ** 2
-        for s in range(2):
-            for t in range(2):
-                along = (one.real[s] - two.real[t]) ** 2
-                gap = along + (near if s == t else far)
-                closest = np.minimum(closest, gap)
-                spread[1 + s] = spread[1 + s] * gap
-                spread[3 + t] = spread[3 + t] * gap
-    modulus = [np.abs(factors.r)] + [one.modulus[s] + one.slip for one in pairs for s in range(2)]
-    slip: list[Any] = [0.0] + [one.slip for one in pairs for _ in range(2)]
+    spread, closest = _distances(factors.r, pairs)
     weights = []
-    for size_, spread_, slip_ in zip(modulus, spread, slip, strict=True):
+    modulus = [np.abs(factors.r)] + [m + one.slip for one in pairs for m in one.modulus]
+    slips: list[Any] = [0.0] + [one.slip for one in pairs for _ in one.modulus]
+    for size_, spread_, slip_ in zip(modulus, spread, slips, strict=True):
         value = off[-1]
         for o in reversed(off[:-1]):
             value = value * size_ + o
         # where the discs are clear below, rounding moves the distances by less than that factor
         weights.append(1.2 * value / np.sqrt(spread_) + slip_)
-    n = len(weights)
+    n = len(a)
     heaviest = np.maximum.reduce(weights)
     # discs of diag(λ) - w 1ᵀ scaled by 1/10 in one place: it keeps clear of the others
     clear = closest > (2 * (n + 10) * heaviest) ** 2
     factor = np.where(clear, 1 + (n - 1) / 10, np.inf)
-    zero = np.zeros_like(factors.r)
-    return Roots(
-        [factors.r] + [one.real[s] for one in pairs for s in range(2)],
-        [zero] + [turn for one in pairs for turn in (one.imag, -one.imag)],
-        [factor * w for w in weights],
-    )
+    radius = [factor * w for w in weights]
+    found = Roots([factors.r], [np.zeros_like(factors.r)], radius[:1])
+    place = 1
+    for one in pairs:
+        count = len(one.modulus)
+        for s, turn in enumerate((one.imag, -one.imag)):
+            found.real.append(one.real[s])
+            found.imag.append(turn)
+            found.radius.append(radius[place + min(s, count - 1)])
+        place += count
+    return found
+
+
+def _distances(r: Array, pairs: list[_Pair]) -> tuple[list[Any], Any]:
+    """Square of the product of distances from each root to all others, and of the least of them.
+
+    A pair that is complex in every row stands for both its roots.
+    """
+    spread: list[Any] = [1.0]
+    each = [[one.apart for _ in one.modulus] for one in pairs]
+    closest = np.minimum.reduce([one.apart for one in pairs])
+    for one, own in zip(pairs, each, strict=True):
+        turn = one.imag * one.imag
+        for s in range(len(own)):
+            gap = (one.real[s] - r) ** 2 + turn
+            closest = np.minimum(closest, gap)
+            spread[0] = spread[0] * (gap * gap if len(own) == 1 else gap)
+            own[s] = own[s] * gap
+    if len(pairs) == 2:
+        (one, two), (first, second) = pairs, each
+        near, far = (one.imag - two.imag) ** 2, (one.imag + two.imag) ** 2
+        if len(first) == len(second) == 1:
+            along = (one.real[0] - two.real[0]) ** 2
+            gap = along + near  # never larger than along + far
+            closest = np.minimum(closest, gap)
+            both = gap * (along + far)
+            first[0], second[0] = first[0] * both, second[0] * both
+        else:
+            for s in range(2):
+                for t in range(2):
+                    gap = (one.real[s] - two.real[t]) ** 2 + (near if s == t else far)
+                    closest = np.minimum(closest, gap)
+                    if s < len(first):
+                        first[s] = first[s] * gap
+                    if t < len(second):
+                        second[t] = second[t] * gap
+    return spread + [v for own in each for v in own], closest
 
 
 def _times(poly: list[Any], p: Any, q: Any) -> list[Any]:
