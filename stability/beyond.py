@@ -163,7 +163,7 @@ def _law(name: str, mu: float) -> Contact:
 
 
 def _body(disk: Disk | None, k: float) -> Disk:
-    base = disk or Disk()
+    base = Disk() if disk is None else disk
     return Disk(base.mass, base.radius, k, base.gravity)
 
 

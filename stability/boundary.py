@@ -14,10 +14,11 @@ from enum import Enum
 from typing import Any
 
 import numpy as np
-from flint import ctx
+from flint import arb, ctx
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from .certify import ball_sine
 from .enclosure import ball_unknowns, matrix_polynomial
 from .errors import NoMemberError, ParameterError
 from .polynomial import (
@@ -102,10 +103,34 @@ class Line:
             a, q = self.problem.balls(self.fixed | {self.axis: value})
             if not family.unknown or family.closed:
                 return characteristic(family, a, q)
-            try:
-                return self._solved(a, q, self._near)
-            except NoMemberError:
-                return self._solved(a, q, None)
+            for near in (self._near, None):
+                try:
+                    return self._solved(a, q, near)
+                except NoMemberError:
+                    continue
+            # where the family's equation is singular, as at tumbling's branch point
+            found = self._exact(value)
+            return self._solved(a, q, None) if found is None else found
+
+    def _exact(self, value: float) -> list[Any] | None:
+        """The characteristic polynomial from the one over Q, where that is known."""
+        problem = self.problem
+        if problem.exact is None:
+            return None
+        given = {n: arb(float(v)) for n, v in (self.fixed | {self.axis: value}).items()}
+        point = problem.point(given, sine=ball_sine)
+        assert point is not None
+        mu = arb(point[problem.exact.variables.index("M")]).sqrt()
+        scale = 1 if problem.exact.even else mu
+        product = [arb(0)] * problem.exact.zeros + [arb(1)]
+        for factor in problem.exact.coefficients(point):
+            terms = [c / scale**i for i, c in enumerate(factor)]
+            longer = [arb(0)] * (len(product) + len(terms) - 1)
+            for i, p in enumerate(product):
+                for j, c in enumerate(terms):
+                    longer[i + j] += p * c
+            product = longer
+        return product
 
     def _solved(self, a: list[Any], q: list[Any], near: list[float] | None) -> list[Any]:
         family = self.problem.family

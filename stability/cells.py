@@ -304,7 +304,7 @@ class Cells:
         chunk: Chunk = {
             "codes": decide(values, radius, even=family.conservative),
             "abscissa": lead.real * rate,
-            "error": ((values.real + radius).max(axis=1) - lead.real) * rate,
+            "error": (radius + (values.real - lead.real[:, None])).max(axis=1) * rate,
             "frequency": np.abs(lead.imag) * rate,
         }
         if self.values is not None:

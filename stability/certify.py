@@ -139,7 +139,7 @@ def _decided(question: Problem, values: Mapping[str, float]) -> tuple[Verdict, i
     given = {name: rational(value) for name, value in values.items()}
     point = question.point(given, sine=None)
     if point is None:
-        return _raised(lambda: _by_conditions(exact, question.point(given, sine=_sine)))
+        return _raised(lambda: _by_conditions(exact, question.point(given, sine=ball_sine)))
     signs = [polynomial(*point) for _, polynomial in exact.conditions]
     edge = "s" in exact.variables  # s is 1 then, the edge of the domain of the conditions
     if any(v < 0 for v in signs):
@@ -178,8 +178,14 @@ def _sign(question: Problem, values: Mapping[str, float]) -> Verdict | None:
     return {1: good, -1: Verdict.UNSTABLE}.get(sign)
 
 
-def _sine(given: Mapping[str, Any]) -> Any:
-    """sinθ as a ball from θ, or from the lean π/2 - θ."""
+def ball_sine(given: Mapping[str, Any]) -> Any:
+    """sinθ as a ball from θ, or from the lean π/2 - θ.
+
+    Parameters
+    ----------
+    given
+        Exact number by name.
+    """
     return arb(given["lean"]).cos() if "lean" in given else arb(given["theta"]).sin()
 
 
@@ -261,7 +267,7 @@ def _roots(question: Problem, values: Mapping[str, float]) -> Balls | None:
     scale, square = question.scale(given)
     unit = arb(square).sqrt() if scale is None else arb(scale)
     point = question.point(given, sine=None)
-    place: Any = point or question.point(given, sine=_sine)
+    place: Any = point or question.point(given, sine=ball_sine)
     out: Balls = []
     for factor in exact.coefficients(place):
         found = _isolated(factor, exact.even) if point is None else _exact_roots(fmpq_poly(factor))
@@ -323,10 +329,10 @@ def _rounded(decided: Verdict, roots: Balls, bits: int) -> Certificate:
         off = abs(root - acb(value.real, value.imag))
         entries.append((value.real + 0.0, value.imag + 0.0, upper(off), root))
     entries.sort(key=lambda entry: entry[:2])
-    abscissa = max(entry[0] for entry in entries)
-    errors = [upper(abs(e[3].real - arb(e[0]))) for e in entries]
-    high = max(e[0] + err - abscissa for e, err in zip(entries, errors, strict=True))
-    low = min(err for e, err in zip(entries, errors, strict=True) if e[0] == abscissa)
+    # in balls: several eigenvalues may share the double that their real parts round to
+    beyond = [root.real - arb(max(entry[0] for entry in entries)) for root in roots]
+    high = max(upper(b) if b > 0 or b.contains(0) else 0.0 for b in beyond)
+    low = min(upper(-b) if b < 0 or b.contains(0) else 0.0 for b in beyond)
     return Certificate(
         decided, tuple(complex(e[0], e[1]) for e in entries), tuple(e[2] for e in entries),
         max(high, low), bits,

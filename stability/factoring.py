@@ -113,6 +113,8 @@ def start(a: Sequence[Array]) -> Factors:
     companion[:, np.arange(1, n), np.arange(n - 1)] = 1.0
     for i, c in enumerate(a):
         companion[:, i, n - 1] = -c
+    # what overflowed has no factors; nothing will be proved of it, and it is handed on
+    companion[~np.isfinite(companion).all(axis=(1, 2))] = 0.0
     found = np.linalg.eigvals(companion).astype(complex)
     # sorted by whether real, then size: real roots first, conjugates next to each other
     order = np.lexsort((found.imag, found.real, np.abs(found.imag), found.imag != 0), axis=-1)

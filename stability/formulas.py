@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
+from fractions import Fraction
 from functools import lru_cache
 from itertools import combinations
 from typing import Any
@@ -17,6 +18,7 @@ from typing import Any
 import sympy
 
 from .derivation import LAM, MU, SIN, SQUARE, Derived, K, M
+from .errors import ParameterError
 from .exact import Exact, Polynomial, exact_polynomial
 from .hurwitz import conditions, decisive
 
@@ -108,8 +110,7 @@ def derived(known: Exact) -> Derived:
     return Derived(known.zeros, known.even, factors)
 
 
-@lru_cache(maxsize=32)
-def formulas(family: str, law: str, k: tuple[str, ...] = ()) -> Formulas:
+def formulas(family: str, law: str, k: Sequence[str] = ()) -> Formulas:
     """Conditions, boundaries, limits and statements of a family under a law.
 
     Parameters
@@ -123,6 +124,11 @@ def formulas(family: str, law: str, k: tuple[str, ...] = ()) -> Formulas:
     -------
     Formulas
 
+    Raises
+    ------
+    ParameterError, NameUnknownError
+        If k is not in (0, 1/2], or there is no such family or law.
+
     Source: tests/test_formulas.py tries to refute each statement.
 
     Examples
@@ -133,6 +139,22 @@ def formulas(family: str, law: str, k: tuple[str, ...] = ()) -> Formulas:
     >>> found.statements[0]
     'for every k in (0, 1/2] and mu*² < 4*k/(2*k + 1)**2: stable beyond the static boundary'
     """
+    return _formulas(str(family), str(law), tuple(_inertia(value) for value in k))
+
+
+def _inertia(value: Any) -> str:
+    """An inertia factor as an exact number in (0, 1/2]."""
+    try:
+        number = Fraction(value)
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+        number = Fraction(-1)
+    if not 0 < number <= Fraction(1, 2):
+        raise ParameterError(f"k is {value!r}; give exact numbers in (0, 1/2], such as '1/4'.")
+    return str(number)
+
+
+@lru_cache(maxsize=32)
+def _formulas(family: str, law: str, k: tuple[str, ...]) -> Formulas:
     known = exact_polynomial(family, law)
     whole = derived(known)
     asked, proved = decisive(whole)

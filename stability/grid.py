@@ -70,7 +70,7 @@ class Grid:
             raise ParameterError(f"{which} axis {name} has an array for an end; give numbers.")
         if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 2:
             raise ParameterError(
-                f"{which} axis {name} has {count!r} points; at least 2 are needed."
+                f"{which} axis {name} has {count!r} points; a whole number of at least 2 is needed."
             )
         if not low < high:
             raise ParameterError(

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from .algebra import Program
 from .boundary import Crossing, along
 from .contact import Contact
-from .disk import Disk
+from .disk import Disk, checked
 from .errors import ParameterError
 from .exact import exact_polynomial
 from .families import Family, columns
@@ -110,8 +110,11 @@ class HopfPoint:
         """
         if self.kind is HopfKind.DEGENERATE:
             raise ParameterError("the boundary is degenerate there; no landing can be told.")
-        y = distance / self.unit
-        square = y * y - self.push / self.crossing * amplitude * amplitude
+        far, size = checked("distance", distance), checked("amplitude", amplitude)
+        if not isinstance(far, float) or not isinstance(size, float):
+            raise ParameterError("distance and amplitude must be one number each.")
+        y = far / self.unit
+        square = y * y - self.push / self.crossing * size * size
         stable_side = -1.0 if self.stable_below else 1.0
         if square < 0 or (self.kind is HopfKind.HYPERBOLIC and y * stable_side <= 0):
             return None
@@ -154,15 +157,20 @@ def hopf(
     ...                                              disk=Disk(k=0.375))]
     [('elliptic', True), ('hyperbolic', False)]
     """
-    if family not in SCAN:
+    if not isinstance(family, str) or family not in SCAN:
         raise ParameterError(
             f"family is {family!r}; spinning and tumbling have such boundaries (rolling passes its "
             "own slowly, see drift)."
         )
-    if type(contact).coefficient is None:
+    if not isinstance(contact, Contact) or type(contact).coefficient is None:
         raise ParameterError(f"contact is {contact!r}; a law with friction is needed.")
-    body = disk or Disk()
+    if isinstance(points, bool) or not isinstance(points, (int, np.integer)) or points < 2:
+        raise ParameterError(f"points is {points!r}; a whole number of at least 2 is needed.")
+    body = Disk() if disk is None else disk
     question = disk_problem(family, body, contact, 1.0)
+    for name, value in question.values.items():
+        if np.ndim(value):
+            raise ParameterError(f"{name} is an array; give one number.")
     unit = 1.0 if family == "tumbling" else float(np.asarray(body.rate))
     low, high = (v * unit if family == "spinning" else v for v in SCAN[family])
     found = along(question, "at", low, high, points=points, log=True)

@@ -113,6 +113,7 @@ def stability_map(
         raise ParameterError("levels goes with certify=True; leave it out or certify.")
     if workers is not None and (not isinstance(workers, int) or workers < 1):
         raise ParameterError(f"workers is {workers!r}; a whole number of at least 1 is needed.")
+    check_progress(progress)
     axes = Grid.of(x, "x"), Grid.of(y, "y")
     question = prepare(family, axes, disk, contact, at, parameters)
     cells = Cells(question, axes, modes)
@@ -127,6 +128,23 @@ def stability_map(
         cells.settle()
     curves = trace(question, axes, cells.codes, cells.abscissa, progress) if boundaries else None
     return assemble(question, axes, cells, curves, boxes)
+
+
+def check_progress(progress: Any) -> None:
+    """Refuse what cannot be called.
+
+    Parameters
+    ----------
+    progress
+        A function of two numbers, or None.
+
+    Raises
+    ------
+    ParameterError
+        With the value.
+    """
+    if progress is not None and not callable(progress):
+        raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
 
 
 def boundaries(

@@ -104,14 +104,16 @@ def drift(
     >>> d.time.round().tolist()
     [5075.0, 28471.0]
     """
-    if contact is None or type(contact).coefficient is None:
+    if not isinstance(contact, Contact) or type(contact).coefficient is None:
         raise ParameterError(
             f"contact is {contact!r}; drift needs a law with friction: Viscous(mu) or "
             "LinearViscous(c)."
         )
     if not isinstance(launch, bool):
         raise ParameterError(f"launch is {launch!r}; give True or False.")
-    question = disk_problem("rolling", disk or Disk(), contact, at)
+    if at is None:
+        raise ParameterError("at is missing; it is omega3 at the start.")
+    question = disk_problem("rolling", Disk() if disk is None else disk, contact, at)
     values = dict(question.values) | {"tilt": checked("tilt", tilt)}
     a, q, rate, shape = question.arrays(values)
     w, k, mu = np.abs(a[:, 0]), q[:, 0], q[:, 1]
@@ -120,6 +122,14 @@ def drift(
         raise ParameterError("tilt is 0; exactly upright rolling stays as it is, give a tilt.")
     if (lean >= np.pi / 2).any():
         raise ParameterError(f"tilt is {lean.max():g}; a small angle is needed, in radians.")
+    with np.errstate(all="ignore"):  # what overflows is refused below
+        return _drift(w, k, mu, lean, rate, shape, launch)
+
+
+def _drift(
+    w: Floats, k: Floats, mu: Floats, lean: Floats, rate: Floats, shape: tuple[int, ...],
+    launch: bool,
+) -> Drift:  # fmt: skip
     bad = 2 * k * w**2 <= 1
     if bad.any():
         limit = float((rate / np.sqrt(2 * k))[bad][0])
@@ -133,11 +143,16 @@ def drift(
     time = mu * (2 * k + 1) ** 3 * w**2 / (some * start**2) * spread
     end = start * np.sqrt(some / w**2 / (2 * k + 2))
     common = 1 / (mu * w * (2 * k + 1) ** 3)
+    rates = common / (w * some) * rate, common * rate**2
+    if not all(np.isfinite(v).all() and (v > 0).all() for v in (time / rate, end, *rates)):
+        raise ParameterError(
+            "the time or a rate of the drift leaves double precision; give values nearer to 1."
+        )
 
     def shaped(value: Floats) -> Any:
         return float(value[0]) if not shape else value.reshape(shape)
 
     return Drift(
         shaped(rate / np.sqrt(2 * k)), shaped(time / rate), shaped(start), shaped(end),
-        shaped(common / (w * some) * rate), shaped(-common * rate**2),
+        shaped(rates[0]), shaped(-rates[1]),
     )  # fmt: skip

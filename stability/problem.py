@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .contact import LAWS, ZERO_MU, Contact
 from .disk import Disk, checked, positive
-from .errors import NameUnknownError, ParameterError
+from .errors import NameUnknownError, NoMemberError, ParameterError
 from .exact import Exact, exact_polynomial
 from .families import Family
 from .steady import AT, disk_family
@@ -138,6 +138,8 @@ class Problem:
             found["M"] = drag * drag * length
         turn = next((n for n in ("phi_dot", "at") if n in v), None)
         if turn and "z" in self.exact.variables:
+            if turn == "phi_dot" and np.any(np.equal(v[turn], 0)):
+                raise NoMemberError("circling has no member at phi_dot = 0; give another phi_dot.")
             found["z"] = v[turn] * v[turn] * length
         if "s" in self.exact.variables:
             named = dict(v) if "theta" in v or "lean" in v else dict(v) | {"theta": v["at"]}

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from .contact import Contact
 from .disk import Disk
-from .errors import ParameterError
+from .errors import DomainError, ParameterError
 from .families import Family
 from .polynomial import structure
 from .problem import Problem, disk_problem, system_problem
@@ -71,7 +71,7 @@ def problem(
         raise ParameterError(
             "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough()."
         )
-    return disk_problem(family, disk or Disk(), contact, at, lean)
+    return disk_problem(family, Disk() if disk is None else disk, contact, at, lean)
 
 
 def spectrum(
@@ -148,11 +148,15 @@ def spectrum(
         for index, name in enumerate(names):
             unit = speed if name in SPEEDS else rate
             scale[:, index] = 1.0 if name == "theta" else unit
+    with np.errstate(all="ignore"):  # a radius may overflow to one without bound
+        values, radius = values * rate[:, None], (radius + last * np.abs(values)) * rate[:, None]
+    if not np.isfinite(values).all():
+        raise DomainError("the eigenvalues overflow double precision; give values nearer to 1.")
     found = Spectrum(
         resolved,
         _shaped(np.column_stack(_given(question)).reshape(-1, len(resolved.at)), shape),
-        _shaped(values * rate[:, None], shape),
-        _shaped((radius + last * np.abs(values)) * rate[:, None], shape),
+        _shaped(values, shape),
+        _shaped(radius, shape),
         structure(resolved).zeros,
         codes.reshape(shape),
         _shaped(states, shape),
@@ -192,7 +196,7 @@ def proved(found: Spectrum, question: Problem, shape: tuple[int, ...]) -> Spectr
         if certificate.eigenvalues:
             flat[row], radius[row] = certificate.eigenvalues, certificate.radius
         else:  # the budget ended: the discs of double precision stand
-            error[row] = (flat[row].real + radius[row]).max() - flat[row].real.max()
+            error[row] = (radius[row] + (flat[row].real - flat[row].real.max())).max()
     return replace(
         found, eigenvalues=flat.reshape(found.eigenvalues.shape),
         radius=radius.reshape(found.radius.shape), codes=codes.reshape(shape),

@@ -102,7 +102,8 @@ class Spectrum:
     def abscissa_error(self) -> Any:
         """Bound on the error of the abscissa, shape (…)."""
         real = self.eigenvalues.real
-        value = (real + self.radius).max(axis=-1) - real.max(axis=-1)
+        # the difference first: it is exact where it matters
+        value = (self.radius + (real - real.max(axis=-1, keepdims=True))).max(axis=-1)
         if self.proof is not None:
             value = self.proof.abscissa_error
         return float(value) if value.ndim == 0 else value

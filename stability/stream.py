@@ -21,7 +21,7 @@ from .errors import FileError, ParameterError
 from .files import check_target, whole
 from .grid import Grid
 from .growth import steady_memory
-from .maps import Axis, prepare
+from .maps import Axis, check_progress, prepare
 from .tiles import GridVerdicts
 from .verdict import CODES
 
@@ -98,8 +98,9 @@ def stream_map(
         )
     if workers is not None and (not isinstance(workers, int) or workers < 1):
         raise ParameterError(f"workers is {workers!r}; a whole number of at least 1 is needed.")
+    check_progress(progress)
     axes = Grid.of(x, "x"), Grid.of(y, "y")
-    question = prepare(family, axes, disk, contact, at, {})
+    question = prepare(str(family), axes, disk, contact, at, {})
     total = axes[0].count * axes[1].count
     if total > MOST_CELLS:
         raise ParameterError(

@@ -198,7 +198,7 @@ def conditions(
     >>> [(r.family, r.crossing) for r in rows]
     [('rolling', 'flutter'), ('spinning', 'static'), ('tumbling', 'none')]
     """
-    base = disk or Disk()
+    base = Disk() if disk is None else disk
     bodies = [Disk(base.mass, base.radius, inertia, base.gravity) for inertia in k]
     asked = [
         (name, body, contact)

@@ -19,7 +19,46 @@ def chart(x: Any = ("at", 1, 2, 3), y: Any = ("mu", 0.1, 1, 3), **more: Any) -> 
     return st.stability_map("rolling", x=x, y=y, **more)
 
 
+def fall(**changes: Any) -> Any:
+    return st.drift(**({"at": 2.0, "tilt": 0.1, "contact": V(0.5)} | changes))
+
+
+def land(distance: Any, amplitude: Any = 0.0) -> Any:
+    [point] = st.hopf("spinning", contact=V(0.8), points=40)
+    return point.landing(distance, amplitude)
+
+
+def derived(k: Any) -> Any:
+    from stability.formulas import formulas
+
+    return formulas("spinning", "rough", k)
+
+
 CASES: list[tuple[str, Callable[[], Any], str]] = [
+    ("drift without at", lambda: fall(at=None), "at is missing"),
+    ("drift by a law's name", lambda: fall(contact="viscous"), "law with friction"),
+    ("drift of a tiny tilt", lambda: fall(tilt=1e-300), "leaves double precision"),
+    ("drift far out", lambda: fall(at=1e300), "double precision"),
+    ("drift of huge friction", lambda: fall(contact=V(1.7e308)), "double precision"),
+    ("drift of a thing", lambda: fall(disk=[]), "give a stability.Disk"),
+    ("hopf without a law", lambda: st.hopf("spinning", contact=None), "law with friction"),  # type: ignore[arg-type]
+    ("hopf of a list", lambda: st.hopf([], contact=V(1)), "family is []"),  # type: ignore[arg-type]
+    ("hopf of many", lambda: st.hopf("spinning", contact=V([1, 2])), "mu is an array"),
+    ("hopf by text", lambda: st.hopf("spinning", contact=V(1), points="x"), "points is 'x'"),  # type: ignore[arg-type]
+    ("hopf by truth", lambda: st.hopf("spinning", contact=V(1), points=True), "points is True"),
+    ("landing of text", lambda: land("x"), "distance is 'x'"),
+    ("landing of two", lambda: land([1, 2]), "one number each"),
+    ("landing of nothing", lambda: land(0.1, None), "amplitude is None"),
+    ("k by zero", lambda: derived(("1/0",)), "give exact numbers in (0, 1/2]"),
+    ("k as a word", lambda: derived(["abc"]), "give exact numbers in (0, 1/2]"),
+    ("k out of range", lambda: derived(("3/4",)), "k is '3/4'"),
+    ("disk is zero", lambda: ask(disk=0), "give a stability.Disk"),
+    ("disk is an array", lambda: ask(disk=np.ones((0, 3))), "give a stability.Disk"),
+    ("progress is a number", lambda: chart(progress=5), "progress is 5"),
+    ("certify a map by 1", lambda: chart(certify=1), "certify is 1"),
+    ("levels alone", lambda: chart(levels=5), "levels goes with certify"),
+    ("lean and at", lambda: st.spectrum("tumbling", at=1, lean=1, contact=V(1)), "give one of"),
+    ("lean of rolling", lambda: st.spectrum("rolling", lean=1, contact=V(1)), "give at"),
     ("text for at", lambda: ask("a"), "at is 'a'; a real number"),
     ("nan for at", lambda: ask(np.nan), "at is nan; a finite"),
     ("one nan of many", lambda: ask([1.0, np.nan]), "at is nan; a finite"),

@@ -327,6 +327,22 @@ def test_circling_is_certified() -> None:
     assert np.abs(found.eigenvalues - plain.eigenvalues).max() < 1e-14
 
 
+@pytest.mark.parametrize(
+    ("family", "at", "k", "mu"),
+    [("spinning", 13.231696706442328, 0.5, 1.2898585826377468e-09), ("rolling", 30.0, 0.3, 1e-7),
+     ("spinning", 40.0, 0.5, 1e-10)],
+)  # fmt: skip
+def test_the_abscissa_error_covers_eigenvalues_that_share_one_double(
+    family: str, at: float, k: float, mu: float
+) -> None:
+    found = st.spectrum(family, at=at, disk=st.Disk(k=k), contact=st.Viscous(mu), certify=True)
+    with mpmath.workdps(300):
+        coefficients = reduced_truth(family, "viscous", at, k, mu)
+        roots = mpmath.polyroots(coefficients[::-1], maxsteps=5000, extraprec=4000)
+        off = abs(max(mpmath.re(r) for r in roots) - mpmath.mpf(found.abscissa))
+        assert off <= found.abscissa_error < 1e-15 * abs(found.abscissa)
+
+
 def test_rational_is_the_double_itself() -> None:
     assert rational(0.1) != rational(0.1 + 2e-17 + 1e-17)
     assert float(rational(0.1).p) / float(rational(0.1).q) == 0.1

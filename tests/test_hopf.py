@@ -67,6 +67,23 @@ def test_transversality_fails_at_the_fold_of_tumblings_boundary(fold: dict[str, 
     assert abs(pair[0].crossing) < 1e-3 and abs(pair[1].crossing) < 1e-3
 
 
+def test_folds_are_born_where_an_independent_derivation_says() -> None:
+    """The fold reaches upright, where the condition and its slope vanish at once, at one k."""
+    import sympy
+
+    from stability.formulas import expression
+
+    k, m, s = sympy.symbols("k M s")
+    condition, slope = (expression(p) for p in exact_side("tumbling", "viscous"))
+    upright = 24 * k / ((2 * k + 1) * (4 * k + 3))
+    assert sympy.simplify(condition.subs({s: 1, m: upright})) == 0
+    left = sympy.fraction(sympy.together(slope.subs({s: 1, m: upright})))[0]
+    factors = [f for f, _ in sympy.factor_list(left)[1]]
+    assert 128 * k**3 + 196 * k**2 + 31 * k - 36 in factors
+    [birth] = [r for f in factors for r in sympy.real_roots(f, k) if 0 < r < sympy.Rational(1, 2)]
+    assert float(birth) == pytest.approx(0.329136518894768, abs=1e-14)
+
+
 def member(family: str, at: float, k: float, mu: float) -> Any:
     return st.disk_family(family, "viscous").member([at], [k, mu])
 

@@ -115,6 +115,47 @@ def test_upright_is_handed_to_exact_arithmetic() -> None:
         assert (grid == wanted).all()
 
 
+@pytest.mark.parametrize("ends", [(0, 1), (-1, 1)])
+def test_a_map_over_the_lean_may_have_cells_exactly_upright(ends: tuple[float, float]) -> None:
+    for certify_ in (False, True):
+        found = st.stability_map("tumbling", x=("lean", *ends, 5), y=("mu", 0.1, 2, 6),
+                                 certify=certify_)  # fmt: skip
+        upright = found.verdict.sel(lean=0.0).values
+        wanted = [st.spectrum("tumbling", lean=0.0, contact=st.Viscous(float(m)), certify=True)
+                  for m in found.mu]  # fmt: skip
+        assert upright.tolist() == [int(w.codes) for w in wanted]
+        assert found.sizes["boundary_point"] > 0
+
+
+@pytest.mark.parametrize(
+    ("x", "y"),
+    [(("at", 1, 1e300, 5), ("mu", 0.1, 2, 5)), (("at", 1, 4, 5), ("mu", 1e-300, 1e300, 7, "log")),
+     (("at", 1, 4, 5), ("gravity", 1e-300, 1e300, 7, "log"))],
+)  # fmt: skip
+def test_maps_over_hundreds_of_decades_end_in_an_answer(x: Any, y: Any) -> None:
+    law = st.Viscous if y[0] == "mu" else st.Viscous(1.0)
+    try:
+        found = st.stability_map("rolling", x=x, y=y, contact=law, boundaries=False)
+    except st.StabilityError as error:
+        assert "overflow" in str(error) or "double precision" in str(error)
+    else:
+        assert np.isfinite(found.abscissa).all()
+        assert (found.verdict > 0).all()
+
+
+def test_circling_without_precession_has_no_member_and_no_verdict(tmp_path: Path) -> None:
+    axes = {"x": ("theta", 0.5, 1.5, 5), "y": ("phi_dot", -1, 1, 5)}
+    with pytest.raises(st.StabilityError, match="phi_dot = 0"):
+        st.stream_map("circling", **axes, contact=st.Rough(), out=tmp_path / "c.nc")
+    asked = disk_problem("circling", st.Disk(), st.Rough(), (1.0, 0.7))
+    spans = {
+        "theta": (np.array([0.5]), np.array([0.6])),
+        "phi_dot": (np.array([-0.1]), np.array([0.1])),
+    }
+    assert BoxConditions(asked)(spans).tolist() == [0]
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_what_overflows_goes_to_exact_arithmetic() -> None:
     kernel = VerdictKernel(question("tumbling").exact)
     assert kernel([0.25, 1e200, 0.5]) == 0
