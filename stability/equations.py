@@ -73,7 +73,8 @@ def disk_system(law: str, *, slip_states: bool | None = None) -> System:
 def _conditions(x: ca.SX):  # type: ignore[no-untyped-def]
     flat = (
         "theta must lie strictly between 0 and π, because the disk is flat at both and its "
-        "equations of motion end there; the nearer of them lies {value:.3g} away"
+        "equations of motion end there; the distance from the nearer, positive inside, is "
+        "{value:.3g}"
     )
 
     def build(observables: dict[str, ca.SX]) -> tuple[Condition, ...]:

@@ -281,8 +281,17 @@ def enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roo
     parts = [_enclose([c[b] for c in a], [e[b] for e in error], factors.take(b)) for b in blocks]
     if len(parts) == 1:
         return parts[0]
-    return Roots(*([np.concatenate(x) for x in zip(*lists, strict=True)]
-                   for lists in zip(*parts, strict=True)))  # fmt: skip
+    joined: dict[tuple[int, ...], Array] = {}
+
+    def join(pieces: tuple[Array, ...]) -> Array:
+        # what the two roots of a pair share stays one array
+        key = tuple(id(piece) for piece in pieces)
+        if key not in joined:
+            joined[key] = np.concatenate(pieces)
+        return joined[key]
+
+    lists = ([join(x) for x in zip(*some, strict=True)] for some in zip(*parts, strict=True))
+    return Roots(*lists)
 
 
 def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roots:

@@ -203,7 +203,11 @@ class GrowthKernel:
         # every disc is clear of the others, so each holds one eigenvalue
         high, own, turn = top, np.asarray(np.inf), np.asarray(0.0)
         largest: Any = 0.0
+        seen: set[tuple[int, int]] = set()
         for x, y, r in zip(real, imag, radius, strict=True):
+            if (id(x), id(r)) in seen:  # the conjugate of one that was here
+                continue
+            seen.add((id(x), id(r)))
             first = x == top
             size = np.abs(y)
             high = np.maximum(high, x + r)
