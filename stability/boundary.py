@@ -120,8 +120,9 @@ class Line:
         given = {n: arb(float(v)) for n, v in (self.fixed | {self.axis: value}).items()}
         point = problem.point(given, sine=ball_sine)
         assert point is not None
-        mu = arb(point[problem.exact.variables.index("M")]).sqrt()
-        scale = 1 if problem.exact.even else mu
+        scale = arb(1)
+        if not problem.exact.even:  # λ = σ mu
+            scale = arb(point[problem.exact.variables.index("M")]).sqrt()
         product = [arb(0)] * problem.exact.zeros + [arb(1)]
         for factor in problem.exact.coefficients(point):
             terms = [c / scale**i for i, c in enumerate(factor)]

@@ -20,7 +20,7 @@ from .exact import Exact, Polynomial
 from .grid import Grid
 from .problem import Problem
 from .tracked import UNIT
-from .verdict import CODES, Verdict
+from .verdict import CODES, Verdict, best
 
 Floats = NDArray[np.float64]
 Progress = Callable[[int, int], None]
@@ -189,7 +189,7 @@ class BoxConditions:
         for sign in signs:
             good, bad = good & (sign > 0), bad | (sign < 0)
         codes = np.zeros(count, dtype=np.int8)
-        codes[good] = CODES[Verdict.NEUTRAL if self.exact.even else Verdict.STABLE]
+        codes[good] = CODES[best(even=self.exact.even)]
         codes[bad] = CODES[Verdict.UNSTABLE]
         codes[upright] = 0  # there the static boundary itself runs through the box
         return codes
@@ -252,25 +252,16 @@ class _WideBalls:
     def _one(self, spans: Spans, n: int) -> int:
         from flint import arb
 
-        from .polynomial import (
-            characteristic,
-            hurwitz_sign,
-            precision,
-            structure,
-            verdict_polynomial,
-        )
+        from .certify import in_balls
+        from .polynomial import precision
 
-        family = self.question.family
         with precision(self.BITS):
             values = {name: arb(float(v)) for name, v in self.question.values.items()}
             for name, (low, high) in spans.items():
                 values[name] = arb(float(low[n])).union(arb(float(high[n])))
             a, q, _ = self.question.reduce(values, lambda v: v.sqrt())
             try:
-                coefficients = characteristic(family, a, q)
+                found = in_balls(self.question.family, a, q)
             except NoMemberError:
                 return 0
-            even = family.conservative
-            sign = hurwitz_sign(verdict_polynomial(coefficients, structure(family).zeros, even))
-        good = CODES[Verdict.NEUTRAL if even else Verdict.STABLE]
-        return {1: good, -1: CODES[Verdict.UNSTABLE]}.get(sign, 0)
+        return CODES[found] if found is not None else 0

@@ -17,9 +17,10 @@ from flint import acb, acb_poly, arb, ctx, fmpq, fmpq_poly
 
 from .errors import DomainError
 from .exact import Exact
+from .families import Family
 from .polynomial import characteristic, hurwitz_sign, precision, structure, verdict_polynomial
 from .problem import Problem
-from .verdict import Verdict
+from .verdict import Verdict, best
 
 BITS = 128
 """Working precision of the first attempt."""
@@ -135,7 +136,7 @@ def _decided(question: Problem, values: Mapping[str, float]) -> tuple[Verdict, i
     """The verdict, and the bits of the balls that decided it (0 for rational arithmetic)."""
     exact = question.exact
     if exact is None:
-        return _raised(lambda: _sign(question, values))
+        return _raised(lambda: in_balls(question.family, *question.balls(values)))
     given = {name: rational(value) for name, value in values.items()}
     point = question.point(given, sine=None)
     if point is None:
@@ -145,7 +146,7 @@ def _decided(question: Problem, values: Mapping[str, float]) -> tuple[Verdict, i
     if any(v < 0 for v in signs):
         return Verdict.UNSTABLE, 0
     if not edge and all(v > 0 for v in signs):
-        return Verdict.NEUTRAL if exact.even else Verdict.STABLE, 0
+        return best(even=exact.even), 0
     return _on_the_axis([fmpq_poly(c) for c in exact.coefficients(point)]), 0
 
 
@@ -165,17 +166,34 @@ def _by_conditions(exact: Exact, point: Any) -> Verdict | None:
     if any(v < 0 for v in signs):
         return Verdict.UNSTABLE
     if all(v > 0 for v in signs):
-        return Verdict.NEUTRAL if exact.even else Verdict.STABLE
+        return best(even=exact.even)
     return None
 
 
-def _sign(question: Problem, values: Mapping[str, float]) -> Verdict | None:
-    family = question.family
+def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
+    """The verdict everywhere in balls of parameters, by Routh's array at the current precision.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q
+        Family parameters and parameters.
+
+    Returns
+    -------
+    Verdict or None
+        None where the balls do not decide.
+
+    Raises
+    ------
+    NoMemberError
+        If no root is proved to exist there.
+    """
     even = family.conservative
-    coefficients = characteristic(family, *question.balls(values))
+    coefficients = characteristic(family, a, q)
     sign = hurwitz_sign(verdict_polynomial(coefficients, structure(family).zeros, even))
-    good = Verdict.NEUTRAL if even else Verdict.STABLE
-    return {1: good, -1: Verdict.UNSTABLE}.get(sign)
+    return {1: best(even=even), -1: Verdict.UNSTABLE}.get(sign)
 
 
 def ball_sine(given: Mapping[str, Any]) -> Any:

@@ -161,11 +161,6 @@ class Exact:
     conditions: tuple[tuple[str, Polynomial], ...]
     """(kind, polynomial): all positive means stable (or neutral), some negative unstable."""
 
-    @property
-    def degree(self) -> int:
-        """Eigenvalues that are not zero by structure."""
-        return sum(len(f) - 1 for f in self.factors)
-
     def coefficients(self, values: Sequence[Any]) -> list[list[Any]]:
         """Coefficients of each factor at a point, lowest power of σ first.
 

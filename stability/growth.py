@@ -101,7 +101,6 @@ class GrowthKernel:
         assert question.exact is not None
         self.question, self.modes = question, modes
         self.even = question.exact.even
-        self.degree = question.exact.degree
         behind = PLAIN if question.dimensionless else INPUT
         one = Polynomial(question.exact.variables, ((1, (0,) * len(question.exact.variables)),))
         self._factors = [_Coefficients(f, behind) for f in question.exact.factors]

@@ -17,7 +17,7 @@ from .certify import verdict
 from .exact import Exact, Polynomial
 from .problem import Problem
 from .tracked import UNIT
-from .verdict import CODES, Verdict
+from .verdict import CODES, Verdict, best
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.int8]
@@ -50,7 +50,7 @@ class VerdictKernel:
 
     def __init__(self, exact: Exact, *, dimensionless: bool = False) -> None:
         self.exact = exact
-        self.good = CODES[Verdict.NEUTRAL if exact.even else Verdict.STABLE]
+        self.good = CODES[best(even=exact.even)]
         self.bad = CODES[Verdict.UNSTABLE]
         self._parts = [_Split(p, PLAIN if dimensionless else INPUT) for _, p in exact.conditions]
 

@@ -35,7 +35,6 @@ from .exact import exact_polynomial
 from .families import Family, columns
 from .problem import Problem, disk_problem
 from .reduction import tangent_vectors
-from .steady import disk_family
 
 Floats = NDArray[np.float64]
 
@@ -196,14 +195,13 @@ def _point(
 
 
 @lru_cache(maxsize=16)
-def _second(law: str, name: str) -> tuple[Family, Program]:
+def _second(family: Family) -> Program:
     """D²f[u, v] of a family's system, by automatic differentiation."""
-    family = disk_family(name, law)
     system = family.system
     u, v = ca.SX.sym("u", len(system.states)), ca.SX.sym("v", len(system.states))
     once = ca.jtimes(system.rhs, system.x, u)
     twice = ca.densify(ca.jtimes(once, system.x, v))
-    return family, Program(ca.Function("second", [system.x, system.p, u, v], [twice]))
+    return Program(ca.Function("second", [system.x, system.p, u, v], [twice]))
 
 
 def normal_form(family: Family, a: Floats, q: Floats) -> tuple[float, float, Any, Floats]:
@@ -222,8 +220,7 @@ def normal_form(family: Family, a: Floats, q: Floats) -> tuple[float, float, Any
         Re μ' per unit of the family parameter, c for the mode of unit length, the mode, and
         estimates of the rounding error of the two.
     """
-    law = family.system.name.split(", ")[1]
-    _, program = _second(law, family.name)
+    program = _second(family)
     state = family.member(a, q)
     matrix = family.system.linearise(state, q)
 

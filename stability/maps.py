@@ -111,9 +111,7 @@ def stability_map(
         raise ParameterError(f"certify is {certify!r}; give True or False.")
     if levels is not None and not certify:
         raise ParameterError("levels goes with certify=True; leave it out or certify.")
-    if workers is not None and (not isinstance(workers, int) or workers < 1):
-        raise ParameterError(f"workers is {workers!r}; a whole number of at least 1 is needed.")
-    check_progress(progress)
+    check_run(workers, progress)
     axes = Grid.of(x, "x"), Grid.of(y, "y")
     question = prepare(family, axes, disk, contact, at, parameters)
     cells = Cells(question, axes, modes)
@@ -130,11 +128,13 @@ def stability_map(
     return assemble(question, axes, cells, curves, boxes)
 
 
-def check_progress(progress: Any) -> None:
-    """Refuse what cannot be called.
+def check_run(workers: Any, progress: Any) -> None:
+    """Refuse a number of workers or a progress function that cannot be.
 
     Parameters
     ----------
+    workers
+        A whole number of at least 1, or None.
     progress
         A function of two numbers, or None.
 
@@ -143,6 +143,8 @@ def check_progress(progress: Any) -> None:
     ParameterError
         With the value.
     """
+    if workers is not None and (not isinstance(workers, int) or workers < 1):
+        raise ParameterError(f"workers is {workers!r}; a whole number of at least 1 is needed.")
     if progress is not None and not callable(progress):
         raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
 

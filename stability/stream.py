@@ -21,7 +21,7 @@ from .errors import FileError, ParameterError
 from .files import check_target, whole
 from .grid import Grid
 from .growth import steady_memory
-from .maps import Axis, check_progress, prepare
+from .maps import Axis, check_run, prepare
 from .tiles import GridVerdicts
 from .verdict import CODES
 
@@ -96,9 +96,7 @@ def stream_map(
             "family is not a name; maps are streamed for the disk's families, which have exact "
             "polynomials. Use stability_map for one's own."
         )
-    if workers is not None and (not isinstance(workers, int) or workers < 1):
-        raise ParameterError(f"workers is {workers!r}; a whole number of at least 1 is needed.")
-    check_progress(progress)
+    check_run(workers, progress)
     axes = Grid.of(x, "x"), Grid.of(y, "y")
     question = prepare(str(family), axes, disk, contact, at, {})
     total = axes[0].count * axes[1].count

@@ -35,6 +35,22 @@ class Verdict(Enum):
         return CODES[self]
 
 
+def best(*, even: bool) -> Verdict:
+    """The verdict without growth that a law allows.
+
+    Parameters
+    ----------
+    even
+        Whether the polynomial is even in λ, so that nothing can decay either.
+
+    Examples
+    --------
+    >>> best(even=True).word
+    'neutral'
+    """
+    return Verdict.NEUTRAL if even else Verdict.STABLE
+
+
 CODES = {Verdict.UNDECIDED: 0, Verdict.STABLE: 1, Verdict.UNSTABLE: 2, Verdict.NEUTRAL: 3}
 """Flag value of each verdict, in arrays and files."""
 BY_CODE = {code: verdict for verdict, code in CODES.items()}

@@ -402,6 +402,27 @@ def test_levels_out_of_range_are_refused(levels: Any) -> None:
         )
 
 
+@pytest.mark.parametrize("law", [None, st.LinearViscous(0.4), st.Rough(), st.Smooth()])
+@pytest.mark.parametrize("family", [*FAMILIES, "circling"])
+def test_a_line_has_one_polynomial_by_both_routes(family: str, law: Any) -> None:
+    from stability.boundary import Line
+    from stability.polynomial import precision
+
+    if family == "circling" and not isinstance(law, st.Rough):
+        return
+    at = (0.9, 0.7) if family == "circling" else 0.9
+    asked = disk_problem(family, st.Disk(k=0.3), law or st.Viscous(0.6), at)
+    line = Line(asked, "k", {n: float(v) for n, v in asked.values.items()})
+    with precision(128):
+        graph, exact_ = line._coefficients(0.3, 128), line._exact(0.3)
+        assert exact_ is not None
+        assert len(graph) == len(exact_)
+        for one, other in zip(graph, exact_, strict=True):
+            off = one / graph[-1] - other / exact_[-1]
+            assert off.contains(0)
+            assert float(off.abs_upper()) < 1e-25
+
+
 # --- streaming ---
 
 
