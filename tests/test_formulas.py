@@ -170,10 +170,10 @@ def test_limits_are_those_of_the_verdicts() -> None:
 
 def test_the_decomposition_can_fail() -> None:
     """A condition whose pattern changes with k is not called one cell."""
-    from stability.formulas import _Line
+    from stability.decomposition import Line
 
     odd = (4 * K - 1) * Z * K - M
-    assert _Line("spinning", sympy.expand(odd)).for_every_k() is None
+    assert Line("spinning", sympy.expand(odd)).for_every_k() is None
 
 
 def test_the_table_prints_text_latex_and_json(capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,7 +18,7 @@ CORE = (
     "continuation", "steady", "enclosure", "polynomial", "verdict", "reduction", "modes", "spectra",
     "problem", "query", "grid", "files", "boundary", "curves", "cells", "maps", "exact", "certify",
     "kernels", "factoring", "growth", "tiles", "boxes", "stream", "derivation", "hurwitz",
-    "formulas", "slowflow", "passage", "lines",
+    "decomposition", "formulas", "slowflow", "passage", "lines",
 )  # fmt: skip
 
 
