@@ -23,7 +23,7 @@ class Contact:
     Examples
     --------
     >>> [law.name for law in Contact.__subclasses__()]
-    ['smooth', 'viscous', 'linear-viscous', 'rough']
+    ['smooth', 'viscous', 'linear-viscous', 'rough', 'coulomb', 'coulomb-regularised']
     """
 
     name: ClassVar[str] = ""
@@ -197,8 +197,91 @@ class Rough(Contact):
         return 0
 
 
+@dataclass(frozen=True, eq=False)
+class Coulomb(Contact):
+    """Dry friction, set-valued at rest: −mu·gn along the slip, or sticking with |F| ≤ mu·gn.
+
+    Sticking is the rough disk inside the friction cone.  The law has no linearisation of its own,
+    so it is for motion (`simulate`) and not for spectra.
+
+    Parameters
+    ----------
+    mu
+        Positive [-], static and kinetic alike.
+
+    Raises
+    ------
+    ParameterError
+        If mu is not a finite number above zero.
+
+    Source: Le Saux, Leine & Glocker, J. Nonlinear Sci. 15 (2005) 27-61, for the disk.
+
+    Examples
+    --------
+    >>> Coulomb(0.3).force([3.0, 4.0], 1.0, 0.3)
+    [-0.18, -0.24]
+    """
+
+    mu: ArrayLike
+    """Friction coefficient [-]."""
+    name: ClassVar[str] = "coulomb"
+    coefficient: ClassVar[str | None] = "mu"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mu", positive("mu", self.mu, ZERO_MU))
+
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
+        """Against the slip, mu times the normal force; not defined at rest."""
+        size = (slip[0] * slip[0] + slip[1] * slip[1]) ** 0.5
+        return [-mu * normal * slip[0] / size, -mu * normal * slip[1] / size]
+
+
+@dataclass(frozen=True, eq=False)
+class RegularisedCoulomb(Contact):
+    """Dry friction made smooth: −mu·gn·vA/√(|vA|² + ε²); it creeps where `Coulomb` sticks.
+
+    Parameters
+    ----------
+    mu
+        Positive [-].
+    epsilon
+        Slip speed below which the force gives way, positive [m/s].
+
+    Raises
+    ------
+    ParameterError
+        If one of them is not a finite number above zero.
+
+    Examples
+    --------
+    >>> RegularisedCoulomb(0.3, 1e-3).epsilon
+    0.001
+    """
+
+    mu: ArrayLike
+    """Friction coefficient [-]."""
+    epsilon: ArrayLike
+    """Slip speed below which the force gives way [m/s]."""
+    name: ClassVar[str] = "coulomb-regularised"
+    coefficient: ClassVar[str | None] = "mu"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mu", positive("mu", self.mu, ZERO_MU))
+        object.__setattr__(self, "epsilon", positive("epsilon", self.epsilon))
+
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
+        """Against the slip; mu stands for the pair (mu, epsilon)."""
+        coefficient, epsilon = mu
+        size = (slip[0] * slip[0] + slip[1] * slip[1] + epsilon * epsilon) ** 0.5
+        return [-coefficient * normal * slip[0] / size, -coefficient * normal * slip[1] / size]
+
+
 LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, LinearViscous, Rough)}
-"""The contact laws by name."""
+"""The contact laws of which spectra are asked, by name."""
+MOTION_LAWS: dict[str, type[Contact]] = LAWS | {
+    law.name: law for law in (Coulomb, RegularisedCoulomb)
+}
+"""The contact laws that `simulate` takes, by name."""
 
 
 def law_named(name: str, mu: float | None, *, needed: bool = True) -> Contact:

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from typing import Any
 
 import casadi as ca
 
-from .contact import LAWS, Contact
+from .contact import MOTION_LAWS, Contact, Coulomb, RegularisedCoulomb
 from .system import Condition, System
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
@@ -22,29 +23,36 @@ STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 UNITS = {
     "theta": "rad", "theta_dot": "1/s", "phi_dot": "1/s", "omega3": "1/s",
     "slip_x": "m/s", "slip_y": "m/s", "slip": "m/s", "k": "1", "mu": "s/m", "energy": "J",
-    "normal_force": "N", "contact_force": "N", "determinant": "1", "power": "W",
+    "normal_force": "N", "contact_force": "N", "determinant": "1", "power": "W", "epsilon": "m/s",
+    "direction": "rad",
 }  # fmt: skip
 """SI unit of each state, parameter and observable."""
 
 
 @lru_cache(maxsize=16)
-def disk_system(law: str, *, slip_states: bool | None = None) -> System:
+def disk_system(
+    law: str, *, slip_states: bool | None = None, direction: bool = False
+) -> System:
     """The disk under a contact law as a `System`; dimensionless, built once for each law.
 
     Parameters
     ----------
     law
-        A key of `stability.contact.LAWS`.
+        A key of `stability.contact.MOTION_LAWS`.
     slip_states
         Whether the two slip velocities are states; the law's own choice when left out.  The smooth
         disk may carry them (they follow the other four); without them its observables are those
         of a disk whose centre has no horizontal velocity.
+    direction
+        For `coulomb`: whether the angle of the slip is a parameter of its own, so that the
+        equations keep a meaning where the slip is zero.
 
     Returns
     -------
     System
         States `STATES` (or the first four); parameters `k` and, for a law with a coefficient,
-        `mu` (for `linear-viscous` c* stands in its place).  Observables: `energy`, `normal_force`,
+        `mu` (for `linear-viscous` c* stands in its place; `coulomb-regularised` has `epsilon`
+        too).  Observables: `energy`, `normal_force`,
         `contact_force` (horizontal, x̂ and ŷ), `slip`, `determinant` (D), `power` (dissipated).
 
     Examples
@@ -54,20 +62,36 @@ def disk_system(law: str, *, slip_states: bool | None = None) -> System:
     >>> float(system.observe(upright, [0.25, 0.3])["normal_force"])
     1.0
     """
-    contact = LAWS[law]
+    contact = MOTION_LAWS[law]
     slips = contact.slips if slip_states is None else slip_states
     names = STATES if slips else STATES[:4]
     x = ca.SX.sym("x", len(names))
     k = ca.SX.sym("k")
     mu = ca.SX.sym("mu")
-    p = ca.vertcat(k, mu) if contact.coefficient else k
-    body = _Body(x, k, contact, mu, slips)
+    named: dict[str, ca.SX] = {"k": k} | ({"mu": mu} if contact.coefficient else {})
+    coefficient = mu
+    if contact is RegularisedCoulomb:
+        named["epsilon"] = ca.SX.sym("epsilon")
+        coefficient = (mu, named["epsilon"])
+    if direction:
+        contact, coefficient = _Along, (mu, named.setdefault("direction", ca.SX.sym("direction")))
+    p = ca.vertcat(*named.values())
+    body = _Body(x, k, contact, coefficient, slips)
     return System.from_mass_matrix(
         f"disk, {law}", x, p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
         observables=body.observables, conditions=_conditions(x),
-        states=names, parameters=("k", "mu")[: p.numel()], units=UNITS,
+        states=names, parameters=tuple(named), units=UNITS,
     )  # fmt: skip
+
+
+class _Along(Coulomb):
+    """Dry friction against a stated direction of slip: the pair (mu, angle) stands for mu."""
+
+    def force(self, slip, normal, mu):  # type: ignore[no-untyped-def]  # noqa: ARG002
+        """Against the direction, mu times the normal force."""
+        coefficient, angle = mu
+        return [-coefficient * normal * ca.cos(angle), -coefficient * normal * ca.sin(angle)]
 
 
 def _conditions(x: ca.SX):  # type: ignore[no-untyped-def]
@@ -94,7 +118,7 @@ def _conditions(x: ca.SX):  # type: ignore[no-untyped-def]
 class _Body:
     """Newton-Euler for one law: residuals that are linear in accelerations and contact force."""
 
-    def __init__(self, x: ca.SX, k: ca.SX, contact: type[Contact], mu: ca.SX, slips: bool) -> None:
+    def __init__(self, x: ca.SX, k: ca.SX, contact: type[Contact], mu: Any, slips: bool) -> None:
         self.x, self.k, self.mu, self.slips = x, k, mu, slips
         self.law = contact.__new__(contact)  # only its formulas are used, never its coefficient
         self.rough = law_is_rough = contact.name == "rough"

@@ -1,0 +1,275 @@
+"""What integrators read: the motion's graph with dissipated work, pose and the guards that end it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from .algebra import Program
+from .contact import MOTION_LAWS
+from .equations import disk_system
+from .system import System
+
+Floats = NDArray[np.float64]
+
+POSE = ("phi", "psi", "centre_x", "centre_y")
+"""Precession angle, relative spin angle, horizontal place of the centre; x̂ = (cos φ, sin φ)."""
+LIFT_OFF, FLAT, NO_CONTACT, CONE = "lift-off", "flat", "no-contact", "slip"
+"""Names of the guards."""
+
+
+@dataclass(frozen=True, eq=False)
+class Flow:
+    """The rates of an extended state y and the guards that must stay positive; dimensionless.
+
+    y holds the law's own states, then the dissipated work, then the pose if asked.  The guards are
+    functions of y: when the first of them reaches zero, the run has ended there.
+
+    Examples
+    --------
+    >>> f = flow("viscous")
+    >>> f.names
+    ('theta', 'theta_dot', 'phi_dot', 'omega3', 'slip_x', 'slip_y', 'work')
+    >>> list(f.guards)
+    ['lift-off', 'flat']
+    """
+
+    system: System
+    """The disk under its law."""
+    x: ca.SX
+    """Symbols of y, shape (n,)."""
+    p: ca.SX
+    """Parameters: those of the system, then the sine of the angle that counts as flat."""
+    rhs: ca.SX
+    """dy/dt, shape (n,)."""
+    guards: Mapping[str, ca.SX]
+    """What must stay positive, by name."""
+    names: tuple[str, ...]
+    """Names of the entries of y."""
+
+    @property
+    def key(self) -> str:
+        """What tells this flow from others, for caches."""
+        return f"{self.system.name}/{'/'.join(self.names)}/{'/'.join(self.guards)}"
+
+    @cached_property
+    def rates(self) -> ca.Function:
+        """CasADi function (y, p) → dy/dt."""
+        return ca.Function("rates", [self.x, self.p], [self.rhs])
+
+    @cached_property
+    def jacobian(self) -> ca.Function:
+        """CasADi function (y, p) → ∂(dy/dt)/∂y, dense, by automatic differentiation."""
+        return ca.Function(
+            "jacobian", [self.x, self.p], [ca.densify(ca.jacobian(self.rhs, self.x))]
+        )
+
+    @cached_property
+    def watch(self) -> ca.Function:
+        """CasADi function (y, p) → guards and their rates along the motion."""
+        values = ca.vertcat(*self.guards.values())
+        return ca.Function(
+            "watch", [self.x, self.p],
+            [ca.vertcat(values, ca.jtimes(values, self.x, self.rhs))],
+        )  # fmt: skip
+
+    @cached_property
+    def _watch_program(self) -> Program:
+        return Program(self.watch)
+
+    def margins(self, y: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Guards and their rates at many points.
+
+        Parameters
+        ----------
+        y
+            States, shape (…, n).
+        p
+            Parameters, shape (m,) or (…, m).
+
+        Returns
+        -------
+        values, rates
+            Shape (…, guards).
+        """
+        arguments = [list(np.moveaxis(y, -1, 0)), list(np.moveaxis(p, -1, 0))]
+        both = self._watch_program.arrays(arguments, y.shape[:-1])[0][..., 0]
+        count = len(self.guards)
+        return both[..., :count], both[..., count:]
+
+    def pack(self, six: Floats) -> Floats:
+        """y at the start of a run: the law's own states, no work done, pose at the origin.
+
+        Parameters
+        ----------
+        six
+            The six states, shape (…, 6).
+
+        Returns
+        -------
+        ndarray
+            Shape (…, n).
+        """
+        own = len(self.system.states)
+        y = np.zeros((*six.shape[:-1], len(self.names)))
+        y[..., :own] = six[..., :own]
+        return y
+
+    def six(self, y: Floats) -> Floats:
+        """The six states in y; a law without slip in its state has none.
+
+        Parameters
+        ----------
+        y
+            Shape (…, n).
+
+        Returns
+        -------
+        ndarray
+            Shape (…, 6).
+        """
+        own = len(self.system.states)
+        if own == 6:
+            return y[..., :6]
+        return np.concatenate([y[..., :own], np.zeros((*y.shape[:-1], 6 - own))], axis=-1)
+
+
+class Evaluator:
+    """A flow as fast functions of one launch, without a conversion on the way; for one thread.
+
+    Parameters
+    ----------
+    flow
+        The flow.
+    p
+        Its parameters, shape (m,).
+
+    Examples
+    --------
+    >>> f = flow("viscous")
+    >>> e = Evaluator(f, np.array([0.25, 0.3, 1e-6]))
+    >>> e.rates(0.0, f.pack(np.array([math.pi / 2, 0, 0, 1.2, 0, 0]))).shape
+    (7,)
+    """
+
+    def __init__(self, flow: Flow, p: Floats) -> None:
+        self.flow = flow
+        n, guards = len(flow.names), len(flow.guards)
+        self.p = np.array(p, dtype=float)
+        self._rates = _bound(flow.rates, self.p, n, (n,))
+        self._watch = _bound(flow.watch, self.p, n, (2 * guards,))
+        self._jacobian: Callable[[Floats], Floats] | None = None
+
+    def rates(self, _t: float, y: Floats) -> Floats:
+        """dy/dt, shape (n,)."""
+        return self._rates(y)
+
+    def jacobian(self, _t: float, y: Floats) -> Floats:
+        """∂(dy/dt)/∂y, shape (n, n)."""
+        if self._jacobian is None:
+            n = len(self.flow.names)
+            self._jacobian = _bound(self.flow.jacobian, self.p, n, (n, n))
+        return self._jacobian(y)
+
+    def watch(self, y: Floats) -> tuple[Floats, Floats]:
+        """Guards and their rates, shape (guards,) each."""
+        both = self._watch(y)
+        count = len(self.flow.guards)
+        return both[:count], both[count:]
+
+
+def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> Any:
+    """A CasADi function of (y, p) bound to memory of its own."""
+    buffer, evaluate = function.buffer()
+    y, out = np.zeros(n), np.zeros(shape, order="F")
+    buffer.set_arg(0, memoryview(y))
+    buffer.set_arg(1, memoryview(p))
+    buffer.set_res(0, memoryview(out.T))
+
+    def call(state: Floats, _keep: Any = buffer) -> Floats:
+        y[:] = state
+        evaluate()
+        return out.copy()
+
+    return call
+
+
+@lru_cache(maxsize=32)
+def flow(law: str, *, pose: bool = False, sticking: bool = False) -> Flow:
+    """The flow of the disk under a contact law; built once for each.
+
+    Parameters
+    ----------
+    law
+        A key of `stability.contact.MOTION_LAWS`; `coulomb` is its sliding.
+    pose
+        Whether φ, ψ and the centre's place are carried along.
+    sticking
+        Whether this is the sticking of `coulomb`: the rough disk with a guard that keeps the force
+        inside the friction cone.
+
+    Returns
+    -------
+    Flow
+    """
+    if sticking:
+        system = disk_system("rough")
+        mu = ca.SX.sym("mu")
+        parameters = ca.vertcat(system.p, mu)
+    else:
+        system = disk_system(law, slip_states=None if law == "rough" else True)
+        mu, parameters = ca.SX(0), system.p
+    x = system.x
+    seen = system.observables
+    work = ca.SX.sym("work")
+    columns, rates, names = [x, work], [system.rhs, seen["power"]], [*system.states, "work"]
+    if pose:
+        extra = ca.SX.sym("pose", len(POSE))
+        columns.append(extra)
+        rates.append(_pose_rates(x, seen["slip"], extra))
+        names += POSE
+    flat = ca.SX.sym("flat")
+    normal = seen["normal_force"]
+    guards = {LIFT_OFF: normal, FLAT: ca.sin(x[0]) - flat}
+    if sticking:
+        guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
+    if MOTION_LAWS[law].name.startswith("coulomb") and not sticking:
+        # where the law is viscous D needs no guard: it is pushed away from zero by the normal
+        # force that it makes (tests/test_motion.py proves it)
+        guards[NO_CONTACT] = seen["determinant"]
+    return Flow(
+        system, ca.vertcat(*columns), ca.vertcat(parameters, flat), ca.vertcat(*rates), guards,
+        tuple(names),
+    )  # fmt: skip
+
+
+def _pose_rates(x: ca.SX, slip: ca.SX, pose: ca.SX) -> ca.SX:
+    """φ̇, ψ̇ = ω₃ − φ̇ cosθ, and ṡ = vA − ω×a turned by φ."""
+    theta, theta_dot, phi_dot, omega3 = (x[i] for i in range(4))
+    along_x = slip[0] + theta_dot * ca.sin(theta)
+    along_y = slip[1] - omega3
+    cosine, sine = ca.cos(pose[0]), ca.sin(pose[0])
+    return ca.vertcat(
+        phi_dot,
+        omega3 - phi_dot * ca.cos(theta),
+        cosine * along_x - sine * along_y,
+        sine * along_x + cosine * along_y,
+    )
+
+
+def flat_sine(angle: float) -> float:
+    """The sine of the angle that counts as flat.
+
+    Examples
+    --------
+    >>> flat_sine(0.0)
+    0.0
+    """
+    return math.sin(angle)

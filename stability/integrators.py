@@ -1,0 +1,186 @@
+"""The integrators by name, and which of them `auto` takes: the cheaper by a model of both costs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import stepping, sundials, taylor
+from .errors import NameUnknownError, ParameterError
+from .flow import Evaluator
+from .route import UNRESOLVED, Integrate, Leg, Path
+
+HEYOKA = "heyoka"
+METHODS: dict[str, Integrate] = {
+    HEYOKA: taylor.integrate, **stepping.METHODS, **sundials.METHODS,
+}  # fmt: skip
+"""Every integrator by name; heyoka is there where it is installed."""
+FINEST = {
+    HEYOKA: taylor.FINEST, **dict.fromkeys(stepping.METHODS, stepping.FINEST),
+    **dict.fromkeys(sundials.METHODS, sundials.FINEST),
+}  # fmt: skip
+"""The smallest tolerance that each passes on to its library."""
+TURN, TURN_POWER = 190.0, 0.12
+"""An explicit method is dearer where stiffness exceeds TURN (tolerance / 1e-6)^-TURN_POWER."""
+EXPLICIT_TIGHT = 1e-10
+"""Without heyoka: tolerance from which DOP853 takes over from CVODES, which is of order 5."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The integrator of a leg and why."""
+
+    method: str
+    """Its name."""
+    reason: str
+    """One sentence."""
+
+
+def check_method(method: str) -> str:
+    """The name of an integrator that can run here, or `auto`.
+
+    Parameters
+    ----------
+    method
+        What the user asked for.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    NameUnknownError
+        If there is no such integrator.
+    ParameterError
+        If it is not installed.
+
+    Examples
+    --------
+    >>> check_method("lsoda")
+    'lsoda'
+    """
+    if method == "auto":
+        return method
+    if method not in METHODS:
+        raise NameUnknownError(f"method is {method!r}; known are auto, {', '.join(METHODS)}.")
+    if method == HEYOKA and not taylor.available():
+        raise ParameterError(
+            "method is 'heyoka', which is not installed; install stability[heyoka], or take "
+            "another method."
+        )
+    return method
+
+
+def stiffness(leg: Leg) -> float:
+    """Fastest rate of the linearised motion at the start over the rate of the motion itself.
+
+    Parameters
+    ----------
+    leg
+        What is asked.
+
+    Returns
+    -------
+    float
+        Largest modulus of an eigenvalue of the Jacobian, over the largest angular velocity or 1.
+    """
+    jacobian = Evaluator(leg.flow, leg.p).jacobian(0.0, leg.start)
+    own = len(leg.flow.system.states)
+    with np.errstate(all="ignore"):
+        finite = bool(np.isfinite(jacobian).all())
+        fastest = np.abs(np.linalg.eigvals(jacobian[:own, :own])).max() if finite else np.inf
+    return float(fastest / max(1.0, np.abs(leg.start[1:4]).max()))
+
+
+def choose(leg: Leg) -> Choice:
+    """What `auto` takes for a leg.
+
+    An explicit method's steps are bounded by its stability, so their number grows in proportion to
+    the stiffness; an implicit one's do not, but grow faster as the tolerance falls.
+    `benchmarks/motion.py` draws both curves.
+
+    Parameters
+    ----------
+    leg
+        What is asked.
+
+    Returns
+    -------
+    Choice
+    """
+    turn = TURN * (leg.tolerance / 1e-6) ** -TURN_POWER
+    stiff = stiffness(leg)
+    if stiff > turn:
+        return Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
+    reason = f"stiffness {stiff:.3g} below {turn:.3g}: explicit is cheaper"
+    if taylor.available():
+        return Choice(HEYOKA, reason)
+    if leg.tolerance <= EXPLICIT_TIGHT:
+        return Choice("dop853", f"{reason}, and heyoka is not installed")
+    return Choice("cvodes", "heyoka is not installed, and the tolerance is moderate")
+
+
+def run(
+    legs: Sequence[Leg],
+    method: str = "auto",
+    *,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[list[Path], list[Choice]]:
+    """Run legs of one flow, times and tolerance.
+
+    Parameters
+    ----------
+    legs
+        What is asked.
+    method
+        A key of `METHODS`, or `auto`: then a leg on which its integrator gives up is tried with
+        another.
+    workers
+        Threads for heyoka's batches.
+    progress
+        Called with (done, total).
+
+    Returns
+    -------
+    paths, choices
+        One each for every leg.
+    """
+    auto = method == "auto"
+    choices = [choose(leg) if auto else Choice(method, "asked for") for leg in legs]
+    paths: list[Path | None] = [None] * len(legs)
+    total, done = len(legs), 0
+
+    def advance(count: int) -> None:
+        nonlocal done
+        done += count
+        if progress is not None:
+            progress(done, total)
+
+    mine = [i for i, c in enumerate(choices) if c.method == HEYOKA]
+    if len(mine) > 1:
+        found = taylor.integrate_many([legs[i] for i in mine], workers, advance)
+        for i, path in zip(mine, found, strict=True):
+            paths[i] = path
+    for i, leg in enumerate(legs):
+        path = paths[i]
+        if path is None:
+            path = METHODS[choices[i].method](leg)
+            advance(1)
+        if auto and path.end is not None and path.end.kind == UNRESOLVED:
+            path, choices[i] = _second(leg, path, choices[i])
+        paths[i] = path
+    return [p for p in paths if p is not None], choices
+
+
+def _second(leg: Leg, first: Path, choice: Choice) -> tuple[Path, Choice]:
+    """Another integrator where the chosen one gave up; the first answer if it does no better."""
+    assert first.end is not None
+    other = "lsoda" if choice.method == "cvodes" else "cvodes"
+    second = METHODS[other](leg)
+    if second.end is not None and second.end.kind == UNRESOLVED:
+        return first, choice
+    return second, Choice(other, f"{choice.method} gave up at {first.end.time:.6g}")

@@ -1,0 +1,84 @@
+"""One leg of a motion and its path: what every integrator is asked, and what it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .flow import Flow
+
+Floats = NDArray[np.float64]
+
+UNRESOLVED = "unresolved"
+"""The kind of an end at which an integrator gave up."""
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """One run of one flow from one start; dimensionless."""
+
+    flow: Flow
+    """The equations and guards."""
+    p: Floats
+    """Parameters of the flow, shape (m,)."""
+    start: Floats
+    """y at times[0], shape (n,)."""
+    times: Floats
+    """Times at which y is asked, rising, the first that of the start, shape (t,)."""
+    tolerance: float
+    """Local error allowed in a step, relative and absolute."""
+    max_steps: int
+    """Steps after which the run gives up."""
+
+
+@dataclass(frozen=True, eq=False)
+class End:
+    """Where a leg ended before its last time."""
+
+    kind: str
+    """Name of the guard that reached zero, or `unresolved`."""
+    time: float
+    """When."""
+    state: Floats
+    """y there, shape (n,); for `unresolved` the last state that passed its error test."""
+    message: str = ""
+    """The integrator's own words, for `unresolved`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """The answer: y at the asked times as far as the run went."""
+
+    states: Floats
+    """y at `times[:len(states)]`, shape (≤ t, n)."""
+    end: End | None
+    """Where it ended early, or None."""
+    steps: int
+    """Steps taken, or evaluations where the library counts no steps."""
+
+
+Integrate = Callable[[Leg], Path]
+"""An integrator: a leg in, a path out."""
+
+
+def guard_at(flow: Flow, p: Floats, state: Floats) -> str:
+    """The guard that is zero at an event: the one nearest to it.
+
+    Parameters
+    ----------
+    flow
+        The flow.
+    p
+        Its parameters.
+    state
+        y at the event.
+
+    Returns
+    -------
+    str
+    """
+    values, _ = flow.margins(state, p)
+    return list(flow.guards)[int(np.argmin(np.abs(values)))]

@@ -1,0 +1,204 @@
+"""The CasADi routes: CVODES on the explicit graph, IDAS on the implicit one; good where stiff.
+
+A CasADi integrator runs through its whole grid in one call and cannot be stopped on the way.  So a
+leg is first run as a whole; the guards are then checked on the grid, and only where one of them
+falls, or where the library gave up, the interval is taken again in small pieces.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from contextlib import redirect_stderr
+from functools import lru_cache, partial
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from .flow import Flow
+from .route import UNRESOLVED, End, Floats, Leg, Path
+from .stepping import _dips
+
+FILL = 200
+"""Intervals at which the guards are checked at least."""
+FINEST = 1e-15
+"""Smallest tolerance that is passed on."""
+STEPS = 20_000
+"""Steps within one interval of the grid after which the library gives up."""
+SHORTEST = 1e-10
+"""Length of an interval, relative to the whole, below which a failure is final."""
+
+
+@lru_cache(maxsize=64)
+def _integrator(flow: Flow, plugin: str, tolerance: float, grid: bytes) -> tuple[Any, Any]:
+    """A CasADi integrator over a grid of fractions of a span T, and the function for its z0."""
+    span = ca.SX.sym("span")
+    problem = {"x": flow.x, "p": ca.vertcat(flow.p, span), "ode": span * flow.rhs}
+    guess = None
+    if plugin == "idas":
+        system = flow.system
+        assert system.mass is not None
+        assert system.forcing is not None
+        z = ca.SX.sym("z", len(system.unknowns))
+        by_name = dict(zip(system.unknowns, ca.vertsplit(z), strict=True))
+        own = [by_name.get(f"d_{s}", flow.rhs[i]) for i, s in enumerate(system.states)]
+        rest = flow.rhs[len(own) :]
+        problem |= {
+            "z": z, "ode": span * ca.vertcat(*own, rest), "alg": system.mass @ z - system.forcing,
+        }  # fmt: skip
+        guess = ca.Function("z0", [flow.x, flow.p], [ca.solve(system.mass, system.forcing)])
+    options = {
+        "reltol": tolerance, "abstol": tolerance, "max_num_steps": STEPS,
+        "disable_internal_warnings": True, "show_eval_warnings": False,
+    }  # fmt: skip
+    if plugin == "idas":
+        options["suppress_algebraic"] = True
+    fractions = np.frombuffer(grid).tolist()
+    return ca.integrator("run", plugin, problem, 0.0, fractions, options), guess
+
+
+def _run(leg: Leg, plugin: str, start: Floats, times: Floats) -> tuple[Floats, int] | None:
+    """States at times[1:], from times[0]; None where the library gave up or left finite numbers."""
+    span = float(times[-1] - times[0])
+    fractions = (times[1:] - times[0]) / span
+    fractions[-1] = 1.0
+    tolerance = max(leg.tolerance, FINEST)
+    run, guess = _integrator(leg.flow, plugin, tolerance, fractions.tobytes())
+    given = {"x0": start, "p": np.append(leg.p, span)}
+    if guess is not None:
+        given["z0"] = guess(start, leg.p)
+    try:
+        with redirect_stderr(io.StringIO()):  # the library prints what the return value says
+            found = np.array(run(**given)["xf"]).T
+    except RuntimeError:
+        return None
+    steps = int(run.stats().get("nsteps", 0))
+    return (found, steps) if np.isfinite(found).all() else None
+
+
+def integrate(leg: Leg, *, plugin: str) -> Path:
+    """Run one leg with CVODES or IDAS.
+
+    Parameters
+    ----------
+    leg
+        What is asked.
+    plugin
+        `cvodes` or `idas`.
+
+    Returns
+    -------
+    Path
+    """
+    times = leg.times
+    if len(times) == 1:
+        return Path(leg.start[None], None, 0)
+    grid = np.union1d(times, np.linspace(times[0], times[-1], FILL + 1))
+    grid = grid[np.append(True, np.diff(grid) > 1e-14 * max(abs(times[-1]), 1e-300))]
+    grid = np.union1d(grid, times)
+    whole = _run(leg, plugin, leg.start, grid)
+    if whole is None:
+        known, first, steps = leg.start[None], 0, 0
+    else:
+        known, steps = np.vstack([leg.start[None], whole[0]]), whole[1]
+        first = _first_fall(leg, grid, known)
+    end = None
+    if first is not None:
+        rest, end, more = _march(leg, plugin, grid[first:], known[first])
+        known, steps = np.vstack([known[: first + 1], rest]), steps + more
+    at = np.searchsorted(grid, times)
+    return Path(known[at[at < len(known)]], end, steps)
+
+
+def _falls(leg: Leg, steps: Floats, values: Floats, rates: Floats) -> Any:
+    """For each interval whether a guard ends it below zero, or may dip below within it."""
+    bad = ~(values[1:] > 0).all(axis=-1)
+    turning = (rates[:-1] < 0) & (rates[1:] > 0)
+    for i, j in np.argwhere(turning):
+        h = steps[i]
+        bad[i] |= _dips(values[i, j], values[i + 1, j], h * rates[i, j], h * rates[i + 1, j])
+    return bad
+
+
+def _first_fall(leg: Leg, grid: Floats, states: Floats) -> int | None:
+    values, rates = leg.flow.margins(states, leg.p)
+    bad = np.flatnonzero(_falls(leg, np.diff(grid), values, rates))
+    return int(bad[0]) if bad.size else None
+
+
+def _march(
+    leg: Leg, plugin: str, grid: Floats, start: Floats
+) -> tuple[Floats, End | None, int]:
+    """Interval by interval, each checked, with pieces as short as it takes."""
+    rows: list[Floats] = []
+    state, time, steps = start, float(grid[0]), 0
+    shortest = SHORTEST * float(leg.times[-1] - leg.times[0])
+    for target in grid[1:]:
+        piece = float(target) - time
+        while time < target:
+            piece = min(piece, float(target) - time)
+            full = piece == float(target) - time
+            fine = np.linspace(time, float(target) if full else time + piece, 9)
+            got = _run(leg, plugin, state, fine)
+            if got is None:
+                piece /= 8
+                if piece < shortest or steps > leg.max_steps:
+                    end = End(UNRESOLVED, time, state, f"{plugin} made no further step")
+                    return np.array(rows).reshape(-1, len(start)), end, steps
+                continue
+            steps += got[1]
+            states = np.vstack([state[None], got[0]])
+            fall = _first_fall(leg, fine, states)
+            if fall is not None:
+                end = _locate(leg, plugin, fine[fall : fall + 2], states[fall])
+                if end is not None:
+                    return np.array(rows).reshape(-1, len(start)), end, steps
+            state, time = got[0][-1], float(fine[-1])
+        rows.append(state)
+    return np.array(rows).reshape(-1, len(start)), None, steps
+
+
+def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
+    """The first guard that reaches zero within a short interval, by bisection on its length."""
+    from scipy.optimize import brentq, minimize_scalar
+
+    low, high = float(span[0]), float(span[1])
+
+    def at(t: float) -> Floats:
+        if t <= low:
+            return start
+        got = _run(leg, plugin, start, np.array([low, t]))
+        return np.full_like(start, np.nan) if got is None else got[0][-1]
+
+    ends: list[tuple[float, str]] = []
+    for i, name in enumerate(leg.flow.guards):
+
+        def guard(t: float, i: int = i) -> float:
+            value = float(leg.flow.margins(at(t), leg.p)[0][i])
+            return value if np.isfinite(value) else -1.0
+
+        right = high
+        if guard(high) > 0:
+            best = minimize_scalar(guard, bounds=(low, high), method="bounded")
+            if not best.fun < 0:
+                continue
+            right = float(best.x)
+        if guard(low) <= 0:
+            ends.append((low, name))
+            continue
+        xtol = 4 * np.finfo(float).eps * max(1.0, abs(high))
+        ends.append((float(brentq(guard, low, right, xtol=xtol)), name))
+    if not ends:
+        return None
+    when, name = min(ends)
+    state = at(when)
+    if not np.isfinite(state).all():
+        return End(UNRESOLVED, low, start, f"{plugin} made no further step")
+    return End(name, when, state)
+
+
+METHODS: dict[str, Callable[[Leg], Path]] = {
+    name: partial(integrate, plugin=name) for name in ("cvodes", "idas")
+}
+"""The CasADi routes by name."""

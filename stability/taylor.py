@@ -1,0 +1,242 @@
+"""The Taylor route: heyoka integrates the same graph, one launch or many at once (optional)."""
+
+from __future__ import annotations
+
+import copy
+import importlib.util
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from threading import Lock
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from .algebra import Algebra, Program
+from .flow import Flow
+from .route import UNRESOLVED, End, Floats, Leg, Path, guard_at
+
+FINEST = 1e-16
+"""Smallest tolerance that is passed on."""
+
+
+@cache
+def available() -> bool:
+    """Whether heyoka is installed.
+
+    Returns
+    -------
+    bool
+    """
+    return importlib.util.find_spec("heyoka") is not None
+
+
+@cache
+def heyoka_algebra() -> Algebra:
+    """Expressions of heyoka.
+
+    Returns
+    -------
+    Algebra
+    """
+    import heyoka as hy
+
+    names = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh")
+    table: dict[str, Callable[..., Any]] = {n: getattr(hy, n) for n in (*names, "tanh")}
+    table["pow"] = lambda x, y: x**y
+    return Algebra("heyoka", hy.expression, table)
+
+
+def _expressions(flow: Flow) -> tuple[list[Any], list[Any], Any]:
+    """Symbols, rates and the product of the guards: one event in place of several."""
+    import heyoka as hy
+
+    product = ca.SX(1)
+    for guard in flow.guards.values():
+        product = product * guard
+    program = Program(ca.Function("taylor", [flow.x, flow.p], [flow.rhs, product]))
+    symbols = list(hy.make_vars(*flow.names))
+    parameters = [hy.par[i] for i in range(flow.p.numel())]
+    algebra = heyoka_algebra()
+    values = program.dense(algebra, [symbols, parameters])
+    guard = program.run(algebra, [symbols, parameters])[1][0]
+    return symbols, [row[0] for row in values], guard
+
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """A compiled integrator, lent to one thread at a time."""
+
+    spare: list[Any]
+    """Copies that nobody uses now."""
+    build: Callable[[], Any]
+    """Makes the first."""
+    lock: Any
+    """Guards the list."""
+
+    def take(self) -> Any:
+        with self.lock:
+            if len(self.spare) > 1:
+                return self.spare.pop()
+            if not self.spare:
+                self.spare.append(self.build())
+            return copy.deepcopy(self.spare[0])
+
+    def give(self, integrator: Any) -> None:
+        with self.lock:
+            if len(self.spare) < 1 + (os.cpu_count() or 1):
+                self.spare.append(integrator)
+
+
+@lru_cache(maxsize=64)
+def _single(flow: Flow, tolerance: float) -> _Held:
+    def build() -> Any:
+        import heyoka as hy
+
+        symbols, rates, guard = _expressions(flow)
+        event = hy.t_event(guard, direction=hy.event_direction.negative)
+        return hy.taylor_adaptive(
+            list(zip(symbols, rates, strict=True)), np.zeros(len(symbols)),
+            pars=np.zeros(flow.p.numel()), tol=tolerance, t_events=[event],
+        )  # fmt: skip
+
+    return _Held([], build, Lock())
+
+
+def integrate(leg: Leg) -> Path:
+    """Run one leg with heyoka's adaptive Taylor integrator and its event detection.
+
+    Parameters
+    ----------
+    leg
+        What is asked.
+
+    Returns
+    -------
+    Path
+    """
+    import heyoka as hy
+
+    held = _single(leg.flow, max(leg.tolerance, FINEST))
+    ta = held.take()
+    ta.state[:] = leg.start
+    ta.pars[:] = leg.p
+    ta.time = leg.times[0]
+    ta.reset_cooldowns()
+    outcome, _, _, steps, _, states = ta.propagate_grid(leg.times, max_steps=leg.max_steps)
+    end = None
+    if outcome != hy.taylor_outcome.time_limit:
+        end = _end(leg, outcome, float(ta.time), ta.state.copy())
+        states = states[: np.searchsorted(leg.times, end.time)]
+    held.give(ta)
+    return Path(np.asarray(states), end, int(steps))
+
+
+def _end(leg: Leg, outcome: Any, time: float, state: Floats) -> End:
+    if int(outcome) > -(2**32) - 1 and np.isfinite(state).all():  # a terminal event
+        return End(guard_at(leg.flow, leg.p, state), time, state)
+    return End(UNRESOLVED, time, state, f"heyoka stopped: {outcome}")
+
+
+class _Stop:
+    """Ends a lane of a batch at its event: the lane stands still from there on."""
+
+    def __init__(self) -> None:
+        self.ends: dict[int, tuple[float, Floats]] = {}
+
+    def __call__(self, ta: Any, _sign: Any, lane: int) -> bool:
+        ta.pars[-1, lane] = 0.0
+        self.ends.setdefault(lane, (float(ta.time[lane]), ta.state[:, lane].copy()))
+        return True
+
+
+@lru_cache(maxsize=64)
+def _batch(flow: Flow, tolerance: float) -> _Held:
+    def build() -> Any:
+        import heyoka as hy
+
+        symbols, rates, guard = _expressions(flow)
+        moving = hy.par[flow.p.numel()]  # 1 while a lane moves, 0 once a guard has ended it
+        event = hy.t_event_batch(guard, callback=_Stop(), direction=hy.event_direction.negative)
+        width = hy.recommended_simd_size()
+        return hy.taylor_adaptive_batch(
+            [(s, r * moving) for s, r in zip(symbols, rates, strict=True)],
+            np.zeros((len(symbols), width)), pars=np.ones((flow.p.numel() + 1, width)),
+            tol=tolerance, t_events=[event],
+        )  # fmt: skip
+
+    return _Held([], build, Lock())
+
+
+def integrate_many(
+    legs: Sequence[Leg], workers: int | None = None, progress: Callable[[int], None] | None = None
+) -> list[Path]:
+    """Run many legs of one flow, times and tolerance: as many at once as the processor has lanes.
+
+    Parameters
+    ----------
+    legs
+        What is asked; they share flow, times, tolerance and max_steps.
+    workers
+        Threads; as many as there are cores when left out.  Each has an integrator of its own.
+    progress
+        Called with the number of legs that were finished since the last call.
+
+    Returns
+    -------
+    list of Path
+        In the order of the legs; a lane's result does not depend on the number of workers.
+    """
+    held = _batch(legs[0].flow, max(legs[0].tolerance, FINEST))
+    first = held.take()
+    width: int = first.batch_size
+    held.give(first)
+    groups = [range(i, min(i + width, len(legs))) for i in range(0, len(legs), width)]
+    paths: list[Path | None] = [None] * len(legs)
+
+    def run(group: range) -> int:
+        ta = held.take()
+        for i, path in zip(group, _lanes(ta, [legs[i] for i in group]), strict=True):
+            paths[i] = path
+        held.give(ta)
+        return len(group)
+
+    threads = min(workers or len(os.sched_getaffinity(0)), len(groups))
+    with ThreadPoolExecutor(threads) as pool:
+        for done in pool.map(run, groups) if threads > 1 else map(run, groups):
+            if progress is not None:
+                progress(done)
+    return [path for path in paths if path is not None]
+
+
+def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
+    """One batch; lanes that have no launch repeat the last one."""
+    import heyoka as hy
+
+    width, times = ta.batch_size, legs[0].times
+    filled = legs + legs[-1:] * (width - len(legs))
+    ta.state[:] = np.column_stack([leg.start for leg in filled])
+    ta.pars[:-1] = np.column_stack([leg.p for leg in filled])
+    ta.pars[-1] = 1.0
+    ta.set_time(float(times[0]))
+    ta.reset_cooldowns()
+    stop: _Stop = ta.t_events[0].callback
+    stop.ends.clear()
+    grid = np.repeat(times[:, None], width, axis=1)
+    _, states = ta.propagate_grid(grid, max_steps=legs[0].max_steps)
+    paths = []
+    for lane, leg in enumerate(legs):
+        outcome, _, _, steps = ta.propagate_res[lane]
+        if outcome != hy.taylor_outcome.time_limit:
+            paths.append(integrate(leg))  # one lane failed and stopped all: each for itself
+            continue
+        mine, end = states[:, :, lane], None
+        if lane in stop.ends:
+            when, where = stop.ends[lane]
+            end = End(guard_at(leg.flow, leg.p, where), when, where)
+            mine = mine[: np.searchsorted(times, when)]
+        paths.append(Path(mine, end, int(steps)))
+    return paths
