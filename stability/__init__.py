@@ -13,7 +13,7 @@ __version__ = "0.2.0"
 
 _HOME = {
     "disk": ("Disk", "REAL_DISKS"),
-    "contact": ("Smooth", "Viscous", "LinearViscous", "Rough"),
+    "contact": ("Smooth", "Viscous", "LinearViscous", "Rough", "Coulomb", "RegularisedCoulomb"),
     "system": ("System", "Condition"),
     "algebra": ("UPRIGHT",),
     "families": ("Family",),
@@ -30,6 +30,9 @@ _HOME = {
     "exact": ("exact_polynomial", "Exact"),
     "passage": ("drift", "Drift"),
     "lines": ("hopf", "HopfPoint", "HopfKind"),
+    "motion": ("simulate",),
+    "outcome": ("Outcome",),
+    "trajectory": ("read_motion", "write_motion"),
     "errors": ("StabilityError",),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
@@ -40,7 +43,9 @@ if TYPE_CHECKING:
     from .algebra import UPRIGHT as UPRIGHT
     from .boundary import BoundaryPoint as BoundaryPoint
     from .boundary import Crossing as Crossing
+    from .contact import Coulomb as Coulomb
     from .contact import LinearViscous as LinearViscous
+    from .contact import RegularisedCoulomb as RegularisedCoulomb
     from .contact import Rough as Rough
     from .contact import Smooth as Smooth
     from .contact import Viscous as Viscous
@@ -60,6 +65,8 @@ if TYPE_CHECKING:
     from .lines import hopf as hopf
     from .maps import boundaries as boundaries
     from .maps import stability_map as stability_map
+    from .motion import simulate as simulate
+    from .outcome import Outcome as Outcome
     from .passage import Drift as Drift
     from .passage import drift as drift
     from .query import spectrum as spectrum
@@ -68,6 +75,8 @@ if TYPE_CHECKING:
     from .stream import stream_map as stream_map
     from .system import Condition as Condition
     from .system import System as System
+    from .trajectory import read_motion as read_motion
+    from .trajectory import write_motion as write_motion
     from .verdict import Nonlinear as Nonlinear
     from .verdict import Verdict as Verdict
 

@@ -206,9 +206,43 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     FileError
         If there is no such file, or it is not a NetCDF file, or not one of ours.
     """
-    import xarray
-
     from .dataset import FORMAT
+
+    dataset = opened(path, FORMAT, "a map", lazy=lazy)
+    for name, variable in list(dataset.variables.items()):
+        if PARTS in variable.dims:
+            values = variable.values[..., 0] + 1j * variable.values[..., 1]
+            attributes = {k: v for k, v in variable.attrs.items() if k != "complex"}
+            dataset[name] = xarray.Variable(variable.dims[:-1], values, attributes)
+    return dataset
+
+
+def opened(
+    path: str | os.PathLike[str], form: str, what: str, *, lazy: bool = False
+) -> xarray.Dataset:
+    """A NetCDF file of ours as a dataset, or a sentence why not.
+
+    Parameters
+    ----------
+    path
+        File to read.
+    form
+        What its attribute `format` must be.
+    what
+        What it should hold, in words.
+    lazy
+        Whether to leave the data in the file.
+
+    Returns
+    -------
+    xarray.Dataset
+
+    Raises
+    ------
+    FileError
+        If there is no such file, or it is not a NetCDF file, or not of that format.
+    """
+    import xarray
 
     source = _path(path)
     try:
@@ -216,24 +250,20 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     except OSError as error:
         raise FileError(f"{str(source)[:60]} cannot be read: {error.strerror}.") from None
     if not there:
-        raise FileError(f"{source} is not a file; give a map written by stability.")
+        raise FileError(f"{source} is not a file; give {what} written by stability.")
     try:
         if lazy:
             dataset = xarray.open_dataset(source, engine=ENGINE)
         else:
-            with xarray.open_dataset(source, engine=ENGINE) as opened:
-                dataset = opened.load()
+            with xarray.open_dataset(source, engine=ENGINE) as file:
+                dataset = file.load()
     except (OSError, ValueError, KeyError, RuntimeError, TypeError) as error:
         raise FileError(
             f"{source} cannot be read as NetCDF ({str(error).splitlines()[0][:80]}); it may be "
             "damaged or of another format."
         ) from None
-    if str(dataset.attrs.get("format")) != FORMAT or "verdict" not in dataset.variables:
+    marker = "outcome" if what == "a motion" else "verdict"
+    if str(dataset.attrs.get("format")) != form or marker not in dataset.variables:
         dataset.close()
-        raise FileError(f"{source} is a NetCDF file but not a map written by stability.")
-    for name, variable in list(dataset.variables.items()):
-        if PARTS in variable.dims:
-            values = variable.values[..., 0] + 1j * variable.values[..., 1]
-            attributes = {k: v for k, v in variable.attrs.items() if k != "complex"}
-            dataset[name] = xarray.Variable(variable.dims[:-1], values, attributes)
+        raise FileError(f"{source} is a NetCDF file but not {what} written by stability.")
     return dataset

@@ -1,0 +1,296 @@
+"""Simulation: launch a disk, and say what becomes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .contact import Contact
+from .disk import Disk, checked
+from .errors import ParameterError
+from .flow import Floats, flat_sine, flow
+from .integrators import FINEST, HEYOKA, Choice, check_method, choose, run
+from .launches import Launches, gather
+from .outcome import OF_END, Outcome
+from .route import End, Leg, Path
+from .settling import Nearest, nearest
+from .sticking import SLIDING, STICKING, DryPath, Transition
+from .sticking import integrate as integrate_dry
+
+if TYPE_CHECKING:
+    import xarray
+
+LOOSEST, TIGHTEST = 1e-2, 1e-16
+"""Range of `tolerance`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """One launch after its run, dimensionless."""
+
+    path: Path
+    """y at the asked times, and the end."""
+    choice: Choice
+    """The integrator and why."""
+    outcome: Outcome
+    """How it ended."""
+    time: float
+    """When: the last time, or that of the event."""
+    final: Floats
+    """y then."""
+    near: Nearest
+    """The nearest steady motion."""
+    settled_at: float
+    """Time from which the distance stayed below the asked one; the end's where not settled."""
+    modes: Floats | None
+    """Sliding or sticking at each sample, for dry friction."""
+    last_mode: int
+    """The mode at the end."""
+    transitions: tuple[Transition, ...]
+    """Between sliding and sticking."""
+
+    @property
+    def evidence(self) -> str:
+        """One sentence on why the outcome is what it is."""
+        end = self.path.end
+        if self.outcome is Outcome.SETTLED or end is None:
+            return self.near.evidence
+        if end.message:
+            return end.message
+        return f"{end.kind} at time {end.time:.9g}"
+
+
+def simulate(
+    disk: Disk,
+    contact: Contact,
+    start: Any,
+    times: ArrayLike,
+    *,
+    method: str = "auto",
+    tolerance: float = 1e-9,
+    pose: bool = False,
+    flat: float = 1e-6,
+    settle: float = 1e-3,
+    max_steps: int = 1_000_000,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xarray.Dataset:
+    """The motion of a disk from a start, and what becomes of it.
+
+    Parameters
+    ----------
+    disk
+        The disk; its fields may be arrays.  With m = R = g = 1 every number is dimensionless,
+        otherwise SI.
+    contact
+        `Smooth`, `Viscous`, `LinearViscous`, `Rough`, `Coulomb` (with true sticking) or
+        `RegularisedCoulomb`.
+    start
+        theta, theta_dot, phi_dot, omega3, slip_x, slip_y along the last axis, shape (…, 6)
+        [rad, rad/s, m/s], or a mapping by these names (what is left out is 0).  Four values do for
+        smooth and rough.
+    times
+        Times to report, rising [s], shape (t,), or a last time, which stands for 201 equal steps
+        from 0.  The start is time 0.
+    method
+        `auto` (by stiffness and tolerance), or `heyoka`, `dop853`, `lsoda`, `radau`, `bdf`,
+        `cvodes`, `idas`.
+    tolerance
+        Error allowed in one step, relative and absolute to 1; from 1e-16 to 1e-2.
+    pose
+        Whether to report φ, ψ, and the paths of centre and contact point.
+    flat
+        Angle from 0 or π that counts as flat [rad].
+    settle
+        Largest distance from a steady motion, dimensionless, at which it can count as settled on.
+    max_steps
+        Steps after which a run gives up.
+    workers
+        Threads for many launches at once; one for each core when left out.
+    progress
+        Called with (launches done, launches in all).
+
+    Returns
+    -------
+    xarray.Dataset
+        States and observables over (…, time), with units; `outcome` (CF flags), `evidence`,
+        `end_time`, `energy_error` and the nearest steady motion for each launch; the event log
+        along `event`; provenance in the attributes.  A single run that ended early has its end as
+        last sample.  Of several, each holds its last state after its end, where `running` is 0.
+
+    Raises
+    ------
+    StabilityError
+        In one sentence, if something is not accepted: a flat or detached start, D ≤ 0, numbers
+        that are not finite, shapes that do not fit, times that do not rise.
+
+    Source: Przybylska & Rauch-Wojciechowski 2016, Sections 2 and 5; tests/test_motion.py holds
+    it against an inertial-frame formulation and closed forms.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.52, "phi_dot": 2.5}, 200.0)
+    >>> run.attrs["outcome"], str(run.nearest_family.values)
+    ('settled', 'spinning')
+    >>> bool(run.energy_error < 1e-9)
+    True
+    """
+    from .trajectory import assemble
+
+    settings = Settings(check_method(method), tolerance, pose, flat, settle, max_steps, workers)
+    settings.check()
+    launches = gather(disk, contact, start, times)
+    _not_flat(launches, settings)
+    return assemble(launches, settings, results(launches, settings, progress))
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a run is made; fields as the keywords of `simulate`."""
+
+    method: str
+    """Integrator."""
+    tolerance: float
+    """Error allowed in a step."""
+    pose: bool
+    """Whether the pose is carried along."""
+    flat: float
+    """Angle that counts as flat [rad]."""
+    settle: float
+    """Largest distance that can count as settled."""
+    max_steps: int
+    """Steps after which a run gives up."""
+    workers: int | None
+    """Threads."""
+
+    def check(self) -> None:
+        """Refuse what is out of range, in one sentence."""
+        for name in ("tolerance", "flat", "settle"):
+            value = checked(name, getattr(self, name))
+            if not isinstance(value, float):
+                raise ParameterError(f"{name} has shape {np.shape(value)}; give one number.")
+        if not TIGHTEST <= self.tolerance <= LOOSEST:
+            raise ParameterError(
+                f"tolerance is {self.tolerance:g}; give one from {TIGHTEST:g} to {LOOSEST:g}."
+            )
+        if not 0 < self.flat <= 0.1:
+            raise ParameterError(f"flat is {self.flat:g}; give an angle above 0 up to 0.1 rad.")
+        if not 0 <= self.settle <= 0.1:
+            raise ParameterError(f"settle is {self.settle:g}; give a distance from 0 to 0.1.")
+        for name in ("max_steps", "workers"):
+            value = getattr(self, name)
+            if name == "workers" and value is None:
+                continue
+            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
+                raise ParameterError(f"{name} is {value!r}; give a whole number above 0.")
+
+
+def _not_flat(launches: Launches, settings: Settings) -> None:
+    theta = launches.starts[:, 0]
+    bad = np.flatnonzero(np.minimum(theta, np.pi - theta) <= settings.flat)
+    if bad.size:
+        raise ParameterError(
+            f"theta of start is {theta[bad[0]]:g}, flat within flat = {settings.flat:g} rad; start "
+            "the disk more upright, or give a smaller flat."
+        )
+
+
+def results(
+    launches: Launches, settings: Settings, progress: Callable[[int, int], None] | None = None
+) -> list[Result]:
+    """Run every launch and judge its outcome.
+
+    Parameters
+    ----------
+    launches
+        Checked.
+    settings
+        How.
+    progress
+        As for `simulate`.
+
+    Returns
+    -------
+    list of Result
+        In the order of the launches.
+    """
+    which = flow(launches.law, pose=settings.pose)
+    sine = flat_sine(settings.flat)
+    lead = launches.times[:1] != 0
+    times = np.concatenate([[0.0], launches.times]) if lead else launches.times
+    clock = launches.scales["time"]
+    # launches of one time scale share their array of times
+    shared = times / float(clock) if clock.ndim == 0 else None
+    legs = [
+        Leg(
+            which, np.append(p, sine), y,
+            times / float(clock[i]) if shared is None else shared,
+            settings.tolerance, settings.max_steps,
+        )
+        for i, (p, y) in enumerate(zip(launches.p, which.pack(launches.starts), strict=True))
+    ]  # fmt: skip
+    found: list[Result] = []
+    if launches.law == "coulomb":
+        for i, leg in enumerate(legs):
+            dry = integrate_dry(leg, settings.method, pose=settings.pose)
+            choice = Choice(settings.method, "landings and onsets by LSODA and CVODES")
+            if settings.method == "auto":
+                choice = Choice(choose(leg).method, "sliding; landings by LSODA, onsets by CVODES")
+            found.append(_judge(leg, dry.path, choice, launches, settings, dry))
+            if progress is not None:
+                progress(i + 1, len(legs))
+    else:
+        paths, choices = run(legs, settings.method, workers=settings.workers, progress=progress)
+        for leg, path, choice in zip(legs, paths, choices, strict=True):
+            found.append(_judge(leg, path, choice, launches, settings, None))
+    return found
+
+
+def _judge(
+    leg: Leg, path: Path, choice: Choice, launches: Launches, settings: Settings,
+    dry: DryPath | None,
+) -> Result:  # fmt: skip
+    end: End | None = path.end
+    final = path.states[-1] if end is None else end.state
+    time = float(leg.times[-1]) if end is None else end.time
+    six = leg.flow.six(final)
+    near = nearest(six, launches.law, leg.p[:-1], settings.settle)
+    outcome = Outcome.MOVING if end is None else OF_END[end.kind]
+    since = time
+    if end is None and near.settled:
+        outcome = Outcome.SETTLED
+        since = _since(leg, path, near, settings.settle)
+    return Result(
+        path, choice, outcome, time, final, near, since,
+        dry.modes if dry else None, dry.mode if dry else SLIDING,
+        tuple(dry.transitions) if dry else (),
+    )  # fmt: skip
+
+
+def _since(leg: Leg, path: Path, near: Nearest, within: float) -> float:
+    """The first sample from which the motion stayed within the distance of the family."""
+    from .settling import deviation
+
+    _, e = deviation(leg.flow.six(path.states), float(leg.p[0]), near.family)
+    outside = np.flatnonzero(np.linalg.norm(e, axis=-1) > within)
+    first = 0 if outside.size == 0 else min(int(outside[-1]) + 1, len(leg.times) - 1)
+    return float(leg.times[first])
+
+
+def tolerance_used(choice: Choice, tolerance: float) -> float:
+    """The tolerance that the integrator was given, not below what it accepts.
+
+    Examples
+    --------
+    >>> tolerance_used(Choice("heyoka", ""), 1e-12)
+    1e-12
+    """
+    return max(tolerance, FINEST[choice.method])
+
+
+__all__ = ["HEYOKA", "STICKING", "Result", "Settings", "results", "simulate", "tolerance_used"]

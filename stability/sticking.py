@@ -1,0 +1,514 @@
+"""Dry friction without regularisation: sliding, landing, sticking, and the passage between them.
+
+The slip is a vector, so |vA| → 0 is an event of codimension two: no signed function of the state
+crosses zero there.  Near it the slip is taken in polar form with the logarithm of its size,
+vA = e^ℓ (cos α, sin α), and time is stretched by dt = |vA| dτ.  Then
+
+    dℓ/dτ = f(α, …),   dα/dτ = h(α, …)
+
+is smooth up to |vA| = 0 (f and h are the slip's acceleration along and across its direction), and
+a motion that comes to rest tends to a direction with h = 0, f < 0.  It has landed when |vA| has
+fallen below `REST`; what is left of the time, |vA|/|f|, is below rounding.
+
+At rest every continuation is listed: sticking, if the force lies in the friction cone, and each
+direction with h = 0, f > 0, gn > 0 in which a slip can set in (h times the determinant D is a
+trigonometric polynomial of degree two, so there are at most four).  Exactly one must be left; none
+or several end the run with an outcome that says so.  tests/test_coulomb.py holds all this against
+an inertial formulation and against the limit of regularised friction.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from .algebra import Program
+from .equations import disk_system
+from .flow import CONE, FLAT, LIFT_OFF, NO_CONTACT, POSE, Flow, _pose_rates, flow
+from .integrators import METHODS, choose
+from .route import UNRESOLVED, End, Floats, Leg, Path
+
+NEAR = 1e-3
+"""Slip speed below which the polar form takes over [√(gR)]."""
+AWAY = 2e-3
+"""Slip speed at which it hands back."""
+REST = 1e-15
+"""Slip speed that counts as rest: what is left of the landing is below rounding."""
+ONSET = 1e-4
+"""Time over which an onset of slip is a series [√(R/g)]; its error is of the order of its cube."""
+STRETCHED = 1e12
+"""Longest stretched time of one landing or onset."""
+TRANSITIONS = 10_000
+"""Transitions after which a run gives up."""
+SMALL, LANDED, LEFT, SAMPLE = "small", "landed", "left", "sample"
+STICK, SLIP, NON_UNIQUE = "stick", "slip", "non-unique"
+SLIDING, STICKING = 0, 1
+"""Modes of a sample."""
+
+
+@dataclass(frozen=True, eq=False)
+class Transition:
+    """A passage from sliding to sticking or back."""
+
+    kind: str
+    """`stick` or `slip`."""
+    time: float
+    """When."""
+    state: Floats
+    """y there (that of sliding, with no slip)."""
+    direction: float
+    """Direction of the slip before sticking, or of the slip that sets in: angle from x̂ [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class DryPath:
+    """A motion with dry friction."""
+
+    path: Path
+    """y of sliding at the asked times, and the end."""
+    modes: Floats
+    """`SLIDING` or `STICKING` at each sample."""
+    transitions: list[Transition]
+    """In order of time."""
+    mode: int
+    """The mode in which it ended."""
+
+
+@dataclass(frozen=True, eq=False)
+class Continuations:
+    """What can follow from rest."""
+
+    sticks: bool
+    """Whether the force of sticking lies inside the friction cone, with gn > 0."""
+    ratio: float
+    """|F| / (mu gn) of sticking."""
+    directions: tuple[float, ...]
+    """Angles in which a slip can set in [rad]."""
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return self.sticks + len(self.directions)
+
+
+@lru_cache(maxsize=4)
+def polar_flow(*, pose: bool) -> Flow:
+    """Sliding in polar form and stretched time: y with ln|vA|, α for the slip, then the time.
+
+    Parameters
+    ----------
+    pose
+        As for `flow`.
+
+    Returns
+    -------
+    Flow
+        Parameters k, mu, flat, then the time of the next sample.
+    """
+    system = disk_system("coulomb", direction=True)
+    y = ca.SX.sym("y", 8 + (len(POSE) if pose else 0))
+    size, angle = ca.exp(y[4]), y[5]
+    slip = [size * ca.cos(angle), size * ca.sin(angle)]
+    x = ca.vertcat(y[:4], *slip)
+    k, mu = system.p[0], system.p[1]
+    seen = system.observables
+    inner = [system.rhs, seen["normal_force"], seen["determinant"], seen["power"]]
+    rates, normal, determinant, power = ca.substitute(
+        inner, [system.x, system.p], [x, ca.vertcat(k, mu, angle)]
+    )
+    along = ca.cos(angle) * rates[4] + ca.sin(angle) * rates[5]
+    across = ca.cos(angle) * rates[5] - ca.sin(angle) * rates[4]
+    rhs = [size * rates[:4], along, across, size * power]
+    names = ["theta", "theta_dot", "phi_dot", "omega3", "log_slip", "direction", "work"]
+    if pose:
+        rhs.append(size * _pose_rates(x, ca.vertcat(*slip), y[7:11]))
+        names += POSE
+    flat, sample = ca.SX.sym("flat"), ca.SX.sym("sample")
+    guards = {
+        LIFT_OFF: normal, FLAT: ca.sin(y[0]) - flat, NO_CONTACT: determinant,
+        LANDED: y[4] - math.log(REST), LEFT: math.log(AWAY) - y[4], SAMPLE: sample - y[-1],
+    }  # fmt: skip
+    return Flow(
+        system, y, ca.vertcat(k, mu, flat, sample), ca.vertcat(*rhs, size), guards,
+        (*names, "time"),
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=4)
+def sliding_flow(*, pose: bool) -> Flow:
+    """Sliding as the plain equations, with a guard where the slip becomes small.
+
+    Parameters
+    ----------
+    pose
+        As for `flow`.
+
+    Returns
+    -------
+    Flow
+    """
+    plain = flow("coulomb", pose=pose)
+    small = plain.x[4] ** 2 + plain.x[5] ** 2 - NEAR**2
+    return dataclasses.replace(plain, guards={**plain.guards, SMALL: small})
+
+
+@lru_cache(maxsize=1)
+def _at_rest() -> tuple[Program, Program]:
+    """The slip's acceleration, gn and D in a direction at rest; and gn and the force of sticking."""
+    along = disk_system("coulomb", direction=True)
+    seen = along.observables
+    rough = disk_system("rough")
+    held = rough.observables
+    sliding = ca.vertcat(along.rhs[4:6], seen["normal_force"], seen["determinant"])
+    sticking = ca.vertcat(held["normal_force"], held["contact_force"])
+    return (
+        Program(ca.Function("sliding", [along.x, along.p], [sliding])),
+        Program(ca.Function("sticking", [rough.x, rough.p], [sticking])),
+    )
+
+
+def slip_acceleration(
+    four: Floats, k: float, mu: float, angles: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """The slip's acceleration at rest, should it set in in a direction.
+
+    Parameters
+    ----------
+    four
+        theta, theta_dot, phi_dot, omega3.
+    k, mu
+        Inertia factor and friction.
+    angles
+        Directions from x̂ [rad], shape (n,).
+
+    Returns
+    -------
+    along, across, normal, determinant
+        f, h, gn and D, shape (n,) each.
+    """
+    x = [*(np.full_like(angles, v) for v in four), np.zeros_like(angles), np.zeros_like(angles)]
+    p = [np.full_like(angles, k), np.full_like(angles, mu), angles]
+    vx, vy, normal, d = np.moveaxis(
+        _at_rest()[0].arrays([x, p], angles.shape)[0][..., 0], -1, 0
+    )
+    c, s = np.cos(angles), np.sin(angles)
+    return c * vx + s * vy, c * vy - s * vx, normal, d
+
+
+def sticking_force(four: Floats, k: float) -> tuple[float, float, float]:
+    """Normal force and horizontal force that hold the contact point at rest [m g].
+
+    Parameters
+    ----------
+    four
+        theta, theta_dot, phi_dot, omega3.
+    k
+        Inertia factor.
+
+    Returns
+    -------
+    normal, force_x, force_y
+
+    Examples
+    --------
+    >>> sticking_force(np.array([math.pi / 2, 0, 0, 1.2]), 0.25)[0]
+    1.0
+    """
+    arguments = [[np.float64(v) for v in four], [np.float64(k)]]
+    values = _at_rest()[1].arrays(arguments, ())[0][..., 0]
+    return float(values[0]), float(values[1]), float(values[2])
+
+
+def directions(four: Floats, k: float, mu: float) -> Floats:
+    """Every direction in which the slip's acceleration at rest is radial (h = 0), to rounding.
+
+    Parameters
+    ----------
+    four, k, mu
+        As for `slip_acceleration`.
+
+    Returns
+    -------
+    ndarray
+        Angles, at most four.
+    """
+    angles = np.arange(8) * (math.pi / 4)
+    _, across, _, d = slip_acceleration(four, k, mu, angles)
+    if not np.isfinite(across * d).all():
+        angles = angles + 0.1  # a sample hit D = 0
+        _, across, _, d = slip_acceleration(four, k, mu, angles)
+    waves = np.fft.fft(across * d) / 8
+    waves = waves * np.exp(-1j * np.fft.fftfreq(8, 1 / 8) * angles[0])
+    polynomial = np.array([waves[2], waves[1], waves[0], waves[-1], waves[-2]])
+    roots = np.roots(polynomial)
+    near = np.angle(roots[np.abs(np.abs(roots) - 1) < 1e-6])
+    return np.array([_polish(four, k, mu, a) for a in near])
+
+
+def _polish(four: Floats, k: float, mu: float, angle: float) -> float:
+    """Two steps of the secant rule on h."""
+    step = 1e-6
+    for _ in range(3):
+        h = slip_acceleration(four, k, mu, np.array([angle - step, angle, angle + step]))[1]
+        slope = (h[2] - h[0]) / (2 * step)
+        if slope == 0 or not np.isfinite(slope) or abs(h[1] / slope) > 1e-3:
+            break
+        angle -= h[1] / slope
+    return float(angle)
+
+
+def continuations(four: Floats, k: float, mu: float) -> Continuations:
+    """Every way on from rest.
+
+    Parameters
+    ----------
+    four, k, mu
+        As for `slip_acceleration`.
+
+    Returns
+    -------
+    Continuations
+
+    Examples
+    --------
+    >>> at_rest = np.array([math.pi / 2, 0.0, 0.0, 1.2])
+    >>> c = continuations(at_rest, 0.25, 0.3)
+    >>> c.sticks, c.directions
+    (True, ())
+    """
+    normal, fx, fy = sticking_force(four, k)
+    ratio = math.hypot(fx, fy) / (mu * normal) if normal > 0 else math.inf
+    candidates = directions(four, k, mu)
+    free: tuple[float, ...] = ()
+    if candidates.size:
+        along, _, gn, _ = slip_acceleration(four, k, mu, candidates)
+        free = tuple(float(a) for a in candidates[(along > 1e-9) & (gn > 0)])
+    return Continuations(ratio <= 1.0, ratio, free)
+
+
+class _Dry:
+    """One run through its modes; y is that of sliding (with slip), whatever the mode."""
+
+    def __init__(self, leg: Leg, method: str, pose: bool) -> None:
+        self.leg, self.method, self.pose = leg, method, pose
+        self.k, self.mu, self.flat = (float(v) for v in leg.p)
+        self.times = leg.times
+        self.time, self.y = float(leg.times[0]), leg.start.copy()
+        self.rows: list[Floats] = [leg.start.copy()]
+        self.modes: list[int] = []
+        self.transitions: list[Transition] = []
+        self.steps = 0
+        self.onset = 0.0  # stretched time for which the slip has hardly begun, and is stiff
+        self.end: End | None = None
+
+    def run(self) -> DryPath:
+        size = math.hypot(self.y[4], self.y[5])
+        mode = self._rest(None) if size <= REST else SLIDING
+        self.modes.append(STICKING if mode == STICKING else SLIDING)
+        last = float(self.times[-1])
+        while self.end is None and self.time < last:
+            if len(self.transitions) > TRANSITIONS:
+                self._stop(UNRESOLVED, f"more than {TRANSITIONS} transitions")
+            elif mode == STICKING:
+                mode = self._stick()
+            elif math.hypot(self.y[4], self.y[5]) <= NEAR:
+                mode = self._near()
+            else:
+                mode = self._slide()
+        path = Path(np.array(self.rows), self.end, self.steps)
+        return DryPath(path, np.array(self.modes, dtype=float), self.transitions, mode)
+
+    # --- one mode each: run to its end, and say the next ---
+
+    def _slide(self) -> int:
+        kind = self._advance(
+            sliding_flow(pose=self.pose), self.leg.p, self.y, SLIDING, lambda y: y, self.method
+        )
+        if kind is not None and kind != SMALL:
+            self._stop(kind)
+        elif kind == SMALL:  # step inside, so that rounding cannot hold it at the border
+            self.y[4:6] *= NEAR * (1 - 1e-12) / math.hypot(self.y[4], self.y[5])
+        return SLIDING
+
+    def _stick(self) -> int:
+        stick = flow("coulomb", pose=self.pose, sticking=True)
+        p = np.array([self.k, self.mu, self.flat])
+        start = np.delete(self.y, [4, 5])
+        kind = self._advance(
+            stick, p, start, STICKING, lambda y: np.insert(y, [4, 4], 0.0, axis=-1), self.method
+        )
+        if kind == CONE:
+            return self._onset()
+        if kind is not None:
+            self._stop(kind)
+        return STICKING
+
+    def _near(self) -> int:
+        """Polar form: to rest, back to plain sliding, or to an end."""
+        polar = polar_flow(pose=self.pose)
+        own = len(self.y)
+        state = np.append(self.y, self.time)
+        state[4] = math.log(math.hypot(self.y[4], self.y[5]))
+        state[5] = math.atan2(self.y[5], self.y[4])
+        while True:
+            due = float(self.times[len(self.rows)])
+            p = np.array([self.k, self.mu, self.flat, due])
+            leg = Leg(polar, p, state, np.array([0.0, self.onset or STRETCHED]),
+                      max(self.leg.tolerance / 10, 1e-14), self.leg.max_steps)  # fmt: skip
+            # in an onset the direction adjusts at once while the slip has hardly begun: stiff
+            path = METHODS["cvodes" if self.onset else "lsoda"](leg)
+            self.steps += path.steps
+            if path.end is None and self.onset:
+                state, self.onset = path.states[-1], 0.0
+                continue
+            self.onset = max(self.onset - path.end.time, 0.0) if path.end else 0.0
+            if path.end is None:
+                self._stop(UNRESOLVED, "the slip neither ends nor grows")
+                return SLIDING
+            state = path.end.state
+            size, angle = math.exp(state[4]), float(state[5])
+            self.time, self.y = float(state[-1]), state[:own].copy()
+            self.y[4:6] = size * math.cos(angle), size * math.sin(angle)
+            if path.end.kind == SAMPLE:
+                self.time = due
+                self.rows.append(self.y.copy())
+                self.modes.append(SLIDING)
+                if len(self.rows) == len(self.times):
+                    return SLIDING
+                state[-1] = due
+                continue
+            if path.end.kind == LEFT:
+                self.onset = 0.0
+                return SLIDING
+            if path.end.kind == LANDED:
+                self.onset = 0.0
+                self.y[4:6] = 0.0
+                return self._rest(angle)
+            self._stop(path.end.kind, path.end.message)
+            return SLIDING
+
+    def _rest(self, arrival: float | None) -> int:
+        """At rest: the one way on, or an end."""
+        ways = continuations(self.y[:4], self.k, self.mu)
+        if ways.count == 1 and ways.sticks:
+            if arrival is not None:
+                self._note(STICK, arrival)
+            return STICKING
+        if ways.count == 1:
+            return self._depart(ways.directions[0])
+        if ways.count == 0 and ways.ratio <= 1 + 1e-9:  # on the edge of the cone
+            return self._onset()
+        self._stop(
+            NO_CONTACT if ways.count == 0 else NON_UNIQUE,
+            f"|F|/(mu gn) of sticking is {ways.ratio:.6g}, slip can set in at "
+            f"{[round(a, 6) for a in ways.directions]} rad",
+        )
+        return STICKING
+
+    def _depart(self, angle: float) -> int:
+        """Leave rest at once in a direction with f > 0: the slip grows in proportion to time."""
+        f = slip_acceleration(self.y[:4], self.k, self.mu, np.array([angle]))[0][0]
+        self._note(SLIP, angle)
+        tiny = 1e-9 * min(1.0, float(f))
+        self.y[4:6] = tiny * math.cos(angle), tiny * math.sin(angle)
+        return SLIDING
+
+    def _onset(self) -> int:
+        """Leave the friction cone: slip sets in against the force, and grows as time squared."""
+        _, fx, fy = sticking_force(self.y[:4], self.k)
+        angle = math.atan2(-fy, -fx)
+        others = [
+            a for a in continuations(self.y[:4], self.k, self.mu).directions
+            if math.cos(a - angle) < 0.999
+        ]  # fmt: skip
+        if others:
+            self._stop(NON_UNIQUE, f"at the edge of the cone slip can also set in at {others} rad")
+            return STICKING
+        before, when = self.y.copy(), self.time
+        stick = flow("coulomb", pose=self.pose, sticking=True)
+        plain = dataclasses.replace(stick, guards={})
+        leg = Leg(plain, np.array([self.k, self.mu, self.flat]), np.delete(before, [4, 5]),
+                  np.array([when, when + ONSET]), 1e-12, self.leg.max_steps)  # fmt: skip
+        after = np.insert(METHODS["dop853"](leg).states[-1], [4, 4], 0.0)
+        angle = _polish(after[:4], self.k, self.mu, angle)
+        f = float(slip_acceleration(after[:4], self.k, self.mu, np.array([angle]))[0][0])
+        while len(self.rows) < len(self.times) and self.times[len(self.rows)] <= when + ONSET:
+            t = self.times[len(self.rows)] - when
+            sample = before + (t / ONSET) * (after - before)  # a parabola's sagitta: 1e-9 at most
+            self.rows.append(sample)
+            self.modes.append(STICKING)
+        self.time = when + ONSET
+        if f <= 0:  # the cone was only grazed
+            self.y = after
+            return STICKING
+        self.transitions.append(Transition(SLIP, when, before, angle))
+        # with |vA| = c t²/2 the stretched time from t = ONSET to ever is 2/(c ONSET)
+        self.y, self.onset = self._excess(after, angle), 0.99 * 2 / f
+        return SLIDING
+
+    def _excess(self, stuck: Floats, angle: float) -> Floats:
+        """y after the time ONSET of slip, from that of sticking: the excess acceleration has grown
+        in proportion to time, so that velocities gain a half of it and angles a sixth."""
+        slipping = disk_system("coulomb", direction=True).rates(
+            stuck[:6], [self.k, self.mu, angle]
+        )
+        held = disk_system("rough").rates(stuck[:4], [self.k])
+        excess = slipping - np.append(held, [0.0, 0.0])
+        y = stuck.copy()
+        y[1:6] += excess[1:6] * ONSET / 2
+        y[0] += excess[1] * ONSET**2 / 6
+        return y
+
+    # --- book-keeping ---
+
+    def _advance(self, which, p, start, mode, back, method):  # type: ignore[no-untyped-def]
+        """Run a flow over the samples that are left; the guard that ended it, or None."""
+        rest = self.times[len(self.rows) :]
+        times = np.concatenate([[self.time], rest])
+        leg = Leg(which, p, start, times, self.leg.tolerance, self.leg.max_steps)
+        name = choose(leg).method if method == "auto" else method
+        path = METHODS[name](leg)
+        if method == "auto" and path.end is not None and path.end.kind == UNRESOLVED:
+            path = METHODS["lsoda"](leg)
+        self.steps += path.steps
+        for row in path.states[1:]:
+            self.rows.append(back(row))
+            self.modes.append(mode)
+        if path.end is None:
+            self.time, self.y = float(self.times[-1]), self.rows[-1].copy()
+            return None
+        self.time, self.y = path.end.time, back(path.end.state).copy()
+        if path.end.kind == UNRESOLVED:
+            self._stop(UNRESOLVED, path.end.message)
+        return path.end.kind
+
+    def _note(self, kind: str, angle: float) -> None:
+        self.transitions.append(Transition(kind, self.time, self.y.copy(), angle))
+
+    def _stop(self, kind: str, message: str = "") -> None:
+        if self.end is None:
+            self.end = End(kind, self.time, self.y.copy(), message)
+
+
+def integrate(leg: Leg, method: str = "auto", *, pose: bool = False) -> DryPath:
+    """Run one launch with dry friction through sliding and sticking.
+
+    Parameters
+    ----------
+    leg
+        With the flow `flow("coulomb", pose=pose)`, parameters (k, mu, flat).
+    method
+        The integrator of sliding and sticking; landings and onsets take LSODA.
+    pose
+        Whether y holds the pose.
+
+    Returns
+    -------
+    DryPath
+    """
+    return _Dry(leg, method, pose).run()

@@ -1,0 +1,509 @@
+"""A motion as a labelled dataset: states, observables, events, units, provenance; NetCDF."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import platform
+from collections import Counter
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from . import __version__
+from .algebra import Program
+from .equations import STATES, disk_system
+from .errors import FileError
+from .flow import POSE, Floats
+from .outcome import BY_CODE, OF_END, Outcome
+from .sticking import SLIDING, STICKING
+
+if TYPE_CHECKING:
+    import xarray
+
+    from .launches import Launches
+    from .motion import Result, Settings
+
+FORMAT = "stability trajectory 1"
+"""Marks a file as one of ours."""
+LONG = {
+    "theta": ("axis inclination", "angle"), "theta_dot": ("nutation rate", "rate"),
+    "phi_dot": ("precession rate", "rate"), "omega3": ("axial angular velocity", "rate"),
+    "slip_x": ("slip along x̂, across the disk", "speed"),
+    "slip_y": ("slip along ŷ, along the disk's tangent", "speed"),
+    "energy": ("energy", "energy"), "kinetic": ("kinetic energy", "energy"),
+    "potential": ("potential energy", "energy"),
+    "dissipated": ("energy lost to friction since the start", "energy"),
+    "audit": ("energy plus what was lost, less the energy at the start", "energy"),
+    "normal_force": ("normal force", "force"), "force_x": ("contact force along x̂", "force"),
+    "force_y": ("contact force along ŷ", "force"), "power": ("power lost to friction", "power"),
+    "phi": ("precession angle", "angle"), "psi": ("relative spin angle", "angle"),
+    "centre_x": ("centre, X", "length"), "centre_y": ("centre, Y", "length"),
+    "contact_x": ("contact point, X", "length"), "contact_y": ("contact point, Y", "length"),
+}  # fmt: skip
+"""Long name and kind of unit of each series."""
+SI = {
+    "angle": "rad", "rate": "rad/s", "speed": "m/s", "energy": "J", "force": "N", "power": "W",
+    "length": "m", "time": "s",
+}  # fmt: skip
+IN_WORDS = {
+    "rate": "√(g/R)", "speed": "√(gR)", "energy": "m g R", "force": "m g",
+    "power": "m g √(gR)", "length": "R", "time": "√(R/g)",
+}  # fmt: skip
+"""The dimensionless unit by kind."""
+LIBRARIES = ("casadi", "numpy", "scipy", "heyoka", "xarray")
+END_KINDS = ("slip", "stick", *OF_END)
+"""Words of the event log."""
+
+
+@cache
+def _versions() -> str:
+    found = []
+    for name in LIBRARIES:
+        try:
+            found.append(f"{name} {version(name)}")
+        except PackageNotFoundError:  # noqa: PERF203 - heyoka is optional
+            continue
+    return ", ".join(found) + f", python {platform.python_version()}"
+
+
+@cache
+def _attributes(name: str, dimensionless: bool) -> dict[str, str]:
+    long, kind = LONG[name]
+    attributes = {"long_name": long, "units": "1" if dimensionless else SI[kind]}
+    if kind == "angle":
+        attributes["units"] = "rad"
+    elif dimensionless:
+        attributes["unit_in_words"] = IN_WORDS[kind]
+    return attributes
+
+
+@cache
+def _observer(law: str) -> Program:
+    """Energy, height, gn, contact force and power of six states."""
+    system = disk_system(law, slip_states=None if law == "rough" else True)
+    seen = system.observables
+    values = [
+        seen["energy"], ca.sin(system.x[0]), seen["normal_force"], seen["contact_force"],
+        seen["power"],
+    ]  # fmt: skip
+    return Program(ca.Function("observer", [system.x, system.p], [ca.vertcat(*values)]))
+
+
+OBSERVED = ("energy", "potential", "normal_force", "force_x", "force_y", "power")
+
+
+def observe(law: str, six: Floats, p: Floats, modes: Floats | None) -> Floats:
+    """The observables of states.
+
+    Parameters
+    ----------
+    law
+        A key of `MOTION_LAWS`.
+    six
+        States, shape (…, 6).
+    p
+        Parameters of the law's system, shape (…, m).
+    modes
+        Sliding or sticking, shape (…), for dry friction.
+
+    Returns
+    -------
+    ndarray
+        `OBSERVED` along the first axis, then (…).
+    """
+    program = _observer(law)
+    own = len(disk_system(law).states) if law == "rough" else 6
+    x, q = list(np.moveaxis(six[..., :own], -1, 0)), list(np.moveaxis(p, -1, 0))
+    values = program.arrays([x, q], six.shape[:-1])[0][..., 0]
+    if modes is not None and (modes == STICKING).any():
+        sticking = modes == STICKING
+        held = [list(np.moveaxis(six[sticking][:, :4], -1, 0)),
+                [np.broadcast_to(p[..., 0], modes.shape)[sticking]]]  # fmt: skip
+        values[sticking] = _observer("rough").arrays(held, (int(sticking.sum()),))[0][..., 0]
+    return np.moveaxis(values, -1, 0)
+
+
+def assemble(
+    launches: Launches, settings: Settings, results: list[Result]
+) -> xarray.Dataset:
+    """The dataset that `simulate` returns.
+
+    Parameters
+    ----------
+    launches
+        What was asked.
+    settings
+        How.
+    results
+        One for each launch.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    import xarray
+
+    single = launches.shape == ()
+    dims = _dims(launches.shape)
+    y, running, modes, times = _samples(launches, results, single)
+    series = _series(launches, settings, y, modes)
+    along = (*dims, "time")
+    shape = (*launches.shape, y.shape[1])
+    plain = launches.dimensionless
+    fast = xarray.Variable
+    variables = {
+        n: fast(along, v.reshape(shape), _attributes(n, plain), fastpath=True)
+        for n, v in series.items()
+    }
+    if not single:
+        variables["running"] = fast(along, running.reshape(shape), {
+            "long_name": "whether the run had not ended", "flag_values": [0, 1],
+            "flag_meanings": "ended running"})  # fmt: skip
+    if modes is not None:
+        variables["mode"] = fast(along, modes.astype(np.int8).reshape(shape), {
+            "long_name": "mode of dry friction",
+            "flag_values": np.array([SLIDING, STICKING], dtype=np.int8),
+            "flag_meanings": "sliding sticking"})  # fmt: skip
+    variables |= _summary(launches, results, series["audit"], series["energy"], dims)
+    variables |= _log(launches, results, single)
+    coordinates = {
+        "time": fast("time", times, {
+            "long_name": "time", "units": "1" if plain else "s",
+            **({"unit_in_words": IN_WORDS["time"]} if plain else {})}, fastpath=True),
+    }  # fmt: skip
+    for name, value in launches.given.items():
+        kept = ((), value) if value.ndim == 0 else (dims, value.reshape(launches.shape))
+        coordinates[name] = fast(*kept, {}, fastpath=True)
+    return _dataset(variables, coordinates, _provenance(launches, settings, results))
+
+
+def _dataset(
+    variables: dict[str, Any], coordinates: dict[str, Any], attributes: dict[str, Any]
+) -> xarray.Dataset:
+    """A dataset from variables that are known to fit.
+
+    xarray's constructor aligns and copies, which for a short run takes as long as integrating.
+    Where its direct constructor is not to be had, the public one gives the same
+    (tests/test_trajectory.py).
+    """
+    import xarray
+
+    try:
+        from xarray.core.indexes import PandasIndex
+
+        index = PandasIndex(coordinates["time"].values, "time")
+        coordinates |= index.create_variables({"time": coordinates["time"]})
+        every = coordinates | variables
+        sizes = {d: n for v in every.values() for d, n in zip(v.dims, v.shape, strict=True)}
+        return xarray.Dataset._construct_direct(
+            every, set(coordinates), sizes, attributes, {"time": index}
+        )
+    except (ImportError, AttributeError, TypeError):
+        return xarray.Dataset(variables, coordinates, attributes)
+
+
+def _dims(shape: tuple[int, ...]) -> tuple[str, ...]:
+    if len(shape) <= 1:
+        return ("launch",)[: len(shape)]
+    return tuple(f"launch_{i}" for i in range(len(shape)))
+
+
+def _samples(
+    launches: Launches, results: list[Result], single: bool
+) -> tuple[Floats, Any, Floats | None, Floats]:
+    """y over (launch, time), where it was still running, the modes, and the times."""
+    asked = launches.times
+    skip = int(asked[0] != 0)  # the start was added in front
+    dry = results[0].modes is not None
+    if single:
+        result = results[0]
+        rows, times = result.path.states[skip:], asked[: len(result.path.states) - skip]
+        modes = result.modes[skip:] if result.modes is not None else None
+        if result.path.end is not None:
+            clock = float(launches.scales["time"])
+            end_time = result.time * clock
+            if len(times) and times[-1] >= end_time:  # ended on a sample, or at the start
+                rows, times = rows[:-1], times[:-1]
+                modes = modes[:-1] if modes is not None else None
+            rows = np.vstack([rows, result.final[None]])
+            times = np.append(times, end_time)
+            modes = np.append(modes, result.last_mode) if modes is not None else None
+        return rows[None], None, modes[None] if modes is not None else None, times
+    width = len(results[0].final)
+    y = np.empty((len(results), len(asked), width))
+    running = np.ones((len(results), len(asked)), dtype=np.int8)
+    held = np.zeros(y.shape[:2]) if dry else None
+    for i, result in enumerate(results):
+        rows = result.path.states[skip:]
+        y[i, : len(rows)] = rows
+        y[i, len(rows) :] = result.final
+        running[i, len(rows) :] = 0
+        if held is not None and result.modes is not None:
+            held[i, : len(rows)] = result.modes[skip:]
+            held[i, len(rows) :] = result.last_mode
+    return y, running, held, asked
+
+
+def _series(
+    launches: Launches, settings: Settings, y: Floats, modes: Floats | None
+) -> dict[str, Floats]:
+    """Every series by name, in the user's units, shape (launch, time)."""
+    own = 4 if launches.law == "rough" else 6
+    six = y[..., :6] if own == 6 else np.concatenate(
+        [y[..., :4], np.zeros((*y.shape[:-1], 2))], axis=-1
+    )  # fmt: skip
+    work = y[..., own]
+    seen = observe(launches.law, six, launches.p[:, None, :], modes)
+    found = dict(zip(STATES, np.moveaxis(six, -1, 0), strict=True))
+    found |= dict(zip(OBSERVED, seen, strict=True))
+    found["kinetic"] = found["energy"] - found["potential"]
+    found["dissipated"] = work
+    found["audit"] = found["energy"] + work - launches.energies[:, None]
+    if settings.pose:
+        found |= dict(zip(POSE, np.moveaxis(y[..., own + 1 :], -1, 0), strict=True))
+        reach = np.cos(found["theta"])
+        found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
+        found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])
+    if launches.dimensionless:
+        return {n: found[n] for n in LONG if n in found}
+    s = launches.scales
+    scale = {"rate": s["rate"], "speed": s["speed"], "energy": s["energy"], "force": s["force"],
+             "power": s["force"] * s["speed"], "length": s["length"]}  # fmt: skip
+    units = {kind: v[:, None] if v.ndim else v for kind, v in scale.items()}
+    return {n: found[n] * units.get(LONG[n][1], 1.0) for n in LONG if n in found}
+
+
+def _summary(
+    launches: Launches, results: list[Result], audit: Floats, energy: Floats,
+    dims: tuple[str, ...],
+) -> dict[str, Any]:  # fmt: skip
+    """One value for each launch: outcome, evidence, times, the nearest steady motion."""
+    import xarray
+
+    shape, clock = launches.shape, launches.scales["time"]
+    rate = launches.scales["rate"]
+
+    def variable(values: Any, **attributes: Any) -> Any:
+        array = np.asarray(values).reshape(shape)
+        return xarray.Variable(dims, array, attributes, fastpath=True)
+
+    near = [r.near for r in results]
+    turning = np.array([n.family != "tumbling" for n in near])
+    first = launches.energies * launches.scales["energy"]
+    second = "1" if launches.dimensionless else "s"
+    return {
+        "outcome": variable(
+            np.array([r.outcome.code for r in results], dtype=np.int8),
+            long_name="what became of the launch",
+            flag_values=np.arange(len(BY_CODE), dtype=np.int8),
+            flag_meanings=" ".join(o.word for o in BY_CODE.values()),
+        ),
+        "evidence": variable([r.evidence for r in results], long_name="why"),
+        "end_time": variable(np.array([r.time for r in results]) * clock,
+                             long_name="end of the run", units=second),
+        "settled_time": variable(np.array([r.settled_at for r in results]) * clock,
+                                 long_name="time from which it stayed near the steady motion, "
+                                 "or the end", units=second),
+        "energy_error": variable(np.abs(audit).max(axis=-1) / first, units="1",
+                                 long_name="largest |audit| over the energy at the start"),
+        "nearest_family": variable([n.family for n in near], long_name="nearest steady motion"),
+        "nearest_at": variable(
+            np.array([n.at for n in near]) * np.where(turning, rate, 1.0),
+            long_name="its phi_dot, theta or omega3",
+            units="1" if launches.dimensionless else "rad/s (theta: rad)",
+        ),
+        "nearest_distance": variable([n.distance for n in near], units="1",
+                                     long_name="dimensionless distance from it"),
+        "steps": variable([r.path.steps for r in results], long_name="steps of the integrator"),
+        "method": variable([r.choice.method for r in results], long_name="integrator"),
+    }  # fmt: skip
+
+
+def _log(launches: Launches, results: list[Result], single: bool) -> dict[str, Any]:
+    """The event log: transitions between sliding and sticking, and early ends."""
+    import xarray
+
+    del single
+    rows: list[tuple[int, float, str, Floats, float]] = []
+    for i, result in enumerate(results):
+        flow_six = launches.law == "rough"
+        for t in result.transitions:
+            rows.append((i, t.time, t.kind, t.state[:6], t.direction))
+        end = result.path.end
+        if end is not None:
+            six = np.append(end.state[:4], [0.0, 0.0]) if flow_six else end.state[:6]
+            rows.append((i, end.time, end.kind, six, 0.0))
+    clock = launches.scales["time"]
+    which = np.array([r[0] for r in rows], dtype=np.int64)
+    times = np.array([r[1] for r in rows], dtype=float)
+    states = np.array([r[3] for r in rows], dtype=float).reshape(len(rows), 6)
+    if not launches.dimensionless:
+        for column, name in ((slice(1, 4), "rate"), (slice(4, 6), "speed")):
+            scale = launches.scales[name]
+            states[:, column] *= scale[which][:, None] if scale.ndim else scale
+
+    def variable(dims: Any, values: Any, attributes: Any = None) -> Any:
+        return xarray.Variable(dims, values, attributes or {}, fastpath=True)
+
+    return {
+        "event_launch": variable("event", which, {"long_name": "launch, counted flat"}),
+        "event_time": variable("event", times * (clock[which] if clock.ndim else clock),
+                               {"units": "1" if launches.dimensionless else "s"}),
+        "event_kind": variable("event", np.array([r[2] for r in rows], dtype="U12")),
+        "event_state": variable(("event", "state"), states, {
+            "long_name": "state at the event", "columns": " ".join(STATES)}),
+        "event_direction": variable("event", np.array([r[4] for r in rows], dtype=float), {
+            "long_name": "direction of slip from x̂, before sticking or at its onset",
+            "units": "rad"}),
+    }  # fmt: skip
+
+
+def _provenance(launches: Launches, settings: Settings, results: list[Result]) -> dict[str, Any]:
+    from .motion import tolerance_used
+
+    used = Counter(r.choice.method for r in results)
+    outcomes = Counter(r.outcome.word for r in results)
+    first = results[0].choice
+    attributes: dict[str, Any] = {
+        "format": FORMAT,
+        "title": f"motion of a disk, {launches.law} contact",
+        "contact": launches.law,
+        "outcome": ", ".join(
+            word if launches.shape == () else f"{count} {word}" for word, count in outcomes.items()
+        ),
+        "method_asked": settings.method,
+        "method": ", ".join(used),
+        "method_reason": first.reason,
+        "tolerance": settings.tolerance,
+        "tolerance_used": tolerance_used(first, settings.tolerance),
+        "flat": settings.flat,
+        "settle": settings.settle,
+        "max_steps": settings.max_steps,
+        "dimensionless": int(launches.dimensionless),
+        "software": f"stability {__version__}",
+        "versions": _versions(),
+        "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
+        "204-231, integrated",
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "Conventions": "CF-1.11",
+    }
+    if launches.shape == ():
+        attributes["evidence"] = results[0].evidence
+        attributes["outcome_sentence"] = results[0].outcome.value
+        attributes["parameters"] = json.dumps(
+            {n: float(v) for n, v in launches.given.items()}, sort_keys=True
+        )
+    return attributes
+
+
+def write_motion(
+    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
+) -> FilePath:
+    """Write a motion to NetCDF-4.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`.
+    path
+        File to write.
+    overwrite
+        Whether an existing file may be replaced.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written; nothing is left half-written.
+
+    Examples
+    --------
+    >>> import tempfile, stability as st
+    >>> run = st.simulate(st.Disk(), st.Rough(), {"theta": 1.2, "phi_dot": 1.0}, [1.0, 2.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     back = read_motion(write_motion(run, FilePath(folder) / "run.nc"))
+    >>> back.identical(run)
+    True
+    """
+    import xarray
+
+    from .files import whole
+
+    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
+        raise FileError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
+    with whole(path, overwrite=overwrite) as beside:
+        beside.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+    return FilePath(path)
+
+
+def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
+    """Read a motion that `write_motion` wrote.
+
+    Parameters
+    ----------
+    path
+        File to read.
+
+    Returns
+    -------
+    xarray.Dataset
+        In memory; the file is closed.
+
+    Raises
+    ------
+    FileError
+        If there is no such file, or it is not a NetCDF file, or not one of ours.
+    """
+    from .files import opened
+
+    return opened(path, FORMAT, "a motion")
+
+
+def outcome_of(dataset: xarray.Dataset) -> Outcome:
+    """The outcome of a single run.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`, one launch.
+
+    Returns
+    -------
+    Outcome
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> outcome_of(st.simulate(st.Disk(), st.Smooth(), {"theta": 1.0}, 5.0)).word
+    'flat'
+    """
+    return BY_CODE[int(dataset.outcome)]
+
+
+def is_finite(dataset: xarray.Dataset) -> bool:
+    """Whether every number of a motion is finite, which `simulate` promises.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`.
+
+    Returns
+    -------
+    bool
+    """
+    return all(
+        bool(np.isfinite(v.values).all()) for v in dataset.variables.values()
+        if v.dtype.kind == "f"
+    ) and math.isfinite(float(dataset.attrs["tolerance"]))  # fmt: skip
