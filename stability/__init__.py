@@ -31,6 +31,7 @@ _HOME = {
     "passage": ("drift", "Drift"),
     "lines": ("hopf", "HopfPoint", "HopfKind"),
     "motion": ("simulate",),
+    "survey": ("launch",),
     "outcome": ("Outcome",),
     "trajectory": ("read_motion", "write_motion"),
     "errors": ("StabilityError",),
@@ -73,6 +74,7 @@ if TYPE_CHECKING:
     from .spectra import Spectrum as Spectrum
     from .steady import disk_family as disk_family
     from .stream import stream_map as stream_map
+    from .survey import launch as launch
     from .system import Condition as Condition
     from .system import System as System
     from .trajectory import read_motion as read_motion

@@ -284,7 +284,10 @@ MOTION_LAWS: dict[str, type[Contact]] = LAWS | {
 """The contact laws that `simulate` takes, by name."""
 
 
-def law_named(name: str, mu: float | None, *, needed: bool = True) -> Contact:
+def law_named(
+    name: str, mu: float | None, *, needed: bool = True, motion: bool = False,
+    epsilon: float | None = None,
+) -> Contact:  # fmt: skip
     """The contact law of that name, with its coefficient where it has one.
 
     Parameters
@@ -296,6 +299,10 @@ def law_named(name: str, mu: float | None, *, needed: bool = True) -> Contact:
         coefficient is c = mu m g, which has the same linearisation.
     needed
         Whether a law with a coefficient must be given one; else 1 stands in.
+    motion
+        Whether it is for a motion, which dry friction can have.
+    epsilon
+        Slip speed of `coulomb-regularised` [m/s].
 
     Returns
     -------
@@ -313,14 +320,19 @@ def law_named(name: str, mu: float | None, *, needed: bool = True) -> Contact:
     >>> law_named("viscous", 0.3).mu
     0.3
     """
-    if name == "coulomb":
-        raise NameUnknownError(
-            "contact is 'coulomb', which is set-valued at rest and has no linearisation of its "
-            "own; inside the friction cone it is `rough`."
+    if epsilon is not None and name != RegularisedCoulomb.name:
+        raise ParameterError(
+            f"epsilon is given but the {name} law has none; it goes with coulomb-regularised."
         )
-    if name not in LAWS:
-        raise NameUnknownError(f"contact is {name!r}; known are {', '.join(LAWS)}.")
-    law = LAWS[name]
+    if name in MOTION_LAWS and name not in LAWS and not motion:
+        raise NameUnknownError(
+            f"contact is {name!r}, dry friction, which has no linearisation of its own; for "
+            "spectra take `rough`, which it is inside the friction cone."
+        )
+    known = MOTION_LAWS if motion else LAWS
+    if name not in known:
+        raise NameUnknownError(f"contact is {name!r}; known are {', '.join(known)}.")
+    law = known[name]
     if law.coefficient is None:
         if mu is not None:
             raise ParameterError(
@@ -331,4 +343,13 @@ def law_named(name: str, mu: float | None, *, needed: bool = True) -> Contact:
         mu = 1.0
     if mu is None:
         raise ParameterError(f"mu is missing; the {name} law needs a positive coefficient (--mu).")
-    return LinearViscous(mu=mu) if law is LinearViscous else Viscous(mu)
+    if law is RegularisedCoulomb:
+        if epsilon is None:
+            raise ParameterError(
+                "epsilon is missing; coulomb-regularised needs the slip speed below which its "
+                "force gives way (--epsilon)."
+            )
+        return RegularisedCoulomb(mu, epsilon)
+    if law is LinearViscous:
+        return LinearViscous(mu=mu)
+    return Coulomb(mu) if law is Coulomb else Viscous(mu)

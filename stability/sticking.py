@@ -41,12 +41,14 @@ REST = 1e-15
 """Slip speed that counts as rest: what is left of the landing is below rounding."""
 ONSET = 1e-4
 """Time over which an onset of slip is a series [√(R/g)]; its error is of the order of its cube."""
+DEPARTURE = 1e-6
+"""Step by which a slip with f > 0 leaves rest [√(R/g)]; its error is of the order of its square."""
 STRETCHED = 1e12
 """Longest stretched time of one landing or onset."""
 TRANSITIONS = 10_000
 """Transitions after which a run gives up."""
 SMALL, LANDED, LEFT, SAMPLE = "small", "landed", "left", "sample"
-STICK, SLIP, NON_UNIQUE = "stick", "slip", "non-unique"
+STICK, SLIP, REVERSE, NON_UNIQUE = "stick", "slip", "reverse", "non-unique"
 SLIDING, STICKING = 0, 1
 """Modes of a sample."""
 
@@ -56,7 +58,7 @@ class Transition:
     """A passage from sliding to sticking or back."""
 
     kind: str
-    """`stick` or `slip`."""
+    """`stick`, `slip`, or `reverse`: the slip passes through zero and sets in again at once."""
     time: float
     """When."""
     state: Floats
@@ -338,15 +340,34 @@ class _Dry:
     def _stick(self) -> int:
         stick = flow("coulomb", pose=self.pose, sticking=True)
         p = np.array([self.k, self.mu, self.flat])
-        start = np.delete(self.y, [4, 5])
+        start, first = np.delete(self.y, [4, 5]), len(self.rows)
         kind = self._advance(
             stick, p, start, STICKING, lambda y: np.insert(y, [4, 4], 0.0, axis=-1), self.method
         )
+        if self._ambiguous(first):
+            return STICKING
         if kind == CONE:
             return self._onset()
         if kind is not None:
             self._stop(kind)
         return STICKING
+
+    def _ambiguous(self, first: int) -> bool:
+        """Whether slip could also have set in at a sample of sticking: then the run ends there.
+
+        Below mu = 2√(k(k+1)) the continuation is unique (tests/data/coulomb.md), and nothing is
+        looked for.
+        """
+        if self.mu < 2 * math.sqrt(self.k * (self.k + 1)):
+            return False
+        for i in range(first, len(self.rows)):
+            ways = continuations(self.rows[i][:4], self.k, self.mu)
+            if ways.directions:
+                self.time, self.y = float(self.times[i]), self.rows[i].copy()
+                del self.rows[i + 1 :], self.modes[i + 1 :]
+                self._stop(NON_UNIQUE, f"while sticking slip can set in at {ways.directions} rad")
+                return True
+        return False
 
     def _near(self) -> int:
         """Polar form: to rest, back to plain sliding, or to an end."""
@@ -400,7 +421,7 @@ class _Dry:
                 self._note(STICK, arrival)
             return STICKING
         if ways.count == 1:
-            return self._depart(ways.directions[0])
+            return self._depart(ways.directions[0], arrival)
         if ways.count == 0 and ways.ratio <= 1 + 1e-9:  # on the edge of the cone
             return self._onset()
         self._stop(
@@ -410,13 +431,24 @@ class _Dry:
         )
         return STICKING
 
-    def _depart(self, angle: float) -> int:
+    def _depart(self, angle: float, arrival: float | None) -> int:
         """Leave rest at once in a direction with f > 0: the slip grows in proportion to time."""
-        f = slip_acceleration(self.y[:4], self.k, self.mu, np.array([angle]))[0][0]
-        self._note(SLIP, angle)
-        tiny = 1e-9 * min(1.0, float(f))
-        self.y[4:6] = tiny * math.cos(angle), tiny * math.sin(angle)
+        self._note(SLIP if arrival is None else REVERSE, angle)
+        system = disk_system("coulomb", direction=True)
+        plain = flow("coulomb", pose=self.pose)
+        rates = np.array(plain.rates(self._along(angle), self.leg.p)).ravel()
+        rates[:6] = system.rates(self.y[:6], [self.k, self.mu, angle])
+        due = float(self.times[len(self.rows)])
+        step = min(DEPARTURE, (due - self.time) / 2)
+        self.y += step * rates
+        self.time += step
         return SLIDING
+
+    def _along(self, angle: float) -> Floats:
+        """y with the least slip in a direction, where the plain equations have a meaning."""
+        y = self.y.copy()
+        y[4:6] = REST * math.cos(angle), REST * math.sin(angle)
+        return y
 
     def _onset(self) -> int:
         """Leave the friction cone: slip sets in against the force, and grows as time squared."""

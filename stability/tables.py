@@ -17,6 +17,8 @@ from .errors import NameUnknownError
 from .polynomial import structure
 from .problem import disk_problem
 from .steady import AT, FAMILIES, disk_family
+from .survey import NOTES as LAUNCH_NOTES
+from .survey import contact_lines, launch_rows
 
 if TYPE_CHECKING:
     from .formulas import Formulas
@@ -26,6 +28,7 @@ TABLES = {
     "conditions": "where the verdict changes along each family, for several k and mu",
     "drift": "how long straight rolling under friction lasts before it crosses its threshold",
     "hopf": "flutter boundaries of spinning and tumbling as Hopf bifurcations without parameters",
+    "launches": "what becomes of rolling and spinning launched with a tilt, beside linear theory",
     "completeness": "why the viscous disk has no other steady motions: proof and search",
 }
 """What each table holds."""
@@ -287,6 +290,8 @@ def records(name: str, **options: Any) -> list[dict[str, Any]]:
         return [asdict(row) for row in drift_rows(**options)]
     if name == "hopf":
         return [asdict(row) for row in hopf_rows(**options)]
+    if name == "launches":
+        return [asdict(row) for row in launch_rows(**options)]
     if name == "completeness":
         from .completeness import prove, search
 
@@ -316,10 +321,12 @@ def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:
         return "\n".join(head + _family_lines(rows))
     if name == "completeness":
         return "\n".join(head + _completeness_lines(rows))
-    if name in ("drift", "hopf"):
-        notes = DRIFT_NOTES if name == "drift" else HOPF_NOTES
+    if name in ("drift", "hopf", "launches"):
+        notes = {"drift": DRIFT_NOTES, "hopf": HOPF_NOTES, "launches": LAUNCH_NOTES}[name]
         units = f"angular velocities in {unit}; angles in rad; times in 1/({unit})"
         units = units.replace("1/(rad/s)", "s")
+        if name == "launches":
+            notes = (*contact_lines(rows), "", *notes)
         return "\n".join(head + _aligned(_cells(rows)) + ["", *notes, units])
     cells = _cells(rows, {"error": "± proved"})
     foot = [
@@ -334,8 +341,10 @@ def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:
 
 
 FORMATS = {
-    "k": "{:g}", "mu": "{:g}", "tilt": "{:g}", "at": "{:.12g}", "error": "{:.1e}",
+    "k": "{:g}", "tilt": "{:g}", "at": "{:.12g}", "error": "{:.1e}",
     "frequency": "{:.10g}", "omega3": "{:.6g}", "threshold": "{:.6g}", "tilt_end": "{:.4g}",
+    "rate": "{:+.3g}", "final_at": "{:.6g}", "time": "{:.4g}", "energy": "{:.4f}",
+    "normal_force": "{:.3f}", "mu": "{:g}",
     "time_slow": "{:.6g}", "time_launch": "{:.6g}", "crossing": "{:.6g}", "push": "{:.6g}",
 }  # fmt: skip
 """How each number is printed."""

@@ -58,8 +58,6 @@ IN_WORDS = {
 }  # fmt: skip
 """The dimensionless unit by kind."""
 LIBRARIES = ("casadi", "numpy", "scipy", "heyoka", "xarray")
-END_KINDS = ("slip", "stick", *OF_END)
-"""Words of the event log."""
 
 
 @cache
