@@ -13,6 +13,7 @@ from contextlib import ExitStack, contextmanager
 from typing import Any, NoReturn
 
 from . import __version__
+from .cli_motion import add_arguments
 from .errors import ParameterError, StabilityError
 
 FAMILY_HELP = "rolling, spinning, tumbling, or circling (rough disk)"
@@ -269,6 +270,12 @@ def _atlas(options: argparse.Namespace) -> None:
         print(f"open {page}")
 
 
+def _simulate(options: argparse.Namespace) -> None:
+    from .cli_motion import run
+
+    run(options, _disk(options), _bar)
+
+
 def _table(options: argparse.Namespace) -> None:
     from .errors import NameUnknownError
     from .tables import TABLES, records, text
@@ -278,7 +285,7 @@ def _table(options: argparse.Namespace) -> None:
     settings = _table_settings(options)
     formulas: list[Any] = []
     with _bar("lines") as progress:
-        if options.name in ("conditions", "hopf"):
+        if options.name in ("conditions", "hopf", "launches"):
             settings["progress"] = progress
         rows = [] if options.latex else records(options.name, **settings)
         if options.name == "conditions":
@@ -320,15 +327,13 @@ def _table_settings(options: argparse.Namespace) -> dict[str, Any]:
     settings: dict[str, Any] = {}
     if options.latex and (name != "conditions" or options.json):
         raise ParameterError("--latex goes with `table conditions`, without --json.")
-    if options.tilt is not None:
-        if name != "drift":
-            raise ParameterError("--tilt goes with `table drift` only; leave it out.")
-        settings["tilt"] = options.tilt
-    if name not in ("conditions", "drift", "hopf"):
+    _table_launch(options, settings)
+    if name not in ("conditions", "drift", "hopf", "launches"):
         for key in ("k", "mu", "contact", "mass", "radius", "gravity"):
             if getattr(options, key) is not None:
                 raise ParameterError(
-                    f"--{key} goes with `table conditions`, `drift` and `hopf` only; leave it out."
+                    f"--{key} goes with `table conditions`, `drift`, `hopf` and `launches` only; "
+                    "leave it out."
                 )
         return settings
     for key in ("k", "mu"):
@@ -343,6 +348,24 @@ def _table_settings(options: argparse.Namespace) -> dict[str, Any]:
     if "k" in settings:
         Disk(k=settings["k"])
     return settings
+
+
+def _table_launch(options: argparse.Namespace, settings: dict[str, Any]) -> None:
+    """The options of `table drift` and `table launches`."""
+    name = options.name
+    if options.tilt is not None:
+        if name not in ("drift", "launches"):
+            raise ParameterError(
+                "--tilt goes with `table drift` and `launches` only; leave it out."
+            )
+        if name == "launches" and len(options.tilt) > 1:
+            raise ParameterError(f"--tilt is {options.tilt}; `table launches` takes one tilt.")
+        settings["tilt"] = options.tilt[0] if name == "launches" else options.tilt
+    for key in ("at", "time"):
+        if getattr(options, key) is not None:
+            if name != "launches":
+                raise ParameterError(f"--{key} goes with `table launches` only; leave it out.")
+            settings[key] = getattr(options, key)
 
 
 # --- arguments ---
@@ -404,14 +427,22 @@ def _parser() -> argparse.ArgumentParser:
                      help="points along the family's axis (default 400)")  # fmt: skip
     sub.add_argument("--force", action="store_true", help="replace files in an existing folder")
 
+    sub = command("simulate", _simulate, "Launch a disk, and say what becomes of it",
+                  "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 "
+                  "--out run.nc --plot run.png --film run.html")  # fmt: skip
+    add_arguments(sub)
+
     sub = command("table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
                   "stability table conditions --k 0.25,0.5 --mu 0.1,1,10")  # fmt: skip
     sub.add_argument(
-        "name", metavar="NAME", help="families, conditions, drift, hopf or completeness"
+        "name", metavar="NAME",
+        help="families, conditions, drift, hopf, launches or completeness",
     )
     sub.add_argument("--k", type=_list, help="inertia factors, comma-separated")
     sub.add_argument("--mu", type=_list, help="friction coefficients, comma-separated")
-    sub.add_argument("--tilt", type=_list, help="tilts of `table drift` in rad, comma-separated")
+    sub.add_argument("--tilt", type=_list, help="tilts of `table drift` and `launches` in rad")
+    sub.add_argument("--at", type=_list, help="initial angular velocities of `table launches`")
+    sub.add_argument("--time", type=float, help="length of a run of `table launches`")
     sub.add_argument("--latex", action="store_true", help="formulas of `table conditions` as LaTeX")
     sub.add_argument("--contact", help=f"one law of {CONTACTS}")
     for name in ("mass", "radius", "gravity"):

@@ -326,8 +326,8 @@ def law_named(
         )
     if name in MOTION_LAWS and name not in LAWS and not motion:
         raise NameUnknownError(
-            f"contact is {name!r}, dry friction, which has no linearisation of its own; for "
-            "spectra take `rough`, which it is inside the friction cone."
+            f"contact is {name!r}, dry friction, which has no linearisation of its own; "
+            "inside the friction cone it is `rough`."
         )
     known = MOTION_LAWS if motion else LAWS
     if name not in known:

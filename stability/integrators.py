@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from .flow import Evaluator
 from .route import UNRESOLVED, Integrate, Leg, Path
 
 HEYOKA = "heyoka"
+DRY = "disk, coulomb"
+"""Name of the system whose Jacobian does not exist without slip."""
 METHODS: dict[str, Integrate] = {
     HEYOKA: taylor.integrate, **stepping.METHODS, **sundials.METHODS,
 }  # fmt: skip
@@ -24,6 +26,8 @@ FINEST = {
 """The smallest tolerance that each passes on to its library."""
 TURN, TURN_POWER = 190.0, 0.12
 """An explicit method is dearer where stiffness exceeds TURN (tolerance / 1e-6)^-TURN_POWER."""
+PATIENCE = 4.0
+"""Steps of an explicit method per TURN and unit of time after which `auto` takes it for stiff."""
 EXPLICIT_TIGHT = 1e-10
 """Without heyoka: tolerance from which DOP853 takes over from CVODES, which is of order 5."""
 
@@ -75,7 +79,10 @@ def check_method(method: str) -> str:
 
 
 def stiffness(leg: Leg) -> float:
-    """Fastest rate of the linearised motion at the start over the rate of the motion itself.
+    """Fastest rate of the linearised motion over the rate of the motion itself.
+
+    The Jacobian is taken at the start, and there without slip, which is where a stiff motion soon
+    is: while a disk slides fast its normal force, and with it the stiffness, can be small.
 
     Parameters
     ----------
@@ -87,12 +94,25 @@ def stiffness(leg: Leg) -> float:
     float
         Largest modulus of an eigenvalue of the Jacobian, over the largest angular velocity or 1.
     """
-    jacobian = Evaluator(leg.flow, leg.p).jacobian(0.0, leg.start)
+    jacobian = Evaluator(leg.flow, leg.p).jacobian
     own = len(leg.flow.system.states)
+    points = [leg.start]
+    if own == 6 and leg.start[4:6].any() and leg.flow.system.name != DRY:
+        still = leg.start.copy()
+        still[4:6] = 0.0
+        points.append(still)
+    fastest = 0.0
     with np.errstate(all="ignore"):
-        finite = bool(np.isfinite(jacobian).all())
-        fastest = np.abs(np.linalg.eigvals(jacobian[:own, :own])).max() if finite else np.inf
-    return float(fastest / max(1.0, np.abs(leg.start[1:4]).max()))
+        for point in points:
+            matrix = jacobian(0.0, point)[:own, :own]
+            finite = bool(np.isfinite(matrix).all())
+            fastest = max(fastest, np.abs(np.linalg.eigvals(matrix)).max() if finite else np.inf)
+    return float(fastest / _pace(leg))
+
+
+def _pace(leg: Leg) -> float:
+    """The rate of the motion itself: the largest angular velocity at the start, or 1."""
+    return max(1.0, float(np.abs(leg.start[1:4]).max()))
 
 
 def choose(leg: Leg) -> Choice:
@@ -111,7 +131,7 @@ def choose(leg: Leg) -> Choice:
     -------
     Choice
     """
-    turn = TURN * (leg.tolerance / 1e-6) ** -TURN_POWER
+    turn = _turn(leg)
     stiff = stiffness(leg)
     if stiff > turn:
         return Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
@@ -121,6 +141,17 @@ def choose(leg: Leg) -> Choice:
     if leg.tolerance <= EXPLICIT_TIGHT:
         return Choice("dop853", f"{reason}, and heyoka is not installed")
     return Choice("cvodes", "heyoka is not installed, and the tolerance is moderate")
+
+
+def _turn(leg: Leg) -> float:
+    return TURN * (leg.tolerance / 1e-6) ** -TURN_POWER
+
+
+def _patient(leg: Leg) -> Leg:
+    """The leg with no more steps than an explicit method takes where it is the cheaper one."""
+    span = float(leg.times[-1] - leg.times[0]) * _pace(leg)
+    most = 20_000 + int(PATIENCE * _turn(leg) * span)
+    return replace(leg, max_steps=min(leg.max_steps, most))
 
 
 def run(
@@ -151,6 +182,11 @@ def run(
     """
     auto = method == "auto"
     choices = [choose(leg) if auto else Choice(method, "asked for") for leg in legs]
+    if auto:
+        legs = [
+            _patient(leg) if choice.method != "cvodes" else leg
+            for leg, choice in zip(legs, choices, strict=True)
+        ]
     paths: list[Path | None] = [None] * len(legs)
     total, done = len(legs), 0
 

@@ -77,6 +77,11 @@ def gather(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Launch
             f"contact is {contact!r}; give one of Smooth(), Viscous(mu), LinearViscous(c), "
             "Rough(), Coulomb(mu), RegularisedCoulomb(mu, epsilon)."
         )
+    with np.errstate(all="ignore"):  # what overflows is refused by _check
+        return _gathered(disk, contact, start, times)
+
+
+def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Launches:
     six = _start(start, contact)
     when = _times(times)
     fields = {n: getattr(disk, n) for n in ("mass", "radius", "gravity", "k")} | contact.given

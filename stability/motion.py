@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from .contact import Contact
 from .disk import Disk, checked
 from .errors import ParameterError
-from .flow import Floats, flat_sine, flow
+from .flow import FLAT, LIFT_OFF, NO_CONTACT, Floats, flat_sine, flow
 from .integrators import FINEST, HEYOKA, Choice, check_method, choose, run
 from .launches import Launches, gather
 from .outcome import OF_END, Outcome
@@ -52,16 +52,8 @@ class Result:
     """The mode at the end."""
     transitions: tuple[Transition, ...]
     """Between sliding and sticking."""
-
-    @property
-    def evidence(self) -> str:
-        """One sentence on why the outcome is what it is."""
-        end = self.path.end
-        if self.outcome is Outcome.SETTLED or end is None:
-            return self.near.evidence
-        if end.message:
-            return end.message
-        return f"{end.kind} at time {end.time:.9g}"
+    evidence: str
+    """Why the outcome is what it is."""
 
 
 def simulate(
@@ -268,8 +260,21 @@ def _judge(
     return Result(
         path, choice, outcome, time, final, near, since,
         dry.modes if dry else None, dry.mode if dry else SLIDING,
-        tuple(dry.transitions) if dry else (),
+        tuple(dry.transitions) if dry else (), near.evidence if end is None else _why(leg, end),
     )  # fmt: skip
+
+
+def _why(leg: Leg, end: End) -> str:
+    """The evidence for an early end, dimensionless."""
+    if end.message:
+        return end.message
+    values, rates = leg.flow.margins(end.state, leg.p)
+    seen = dict(zip(leg.flow.guards, zip(values, rates, strict=True), strict=True))
+    names = {LIFT_OFF: "normal force", FLAT: "sine of theta less that of flat", NO_CONTACT: "D"}
+    if end.kind not in seen:
+        return end.kind
+    value, rate = (float(v) for v in seen[end.kind])
+    return f"{names[end.kind]} {value:.1e}, falling at {-rate:.4g} (dimensionless)"
 
 
 def _since(leg: Leg, path: Path, near: Nearest, within: float) -> float:

@@ -134,11 +134,14 @@ def nearest(six: Floats, law: str, p: Floats, within: float) -> Nearest:
     Nearest
     """
     family, at, distance = _closest(six, float(p[0]))
-    if MOTION_LAWS[law].conservative or law == "coulomb":
-        kept = "dry friction sticks" if law == "coulomb" else "energy is kept"
-        return Nearest(family, at, distance, False, 0.0, f"{kept}: nothing decays at rest")
+    where = f"nearest is {family} at {at:.6g}, {distance:.3g} away"
+    if MOTION_LAWS[law].conservative:
+        where += "; energy is kept, so nothing is settled on"
+        return Nearest(family, at, distance, False, 0.0, where)
+    if law == "coulomb":
+        where += "; dry friction ends in sticking, which keeps energy and settles on nothing"
+        return Nearest(family, at, distance, False, 0.0, where)
     if distance > within:
-        where = f"nearest is {family} at {at:.6g}, {distance:.3g} away"
         return Nearest(family, at, distance, False, 0.0, where)
     if family == "rolling":
         why = "rolling with slip drifts on its centre manifold (stability.drift): not settled"

@@ -355,7 +355,7 @@ class _Dry:
     def _ambiguous(self, first: int) -> bool:
         """Whether slip could also have set in at a sample of sticking: then the run ends there.
 
-        Below mu = 2√(k(k+1)) the continuation is unique (tests/data/coulomb.md), and nothing is
+        Below mu = 2√(k(k+1)) the continuation is unique (docs/dry-friction.md), and nothing is
         looked for.
         """
         if self.mu < 2 * math.sqrt(self.k * (self.k + 1)):
@@ -424,8 +424,11 @@ class _Dry:
             return self._depart(ways.directions[0], arrival)
         if ways.count == 0 and ways.ratio <= 1 + 1e-9:  # on the edge of the cone
             return self._onset()
+        # the free vertical acceleration of the contact point has the sign of -gn D
+        _, _, normal, d = slip_acceleration(self.y[:4], self.k, self.mu, np.zeros(1))
+        none = LIFT_OFF if normal[0] * d[0] < 0 else NO_CONTACT
         self._stop(
-            NO_CONTACT if ways.count == 0 else NON_UNIQUE,
+            none if ways.count == 0 else NON_UNIQUE,
             f"|F|/(mu gn) of sticking is {ways.ratio:.6g}, slip can set in at "
             f"{[round(a, 6) for a in ways.directions]} rad",
         )
