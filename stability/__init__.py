@@ -33,7 +33,7 @@ _HOME = {
     "motion": ("simulate",),
     "survey": ("launch",),
     "outcome": ("Outcome",),
-    "trajectory": ("read_motion", "write_motion"),
+    "records": ("read_motion", "write_motion"),
     "errors": ("StabilityError",),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
@@ -71,14 +71,14 @@ if TYPE_CHECKING:
     from .passage import Drift as Drift
     from .passage import drift as drift
     from .query import spectrum as spectrum
+    from .records import read_motion as read_motion
+    from .records import write_motion as write_motion
     from .spectra import Spectrum as Spectrum
     from .steady import disk_family as disk_family
     from .stream import stream_map as stream_map
     from .survey import launch as launch
     from .system import Condition as Condition
     from .system import System as System
-    from .trajectory import read_motion as read_motion
-    from .trajectory import write_motion as write_motion
     from .verdict import Nonlinear as Nonlinear
     from .verdict import Verdict as Verdict
 

@@ -8,10 +8,11 @@ import os
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from functools import partial
 from importlib import import_module, resources
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import matplotlib
 
@@ -19,37 +20,38 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FFMpegWriter
-from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from numpy.typing import NDArray
 from PIL import Image
 from scipy.interpolate import CubicHermiteSpline
+from scipy.ndimage import uniform_filter1d
 
 from .disk import positive
 from .errors import FileError, ParameterError
 from .files import check_target, whole
-from .trajectory import outcome_of
+from .outcome import BY_CODE
 
 if TYPE_CHECKING:
     import xarray
 
 Floats = NDArray[np.float64]
+Report = Callable[[int, int], None]
 
-BLUE, PALE, VERMILION, GREY, INK = "#0072B2", "#7db8da", "#D55E00", "#8a8a8a", "#222222"
-SUFFIXES = (".gif", ".mp4", ".html")
+BLUE, PALE, EDGE, VERMILION = "#0072B2", "#7db8da", "#004a75", "#D55E00"
+GREY, INK, WORDS = "#7a7a7a", "#222222", "#555555"
 SHORTEST, LONGEST = 4.0, 20.0
 """Range of a film's length when none is asked [s]."""
-MOST_FRAMES = 10_000
-MOST_SAMPLES = 20_000
-"""Samples in a page; a longer motion is thinned evenly."""
+MOST_FRAMES, MOST_SAMPLES = 10_000, 20_000
+"""Frames in a film; samples in a page, which thins a longer motion evenly."""
+FINE = 8
+"""Steps of the drawn path for each frame."""
 SIZE, DPI = (7.2, 5.0), 100
 """Frame [in] and dots per inch; both products are even, as video codecs ask."""
-ELEVATION, ASIDE, DISTANCE = math.radians(24), math.radians(42), 16.0
-"""Camera: above the plane, aside of the disk's axis at the start, and how far off [R]."""
-WIDEST, CLOSE = 7.0, 4.0
-"""Half width of the view [R]: the widest that takes in the whole path, and when following."""
+ELEVATION, ASIDE, WIDEST, CLOSE = math.radians(24), math.radians(42), 7.0, 4.0
+"""Camera: above the plane, and aside of the axis at the start; half width of the view [R], the
+widest that takes in the whole path, and when following."""
 THIN = 0.93
 """Inner radius drawn for a hoop [R], whose own would leave nothing to see."""
 POSED = ("theta", "phi", "psi", "centre_x", "centre_y")
@@ -60,58 +62,32 @@ LINEAR = (
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """Where the disk is in space at n instants; vectors have shape (n, 3), Z up."""
+    """Where the disk is in space at n instants; Z is up, vectors have shape (n, 3)."""
 
     radius: float
-    """Radius R."""
     psi: Floats
-    """Angle of the mark on the disk from `towards`."""
+    """Angle of the mark from `towards`; next 1̂ to the contact point, 2̂ along the rim, 3̂."""
     towards: Floats
-    """1̂, from the centre to the contact point."""
     along: Floats
-    """2̂ = ŷ, horizontal along the rim."""
     axis: Floats
-    """3̂, the symmetry axis."""
     centre: Floats
-    """Centre of the disk."""
     contact: Floats
-    """Contact point."""
-    slip: Floats
-    """Velocity of the rim's material point at the contact."""
-    force: Floats
-    """Force of the plane on the disk."""
 
     def points(self, angle: Any, share: Any = 1.0) -> Floats:
-        """Points fixed in the disk.
-
-        Parameters
-        ----------
-        angle
-            Angles from the mark about the axis, shape (m,) [rad].
-        share
-            Distances from the centre, shape (m,) or one for all [R].
-
-        Returns
-        -------
-        ndarray
-            Shape (n, m, 3).
-        """
-        turn = self.psi[:, None] + np.asarray(angle, dtype=float)
-        reach = self.radius * np.broadcast_to(np.asarray(share, dtype=float), turn.shape)
-        return np.asarray(
-            self.centre[:, None]
-            + (reach * np.cos(turn))[..., None] * self.towards[:, None]
-            + (reach * np.sin(turn))[..., None] * self.along[:, None]
-        )
+        """Points fixed in the disk by angle from the mark [rad] and distance [R]; (n, m, 3)."""
+        turn = (self.psi[:, None] + np.asarray(angle, dtype=float))[..., None]
+        arm = np.cos(turn) * self.towards[:, None] + np.sin(turn) * self.along[:, None]
+        reach = self.radius * np.asarray(share, dtype=float).reshape(-1, 1)
+        return np.asarray(self.centre[:, None] + reach * arm)
 
 
 def geometry(motion: Mapping[Any, Any]) -> Geometry:
-    """The disk in space from angles, path, slip and contact force.
+    """The disk in space from its angles and the path of its centre.
 
     Parameters
     ----------
     motion
-        A single run from `simulate` with `pose=True`, or its series by name.
+        A single run from `simulate` with `pose=True`, one time of it, or its series by name.
 
     Returns
     -------
@@ -124,69 +100,35 @@ def geometry(motion: Mapping[Any, Any]) -> Geometry:
     >>> float(abs(seen.contact[:, 2]).max()) < 1e-15
     True
     """
-    s = {n: np.atleast_1d(np.asarray(motion[n], dtype=float)) for n in (*POSED, *LINEAR)}
-    radius = float(np.asarray(motion["radius"]))
-    zero = np.zeros_like(s["theta"])
-    out = np.stack([np.cos(s["phi"]), np.sin(s["phi"]), zero], axis=-1)
-    along = np.stack([-np.sin(s["phi"]), np.cos(s["phi"]), zero], axis=-1)
+    theta, phi, psi, x, y = (np.atleast_1d(np.asarray(motion[n], dtype=float)) for n in POSED)
+    radius, zero = float(motion["radius"]), np.zeros_like(theta)
+    out = np.stack([np.cos(phi), np.sin(phi), zero], axis=-1)
+    along = np.stack([-np.sin(phi), np.cos(phi), zero], axis=-1)
+    cosine, sine = np.cos(theta)[:, None], np.sin(theta)[:, None]
     up = np.array([0.0, 0.0, 1.0])
-    cosine, sine = np.cos(s["theta"])[:, None], np.sin(s["theta"])[:, None]
-    towards = cosine * out - sine * up
-    centre = np.stack([s["centre_x"], s["centre_y"], radius * sine[:, 0]], axis=-1)
-
-    def in_space(x: str, y: str) -> Floats:
-        return np.asarray(s[x][:, None] * out + s[y][:, None] * along)
-
-    return Geometry(
-        radius, s["psi"], towards, along, sine * out + cosine * up, centre,
-        centre + radius * towards, in_space("slip_x", "slip_y"),
-        in_space("force_x", "force_y") + s["normal_force"][:, None] * up,
-    )  # fmt: skip
+    towards, axis = cosine * out - sine * up, sine * out + cosine * up
+    centre = np.stack([x, y, radius * np.sin(theta)], axis=-1)
+    return Geometry(radius, psi, towards, along, axis, centre, centre + radius * towards)
 
 
-def resample(motion: Mapping[Any, Any], times: Floats) -> dict[str, Any]:
-    """A motion at other times: its pose by cubics through values and rates, the rest by lines.
-
-    Parameters
-    ----------
-    motion
-        As for `geometry`, with `time`.
-    times
-        Times within those of the motion, shape (n,).
-
-    Returns
-    -------
-    dict
-        The series by name, with `time` and `radius`.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> run = st.simulate(st.Disk(), st.Rough(), {"theta": 1.5, "omega3": 2.0}, 2.0, pose=True)
-    >>> bool(resample(run, run.time.values[::2])["phi"][-1] == run.phi[-1])
-    True
-    """
-    t = np.asarray(motion["time"], dtype=float)
-    found: dict[str, Any] = {"time": times, "radius": float(np.asarray(motion["radius"]))}
+def _resample(motion: dict[str, Any], times: Floats) -> dict[str, Any]:
+    """A motion at other times: its pose by cubics through values and rates, the rest by lines."""
+    found = {n: np.interp(times, motion["time"], motion[n]) for n in LINEAR}
     for name, rate in _rates(motion).items():
-        found[name] = CubicHermiteSpline(t, np.asarray(motion[name], dtype=float), rate)(times)
+        found[name] = CubicHermiteSpline(motion["time"], motion[name], rate)(times)
     # between coarse samples a cubic may pass beyond flat, where the disk would be under the plane
     found["theta"] = np.clip(found["theta"], 0.0, math.pi)
-    for name in LINEAR:
-        found[name] = np.interp(times, t, np.asarray(motion[name], dtype=float))
-    return found
+    return found | {"time": times, "radius": motion["radius"]}
 
 
-def _rates(motion: Mapping[Any, Any]) -> dict[str, Floats]:
+def _rates(motion: dict[str, Any]) -> dict[str, Floats]:
     """Rates of the pose; ṡ = vA − ω × R1̂ gives those of the centre."""
-    s = {n: np.asarray(motion[n], dtype=float) for n in (*POSED, *LINEAR)}
-    radius = float(np.asarray(motion["radius"]))
-    x = s["slip_x"] + radius * s["theta_dot"] * np.sin(s["theta"])
-    y = s["slip_y"] - radius * s["omega3"]
-    cosine, sine = np.cos(s["phi"]), np.sin(s["phi"])
-    spin = s["omega3"] - s["phi_dot"] * np.cos(s["theta"])
-    rates = (s["theta_dot"], s["phi_dot"], spin, x * cosine - y * sine, x * sine + y * cosine)
-    return dict(zip(POSED, rates, strict=True))
+    theta, phi, omega3, radius = (motion[n] for n in ("theta", "phi", "omega3", "radius"))
+    x = motion["slip_x"] + radius * motion["theta_dot"] * np.sin(theta)
+    y = motion["slip_y"] - radius * omega3
+    spin = omega3 - motion["phi_dot"] * np.cos(theta)
+    centre = x * np.cos(phi) - y * np.sin(phi), x * np.sin(phi) + y * np.cos(phi)
+    return dict(zip(POSED, (motion["theta_dot"], motion["phi_dot"], spin, *centre), strict=True))
 
 
 def animate(
@@ -240,43 +182,37 @@ def animate(
     motion = _single(dataset)
     check_target(path, overwrite=overwrite)
     suffix = FilePath(path).suffix.lower()
-    if suffix not in SUFFIXES:
+    if suffix not in (".gif", ".mp4", ".html"):
         raise FileError(f"the file name ends in {suffix!r}; give .gif, .mp4 or .html.")
-    span = float(motion["time"][-1] - motion["time"][0])
-    length = min(max(span, SHORTEST), LONGEST)
+    first, last = motion["time"][[0, -1]]
+    length, rate = min(max(last - first, SHORTEST), LONGEST), _number("fps", fps, 100.0)
     if seconds is not None:
-        length = _number("seconds", seconds)
-    rate = _number("fps", fps)
-    if rate > 100:
-        raise ParameterError(f"fps is {rate:g}; at most 100 frames in a second are drawn.")
-    if suffix == ".html":
-        page = _page(dataset, motion, length)
-        with whole(path, overwrite=overwrite) as beside:
-            beside.write_text(page, encoding="utf-8")
-        if progress is not None:
-            progress(1, 1)
-        return FilePath(path)
+        length = _number("seconds", seconds, 3600.0)
     if suffix == ".gif":
         rate = 100 / max(2, round(100 / rate))
-    if rate * length > MOST_FRAMES:
-        raise ParameterError(
-            f"fps × seconds is {rate * length:.6g} frames; at most {MOST_FRAMES} are drawn."
-        )
-    write = _mp4(_ffmpeg()) if suffix == ".mp4" else _gif
-    frames = np.linspace(motion["time"][0], motion["time"][-1], max(2, round(rate * length)))
+    if suffix != ".html" and rate * length > MOST_FRAMES:
+        count = f"{rate * length:.6g} frames"
+        raise ParameterError(f"fps × seconds is {count}; at most {MOST_FRAMES} are drawn.")
+    report = progress or (lambda *_: None)
     with whole(path, overwrite=overwrite) as beside:
-        scene = _Scene(resample(motion, frames), dataset, span / length)
+        if suffix == ".html":
+            beside.write_text(_page(dataset, motion, length), encoding="utf-8")
+            report(1, 1)
+            return FilePath(path)
+        frames = max(2, round(rate * length))
+        fine = _resample(motion, np.linspace(first, last, (frames - 1) * FINE + 1))
+        scene = _Scene(fine, dataset, (last - first) / length)
         try:
-            write(beside, scene, rate, progress or (lambda done, total: None))
+            (_gif if suffix == ".gif" else _mp4)(beside, scene, rate, report)
         finally:
             plt.close(scene.figure)
     return FilePath(path)
 
 
-def _number(name: str, value: Any) -> float:
+def _number(name: str, value: Any, most: float) -> float:
     number = positive(name, value)
-    if not isinstance(number, float):
-        raise ParameterError(f"{name} has {number.size} values; give one positive number.")
+    if not isinstance(number, float) or number > most:
+        raise ParameterError(f"{name} is {value}; give one positive number, at most {most:g}.")
     return number
 
 
@@ -289,21 +225,16 @@ def _single(dataset: Any) -> dict[str, Any]:
     if "phi" not in dataset:
         raise ParameterError("the dataset has no pose; call simulate with pose=True.")
     if dataset.theta.dims != ("time",):
-        shape = [n for d, n in dataset.theta.sizes.items() if d != "time"]
-        raise ParameterError(
-            f"the dataset has launches of shape {tuple(shape)}; take one, as by isel(launch=0)."
-        )
-    kept = slice(None)
-    if "running" in dataset:  # one of several: after its end it only holds its last state
-        kept = slice(0, int((dataset.running.values == 1).sum()))
-    motion = {n: dataset[n].values[kept].astype(float) for n in ("time", *POSED, *LINEAR)}
-    if len(motion["time"]) < 2:
-        count = len(motion["time"])
+        sizes = dict(dataset.theta.sizes)
+        raise ParameterError(f"the dataset has sizes {sizes}; take one launch by isel(launch=0).")
+    # one of several holds its last state after its end
+    kept = int((dataset.running == 1).sum()) if "running" in dataset else None
+    motion = {n: dataset[n].values[:kept].astype(float) for n in ("time", *POSED, *LINEAR)}
+    if (count := len(motion["time"])) < 2:
         raise ParameterError(f"the dataset has {count} sample(s) of the motion; give at least 2.")
-    if not all(np.isfinite(v).all() for v in motion.values()):
-        raise ParameterError("the dataset has numbers that are not finite; give finite ones.")
-    if not (np.diff(motion["time"]) > 0).all():
-        raise ParameterError("the times of the dataset do not rise; give rising times.")
+    finite = all(np.isfinite(v).all() for v in motion.values())
+    if not finite or not (np.diff(motion["time"]) > 0).all():
+        raise ParameterError("the dataset has NaN or times that do not rise; give a whole motion.")
     return motion | {"radius": float(dataset.radius)}
 
 
@@ -333,201 +264,159 @@ class _Scene:
     """The figure of a film, its camera, and everything in it; `show` puts it at a frame."""
 
     def __init__(self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float) -> None:
-        self.time, self.theta = motion["time"], motion["theta"]
-        self.seen, self.inner = geometry(motion), _inner(dataset)
-        self.unit = _unit(dataset, "time")
+        self.motion, self.seen = motion, geometry(motion)
+        self.frames = (len(motion["time"]) - 1) // FINE + 1
+        self.unit, self.inner = _unit(dataset, "time"), _inner(dataset)
         self.figure = plt.figure(figsize=SIZE, dpi=DPI, facecolor="white")
         self.axes = self.figure.add_axes((0, 0, 1, 1))
         self.axes.axis("off")
         self._aim(float(motion["phi"][0]) + ASIDE)
-        self.grid = self.axes.add_collection(LineCollection([], linewidths=0.8))
+        (self.grid,) = self.axes.plot([], [], color="#d9d9d9", lw=0.8)
+        # in the order of drawing: the disk hides what lies on the plane, for all of it is above
         self.shadow = self._patch("#00000026", "none")
         (self.trail,) = self.axes.plot([], [], color=VERMILION, lw=1.6)
-        (self.behind,) = self.axes.plot([], [], color=GREY, lw=0.9)
-        self.body = self._patch(BLUE, "#004a75")
+        (self.path,) = self.axes.plot([], [], color=GREY, lw=0.9)
+        self.body = self._patch(BLUE, EDGE)
         self.mark = self._patch(VERMILION, "none")
         (self.ticks,) = self.axes.plot([], [], color="white", lw=1.0)
-        (self.before,) = self.axes.plot([], [], color=GREY, lw=0.9)
         (self.spot,) = self.axes.plot([], [], "o", color=INK, ms=3.5)
-        put = self.figure.text
+        put = partial(self.figure.text, fontsize=9, color=WORDS)
         self.clock = put(0.03, 0.94, "", fontsize=12, color=INK)
-        self.angle = put(0.03, 0.895, "", fontsize=9, color="#555555")
-        put(0.97, 0.94, f"1 s of film = {pace:.3g} {self.unit}", fontsize=9, color="#555555",
-            ha="right")  # fmt: skip
-        put(0.03, 0.03, _caption(dataset), fontsize=9, color="#555555")
-        put(0.97, 0.895, f"outcome: {outcome_of(dataset).word}", fontsize=9, color="#555555",
-            ha="right")  # fmt: skip
+        self.places = int(np.clip(2 - np.floor(np.log10(pace)), 0, 12))
+        put(0.97, 0.94, f"1 s of film = {pace:.3g} {self.unit}", ha="right")
+        put(0.97, 0.895, f"outcome: {BY_CODE[int(dataset.outcome)].word}", ha="right")
+        put(0.03, 0.03, _caption(dataset))
 
     def _patch(self, face: str, edge: str) -> PathPatch:
         patch = PathPatch(Path([[0.0, 0.0]]), facecolor=face, edgecolor=edge, linewidth=1.2)
-        return self.axes.add_patch(patch)
+        self.axes.add_patch(patch)
+        return patch
 
     def _aim(self, azimuth: float) -> None:
         """Camera and limits: the whole path if it fits, else one that follows the disk."""
-        c, s = math.cos(azimuth), math.sin(azimuth)
-        ce, se = math.cos(ELEVATION), math.sin(ELEVATION)
+        (c, ce), (s, se) = np.cos([azimuth, ELEVATION]), np.sin([azimuth, ELEVATION])
         self.to_camera = np.array([ce * c, ce * s, se])
-        self.screen = np.array([[-s, c, 0.0], [-se * c, -se * s, ce]])
-        radius, centre = self.seen.radius, self.seen.centre
-        ground = centre * [1, 1, 0] + [0, 0, 0.5 * radius]
+        self.screen = np.array([[-s, c, 0.0], [-se * c, -se * s, ce]]).T
+        radius, aspect = self.seen.radius, SIZE[0] / SIZE[1]
+        ground = self.seen.centre * [1, 1, 0] + [0, 0, 0.6 * radius]
         middle = (ground.min(axis=0) + ground.max(axis=0)) / 2
-        spread = np.abs((ground - middle) @ self.screen.T).max(axis=0) / radius + 1.5
-        aspect = SIZE[0] / SIZE[1]
-        half = max(float(spread[0]), float(spread[1]) * aspect, 0.7 * CLOSE)
-        self.target = np.broadcast_to(middle, centre.shape)
-        if half > WIDEST:
-            half = CLOSE
+        spread = np.abs((ground - middle) @ self.screen).max(axis=0) / radius + [1.2, 1.6]
+        self.half = max(float(spread[0]), float(spread[1]) * aspect, 0.7 * CLOSE)
+        self.target = np.broadcast_to(middle, ground.shape)
+        if self.half > WIDEST:
+            self.half = CLOSE
             # a camera that lags a little keeps the grid calm; it never loses the disk
-            lag = max(1, len(ground) // 15)
-            padded = np.pad(ground, ((lag, lag), (0, 0)), mode="edge")
-            window = np.ones(2 * lag + 1) / (2 * lag + 1)
-            calm = np.stack([np.convolve(p, window, "valid") for p in padded.T], axis=-1)
+            calm = uniform_filter1d(ground, max(3, len(ground) // 8), axis=0, mode="nearest")
             self.target = ground - np.clip(ground - calm, -1.2 * radius, 1.2 * radius)
-        self.half = half
-        self.axes.set_xlim(-half * radius, half * radius)
-        self.axes.set_ylim(-half * radius / aspect, half * radius / aspect)
+        x, y = self.half * radius, self.half * radius / aspect
+        self.axes.set(xlim=(-x, x), ylim=(-y, y))
 
-    def _project(self, points: Floats, frame: int) -> Floats:
-        away = points - self.target[frame]
-        # a camera inside the view would see the grid turned inside out
-        distance = max(DISTANCE, 3 * self.half) * self.seen.radius
-        return np.asarray(
-            away @ self.screen.T * (distance / (distance - away @ self.to_camera))[..., None]
-        )
+    def _lines(self, target: Floats) -> Floats:
+        """The plane's grid about the target, one square for each R, beyond the frame."""
+        reach = math.ceil(2.3 * self.half)
+        across = np.repeat(np.arange(-reach, reach + 1.0), 3)
+        ends = np.tile([-reach, reach, np.nan], 2 * reach + 1)
+        lines = np.vstack([np.stack([across, ends], -1), np.stack([ends, across], -1)])
+        lines = (lines + np.round(target[:2] / self.seen.radius)) * self.seen.radius
+        return np.pad(lines, ((0, 0), (0, 1)))
 
-    def _lines(self, frame: int) -> None:
-        """The plane's grid about the target, one square for each R, fading outwards."""
-        radius, reach = self.seen.radius, math.ceil(1.7 * self.half)
-        steps = np.arange(-reach, reach + 1.0)
-        a, b = np.meshgrid(steps, steps[:-1], indexing="ij")
-        pieces = np.stack([np.stack([a, b], -1), np.stack([a, b + 1], -1)], -2).reshape(-1, 2, 2)
-        pieces = np.concatenate([pieces, pieces[..., ::-1]])
-        origin = np.round(self.target[frame, :2] / radius)
-        pieces = (pieces + origin) * radius
-        far = np.linalg.norm(pieces.mean(axis=1) - self.target[frame, :2], axis=1)
-        colours = np.tile(to_rgba(GREY), (len(pieces), 1))
-        colours[:, 3] = 0.5 * np.clip(1 - far / (reach * radius), 0, 1)
-        flat = np.concatenate([pieces, np.zeros((len(pieces), 2, 1))], axis=-1)
-        self.grid.set_segments(list(self._project(flat, frame)))
-        self.grid.set_color([tuple(c) for c in colours])
+    def play(self, report: Report) -> Iterator[Any]:
+        """Show each frame in turn; the canvas, to be drawn."""
+        for frame in range(self.frames):
+            self.show(frame)
+            yield self.figure.canvas
+            report(frame + 1, self.frames)
 
     def show(self, frame: int) -> None:
         """Put everything where it is at a frame."""
-        seen, turn = self.seen, np.linspace(0, 2 * math.pi, 73)
-        here = Geometry(seen.radius, *(getattr(seen, n)[frame : frame + 1] for n in _VECTORS))
+        i, turn = frame * FINE, np.linspace(0, 2 * math.pi, 73)
+        here = geometry({n: self.motion[n][i] for n in POSED} | {"radius": self.seen.radius})
+        target = self.target[i]
+
+        def flat(points: Floats) -> Floats:
+            return np.asarray((points - target) @ self.screen)
+
+        def outline(*loops: Floats) -> Path:
+            return Path.make_compound_path(*(Path(flat(p), closed=True) for p in loops))
+
         rims = [here.points(turn)[0]]
         if self.inner:
             rims.append(here.points(turn[::-1], self.inner)[0])
-        self._lines(frame)
-        self.shadow.set_path(self._outline([r * [1, 1, 0] for r in rims], frame))
-        self.body.set_path(self._outline(rims, frame))
+        self.grid.set_data(*flat(self._lines(target)).T)
+        self.shadow.set_path(outline(*(rim * [1, 1, 0] for rim in rims)))
+        self.body.set_path(outline(*rims))
         # the two faces differ, so that the eye can tell which one it sees
-        eye = self.target[frame] + DISTANCE * seen.radius * self.to_camera
-        side = np.sign((eye - here.centre[0]) @ here.axis[0])
-        self.body.set_facecolor(BLUE if side > 0 else PALE)
+        self.body.set_facecolor(BLUE if self.to_camera @ here.axis[0] > 0 else PALE)
         wide = np.linspace(-1, 1, 9) * (0.1 + 0.12 * self.inner)
-        ends = np.repeat([1.0, self.inner], len(wide))
-        wedge = here.points(np.concatenate([wide, wide[::-1]]), ends)[0]
-        self.mark.set_path(self._outline([np.vstack([wedge, wedge[:1]])], frame))
+        ends = np.repeat([1.0, self.inner, 1.0], [9, 9, 1])
+        wedge = here.points(np.concatenate([wide, wide[::-1], wide[:1]]), ends)[0]
+        self.mark.set_path(outline(wedge))
         quarter = np.repeat([0.5, 1.0, 1.5], 3) * math.pi
-        spokes = self._project(here.points(quarter, [self.inner, 1.0, np.nan] * 3)[0], frame)
-        self.ticks.set_data(spokes[:, 0], spokes[:, 1])
-        past = seen.centre[: frame + 1]
-        nearer = (past - here.centre[0]) @ here.axis[0] * side > 0
-        path, trail = self._project(past, frame), self._project(seen.contact[: frame + 1], frame)
-        self.trail.set_data(trail[:, 0], trail[:, 1])
-        self.behind.set_data(path[:, 0], path[:, 1])
-        self.before.set_data(np.where(nearer, path[:, 0], np.nan), path[:, 1])
-        self.spot.set_data(trail[-1:, 0], trail[-1:, 1])
-        self.clock.set_text(f"t = {self.time[frame]:.2f} {self.unit}")
-        self.angle.set_text(f"θ = {math.degrees(self.theta[frame]):.1f}°")
-
-    def _outline(self, loops: list[Floats], frame: int) -> Path:
-        return Path.make_compound_path(
-            *(Path(self._project(loop, frame), closed=True) for loop in loops)
-        )
+        self.ticks.set_data(*flat(here.points(quarter, [self.inner, 1.0, np.nan] * 3)[0]).T)
+        self.trail.set_data(*flat(self.seen.contact[: i + 1]).T)
+        self.path.set_data(*flat(self.seen.centre[: i + 1]).T)
+        self.spot.set_data(*flat(here.contact).T)
+        time, lean = self.motion["time"][i], math.degrees(self.motion["theta"][i])
+        self.clock.set_text(f"t = {time:.{self.places}f} {self.unit},  θ = {lean:.1f}°")
 
 
-_VECTORS = [field.name for field in fields(Geometry) if field.name != "radius"]
-Report = Callable[[int, int], None]
-
-
-def _gif(path: FilePath, scene: _Scene, rate: float, progress: Report) -> None:
-    total = len(scene.time)
+def _gif(path: FilePath, scene: _Scene, rate: float, report: Report) -> None:
+    # one palette for all frames, undithered: still parts stay still, and the file small
+    colours = np.array([to_rgba(c)[:3] for c in (BLUE, PALE, EDGE, VERMILION, GREY, INK)])
+    mixed = 1 + np.linspace(0, 1, 32)[:, None, None] * (colours - 1)
+    palette = Image.fromarray((255 * mixed).round().astype(np.uint8)).quantize(256)
 
     def pictures() -> Iterator[Image.Image]:
-        palette: Image.Image | None = None
-        for frame in range(total):
-            scene.show(frame)
-            canvas: Any = scene.figure.canvas
+        for canvas in scene.play(report):
             canvas.draw()
-            picture = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
-            # one palette for all, undithered: still parts stay still, and the file small
-            palette = palette or picture.quantize(96, dither=Image.Dither.NONE)
+            picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
             yield picture.quantize(palette=palette, dither=Image.Dither.NONE)
-            progress(frame + 1, total)
 
-    film = pictures()
-    next(film).save(
-        path, format="GIF", save_all=True, append_images=film, duration=round(1000 / rate), loop=0
-    )
+    film, pause = pictures(), round(1000 / rate)
+    with path.open("wb") as file:  # for Pillow leaves its own open if a frame fails
+        next(film).save(file, "GIF", save_all=True, append_images=film, duration=pause, loop=0)
 
 
 def _ffmpeg() -> str:
     """The ffmpeg program, from the system or from a package."""
-    found = shutil.which("ffmpeg")
-    if found is None:
-        try:
-            found = str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
-        except (ImportError, RuntimeError):
-            raise FileError(
-                "an .mp4 needs ffmpeg, which was not found; install it by "
-                "`pip install stability[video]`, or take .gif."
-            ) from None
-    return found
+    try:
+        return str(shutil.which("ffmpeg") or import_module("imageio_ffmpeg").get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        message = "an .mp4 needs ffmpeg; `pip install stability[video]`, or take .gif."
+        raise FileError(message) from None
 
 
-def _mp4(program: str) -> Callable[[FilePath, _Scene, float, Report], None]:
-    def write(path: FilePath, scene: _Scene, rate: float, progress: Report) -> None:
-        total = len(scene.time)
-        writer = FFMpegWriter(fps=rate, codec="libx264", extra_args=["-movflags", "+faststart"])
+def _mp4(path: FilePath, scene: _Scene, rate: float, report: Report) -> None:
+    program, speed = _ffmpeg(), cast(int, rate)  # it takes fractions too
+    writer = FFMpegWriter(fps=speed, codec="libx264", extra_args=["-movflags", "+faststart"])
+    try:
         with plt.rc_context({"animation.ffmpeg_path": program}):
-            try:
-                with writer.saving(scene.figure, str(path), DPI):
-                    for frame in range(total):
-                        scene.show(frame)
-                        writer.grab_frame()
-                        progress(frame + 1, total)
-            except (subprocess.CalledProcessError, BrokenPipeError):
-                raise FileError(f"{program} could not make the film; take .gif.") from None
-
-    return write
+            with writer.saving(scene.figure, str(path), DPI):
+                for _ in scene.play(report):
+                    writer.grab_frame()
+    except (subprocess.CalledProcessError, BrokenPipeError):
+        raise FileError(f"{program} could not make the film; take .gif.") from None
 
 
 def _page(dataset: xarray.Dataset, motion: dict[str, Any], length: float) -> str:
     """The page: the template with the motion in it."""
-    if len(motion["time"]) > MOST_SAMPLES:
-        ends = motion["time"][[0, -1]]
-        thinned = np.linspace(ends[0], ends[1], MOST_SAMPLES)
-        series: dict[str, Any] = resample(motion, thinned)
-    else:
-        series = motion
+    times, series = motion["time"], motion
+    if len(times) > MOST_SAMPLES:
+        series = _resample(motion, np.linspace(times[0], times[-1], MOST_SAMPLES))
     data: dict[str, Any] = {n: _digits(series[n], 9) for n in ("time", *POSED)}
-    data |= {f"{n}_rate": _digits(v, 6) for n, v in _rates(series).items()}
-    data |= {n: _digits(series[n], 6) for n in ("normal_force", "force_x", "force_y")}
+    data |= {n: _digits(series[n], 6) for n in LINEAR}
     if "mode" in dataset:
-        at = np.searchsorted(motion["time"], series["time"], side="right") - 1
+        at = np.searchsorted(times, series["time"], side="right") - 1
         data["mode"] = dataset["mode"].values[at].astype(int).tolist()
     if "running" not in dataset:  # else the log is that of all launches
         data["event_time"] = _digits(dataset.event_time.values, 9)
         data["event_kind"] = [str(k) for k in dataset.event_kind.values]
-    plain = bool(dataset.attrs.get("dimensionless", 0))
-    weight = 1.0 if plain else float(dataset.mass * dataset.gravity)
-    outcome = outcome_of(dataset)
+    outcome = BY_CODE[int(dataset.outcome)]
     data |= {
         "title": str(dataset.attrs.get("title", "motion of a disk")),
         "caption": _caption(dataset), "outcome": outcome.word, "sentence": outcome.value,
-        "evidence": str(dataset.evidence.values), "seconds": length, "weight": weight,
+        "evidence": str(dataset.evidence.values), "seconds": length,
+        "weight": float(dataset.mass * dataset.gravity),
         "radius": motion["radius"], "inner": _inner(dataset),
         "time_unit": _unit(dataset, "time"), "force_unit": _unit(dataset, "normal_force"),
     }  # fmt: skip

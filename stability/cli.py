@@ -435,7 +435,8 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
                   "stability table conditions --k 0.25,0.5 --mu 0.1,1,10")  # fmt: skip
     sub.add_argument(
-        "name", metavar="NAME",
+        "name",
+        metavar="NAME",
         help="families, conditions, drift, hopf, launches or completeness",
     )
     sub.add_argument("--k", type=_list, help="inertia factors, comma-separated")

@@ -72,7 +72,7 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
     from .contact import law_named
     from .equations import STATES
     from .motion import simulate
-    from .trajectory import write_motion
+    from .records import write_motion
 
     for name in ("theta", "time"):
         if getattr(options, name) is None:
@@ -141,9 +141,7 @@ def _draw(
             animate(dataset, targets["film"], overwrite=options.force, progress=progress)
 
 
-def _report(
-    options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[str, Path]
-) -> None:
+def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[str, Path]) -> None:
     from .equations import STATES
     from .outcome import BY_CODE
 

@@ -30,9 +30,7 @@ UNITS = {
 
 
 @lru_cache(maxsize=16)
-def disk_system(
-    law: str, *, slip_states: bool | None = None, direction: bool = False
-) -> System:
+def disk_system(law: str, *, slip_states: bool | None = None, direction: bool = False) -> System:
     """The disk under a contact law as a `System`; dimensionless, built once for each law.
 
     Parameters
@@ -69,12 +67,13 @@ def disk_system(
     k = ca.SX.sym("k")
     mu = ca.SX.sym("mu")
     named: dict[str, ca.SX] = {"k": k} | ({"mu": mu} if contact.coefficient else {})
-    coefficient = mu
+    coefficient: Any = mu
     if contact is RegularisedCoulomb:
         named["epsilon"] = ca.SX.sym("epsilon")
         coefficient = (mu, named["epsilon"])
     if direction:
-        contact, coefficient = _Along, (mu, named.setdefault("direction", ca.SX.sym("direction")))
+        named["direction"] = ca.SX.sym("direction")
+        contact, coefficient = _Along, (mu, named["direction"])
     p = ca.vertcat(*named.values())
     body = _Body(x, k, contact, coefficient, slips)
     return System.from_mass_matrix(

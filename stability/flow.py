@@ -1,4 +1,4 @@
-"""What integrators read: the motion's graph with dissipated work, pose and the guards that end it."""
+"""What integrators read: the motion's graph with work, pose and the guards that end a run."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ class Flow:
         return both[..., :count], both[..., count:]
 
     def pack(self, six: Floats) -> Floats:
-        """y at the start of a run: the law's own states, no work done, pose at the origin.
+        """Y at the start of a run: the law's own states, no work done, pose at the origin.
 
         Parameters
         ----------
@@ -169,14 +169,16 @@ class Evaluator:
 
     def rates(self, _t: float, y: Floats) -> Floats:
         """dy/dt, shape (n,)."""
-        return self._rates(y)
+        found: Floats = self._rates(y)
+        return found
 
     def jacobian(self, _t: float, y: Floats) -> Floats:
         """∂(dy/dt)/∂y, shape (n, n)."""
         if self._jacobian is None:
             n = len(self.flow.names)
             self._jacobian = _bound(self.flow.jacobian, self.p, n, (n, n))
-        return self._jacobian(y)
+        found: Floats = self._jacobian(y)
+        return found
 
     def watch(self, y: Floats) -> tuple[Floats, Floats]:
         """Guards and their rates, shape (guards,) each."""
@@ -187,13 +189,16 @@ class Evaluator:
 
 def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> Any:
     """A CasADi function of (y, p) bound to memory of its own."""
+    buffer: Any
     buffer, evaluate = function.buffer()
-    y, out = np.zeros(n), np.zeros(shape, order="F")
+    y: Any = np.zeros(n)
+    out: Any = np.zeros(shape, order="F")
+    fixed: Any = p
     buffer.set_arg(0, memoryview(y))
-    buffer.set_arg(1, memoryview(p))
+    buffer.set_arg(1, memoryview(fixed))
     buffer.set_res(0, memoryview(out.T))
 
-    def call(state: Floats, _keep: Any = buffer) -> Floats:
+    def call(state: Floats, _keep: Any = buffer) -> Any:
         y[:] = state
         evaluate()
         return out.copy()

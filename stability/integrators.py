@@ -95,18 +95,19 @@ def stiffness(leg: Leg) -> float:
         Largest modulus of an eigenvalue of the Jacobian, over the largest angular velocity or 1.
     """
     jacobian = Evaluator(leg.flow, leg.p).jacobian
+    fastest = 0.0
     own = len(leg.flow.system.states)
     points = [leg.start]
     if own == 6 and leg.start[4:6].any() and leg.flow.system.name != DRY:
         still = leg.start.copy()
         still[4:6] = 0.0
         points.append(still)
-    fastest = 0.0
     with np.errstate(all="ignore"):
         for point in points:
             matrix = jacobian(0.0, point)[:own, :own]
             finite = bool(np.isfinite(matrix).all())
-            fastest = max(fastest, np.abs(np.linalg.eigvals(matrix)).max() if finite else np.inf)
+            here = float(np.abs(np.linalg.eigvals(matrix)).max()) if finite else np.inf
+            fastest = max(fastest, here)
     return float(fastest / _pace(leg))
 
 
@@ -144,7 +145,7 @@ def choose(leg: Leg) -> Choice:
 
 
 def _turn(leg: Leg) -> float:
-    return TURN * (leg.tolerance / 1e-6) ** -TURN_POWER
+    return float(TURN * (leg.tolerance / 1e-6) ** -TURN_POWER)
 
 
 def _patient(leg: Leg) -> Leg:
@@ -202,9 +203,9 @@ def run(
         for i, path in zip(mine, found, strict=True):
             paths[i] = path
     for i, leg in enumerate(legs):
-        path = paths[i]
-        if path is None:
-            path = METHODS[choices[i].method](leg)
+        known = paths[i]
+        path = known if known is not None else METHODS[choices[i].method](leg)
+        if known is None:
             advance(1)
         if auto and path.end is not None and path.end.kind == UNRESOLVED:
             path, choices[i] = _second(leg, path, choices[i])

@@ -18,7 +18,8 @@ from .disk import Disk, checked
 from .equations import STATES, disk_system
 from .errors import DomainError, NameUnknownError, ParameterError
 from .flow import Floats
-from .sticking import REST, continuations
+from .rest import continuations
+from .sticking import REST
 
 POINTS = 201
 """Samples of a run for which only a last time is given."""
@@ -105,9 +106,7 @@ def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Lau
     if not disk.dimensionless:
         starts[:, 1:4] *= flat["time"][..., None] if flat["time"].ndim else flat["time"]
         starts[:, 4:] /= flat["speed"][..., None] if flat["speed"].ndim else flat["speed"]
-    p = np.column_stack(
-        [np.broadcast_to(v, (count,)) for v in _parameters(contact, flat).values()]
-    )
+    p = np.column_stack([np.broadcast_to(v, (count,)) for v in _parameters(contact, flat).values()])
     energies = _check(contact.name, shape, starts, p)
     return Launches(
         contact.name, shape, starts, p, when, {n: flat[n] for n in fields},

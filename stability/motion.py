@@ -260,7 +260,9 @@ def _judge(
     return Result(
         path, choice, outcome, time, final, near, since,
         dry.modes if dry else None, dry.mode if dry else SLIDING,
-        tuple(dry.transitions) if dry else (), near.evidence if end is None else _why(leg, end),
+        tuple(dry.transitions) if dry else (),
+        (near.evidence if end is None else _why(leg, end))
+        + ("" if launches.dimensionless else " (dimensionless numbers)"),
     )  # fmt: skip
 
 
@@ -274,7 +276,7 @@ def _why(leg: Leg, end: End) -> str:
     if end.kind not in seen:
         return end.kind
     value, rate = (float(v) for v in seen[end.kind])
-    return f"{names[end.kind]} {value:.1e}, falling at {-rate:.4g} (dimensionless)"
+    return f"{names[end.kind]} {value:.1e}, falling at {-rate:.4g}"
 
 
 def _since(leg: Leg, path: Path, near: Nearest, within: float) -> float:

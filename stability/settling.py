@@ -4,7 +4,8 @@ Near a family member the deviation e (five numbers that vanish on the family) ob
 ė = A e + N(e).  Where A is stable, V = eᵀPe with AᵀP + PA = -1 falls on the ball |e| ≤ ρ if
 2 |P| H ρ < 1, H the largest norm of the second derivatives of ė, sampled on that ball (the 2 is
 a margin for what lies between the samples).  A state counts as settled if that holds on the ball
-around its level set of V, and its distance is below the asked one.  Passing slowly by an unstable member is not settling: A has no P.
+around its level set of V, and its distance is below the asked one.  Passing slowly by an unstable
+member is not settling: A has no P.
 A stable rolling of a slipping disk drifts (`stability.drift`) and so is never settled on.
 tests/test_settling.py runs launches on from where they were called settled.
 """
@@ -151,7 +152,7 @@ def nearest(six: Floats, law: str, p: Floats, within: float) -> Nearest:
     if reach == 0.0:
         why = f"{distance:.3g} from {family} at {at:.6g}, which is not asymptotically stable"
     elif not inside:
-        why = f"{distance:.3g} from {family} at {at:.6g}, too far for its Lyapunov function to decide"
+        why = f"{distance:.3g} from {family} at {at:.6g}, too far for its Lyapunov function"
     else:
         why = (
             f"{distance:.3g} from {family} at {at:.6g}; a Lyapunov function falls on a "

@@ -16,6 +16,8 @@ FINEST = 100 * np.finfo(float).eps
 """Smallest relative tolerance that SciPy accepts."""
 NAMES = {"dop853": "DOP853", "lsoda": "LSODA", "radau": "Radau", "bdf": "BDF"}
 """SciPy's class by the name of the method."""
+ULPS = 4 * np.finfo(float).eps
+"""Relative accuracy to which an event is located."""
 STIFF = ("lsoda", "radau", "bdf")
 """Those that use the Jacobian, which is automatic."""
 
@@ -59,7 +61,11 @@ def integrate(leg: Leg, *, method: str) -> Path:
         while solver.status == "running":
             message = solver.step()
             steps += 1
-            if solver.status == "failed" or not np.isfinite(solver.y).all() or steps > leg.max_steps:
+            if (
+                solver.status == "failed"
+                or not np.isfinite(solver.y).all()
+                or steps > leg.max_steps
+            ):
                 why = message or (
                     f"more than {leg.max_steps} steps" if steps > leg.max_steps
                     else "the state is not finite"
@@ -95,16 +101,21 @@ def _first_zero(
     for i, name in enumerate(run.flow.guards):
         g0, g1 = before[0][i], after[0][i]
         d0, d1 = step * before[1][i], step * after[1][i]
-        if g1 > 0 and not _dips(g0, g1, d0, d1):
+        if g1 > 0 and not dips(g0, g1, d0, d1):
             continue
         dense = dense or solver.dense_output()
-        zero = _locate(lambda t, i=i, dense=dense: run.watch(dense(t))[0][i], solver.t_old, solver.t)
+        zero = _locate(partial(_value, run, dense, i), solver.t_old, solver.t)
         if zero is not None:
             found.append((zero, name))
     return min(found, default=None)
 
 
-def _dips(g0: float, g1: float, d0: float, d1: float) -> bool:
+def _value(run: Evaluator, dense: Any, i: int, t: float) -> float:
+    """Guard i on the dense output."""
+    return float(run.watch(dense(t))[0][i])
+
+
+def dips(g0: float, g1: float, d0: float, d1: float) -> bool:
     """Whether the cubic with these values and slopes on [0, 1] comes within reach of zero."""
     if d0 >= 0 or d1 <= 0:
         return False
@@ -137,7 +148,7 @@ def _locate(guard: Callable[[float], float], low: float, high: float) -> float |
         return None
     if guard(left) <= 0:
         return float(left)
-    return float(brentq(guard, left, right, xtol=1e-15 * max(1.0, abs(right)), rtol=4 * np.finfo(float).eps))
+    return float(brentq(guard, left, right, xtol=1e-15 * max(1.0, abs(right)), rtol=ULPS))
 
 
 METHODS = {name: partial(integrate, method=name) for name in NAMES}

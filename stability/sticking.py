@@ -10,27 +10,26 @@ is smooth up to |vA| = 0 (f and h are the slip's acceleration along and across i
 a motion that comes to rest tends to a direction with h = 0, f < 0.  It has landed when |vA| has
 fallen below `REST`; what is left of the time, |vA|/|f|, is below rounding.
 
-At rest every continuation is listed: sticking, if the force lies in the friction cone, and each
-direction with h = 0, f > 0, gn > 0 in which a slip can set in (h times the determinant D is a
-trigonometric polynomial of degree two, so there are at most four).  Exactly one must be left; none
-or several end the run with an outcome that says so.  tests/test_coulomb.py holds all this against
-an inertial formulation and against the limit of regularised friction.
+At rest `stability.rest` lists every continuation.  Exactly one must be left; none or several end
+the run with an outcome that says so.  tests/test_coulomb.py holds all this against an inertial
+formulation and against the limit of regularised friction.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
-from .algebra import Program
 from .equations import disk_system
 from .flow import CONE, FLAT, LIFT_OFF, NO_CONTACT, POSE, Flow, _pose_rates, flow
 from .integrators import METHODS, choose
+from .rest import continuations, polish, slip_acceleration, sticking_force
 from .route import UNRESOLVED, End, Floats, Leg, Path
 
 NEAR = 1e-3
@@ -79,23 +78,6 @@ class DryPath:
     """In order of time."""
     mode: int
     """The mode in which it ended."""
-
-
-@dataclass(frozen=True, eq=False)
-class Continuations:
-    """What can follow from rest."""
-
-    sticks: bool
-    """Whether the force of sticking lies inside the friction cone, with gn > 0."""
-    ratio: float
-    """|F| / (mu gn) of sticking."""
-    directions: tuple[float, ...]
-    """Angles in which a slip can set in [rad]."""
-
-    @property
-    def count(self) -> int:
-        """How many there are."""
-        return self.sticks + len(self.directions)
 
 
 @lru_cache(maxsize=4)
@@ -159,140 +141,6 @@ def sliding_flow(*, pose: bool) -> Flow:
     return dataclasses.replace(plain, guards={**plain.guards, SMALL: small})
 
 
-@lru_cache(maxsize=1)
-def _at_rest() -> tuple[Program, Program]:
-    """The slip's acceleration, gn and D in a direction at rest; and gn and the force of sticking."""
-    along = disk_system("coulomb", direction=True)
-    seen = along.observables
-    rough = disk_system("rough")
-    held = rough.observables
-    sliding = ca.vertcat(along.rhs[4:6], seen["normal_force"], seen["determinant"])
-    sticking = ca.vertcat(held["normal_force"], held["contact_force"])
-    return (
-        Program(ca.Function("sliding", [along.x, along.p], [sliding])),
-        Program(ca.Function("sticking", [rough.x, rough.p], [sticking])),
-    )
-
-
-def slip_acceleration(
-    four: Floats, k: float, mu: float, angles: Floats
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """The slip's acceleration at rest, should it set in in a direction.
-
-    Parameters
-    ----------
-    four
-        theta, theta_dot, phi_dot, omega3.
-    k, mu
-        Inertia factor and friction.
-    angles
-        Directions from x̂ [rad], shape (n,).
-
-    Returns
-    -------
-    along, across, normal, determinant
-        f, h, gn and D, shape (n,) each.
-    """
-    x = [*(np.full_like(angles, v) for v in four), np.zeros_like(angles), np.zeros_like(angles)]
-    p = [np.full_like(angles, k), np.full_like(angles, mu), angles]
-    vx, vy, normal, d = np.moveaxis(
-        _at_rest()[0].arrays([x, p], angles.shape)[0][..., 0], -1, 0
-    )
-    c, s = np.cos(angles), np.sin(angles)
-    return c * vx + s * vy, c * vy - s * vx, normal, d
-
-
-def sticking_force(four: Floats, k: float) -> tuple[float, float, float]:
-    """Normal force and horizontal force that hold the contact point at rest [m g].
-
-    Parameters
-    ----------
-    four
-        theta, theta_dot, phi_dot, omega3.
-    k
-        Inertia factor.
-
-    Returns
-    -------
-    normal, force_x, force_y
-
-    Examples
-    --------
-    >>> sticking_force(np.array([math.pi / 2, 0, 0, 1.2]), 0.25)[0]
-    1.0
-    """
-    arguments = [[np.float64(v) for v in four], [np.float64(k)]]
-    values = _at_rest()[1].arrays(arguments, ())[0][..., 0]
-    return float(values[0]), float(values[1]), float(values[2])
-
-
-def directions(four: Floats, k: float, mu: float) -> Floats:
-    """Every direction in which the slip's acceleration at rest is radial (h = 0), to rounding.
-
-    Parameters
-    ----------
-    four, k, mu
-        As for `slip_acceleration`.
-
-    Returns
-    -------
-    ndarray
-        Angles, at most four.
-    """
-    angles = np.arange(8) * (math.pi / 4)
-    _, across, _, d = slip_acceleration(four, k, mu, angles)
-    if not np.isfinite(across * d).all():
-        angles = angles + 0.1  # a sample hit D = 0
-        _, across, _, d = slip_acceleration(four, k, mu, angles)
-    waves = np.fft.fft(across * d) / 8
-    waves = waves * np.exp(-1j * np.fft.fftfreq(8, 1 / 8) * angles[0])
-    polynomial = np.array([waves[2], waves[1], waves[0], waves[-1], waves[-2]])
-    roots = np.roots(polynomial)
-    near = np.angle(roots[np.abs(np.abs(roots) - 1) < 1e-6])
-    return np.array([_polish(four, k, mu, a) for a in near])
-
-
-def _polish(four: Floats, k: float, mu: float, angle: float) -> float:
-    """Two steps of the secant rule on h."""
-    step = 1e-6
-    for _ in range(3):
-        h = slip_acceleration(four, k, mu, np.array([angle - step, angle, angle + step]))[1]
-        slope = (h[2] - h[0]) / (2 * step)
-        if slope == 0 or not np.isfinite(slope) or abs(h[1] / slope) > 1e-3:
-            break
-        angle -= h[1] / slope
-    return float(angle)
-
-
-def continuations(four: Floats, k: float, mu: float) -> Continuations:
-    """Every way on from rest.
-
-    Parameters
-    ----------
-    four, k, mu
-        As for `slip_acceleration`.
-
-    Returns
-    -------
-    Continuations
-
-    Examples
-    --------
-    >>> at_rest = np.array([math.pi / 2, 0.0, 0.0, 1.2])
-    >>> c = continuations(at_rest, 0.25, 0.3)
-    >>> c.sticks, c.directions
-    (True, ())
-    """
-    normal, fx, fy = sticking_force(four, k)
-    ratio = math.hypot(fx, fy) / (mu * normal) if normal > 0 else math.inf
-    candidates = directions(four, k, mu)
-    free: tuple[float, ...] = ()
-    if candidates.size:
-        along, _, gn, _ = slip_acceleration(four, k, mu, candidates)
-        free = tuple(float(a) for a in candidates[(along > 1e-9) & (gn > 0)])
-    return Continuations(ratio <= 1.0, ratio, free)
-
-
 class _Dry:
     """One run through its modes; y is that of sliding (with slip), whatever the mode."""
 
@@ -328,9 +176,7 @@ class _Dry:
     # --- one mode each: run to its end, and say the next ---
 
     def _slide(self) -> int:
-        kind = self._advance(
-            sliding_flow(pose=self.pose), self.leg.p, self.y, SLIDING, lambda y: y, self.method
-        )
+        kind = self._advance(sliding_flow(pose=self.pose), self.leg.p, self.y, SLIDING, lambda y: y)
         if kind is not None and kind != SMALL:
             self._stop(kind)
         elif kind == SMALL:  # step inside, so that rounding cannot hold it at the border
@@ -342,7 +188,7 @@ class _Dry:
         p = np.array([self.k, self.mu, self.flat])
         start, first = np.delete(self.y, [4, 5]), len(self.rows)
         kind = self._advance(
-            stick, p, start, STICKING, lambda y: np.insert(y, [4, 4], 0.0, axis=-1), self.method
+            stick, p, start, STICKING, lambda y: np.insert(y, [4, 4], 0.0, axis=-1)
         )
         if self._ambiguous(first):
             return STICKING
@@ -448,7 +294,7 @@ class _Dry:
         return SLIDING
 
     def _along(self, angle: float) -> Floats:
-        """y with the least slip in a direction, where the plain equations have a meaning."""
+        """Y with the least slip in a direction, where the plain equations have a meaning."""
         y = self.y.copy()
         y[4:6] = REST * math.cos(angle), REST * math.sin(angle)
         return y
@@ -470,7 +316,7 @@ class _Dry:
         leg = Leg(plain, np.array([self.k, self.mu, self.flat]), np.delete(before, [4, 5]),
                   np.array([when, when + ONSET]), 1e-12, self.leg.max_steps)  # fmt: skip
         after = np.insert(METHODS["dop853"](leg).states[-1], [4, 4], 0.0)
-        angle = _polish(after[:4], self.k, self.mu, angle)
+        angle = polish(after[:4], self.k, self.mu, angle)
         f = float(slip_acceleration(after[:4], self.k, self.mu, np.array([angle]))[0][0])
         while len(self.rows) < len(self.times) and self.times[len(self.rows)] <= when + ONSET:
             t = self.times[len(self.rows)] - when
@@ -487,11 +333,12 @@ class _Dry:
         return SLIDING
 
     def _excess(self, stuck: Floats, angle: float) -> Floats:
-        """y after the time ONSET of slip, from that of sticking: the excess acceleration has grown
-        in proportion to time, so that velocities gain a half of it and angles a sixth."""
-        slipping = disk_system("coulomb", direction=True).rates(
-            stuck[:6], [self.k, self.mu, angle]
-        )
+        """The state after the time ONSET of slip, from that of sticking.
+
+        The excess acceleration has grown in proportion to time, so that velocities gain a half of
+        it and angles a sixth.
+        """
+        slipping = disk_system("coulomb", direction=True).rates(stuck[:6], [self.k, self.mu, angle])
         held = disk_system("rough").rates(stuck[:4], [self.k])
         excess = slipping - np.append(held, [0.0, 0.0])
         y = stuck.copy()
@@ -501,14 +348,16 @@ class _Dry:
 
     # --- book-keeping ---
 
-    def _advance(self, which, p, start, mode, back, method):  # type: ignore[no-untyped-def]
+    def _advance(
+        self, which: Flow, p: Floats, start: Floats, mode: int, back: Callable[[Floats], Floats],
+    ) -> str | None:  # fmt: skip
         """Run a flow over the samples that are left; the guard that ended it, or None."""
         rest = self.times[len(self.rows) :]
         times = np.concatenate([[self.time], rest])
         leg = Leg(which, p, start, times, self.leg.tolerance, self.leg.max_steps)
-        name = choose(leg).method if method == "auto" else method
-        path = METHODS[name](leg)
-        if method == "auto" and path.end is not None and path.end.kind == UNRESOLVED:
+        auto = self.method == "auto"
+        path = METHODS[choose(leg).method if auto else self.method](leg)
+        if auto and path.end is not None and path.end.kind == UNRESOLVED:
             path = METHODS["lsoda"](leg)
         self.steps += path.steps
         for row in path.states[1:]:

@@ -18,7 +18,7 @@ import numpy as np
 
 from .flow import Flow
 from .route import UNRESOLVED, End, Floats, Leg, Path
-from .stepping import _dips
+from .stepping import dips
 
 FILL = 200
 """Intervals at which the guards are checked at least."""
@@ -98,12 +98,12 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
     grid = grid[np.append(True, np.diff(grid) > 1e-14 * max(abs(times[-1]), 1e-300))]
     grid = np.union1d(grid, times)
     whole = _run(leg, plugin, leg.start, grid)
-    if whole is None:
-        known, first, steps = leg.start[None], 0, 0
-    else:
-        known, steps = np.vstack([leg.start[None], whole[0]]), whole[1]
+    first: int | None = 0
+    known, steps = leg.start[None], 0
+    if whole is not None:
+        known, steps = np.vstack([known, whole[0]]), whole[1]
         first = _first_fall(leg, grid, known)
-    end = None
+    end: End | None = None
     if first is not None:
         rest, end, more = _march(leg, plugin, grid[first:], known[first])
         known, steps = np.vstack([known[: first + 1], rest]), steps + more
@@ -111,27 +111,26 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
     return Path(known[at[at < len(known)]], end, steps)
 
 
-def _falls(leg: Leg, steps: Floats, values: Floats, rates: Floats) -> Any:
+def _falls(steps: Floats, values: Floats, rates: Floats) -> Any:
     """For each interval whether a guard ends it below zero, or may dip below within it."""
-    bad = ~(values[1:] > 0).all(axis=-1)
+    bad: Any = ~(values[1:] > 0).all(axis=-1)
     turning = (rates[:-1] < 0) & (rates[1:] > 0)
     for i, j in np.argwhere(turning):
         h = steps[i]
-        bad[i] |= _dips(values[i, j], values[i + 1, j], h * rates[i, j], h * rates[i + 1, j])
+        bad[i] |= dips(values[i, j], values[i + 1, j], h * rates[i, j], h * rates[i + 1, j])
     return bad
 
 
 def _first_fall(leg: Leg, grid: Floats, states: Floats) -> int | None:
     values, rates = leg.flow.margins(states, leg.p)
-    bad = np.flatnonzero(_falls(leg, np.diff(grid), values, rates))
+    bad = np.flatnonzero(_falls(np.diff(grid), values, rates))
     return int(bad[0]) if bad.size else None
 
 
-def _march(
-    leg: Leg, plugin: str, grid: Floats, start: Floats
-) -> tuple[Floats, End | None, int]:
+def _march(leg: Leg, plugin: str, grid: Floats, start: Floats) -> tuple[Floats, End | None, int]:
     """Interval by interval, each checked, with pieces as short as it takes."""
     rows: list[Floats] = []
+    end: End | None = None
     state, time, steps = start, float(grid[0]), 0
     shortest = SHORTEST * float(leg.times[-1] - leg.times[0])
     for target in grid[1:]:

@@ -29,8 +29,8 @@ VELOCITIES = tuple(float(v) for v in np.round(np.linspace(0.4, 4.8, 12), 6))
 SAMPLES = 501
 """Samples of a run, at which the smallest normal force is read."""
 NOTES = (
-    "Launch: a steady motion with its axis tilted from the horizontal by the stated angle, no slip,",
-    "no other motion. linear: spectral verdict of the steady motion launched near; rate: its",
+    "Launch: a steady motion with its axis tilted from level, no slip and no other motion.",
+    "linear: spectral verdict of the steady motion launched near; rate: its",
     "largest growth rate. final: the nearest steady motion at the end and its parameter (a tilde:",
     "near, not settled). energy: final over initial. normal_force: the least over m g.",
     "At the start gn = k/(k + c²) for rolling and k (1 + phi_dot² s c²)/(k + c²) for spinning",

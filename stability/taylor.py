@@ -179,7 +179,7 @@ def integrate_many(
     Parameters
     ----------
     legs
-        What is asked; they share flow, times, tolerance and max_steps.
+        What is asked; they share flow, number of times, tolerance and max_steps.
     workers
         Threads; as many as there are cores when left out.  Each has an integrator of its own.
     progress
@@ -216,16 +216,16 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     """One batch; lanes that have no launch repeat the last one."""
     import heyoka as hy
 
-    width, times = ta.batch_size, legs[0].times
+    width = ta.batch_size
     filled = legs + legs[-1:] * (width - len(legs))
     ta.state[:] = np.column_stack([leg.start for leg in filled])
     ta.pars[:-1] = np.column_stack([leg.p for leg in filled])
     ta.pars[-1] = 1.0
-    ta.set_time(float(times[0]))
+    ta.set_time([float(leg.times[0]) for leg in filled])
     ta.reset_cooldowns()
     stop: _Stop = ta.t_events[0].callback
     stop.ends.clear()
-    grid = np.repeat(times[:, None], width, axis=1)
+    grid = np.column_stack([leg.times for leg in filled])
     _, states = ta.propagate_grid(grid, max_steps=legs[0].max_steps)
     paths = []
     for lane, leg in enumerate(legs):
@@ -237,6 +237,6 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
         if lane in stop.ends:
             when, where = stop.ends[lane]
             end = End(guard_at(leg.flow, leg.p, where), when, where)
-            mine = mine[: np.searchsorted(times, when)]
+            mine = mine[: np.searchsorted(leg.times, when)]
         paths.append(Path(mine, end, int(steps)))
     return paths

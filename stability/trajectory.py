@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-import math
-import os
 import platform
 from collections import Counter
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -19,9 +16,8 @@ import numpy as np
 from . import __version__
 from .algebra import Program
 from .equations import STATES, disk_system
-from .errors import FileError
 from .flow import POSE, Floats
-from .outcome import BY_CODE, OF_END, Outcome
+from .outcome import BY_CODE
 from .sticking import SLIDING, STICKING
 
 if TYPE_CHECKING:
@@ -128,9 +124,7 @@ def observe(law: str, six: Floats, p: Floats, modes: Floats | None) -> Floats:
     return np.moveaxis(values, -1, 0)
 
 
-def assemble(
-    launches: Launches, settings: Settings, results: list[Result]
-) -> xarray.Dataset:
+def assemble(launches: Launches, settings: Settings, results: list[Result]) -> xarray.Dataset:
     """The dataset that `simulate` returns.
 
     Parameters
@@ -155,7 +149,7 @@ def assemble(
     along = (*dims, "time")
     shape = (*launches.shape, y.shape[1])
     plain = launches.dimensionless
-    fast = xarray.Variable
+    fast: Any = xarray.Variable
     variables = {
         n: fast(along, v.reshape(shape), _attributes(n, plain), fastpath=True)
         for n, v in series.items()
@@ -169,8 +163,8 @@ def assemble(
             "long_name": "mode of dry friction",
             "flag_values": np.array([SLIDING, STICKING], dtype=np.int8),
             "flag_meanings": "sliding sticking"})  # fmt: skip
-    variables |= _summary(launches, results, series["audit"], series["energy"], dims)
-    variables |= _log(launches, results, single)
+    variables |= _summary(launches, results, series["audit"], dims)
+    variables |= _log(launches, results)
     coordinates = {
         "time": fast("time", times, {
             "long_name": "time", "units": "1" if plain else "s",
@@ -179,6 +173,10 @@ def assemble(
     for name, value in launches.given.items():
         kept = ((), value) if value.ndim == 0 else (dims, value.reshape(launches.shape))
         coordinates[name] = fast(*kept, {}, fastpath=True)
+    if not single:  # a slice keeps it, and so tells its own events
+        numbers = np.arange(launches.count).reshape(launches.shape)
+        coordinates["number"] = fast(dims, numbers, {"long_name": "launch, counted flat"},
+                                     fastpath=True)  # fmt: skip
     return _dataset(variables, coordinates, _provenance(launches, settings, results))
 
 
@@ -216,7 +214,7 @@ def _dims(shape: tuple[int, ...]) -> tuple[str, ...]:
 def _samples(
     launches: Launches, results: list[Result], single: bool
 ) -> tuple[Floats, Any, Floats | None, Floats]:
-    """y over (launch, time), where it was still running, the modes, and the times."""
+    """The state over (launch, time), where it was still running, the modes, and the times."""
     asked = launches.times
     skip = int(asked[0] != 0)  # the start was added in front
     dry = results[0].modes is not None
@@ -279,8 +277,7 @@ def _series(
 
 
 def _summary(
-    launches: Launches, results: list[Result], audit: Floats, energy: Floats,
-    dims: tuple[str, ...],
+    launches: Launches, results: list[Result], audit: Floats, dims: tuple[str, ...]
 ) -> dict[str, Any]:  # fmt: skip
     """One value for each launch: outcome, evidence, times, the nearest steady motion."""
     import xarray
@@ -288,9 +285,11 @@ def _summary(
     shape, clock = launches.shape, launches.scales["time"]
     rate = launches.scales["rate"]
 
+    make: Any = xarray.Variable
+
     def variable(values: Any, **attributes: Any) -> Any:
         array = np.asarray(values).reshape(shape)
-        return xarray.Variable(dims, array, attributes, fastpath=True)
+        return make(dims, array, attributes, fastpath=True)
 
     near = [r.near for r in results]
     turning = np.array([n.family != "tumbling" for n in near])
@@ -324,11 +323,10 @@ def _summary(
     }  # fmt: skip
 
 
-def _log(launches: Launches, results: list[Result], single: bool) -> dict[str, Any]:
+def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
     """The event log: transitions between sliding and sticking, and early ends."""
     import xarray
 
-    del single
     rows: list[tuple[int, float, str, Floats, float]] = []
     for i, result in enumerate(results):
         flow_six = launches.law == "rough"
@@ -347,8 +345,10 @@ def _log(launches: Launches, results: list[Result], single: bool) -> dict[str, A
             scale = launches.scales[name]
             states[:, column] *= scale[which][:, None] if scale.ndim else scale
 
+    make: Any = xarray.Variable
+
     def variable(dims: Any, values: Any, attributes: Any = None) -> Any:
-        return xarray.Variable(dims, values, attributes or {}, fastpath=True)
+        return make(dims, values, attributes or {}, fastpath=True)
 
     return {
         "event_launch": variable("event", which, {"long_name": "launch, counted flat"}),
@@ -399,109 +399,3 @@ def _provenance(launches: Launches, settings: Settings, results: list[Result]) -
             {n: float(v) for n, v in launches.given.items()}, sort_keys=True
         )
     return attributes
-
-
-def write_motion(
-    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
-) -> FilePath:
-    """Write a motion to NetCDF-4.
-
-    Parameters
-    ----------
-    dataset
-        From `simulate`.
-    path
-        File to write.
-    overwrite
-        Whether an existing file may be replaced.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    FileError
-        If it cannot be written; nothing is left half-written.
-
-    Examples
-    --------
-    >>> import tempfile, stability as st
-    >>> run = st.simulate(st.Disk(), st.Rough(), {"theta": 1.2, "phi_dot": 1.0}, [1.0, 2.0])
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     back = read_motion(write_motion(run, FilePath(folder) / "run.nc"))
-    >>> back.identical(run)
-    True
-    """
-    import xarray
-
-    from .files import whole
-
-    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
-        raise FileError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
-    with whole(path, overwrite=overwrite) as beside:
-        beside.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
-    return FilePath(path)
-
-
-def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
-    """Read a motion that `write_motion` wrote.
-
-    Parameters
-    ----------
-    path
-        File to read.
-
-    Returns
-    -------
-    xarray.Dataset
-        In memory; the file is closed.
-
-    Raises
-    ------
-    FileError
-        If there is no such file, or it is not a NetCDF file, or not one of ours.
-    """
-    from .files import opened
-
-    return opened(path, FORMAT, "a motion")
-
-
-def outcome_of(dataset: xarray.Dataset) -> Outcome:
-    """The outcome of a single run.
-
-    Parameters
-    ----------
-    dataset
-        From `simulate`, one launch.
-
-    Returns
-    -------
-    Outcome
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> outcome_of(st.simulate(st.Disk(), st.Smooth(), {"theta": 1.0}, 5.0)).word
-    'flat'
-    """
-    return BY_CODE[int(dataset.outcome)]
-
-
-def is_finite(dataset: xarray.Dataset) -> bool:
-    """Whether every number of a motion is finite, which `simulate` promises.
-
-    Parameters
-    ----------
-    dataset
-        From `simulate`.
-
-    Returns
-    -------
-    bool
-    """
-    return all(
-        bool(np.isfinite(v.values).all()) for v in dataset.variables.values()
-        if v.dtype.kind == "f"
-    ) and math.isfinite(float(dataset.attrs["tolerance"]))  # fmt: skip

@@ -223,7 +223,10 @@ ASK = ["spectrum", "rolling", "--at", "1.2", "--mu", "0.3"]
         ([*ASK[:4], "--mu", "-1e-3"], "mu is -0.001"),
         (["table", "conditions", "--contact", "rough", "--mu", "0.3"], "no coefficient"),
         (["spectrum", "rolling"], "--at"),
-        (["table", "launches"], "known are families, conditions, drift, hopf, completeness"),
+        (
+            ["table", "charts"],
+            "known are families, conditions, drift, hopf, launches, completeness",
+        ),
         (["table", "families", "--k", "0.3"], "table conditions"),
         (["table", "conditions", "--k", "0.3,x"], "comma-separated"),
         (["table", "conditions", "--k", "0.7"], "(0, 1/2]"),

@@ -49,9 +49,7 @@ def test_reference_trajectories_are_met(method: str) -> None:
 
 @pytest.mark.parametrize("method", TIGHT[:2])
 def test_the_energy_account_closes_to_1e11_over_100(method: str) -> None:
-    run = st.simulate(
-        st.Disk(), st.Viscous(0.3), LAUNCH, 100.0, method=method, tolerance=1e-16
-    )
+    run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 100.0, method=method, tolerance=1e-16)
     assert float(run.energy_error) < 1e-11
     assert float(run.dissipated[-1]) > 0.1  # there was something to account for
 
@@ -164,9 +162,7 @@ def test_a_passage_close_to_flat_is_integrated_through() -> None:
 
 
 def test_unresolved_never_hands_out_a_state_that_failed() -> None:
-    run = st.simulate(
-        st.Disk(), st.Viscous(0.3), LAUNCH, 100.0, method="dop853", max_steps=20
-    )
+    run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 100.0, method="dop853", max_steps=20)
     assert outcome(run) is Outcome.UNRESOLVED
     assert "20 steps" in str(run.evidence.values)
     assert np.isfinite(states(run)).all()
@@ -233,9 +229,7 @@ def test_energy_never_rises_and_contact_is_pressed(start: Any, k: float, mu: flo
 
 @given(START, INERTIA, FRICTION)
 @settings(max_examples=25, deadline=None)
-def test_the_other_end_of_the_axis_tells_the_same_motion(
-    start: Any, k: float, mu: float
-) -> None:
+def test_the_other_end_of_the_axis_tells_the_same_motion(start: Any, k: float, mu: float) -> None:
     theta, theta_dot, phi_dot, omega3, vx, vy = start
     mirrored = (math.pi - theta, -theta_dot, phi_dot, -omega3, -vx, -vy)
     times = [0.5, 2.0]
@@ -263,9 +257,7 @@ def test_restarting_in_the_middle_equals_going_through(start: Any, k: float, mu:
     assert np.allclose(states(second)[-1], states(whole)[-1], rtol=1e-7, atol=1e-8)
 
 
-@given(
-    START, some.floats(0.01, 10), some.floats(0.01, 3), some.floats(1, 30), some.floats(-1, 1)
-)
+@given(START, some.floats(0.01, 10), some.floats(0.01, 3), some.floats(1, 30), some.floats(-1, 1))
 @settings(max_examples=25, deadline=None)
 def test_scaled_bodies_move_alike(
     start: Any, mass: float, radius: float, gravity: float, decade: float

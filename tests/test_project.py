@@ -18,7 +18,9 @@ CORE = (
     "continuation", "steady", "enclosure", "polynomial", "verdict", "reduction", "modes", "spectra",
     "problem", "query", "grid", "files", "boundary", "curves", "cells", "maps", "exact", "certify",
     "kernels", "factoring", "growth", "tiles", "boxes", "stream", "derivation", "hurwitz",
-    "decomposition", "formulas", "slowflow", "passage", "lines",
+    "decomposition", "formulas", "slowflow", "passage", "lines", "flow", "route", "taylor",
+    "stepping", "sundials", "integrators", "rest", "sticking", "outcome", "settling", "launches",
+    "motion", "trajectory", "records",
 )  # fmt: skip
 
 

@@ -1,0 +1,209 @@
+"""Dry friction sticks and slips as an inertial formulation with set-valued friction does."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+import reference
+
+import stability as st
+from stability.equations import STATES
+from stability.outcome import BY_CODE, Outcome
+from stability.rest import continuations, directions, slip_acceleration, sticking_force
+
+SCENES = {case["name"]: case for case in reference.coulomb()}
+
+
+def states(run: Any) -> Any:
+    return np.stack([run[name].values for name in STATES], axis=-1)
+
+
+def events(case: dict[str, Any]) -> list[tuple[str, float]]:
+    """The reference's events; a stick and a slip at one time are one reversal."""
+    found: list[tuple[str, float]] = []
+    for event in case["events"]:
+        if found and event["kind"] == "slip" and found[-1] == ("stick", event["time"]):
+            found[-1] = ("reverse", event["time"])
+        else:
+            found.append((event["kind"], event["time"]))
+    return found
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("method", ["auto", "dop853"])
+def test_scenes_meet_the_inertial_formulation(name: str, method: str) -> None:
+    case = SCENES[name]
+    times = np.array(case["times"])
+    keep = times > 0
+    asked = times[keep]
+    lifts = case["events"] and case["events"][-1]["kind"] == "lift-off"
+    if lifts:  # ask beyond it: the run must end there
+        asked = np.append(asked, case["events"][-1]["time"] + 1.0)
+    run = st.simulate(
+        st.Disk(k=case["k"]), st.Coulomb(case["mu"]), case["start"], asked, method=method,
+        tolerance=1e-12,
+    )  # fmt: skip
+    expected = np.array(case["states"])[keep]
+    allowed = 1e-10 + 3 * case["error_estimate"]
+    assert np.abs(states(run)[: len(expected)] - expected).max() < allowed
+    kinds = run.event_kind.values.tolist()
+    assert kinds == [kind for kind, _ in events(case)]
+    for mine, (_, when) in zip(run.event_time.values, events(case), strict=True):
+        assert abs(mine - when) < allowed + 1e-9
+    assert float(run.energy_error) < 1e-11
+    assert (BY_CODE[int(run.outcome)] is Outcome.LIFT_OFF) == bool(lifts)
+
+
+def test_backspin_on_an_upright_disk_is_exact() -> None:
+    # straight on: slip 0.9 is braked by mu (1 + 1/(2k)) = 0.6 per unit time: it rolls from 1.5 on
+    run = st.simulate(
+        st.Disk(), st.Coulomb(0.2), [math.pi / 2, 0, 0, 2.0, 0, 0.9], [1.0, 2.0], tolerance=1e-13
+    )
+    assert run.event_kind.values.tolist() == ["stick"]
+    assert float(run.event_time[0]) == pytest.approx(1.5, abs=1e-12)
+    assert float(run.omega3[-1]) == pytest.approx(1.4, abs=1e-12)
+    assert float(run.slip_y[0]) == pytest.approx(0.3, abs=1e-12)
+    assert run["mode"].values.tolist() == [0, 1]
+    # work of friction: mu times the way slipped
+    assert float(run.dissipated[-1]) == pytest.approx(0.2 * 0.9 * 1.5 / 2, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "order"),
+    [("slides_throughout", 2.0), ("slides_then_sticks", 1.0), ("starts_stuck_then_slips", 0.8)],
+)
+def test_regularised_friction_tends_to_true_sticking(name: str, order: float) -> None:
+    # order 2 while it slides, 1 once it sticks (creep), 4/5 once it has slipped from sticking
+    case = SCENES[name]
+    times = np.array(case["times"])
+    times = times[times > 0]
+    true = states(
+        st.simulate(st.Disk(k=case["k"]), st.Coulomb(case["mu"]), case["start"], times,
+                    tolerance=1e-12)
+    )  # fmt: skip
+    errors = []
+    for epsilon in (1e-2, 1e-3, 1e-4):
+        run = st.simulate(
+            st.Disk(k=case["k"]), st.RegularisedCoulomb(case["mu"], epsilon), case["start"], times,
+            tolerance=1e-11,
+        )  # fmt: skip
+        errors.append(np.abs(states(run) - true).max())
+    slope = math.log10(errors[1] / errors[2])
+    assert slope == pytest.approx(order, abs=0.15)
+
+
+def test_the_force_of_sticking_stays_inside_the_cone_and_sliding_lies_on_it() -> None:
+    case = SCENES["many_transitions_through_upright"]
+    run = st.simulate(
+        st.Disk(k=case["k"]), st.Coulomb(case["mu"]), case["start"], np.linspace(0.01, 10, 1000)
+    )
+    ratio = np.hypot(run.force_x, run.force_y) / (case["mu"] * run.normal_force)
+    sticking = run["mode"].values == 1
+    assert sticking.any()
+    assert not sticking.all()
+    assert (ratio.values[sticking] <= 1 + 1e-9).all()
+    assert np.allclose(ratio.values[~sticking], 1.0, atol=1e-12)
+    assert (np.hypot(run.slip_x, run.slip_y).values[sticking] == 0).all()
+    assert (np.diff(run.dissipated.values) >= -1e-15).all()
+
+
+def test_force_and_acceleration_at_rest_are_those_of_the_closed_formulas() -> None:
+    # docs/dry-friction.md: gn = -k bz/(k + c² - mu s c cos a), and so on
+    rng = np.random.default_rng(8)
+    for _ in range(50):
+        theta, q, p, w = rng.uniform(0.4, 2.7), *rng.uniform(-1, 1, 3)
+        k, mu, a = rng.uniform(0.05, 0.5), rng.uniform(0.05, 1.0), rng.uniform(-3, 3)
+        s, c = math.sin(theta), math.cos(theta)
+        bx = w * p * (s * s - c * c) - p * p * s * s * c - c * q * q
+        by = -p * q * s
+        bz = -1 + s * q * q - p * p * s * c * c + 2 * w * p * s * c
+        gn = -k * bz / (k + c * c - mu * s * c * math.cos(a))
+        ax = bx + gn * (s * c / k - mu * math.cos(a) * (1 + s * s / k))
+        ay = by - mu * gn * (1 + 1 / (2 * k)) * math.sin(a)
+        four = np.array([theta, q, p, w])
+        f, h, normal, _ = slip_acceleration(four, k, mu, np.array([a]))
+        assert f[0] == pytest.approx(ax * math.cos(a) + ay * math.sin(a), abs=1e-12 / (k + c * c))
+        assert h[0] == pytest.approx(ay * math.cos(a) - ax * math.sin(a), abs=1e-12 / (k + c * c))
+        assert normal[0] == pytest.approx(gn, rel=1e-12)
+        b3 = s * bx + c * bz
+        held = sticking_force(four, k)
+        assert held[0] == pytest.approx(-bz + c * b3 / (1 + k), abs=1e-12)
+        assert held[1] == pytest.approx(-bx + s * b3 / (1 + k), abs=1e-12)
+        assert held[2] == pytest.approx(-by * 2 * k / (2 * k + 1), abs=1e-12)
+
+
+def test_every_radial_direction_is_found() -> None:
+    # against a scan of h for sign changes
+    rng = np.random.default_rng(4)
+    angles = np.linspace(-math.pi, math.pi, 4001)
+    for _ in range(60):
+        four = np.array([rng.uniform(0.4, 2.7), *rng.uniform(-1.5, 1.5, 3)])
+        k, mu = rng.uniform(0.05, 0.5), rng.uniform(0.05, 0.4)
+        h = slip_acceleration(four, k, mu, angles)[1]
+        changes = angles[:-1][np.sign(h[:-1]) != np.sign(h[1:])]
+        found = np.sort(np.angle(np.exp(1j * directions(four, k, mu))))
+        assert len(found) == len(changes)
+        assert np.abs(found - changes).max() < 2e-3
+        assert np.abs(slip_acceleration(four, k, mu, found)[1]).max() < 1e-9
+
+
+def test_below_the_threshold_there_is_exactly_one_way_on() -> None:
+    # theorem of docs/dry-friction.md for mu < 2√(k(k+1)) and a contact that is pressed
+    rng = np.random.default_rng(6)
+    seen = set()
+    for _ in range(1500):
+        k = rng.choice([0.02, 0.1, 0.25, 0.5])
+        mu = rng.uniform(0.02, 0.999) * 2 * math.sqrt(k * (k + 1))
+        four = np.array([rng.uniform(0.1, 3.0), *rng.uniform(-2, 2, 3)])
+        _, _, normal, d = slip_acceleration(four, k, mu, np.zeros(1))
+        if normal[0] * d[0] <= 1e-6:
+            continue
+        ways = continuations(four, k, mu)
+        if abs(ways.ratio - 1) < 1e-6:
+            continue
+        assert ways.count == 1
+        seen.add(ways.sticks)
+    assert seen == {True, False}
+
+
+@pytest.mark.parametrize("case", reference.corners(), ids=lambda c: f"{c['kind'][:24]} {c['k']}")
+def test_corners_have_the_continuations_that_were_solved_for(case: dict[str, Any]) -> None:
+    four = np.array(case["state"][:4])
+    ways = continuations(four, case["k"], case["mu"])
+    assert ways.sticks == case["stick_admissible"]
+    expected = sorted(math.remainder(t["angle"], 2 * math.pi) for t in case["takeoff"])
+    found = sorted(math.remainder(a, 2 * math.pi) for a in ways.directions)
+    assert np.allclose(found, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("case", reference.corners()[:6], ids=lambda c: f"{c['k']} {c['mu']}")
+def test_a_start_with_two_continuations_ends_as_non_unique(case: dict[str, Any]) -> None:
+    run = st.simulate(st.Disk(k=case["k"]), st.Coulomb(case["mu"]), case["state"], 1.0)
+    assert BY_CODE[int(run.outcome)] is Outcome.NON_UNIQUE
+    assert float(run.end_time) == 0.0
+    assert "slip can set in at" in str(run.evidence.values)
+    # regularised friction does pick one
+    picked = st.simulate(
+        st.Disk(k=case["k"]), st.RegularisedCoulomb(case["mu"], 1e-3), case["state"], 0.01
+    )
+    assert float(picked.end_time) == 0.01
+
+
+def test_batches_of_dry_launches_are_each_their_own() -> None:
+    cases = [SCENES[n] for n in ("slides_then_sticks", "starts_stuck_then_slips")]
+    times = [0.5, 2.0, 4.0]
+    many = st.simulate(
+        st.Disk(k=[c["k"] for c in cases]), st.Coulomb([c["mu"] for c in cases]),
+        [c["start"] for c in cases], times,
+    )  # fmt: skip
+    for i, case in enumerate(cases):
+        one = st.simulate(st.Disk(k=case["k"]), st.Coulomb(case["mu"]), case["start"], times)
+        assert np.allclose(states(one), states(many.isel(launch=i)), atol=1e-12)
+        mine = many.event_launch.values == i
+        assert many.event_kind.values[mine].tolist() == one.event_kind.values.tolist()
+
+
+def test_spectra_refuse_dry_friction_with_the_reason() -> None:
+    with pytest.raises(st.StabilityError, match="Rough"):
+        st.spectrum("rolling", at=1.0, contact=st.Coulomb(0.3))

@@ -1,0 +1,243 @@
+"""Figures of a motion show its data, its units and its events, and refuse what they cannot."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+import stability as st
+from stability.errors import ParameterError
+from stability.pictures import caption, energy, motion_figure, paths, states
+
+DRY = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]
+LIFTS = [2.2, 0.64, 1.54, 1.44, 0.62, 0.04]
+FIGURES: tuple[Callable[[xarray.Dataset], Figure], ...] = (states, paths, energy, motion_figure)
+
+
+@pytest.fixture(scope="module")
+def dry() -> xarray.Dataset:
+    times = np.linspace(0, 10, 501)
+    return st.simulate(st.Disk(k=0.3), st.Coulomb(0.15), DRY, times, pose=True)
+
+
+@pytest.fixture(scope="module")
+def coin() -> xarray.Dataset:
+    start = {"theta": 1.4, "omega3": 60.0}
+    return st.simulate(st.Disk.named("quarter"), st.Viscous(0.3), start, 0.5, pose=True)
+
+
+@pytest.fixture(scope="module")
+def several() -> xarray.Dataset:
+    """Neither stays: the first lifts off, the second sticks and slips."""
+    disk = st.Disk(k=np.array([0.25, 0.3]))
+    law = st.Coulomb(np.array([0.05, 0.15]))
+    return st.simulate(disk, law, np.array([LIFTS, DRY]), np.linspace(0, 10, 501), pose=True)
+
+
+def lines(axes: Any) -> dict[str, Any]:
+    return {str(line.get_label()): line for line in axes.get_lines()}
+
+
+def shaded(axes: Any) -> list[tuple[float, float]]:
+    found = [p for p in axes.patches if isinstance(p, Rectangle)]
+    assert all(p.get_hatch() for p in found)
+    return [(p.get_x(), p.get_x() + p.get_width()) for p in found]
+
+
+def words(figure: Figure) -> list[str]:
+    return [t.get_text() for t in figure.axes[0].texts if "pi" not in t.get_text()]
+
+
+def uprights(axes: Any) -> list[float]:
+    drawn = [np.asarray(line.get_xdata(), dtype=float) for line in axes.get_lines()]
+    return sorted(float(x[0]) for x in drawn if len(x) == 2 and x[0] == x[1])
+
+
+def test_the_lines_over_time_are_the_series_of_the_dataset(dry: xarray.Dataset) -> None:
+    panels = states(dry).axes
+    shown = {0: ["theta"], 1: ["theta_dot", "phi_dot", "omega3"], 2: ["slip_x", "slip_y"],
+             3: ["normal_force"]}  # fmt: skip
+    for i, names in shown.items():
+        for line, name in zip(panels[i].get_lines(), names, strict=False):
+            np.testing.assert_array_equal(line.get_xdata(), dry.time)
+            np.testing.assert_array_equal(line.get_ydata(), dry[name])
+
+
+def test_sticking_is_hatched_from_stick_to_slip(dry: xarray.Dataset) -> None:
+    expected = dry.event_time.values.reshape(-1, 2)
+    assert dry.event_kind.values.tolist() == ["stick", "slip"] * 3
+    for axes in states(dry).axes:
+        np.testing.assert_allclose(shaded(axes), expected, rtol=1e-12)
+
+
+def test_every_event_is_a_line_and_has_its_word(dry: xarray.Dataset) -> None:
+    figure = states(dry)
+    assert sorted(words(figure)) == ["slip"] * 3 + ["stick"] * 3
+    for axes in figure.axes:
+        np.testing.assert_array_equal(uprights(axes), dry.event_time)
+
+
+def test_a_run_that_begins_by_sticking_is_hatched_from_its_start() -> None:
+    start = {"theta": 1.3, "phi_dot": 0.5, "omega3": 1.0}
+    run = st.simulate(st.Disk(), st.Coulomb(0.9), start, 1.0)
+    assert (run["mode"].values == 1).all() and run.sizes["event"] == 0
+    assert shaded(states(run).axes[0]) == [(0.0, 1.0)]
+
+
+def test_labels_carry_dimensionless_units(dry: xarray.Dataset) -> None:
+    labels = [a.get_ylabel() for a in states(dry).axes]
+    units = ["[rad]", r"[$\sqrt{g/R}$]", r"[$\sqrt{gR}$]", "[$mg$]"]
+    assert all(label.endswith(unit) for label, unit in zip(labels, units, strict=True))
+    assert states(dry).axes[-1].get_xlabel() == r"time $t$  [$\sqrt{R/g}$]"
+    plane, bar = paths(dry).axes
+    assert plane.get_xlabel() == "$X$  [$R$]" and bar.get_ylabel().endswith(r"[$\sqrt{R/g}$]")
+    assert energy(dry).axes[0].get_ylabel().endswith("[$mgR$]")
+
+
+def test_labels_carry_si_units(coin: xarray.Dataset) -> None:
+    labels = [a.get_ylabel() for a in states(coin).axes]
+    assert [label.split("[")[1] for label in labels] == ["rad]", "rad/s]", "m/s]", "N]"]
+    plane, bar = paths(coin).axes
+    assert plane.get_ylabel() == "$Y$  [m]" and bar.get_ylabel() == "time $t$  [s]"
+    assert energy(coin).axes[0].get_ylabel().endswith("[J]")
+
+
+def test_the_paths_go_through_the_points_of_the_dataset(dry: xarray.Dataset) -> None:
+    axes = paths(dry).axes[0]
+    found = [c for c in axes.collections if isinstance(c, LineCollection)]
+    for collection, name in zip(found, ("contact", "centre"), strict=True):
+        first = np.array([piece[0] for piece in collection.get_segments()])
+        expected = np.column_stack([dry[f"{name}_x"], dry[f"{name}_y"]])
+        np.testing.assert_array_equal(first, expected[:-1])
+        colours = collection.get_array()
+        assert colours is not None and (np.diff(colours) > 0).all()
+    assert axes.get_aspect() == 1
+
+
+def test_the_contact_path_is_broken_where_it_sticks(dry: xarray.Dataset) -> None:
+    gaps = [line for line in paths(dry).axes[0].get_lines() if line.get_label() == "gaps"]
+    ends = dry.event_time.values.reshape(-1, 2)
+    assert len(gaps) == 3 and all(line.is_dashed() for line in gaps)
+    for line, pair in zip(gaps, ends, strict=True):
+        x = np.asarray(line.get_xdata())
+        np.testing.assert_allclose(x[[0, -1]], np.interp(pair, dry.time, dry.contact_x))
+
+
+def test_the_energy_stacks_to_the_total_at_the_start(dry: xarray.Dataset) -> None:
+    stacked = [np.asarray(line.get_ydata()) for line in energy(dry).axes[0].get_lines()]
+    np.testing.assert_array_equal(stacked[0], dry.potential)
+    np.testing.assert_allclose(stacked[1], dry.energy, rtol=1e-14)
+    np.testing.assert_allclose(stacked[2], float(dry.energy[0]), rtol=1e-8)
+
+
+def test_the_audit_is_on_a_log_axis_with_the_tolerance(dry: xarray.Dataset) -> None:
+    axes = energy(dry).axes[1]
+    assert axes.get_yscale() == "log"
+    audit = np.abs(dry.audit.values) / float(dry.energy[0])
+    shown = np.asarray(lines(axes)["audit"].get_ydata())
+    np.testing.assert_array_equal(shown[audit > 0], audit[audit > 0])
+    assert audit[0] == 0 and np.isnan(shown[audit == 0]).all()
+    assert set(lines(axes)["tolerance of a step"].get_ydata()) == {1e-9}
+
+
+def test_an_audit_of_zeros_alone_can_be_drawn(dry: xarray.Dataset) -> None:
+    low, high = energy(dry.assign(audit=0 * dry.audit)).axes[1].get_ylim()
+    assert 0 < low < 1e-9 < high
+
+
+def test_the_steady_motion_settled_on_is_dotted() -> None:
+    run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.52, "phi_dot": 2.5}, 200.0)
+    steady = lines(states(run).axes[1])["steady"]
+    assert steady.get_linestyle() == ":" and set(steady.get_ydata()) == {float(run.nearest_at)}
+
+
+def test_tumbling_is_dotted_in_both_its_panels(dry: xarray.Dataset) -> None:
+    theta, k = 0.8, float(dry.k)
+    run = dry.assign(outcome=1, nearest_family="tumbling", nearest_at=theta)
+    panels = states(run).axes
+    assert set(lines(panels[0])["steady"].get_ydata()) == {theta}
+    rate = -1 / math.sqrt(k * math.sin(theta))
+    assert lines(panels[1])["steady"].get_ydata()[0] == pytest.approx(rate)
+
+
+def test_nothing_is_dotted_where_nothing_was_settled_on(dry: xarray.Dataset) -> None:
+    assert "steady" not in lines(states(dry).axes[1])
+
+
+def test_a_slice_is_cut_at_its_end_and_shows_its_own_event(several: xarray.Dataset) -> None:
+    figure = states(several.isel(launch=0))
+    times = np.asarray(figure.axes[0].get_lines()[0].get_xdata())
+    end = float(several.end_time[0])
+    assert times[-1] == end < 1.2 and (np.diff(times) > 0).all()
+    assert words(figure) == ["lift-off"] and uprights(figure.axes[1]) == [end]
+
+
+def test_a_slice_that_lasts_shows_its_own_events(several: xarray.Dataset) -> None:
+    figure = states(several.isel(launch=1))
+    own = several.event_time.values[several.event_launch.values == 1]
+    assert len(own) == 6
+    np.testing.assert_array_equal(uprights(figure.axes[0]), own)
+
+
+def test_a_slice_without_events_does_not_show_those_of_its_neighbour() -> None:
+    """The log has one owner, and it is the other launch."""
+    start = np.array([LIFTS, [1.5, 0, 0.1, 0.2, 1.0, 0.5]])
+    runs = st.simulate(st.Disk(), st.Coulomb(0.05), start, np.linspace(0, 3, 151))
+    assert set(runs.event_launch.values) == {0}
+    figure = states(runs.isel(launch=1))
+    assert words(figure) == [] and uprights(figure.axes[0]) == []
+
+
+@pytest.mark.parametrize("draw", [*FIGURES, caption])
+def test_several_launches_are_refused_with_the_remedy(
+    draw: Callable[[xarray.Dataset], Any], several: xarray.Dataset
+) -> None:
+    with pytest.raises(ParameterError, match=r"2 launches; take one by \.isel\(launch=i\)"):
+        draw(several)
+
+
+@pytest.mark.parametrize("draw", [*FIGURES, caption])
+def test_what_is_no_motion_is_refused(draw: Callable[[Any], Any], dry: xarray.Dataset) -> None:
+    with pytest.raises(ParameterError, match="dataset is list"):
+        draw([1, 2])
+    with pytest.raises(ParameterError, match="fewer than two samples"):
+        draw(dry.isel(time=[0]))
+    with pytest.raises(ParameterError, match="dataset has no"):
+        draw(xarray.Dataset({"time": [0.0, 1.0]}))
+
+
+def test_paths_without_a_pose_are_refused_and_left_out_of_the_page(dry: xarray.Dataset) -> None:
+    bare = dry.drop_vars(["centre_x", "centre_y", "contact_x", "contact_y"])
+    with pytest.raises(ParameterError, match="pose=True"):
+        paths(bare)
+    assert len(motion_figure(bare).axes) == 6
+    assert len(motion_figure(dry).axes) == 8
+    assert motion_figure(dry).get_figwidth() == 7.0
+
+
+@pytest.mark.parametrize("draw", FIGURES)
+@pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
+def test_every_figure_can_be_saved(
+    draw: Callable[[xarray.Dataset], Figure], suffix: str, coin: xarray.Dataset, tmp_path: Path
+) -> None:
+    with matplotlib.rc_context({"svg.hashsalt": "same"}):
+        draw(coin).savefig(tmp_path / f"figure.{suffix}")
+    assert (tmp_path / f"figure.{suffix}").stat().st_size > 5000
+
+
+def test_the_caption_says_what_was_computed_and_what_came_of_it(
+    dry: xarray.Dataset, coin: xarray.Dataset
+) -> None:
+    text = caption(dry)
+    for part in ("coulomb contact", "k = 0.3", "μ = 0.15", "theta = 1.12", "tolerance 1e-09",
+                 str(dry.method.values), "Outcome: moving", str(dry.evidence.values)):  # fmt: skip
+        assert part in text
+    assert "R = 0.01213 m" in caption(coin) and "μ = 0.3 s/m" in caption(coin)
