@@ -32,6 +32,7 @@ _HOME = {
     "lines": ("hopf", "HopfPoint", "HopfKind"),
     "motion": ("simulate",),
     "survey": ("launch",),
+    "animation": ("animate",),
     "outcome": ("Outcome",),
     "records": ("read_motion", "write_motion"),
     "errors": ("StabilityError",),
@@ -42,6 +43,7 @@ __all__ = sorted(_WHERE)  # noqa: PLE0605
 
 if TYPE_CHECKING:
     from .algebra import UPRIGHT as UPRIGHT
+    from .animation import animate as animate
     from .boundary import BoundaryPoint as BoundaryPoint
     from .boundary import Crossing as Crossing
     from .contact import Coulomb as Coulomb

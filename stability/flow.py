@@ -72,6 +72,26 @@ class Flow:
         )
 
     @cached_property
+    def _jacobian_program(self) -> Program:
+        return Program(self.jacobian)
+
+    def jacobians(self, y: Floats, p: Floats) -> Floats:
+        """∂(dy/dt)/∂y at many points.
+
+        Parameters
+        ----------
+        y, p
+            States and parameters, shapes (N, n) and (N, m).
+
+        Returns
+        -------
+        ndarray
+            Shape (N, n, n).
+        """
+        found: Floats = self._jacobian_program.arrays([list(y.T), list(p.T)], y.shape[:-1])[0]
+        return found
+
+    @cached_property
     def watch(self) -> ca.Function:
         """CasADi function (y, p) → guards and their rates along the motion."""
         values = ca.vertcat(*self.guards.values())

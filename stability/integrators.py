@@ -9,7 +9,7 @@ import numpy as np
 
 from . import stepping, sundials, taylor
 from .errors import NameUnknownError, ParameterError
-from .flow import Evaluator
+from .flow import Floats
 from .route import UNRESOLVED, Integrate, Leg, Path
 
 HEYOKA = "heyoka"
@@ -78,7 +78,7 @@ def check_method(method: str) -> str:
     return method
 
 
-def stiffness(leg: Leg) -> float:
+def stiffness(legs: Sequence[Leg]) -> Floats:
     """Fastest rate of the linearised motion over the rate of the motion itself.
 
     The Jacobian is taken at the start, and there without slip, which is where a stiff motion soon
@@ -86,38 +86,38 @@ def stiffness(leg: Leg) -> float:
 
     Parameters
     ----------
-    leg
-        What is asked.
+    legs
+        What is asked; they share their flow.
 
     Returns
     -------
-    float
-        Largest modulus of an eigenvalue of the Jacobian, over the largest angular velocity or 1.
+    ndarray
+        Largest modulus of an eigenvalue of the Jacobian, over the largest angular velocity or 1,
+        one for each leg.
     """
-    jacobian = Evaluator(leg.flow, leg.p).jacobian
-    fastest = 0.0
-    own = len(leg.flow.system.states)
-    points = [leg.start]
-    if own == 6 and leg.start[4:6].any() and leg.flow.system.name != DRY:
-        still = leg.start.copy()
-        still[4:6] = 0.0
-        points.append(still)
+    flow = legs[0].flow
+    own = len(flow.system.states)
+    points = np.array([leg.start for leg in legs])
+    p = np.array([leg.p for leg in legs])
+    pace = np.maximum(1.0, np.abs(points[:, 1:4]).max(axis=1))
+    fastest = _fastest(flow.jacobians(points, p)[:, :own, :own])
+    if own == 6 and flow.system.name != DRY and points[:, 4:6].any():
+        points[:, 4:6] = 0.0
+        fastest = np.maximum(fastest, _fastest(flow.jacobians(points, p)[:, :own, :own]))
+    return np.asarray(fastest / pace)
+
+
+def _fastest(matrices: Floats) -> Floats:
+    """The spectral radius of each matrix; infinite where it is not finite."""
+    finite = np.isfinite(matrices).all(axis=(1, 2))
+    radius = np.full(len(matrices), np.inf)
     with np.errstate(all="ignore"):
-        for point in points:
-            matrix = jacobian(0.0, point)[:own, :own]
-            finite = bool(np.isfinite(matrix).all())
-            here = float(np.abs(np.linalg.eigvals(matrix)).max()) if finite else np.inf
-            fastest = max(fastest, here)
-    return float(fastest / _pace(leg))
+        radius[finite] = np.abs(np.linalg.eigvals(matrices[finite])).max(axis=1)
+    return radius
 
 
-def _pace(leg: Leg) -> float:
-    """The rate of the motion itself: the largest angular velocity at the start, or 1."""
-    return max(1.0, float(np.abs(leg.start[1:4]).max()))
-
-
-def choose(leg: Leg) -> Choice:
-    """What `auto` takes for a leg.
+def choose(legs: Sequence[Leg]) -> list[Choice]:
+    """What `auto` takes for each leg.
 
     An explicit method's steps are bounded by its stability, so their number grows in proportion to
     the stiffness; an implicit one's do not, but grow faster as the tolerance falls.
@@ -125,23 +125,26 @@ def choose(leg: Leg) -> Choice:
 
     Parameters
     ----------
-    leg
-        What is asked.
+    legs
+        What is asked; they share flow and tolerance.
 
     Returns
     -------
-    Choice
+    list of Choice
     """
-    turn = _turn(leg)
-    stiff = stiffness(leg)
-    if stiff > turn:
-        return Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
-    reason = f"stiffness {stiff:.3g} below {turn:.3g}: explicit is cheaper"
-    if taylor.available():
-        return Choice(HEYOKA, reason)
-    if leg.tolerance <= EXPLICIT_TIGHT:
-        return Choice("dop853", f"{reason}, and heyoka is not installed")
-    return Choice("cvodes", "heyoka is not installed, and the tolerance is moderate")
+    turn = _turn(legs[0])
+    explicit = HEYOKA if taylor.available() else "dop853"
+    only = ""
+    if not taylor.available():
+        only = ", and heyoka is not installed"
+        if legs[0].tolerance > EXPLICIT_TIGHT:
+            explicit, only = "cvodes", ", but heyoka is not installed"
+    return [
+        Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
+        if stiff > turn
+        else Choice(explicit, f"stiffness {stiff:.3g} below {turn:.3g}: explicit is cheaper{only}")
+        for stiff in stiffness(legs).tolist()
+    ]
 
 
 def _turn(leg: Leg) -> float:
@@ -150,7 +153,8 @@ def _turn(leg: Leg) -> float:
 
 def _patient(leg: Leg) -> Leg:
     """The leg with no more steps than an explicit method takes where it is the cheaper one."""
-    span = float(leg.times[-1] - leg.times[0]) * _pace(leg)
+    pace = max(1.0, float(np.abs(leg.start[1:4]).max()))
+    span = float(leg.times[-1] - leg.times[0]) * pace
     most = 20_000 + int(PATIENCE * _turn(leg) * span)
     return replace(leg, max_steps=min(leg.max_steps, most))
 
@@ -182,7 +186,7 @@ def run(
         One each for every leg.
     """
     auto = method == "auto"
-    choices = [choose(leg) if auto else Choice(method, "asked for") for leg in legs]
+    choices = choose(legs) if auto else [Choice(method, "asked for")] * len(legs)
     if auto:
         legs = [
             _patient(leg) if choice.method != "cvodes" else leg

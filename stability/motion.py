@@ -232,7 +232,9 @@ def results(
             dry = integrate_dry(leg, settings.method, pose=settings.pose)
             choice = Choice(settings.method, "landings and onsets by LSODA and CVODES")
             if settings.method == "auto":
-                choice = Choice(choose(leg).method, "sliding; landings by LSODA, onsets by CVODES")
+                choice = Choice(
+                    choose([leg])[0].method, "sliding; landings by LSODA, onsets by CVODES"
+                )
             found.append(_judge(leg, dry.path, choice, launches, settings, dry))
             if progress is not None:
                 progress(i + 1, len(legs))

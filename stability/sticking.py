@@ -356,7 +356,7 @@ class _Dry:
         times = np.concatenate([[self.time], rest])
         leg = Leg(which, p, start, times, self.leg.tolerance, self.leg.max_steps)
         auto = self.method == "auto"
-        path = METHODS[choose(leg).method if auto else self.method](leg)
+        path = METHODS[choose([leg])[0].method if auto else self.method](leg)
         if auto and path.end is not None and path.end.kind == UNRESOLVED:
             path = METHODS["lsoda"](leg)
         self.steps += path.steps

@@ -18,7 +18,7 @@ from .algebra import Program
 from .equations import STATES, disk_system
 from .flow import POSE, Floats
 from .outcome import BY_CODE
-from .sticking import SLIDING, STICKING
+from .sticking import REST, SLIDING, STICKING
 
 if TYPE_CHECKING:
     import xarray
@@ -93,7 +93,9 @@ def _observer(law: str) -> Program:
 OBSERVED = ("energy", "potential", "normal_force", "force_x", "force_y", "power")
 
 
-def observe(law: str, six: Floats, p: Floats, modes: Floats | None) -> Floats:
+def observe(
+    law: str, six: Floats, p: Floats, modes: Floats | None, heading: Floats | None = None
+) -> Floats:
     """The observables of states.
 
     Parameters
@@ -106,6 +108,8 @@ def observe(law: str, six: Floats, p: Floats, modes: Floats | None) -> Floats:
         Parameters of the law's system, shape (…, m).
     modes
         Sliding or sticking, shape (…), for dry friction.
+    heading
+        Direction of the slip where it is zero but sets in, shape (…) [rad].
 
     Returns
     -------
@@ -113,6 +117,11 @@ def observe(law: str, six: Floats, p: Floats, modes: Floats | None) -> Floats:
         `OBSERVED` along the first axis, then (…).
     """
     program = _observer(law)
+    if heading is not None:
+        still = (six[..., 4] == 0) & (six[..., 5] == 0)
+        six = six.copy()
+        six[still, 4] = REST * np.cos(heading[still])
+        six[still, 5] = REST * np.sin(heading[still])
     own = len(disk_system(law).states) if law == "rough" else 6
     x, q = list(np.moveaxis(six[..., :own], -1, 0)), list(np.moveaxis(p, -1, 0))
     values = program.arrays([x, q], six.shape[:-1])[0][..., 0]
@@ -145,7 +154,11 @@ def assemble(launches: Launches, settings: Settings, results: list[Result]) -> x
     single = launches.shape == ()
     dims = _dims(launches.shape)
     y, running, modes, times = _samples(launches, results, single)
-    series = _series(launches, settings, y, modes)
+    heading = None
+    if launches.law == "coulomb":  # a start at rest from which slip sets in at once
+        first = [r.transitions[0].direction if r.transitions else 0.0 for r in results]
+        heading = np.broadcast_to(np.array(first)[:, None], y.shape[:2])
+    series = _series(launches, settings, y, modes, heading)
     along = (*dims, "time")
     shape = (*launches.shape, y.shape[1])
     plain = launches.dimensionless
@@ -248,7 +261,11 @@ def _samples(
 
 
 def _series(
-    launches: Launches, settings: Settings, y: Floats, modes: Floats | None
+    launches: Launches,
+    settings: Settings,
+    y: Floats,
+    modes: Floats | None,
+    heading: Floats | None = None,
 ) -> dict[str, Floats]:
     """Every series by name, in the user's units, shape (launch, time)."""
     own = 4 if launches.law == "rough" else 6
@@ -256,7 +273,7 @@ def _series(
         [y[..., :4], np.zeros((*y.shape[:-1], 2))], axis=-1
     )  # fmt: skip
     work = y[..., own]
-    seen = observe(launches.law, six, launches.p[:, None, :], modes)
+    seen = observe(launches.law, six, launches.p[:, None, :], modes, heading)
     found = dict(zip(STATES, np.moveaxis(six, -1, 0), strict=True))
     found |= dict(zip(OBSERVED, seen, strict=True))
     found["kinetic"] = found["energy"] - found["potential"]

@@ -12,8 +12,10 @@ from PIL import Image
 
 import stability as st
 from stability import animation
-from stability.animation import animate, geometry
+from stability import film as films
+from stability.animation import animate
 from stability.contact import Contact
+from stability.pose import geometry, resample
 
 LAWS = [st.Viscous(0.3), st.Rough(), st.Coulomb(0.2), st.Smooth()]
 START = {"theta": 1.3, "theta_dot": 0.1, "phi_dot": 0.4, "omega3": 1.5}
@@ -83,7 +85,7 @@ def test_the_rim_at_the_contact_moves_with_the_slip(law: Contact) -> None:
 
 def test_frames_between_the_samples_lie_on_the_motion() -> None:
     coarse, fine = launch(count=31), launch(count=301)
-    found = animation._resample(animation._single(coarse), fine.time.values)
+    found = resample(animation._single(coarse), fine.time.values)
     for name in animation.POSED:
         np.testing.assert_allclose(found[name], fine[name], atol=2e-5)
 
@@ -112,24 +114,29 @@ def test_the_whole_disk_is_in_every_frame(disk: st.Disk, spin: float) -> None:
     """With a camera at rest, and with one that follows a long path."""
     start = {"theta": 1.2, "omega3": spin}
     run = st.simulate(disk, st.Rough(), start, np.linspace(0, 2, 201), pose=True)
-    motion = animation._resample(animation._single(run), np.linspace(0, 2, 81))
-    scene = animation._Scene(motion, run, 1.0)
+    motion = resample(animation._single(run), np.linspace(0, 2, 81))
+    scene = films.Scene(motion, run, 1.0)
     (x0, x1), (y0, y1) = scene.axes.get_xlim(), scene.axes.get_ylim()
     for frame in range(scene.frames):
         scene.show(frame)
         x, y = scene.body.get_path().vertices.T
         assert x0 < x.min() < x.max() < x1
         assert y0 < y.min() < y.max() < y1
+    on_the_plane = (scene.grid, scene.shadow, scene.trail)
+    assert scene.body.get_zorder() > max(part.get_zorder() for part in on_the_plane)
     animation.plt.close(scene.figure)
 
 
 def test_an_mp4_is_made_where_ffmpeg_is(tmp_path: Path) -> None:
     try:
-        animation._ffmpeg()
+        films._ffmpeg()
     except st.StabilityError:
         pytest.skip("no ffmpeg")
     path = animate(launch(), tmp_path / "a.mp4", fps=12.5, seconds=0.5)
-    assert path.read_bytes()[4:8] == b"ftyp"
+    film = path.read_bytes()
+    assert film[4:8] == b"ftyp"
+    # the profile: Baseline, Main or High, which every player shows, and not High 4:4:4
+    assert film[film.index(b"avcC") + 5] in (66, 77, 100)
 
 
 def test_without_ffmpeg_a_sentence_says_what_to_install(
@@ -138,8 +145,8 @@ def test_without_ffmpeg_a_sentence_says_what_to_install(
     def missing(name: str) -> Any:
         raise ImportError(name)
 
-    monkeypatch.setattr(animation.shutil, "which", lambda _: None)
-    monkeypatch.setattr(animation, "import_module", missing)
+    monkeypatch.setattr(films.shutil, "which", lambda _: None)
+    monkeypatch.setattr(films, "import_module", missing)
     with pytest.raises(st.StabilityError, match=r"pip install stability\[video\]"):
         animate(launch(), tmp_path / "a.mp4")
     assert not list(tmp_path.iterdir())

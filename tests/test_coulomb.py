@@ -204,6 +204,19 @@ def test_batches_of_dry_launches_are_each_their_own() -> None:
         assert many.event_kind.values[mine].tolist() == one.event_kind.values.tolist()
 
 
+def test_a_start_at_rest_from_which_slip_sets_in_has_its_forces_at_once() -> None:
+    start = {"theta": 1.3, "theta_dot": 0.1, "phi_dot": 0.4, "omega3": 1.5}
+    run = st.simulate(st.Disk(), st.Coulomb(0.2), start, np.linspace(0, 1, 11))
+    assert run.event_kind.values[0] == "slip"
+    assert float(run.slip_x[0]) == float(run.slip_y[0]) == 0.0
+    force = math.hypot(float(run.force_x[0]), float(run.force_y[0]))
+    assert force == pytest.approx(0.2 * float(run.normal_force[0]), rel=1e-12)
+    assert math.atan2(-float(run.force_y[0]), -float(run.force_x[0])) == pytest.approx(
+        float(run.event_direction[0]), abs=1e-9
+    )
+    assert all(np.isfinite(run[n].values).all() for n in ("normal_force", "power", "energy"))
+
+
 def test_spectra_refuse_dry_friction_with_the_reason() -> None:
     with pytest.raises(st.StabilityError, match="Rough"):
         st.spectrum("rolling", at=1.0, contact=st.Coulomb(0.3))

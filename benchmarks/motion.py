@@ -1,0 +1,252 @@
+"""How fast motions are, side by side in one run: `make bench` (ARGS=--large for 1024 neighbours).
+
+Every figure is the best of several turns, taken in turn so that a busy machine hits all alike.
+What is compiled once per process is timed apart.  Raw routes are the libraries themselves on the
+same CasADi graph: no events, no energy account, no outcome, no labels.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import time
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+import stability as st
+from stability import taylor
+from stability.algebra import Program
+from stability.equations import STATES
+from stability.flow import Evaluator, flow
+from stability.outcome import BY_CODE
+
+LAUNCH = np.array([math.pi / 2 - 0.1, 0, 0, 1.2, 0, 0])
+GRID = np.linspace(0.0, 100.0, 101)
+
+
+def best(routes: dict[str, Callable[[], Any]], turns: int) -> dict[str, float]:
+    """Shortest time of each [s], the routes taking turns."""
+    found = dict.fromkeys(routes, math.inf)
+    for _ in range(turns):
+        for name, run in routes.items():
+            begin = time.perf_counter()
+            run()
+            found[name] = min(found[name], time.perf_counter() - begin)
+    return found
+
+
+def states(run: Any) -> Any:
+    return np.stack([run[n].values for n in STATES], axis=-1)
+
+
+def raw_heyoka(tolerance: float, width: int = 0) -> Any:
+    """Heyoka's own integrator of the six equations, and how long it took to compile."""
+    import heyoka as hy
+
+    system = st.disk_system("viscous")
+    program = Program(ca.Function("raw", [system.x, system.p], [system.rhs]))
+    symbols = list(hy.make_vars(*system.states))
+    rows = program.dense(taylor.heyoka_algebra(), [symbols, [hy.par[0], hy.par[1]]])
+    equations = list(zip(symbols, [row[0] for row in rows], strict=True))
+    begin = time.perf_counter()
+    if width:
+        made = hy.taylor_adaptive_batch(
+            equations, np.zeros((6, width)), pars=np.zeros((2, width)), tol=tolerance
+        )
+    else:
+        made = hy.taylor_adaptive(equations, np.zeros(6), pars=np.zeros(2), tol=tolerance)
+    return made, time.perf_counter() - begin
+
+
+def lsoda(tolerance: float, mu: float = 0.3) -> Callable[[Any], Any]:
+    """SciPy's LSODA through solve_ivp on a CasADi right-hand side."""
+    from scipy.integrate import solve_ivp
+
+    which = flow("viscous")
+    run = Evaluator(which, np.array([0.25, mu, 1e-6]))
+
+    def call(start: Any) -> Any:
+        return solve_ivp(
+            run.rates, (0, 100), which.pack(start), "LSODA", GRID, rtol=tolerance, atol=tolerance
+        ).y[:6].T  # fmt: skip
+
+    return call
+
+
+def reference() -> None:
+    """The reference launch against the libraries at equal accuracy."""
+    disk, contact = st.Disk(), st.Viscous(0.3)
+    exact = states(st.simulate(disk, contact, LAUNCH, GRID, tolerance=1e-16))
+    print("reference launch: k = 1/4, mu = 0.3, tilt 0.1, omega3 = 1.2, T = 100, 101 samples")
+    if not taylor.available():
+        print("  heyoka is not installed")
+        return
+    for tolerance in (1e-6, 1e-9, 1e-12):
+        raw, compiled = raw_heyoka(tolerance)
+        kept: dict[str, Any] = {}
+
+        def bare(raw: Any = raw, kept: dict[str, Any] = kept) -> None:
+            raw.state[:], raw.pars[:], raw.time = LAUNCH, [0.25, 0.3], 0.0
+            kept["raw heyoka"] = raw.propagate_grid(GRID)[5]
+
+        def ours(tolerance: float = tolerance, kept: dict[str, Any] = kept) -> None:
+            kept["simulate"] = st.simulate(disk, contact, LAUNCH, GRID, tolerance=tolerance)
+
+        begin = time.perf_counter()
+        ours()
+        first = time.perf_counter() - begin
+        found = best({"raw heyoka": bare, "simulate": ours}, 40)
+        errors = {
+            "raw heyoka": np.abs(kept["raw heyoka"] - exact).max(),
+            "simulate": np.abs(states(kept["simulate"]) - exact).max(),
+        }
+        for name, seconds in found.items():
+            once = compiled if name == "raw heyoka" else first
+            print(f"  {tolerance:.0e}  {name:<11} {1e3 * seconds:7.2f} ms  error "
+                  f"{errors[name]:.1e}  first call {once:.2f} s")  # fmt: skip
+        print(f"         simulate / raw heyoka = {found['simulate'] / found['raw heyoka']:.2f}")
+    run = lsoda(1e-6)
+    error = np.abs(run(LAUNCH) - exact).max()
+    seconds = best({"lsoda": lambda: run(LAUNCH)}, 5)["lsoda"]
+    print(f"  1e-06  SciPy LSODA {1e3 * seconds:7.2f} ms  error {error:.1e}")
+
+
+def batches(count: int = 1000) -> None:
+    """Many starts at once, against heyoka's own batch mode and a loop over LSODA."""
+    if not taylor.available():
+        return
+    import copy
+
+    import heyoka as hy
+
+    rng = np.random.default_rng(7)
+    starts = LAUNCH + rng.uniform(-0.01, 0.01, (count, 6))
+    times = np.linspace(0.0, 100.0, 11)
+    width = hy.recommended_simd_size()
+    raw, _ = raw_heyoka(1e-9, width)
+    cores = len(os.sched_getaffinity(0))
+    copies = [copy.deepcopy(raw) for _ in range(cores)]
+    grid = np.repeat(times[:, None], width, axis=1)
+
+    def block(ta: Any, first: int) -> Any:
+        chunk = starts[first : first + width]
+        ta.state[:, : len(chunk)] = chunk.T
+        ta.pars[:] = [[0.25] * width, [0.3] * width]
+        ta.set_time(0.0)
+        return ta.propagate_grid(grid)[1]
+
+    def bare(threads: int) -> None:
+        def part(i: int) -> None:
+            for first in range(i * width, count, threads * width):
+                block(copies[i], first)
+
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(part, range(threads)))
+
+    def ours(threads: int) -> None:
+        st.simulate(st.Disk(), st.Viscous(0.3), starts, times, tolerance=1e-9, workers=threads)
+
+    ours(1)
+    routes: dict[str, Callable[[], Any]] = {}
+    for n in sorted({1, cores}):
+        routes |= {f"raw {n}": lambda n=n: bare(n), f"ours {n}": lambda n=n: ours(n)}
+    found = best(routes, 4)
+    run = lsoda(1e-9)
+    begin = time.perf_counter()
+    for start in starts[:20]:
+        run(start)
+    loop = (time.perf_counter() - begin) / 20 * count
+    print(f"batch of {count} starts near it, tolerance 1e-9, lanes of {width}")
+    for n in sorted({1, cores}):
+        a, b = found[f"raw {n}"], found[f"ours {n}"]
+        print(f"  {n} thread(s): raw heyoka batch {a:.3f} s, simulate {b:.3f} s: throughput "
+              f"{a / b:.2f} of it; LSODA loop {loop:.1f} s: {loop / b:.0f} times")  # fmt: skip
+
+
+def stiff() -> None:
+    """Cost over friction: explicit in proportion, implicit flat, `auto` along the lower."""
+    print("stiff launch: k = 1/4, tilt 0.1, omega3 = 1.2, T = 100, 101 samples: ms (steps)")
+    methods = ["heyoka"] * taylor.available() + ["cvodes", "lsoda", "auto"]
+    for tolerance in (1e-6, 1e-9):
+        print(f"  tolerance {tolerance:.0e}\n      mu  "
+              + "".join(f"{m:>18}" for m in methods) + "   auto / lower")  # fmt: skip
+        for mu in (0.3, 3.0, 30.0, 100.0, 300.0, 3000.0, 30000.0):
+            kept: dict[str, Any] = {}
+
+            def ask(method: str, mu: float, tolerance: float, kept: dict[str, Any]) -> None:
+                kept[method] = st.simulate(
+                    st.Disk(), st.Viscous(mu), LAUNCH, GRID, method=method, tolerance=tolerance,
+                    max_steps=10**8,
+                )  # fmt: skip
+
+            routes = {
+                m: lambda m=m, mu=mu, tolerance=tolerance, kept=kept: ask(m, mu, tolerance, kept)
+                for m in methods
+            }
+            for run in routes.values():
+                run()
+            found = best(routes, 2 if mu > 1000 else 5)
+            cells = "".join(
+                f"{1e3 * found[m]:10.1f} ({int(kept[m].steps):>6})"[:19].rjust(18) for m in methods
+            )
+            lower = min(found[m] for m in methods if m != "auto")
+            print(
+                f"  {mu:>7g} {cells}   {found['auto'] / lower:.2f} ({kept['auto'].attrs['method']})"
+            )
+
+
+def neighbours(count: int) -> None:
+    """Launches near the reference launch, some of which lift off: all end, in bounded time."""
+    rng = np.random.default_rng(20161)
+    starts = LAUNCH + rng.uniform(-0.1, 0.1, (count, 6))
+    begin = time.perf_counter()
+    run = st.simulate(st.Disk(), st.Viscous(0.3), starts, np.linspace(0, 100, 101))
+    took = time.perf_counter() - begin
+    words = Counter(BY_CODE[int(o)].word for o in run.outcome.values)
+    print(f"{count} neighbours within 0.1: {dict(words)}, {took:.2f} s in all, "
+          f"worst audit {float(run.energy_error.max()):.1e}")  # fmt: skip
+    slowest = {}
+    for method in ("lsoda", "cvodes"):
+        times = []
+        for start in starts[: min(count, 128)]:
+            begin = time.perf_counter()
+            st.simulate(st.Disk(), st.Viscous(0.3), start, np.linspace(0, 100, 101), method=method)
+            times.append(time.perf_counter() - begin)
+        slowest[method] = max(times)
+    print("  slowest single launch of 128: "
+          + ", ".join(f"{m} {1e3 * s:.0f} ms" for m, s in slowest.items()))  # fmt: skip
+
+
+def audits() -> None:
+    """How well energy and the integrals of rough and smooth are kept."""
+    for method in ["heyoka"] * taylor.available() + ["dop853"]:
+        run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 100.0, method=method, tolerance=1e-16)
+        line = f"audit over T = 100 by {method}: viscous {float(run.energy_error):.1e}"
+        for contact in (st.Rough(), st.Smooth()):
+            long = st.simulate(
+                st.Disk(), contact, [1.3, 0.1, 0.4, 1.1, 0, 0], [1000.0], method=method,
+                tolerance=1e-16,
+            )  # fmt: skip
+            line += f"; {contact.name} over T = 1000 {float(long.energy_error):.1e}"
+        print(line)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--large", action="store_true", help="1024 neighbours instead of 128")
+    options = parser.parse_args()
+    reference()
+    batches()
+    stiff()
+    neighbours(1024 if options.large else 128)
+    audits()
+
+
+if __name__ == "__main__":
+    main()
