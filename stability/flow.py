@@ -88,6 +88,8 @@ class Flow:
         ndarray
             Shape (N, n, n).
         """
+        if len(y) == 1:  # CasADi itself is the faster for one
+            return np.array(self.jacobian(y[0], p[0]))[None]
         found: Floats = self._jacobian_program.arrays([list(y.T), list(p.T)], y.shape[:-1])[0]
         return found
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import importlib.util
+import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -16,9 +17,11 @@ import casadi as ca
 import numpy as np
 
 from .algebra import Algebra, Program
-from .flow import Flow
+from .flow import LIFT_OFF, NO_CONTACT, Flow
 from .route import UNRESOLVED, End, Floats, Leg, Path, guard_at
 
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+"""Threads that a batch takes when none are stated."""
 FINEST = 1e-16
 """Smallest tolerance that is passed on."""
 
@@ -54,8 +57,11 @@ def _expressions(flow: Flow) -> tuple[list[Any], list[Any], Any]:
     """Symbols, rates and the product of the guards: one event in place of several."""
     import heyoka as hy
 
+    guards = dict(flow.guards)
+    if NO_CONTACT not in guards:  # D stays positive, and gn D is the flatter of the two: faster
+        guards[LIFT_OFF] = guards[LIFT_OFF] * flow.system.observables["determinant"]
     product = ca.SX(1)
-    for guard in flow.guards.values():
+    for guard in guards.values():
         product = product * guard
     program = Program(ca.Function("taylor", [flow.x, flow.p], [flow.rhs, product]))
     symbols = list(hy.make_vars(*flow.names))
@@ -87,7 +93,7 @@ class _Held:
 
     def give(self, integrator: Any) -> None:
         with self.lock:
-            if len(self.spare) < 1 + (os.cpu_count() or 1):
+            if len(self.spare) <= CORES:
                 self.spare.append(integrator)
 
 
@@ -142,14 +148,24 @@ def _end(leg: Leg, outcome: Any, time: float, state: Floats) -> End:
 
 
 class _Stop:
-    """Ends a lane of a batch at its event: the lane stands still from there on."""
+    """Notes the end of a lane of a batch, and parks the lane where it can do no harm.
 
-    def __init__(self) -> None:
+    The other lanes go on, so the ended one has to follow some motion: it spins upright without
+    friction, fast enough to be stable, which costs it few steps.
+    """
+
+    def __init__(self, frictions: Sequence[int]) -> None:
         self.ends: dict[int, tuple[float, Floats]] = {}
+        self.frictions = frictions
 
     def __call__(self, ta: Any, _sign: Any, lane: int) -> bool:
-        ta.pars[-1, lane] = 0.0
-        self.ends.setdefault(lane, (float(ta.time[lane]), ta.state[:, lane].copy()))
+        if lane not in self.ends:
+            self.ends[lane] = float(ta.time[lane]), ta.state[:, lane].copy()
+        ta.state[:, lane] = 0.0
+        ta.state[0, lane] = math.pi / 2
+        ta.state[2, lane] = 2.0 / math.sqrt(ta.pars[0, lane])
+        for index in self.frictions:
+            ta.pars[index, lane] = 0.0
         return True
 
 
@@ -159,12 +175,13 @@ def _batch(flow: Flow, tolerance: float) -> _Held:
         import heyoka as hy
 
         symbols, rates, guard = _expressions(flow)
-        moving = hy.par[flow.p.numel()]  # 1 while a lane moves, 0 once a guard has ended it
-        event = hy.t_event_batch(guard, callback=_Stop(), direction=hy.event_direction.negative)
+        names = flow.system.parameters
+        stop = _Stop([names.index("mu")] if "mu" in names else [])
+        event = hy.t_event_batch(guard, callback=stop, direction=hy.event_direction.negative)
         width = hy.recommended_simd_size()
         return hy.taylor_adaptive_batch(
-            [(s, r * moving) for s, r in zip(symbols, rates, strict=True)],
-            np.zeros((len(symbols), width)), pars=np.ones((flow.p.numel() + 1, width)),
+            list(zip(symbols, rates, strict=True)),
+            np.zeros((len(symbols), width)), pars=np.ones((flow.p.numel(), width)),
             tol=tolerance, t_events=[event],
         )  # fmt: skip
 
@@ -204,7 +221,7 @@ def integrate_many(
         held.give(ta)
         return len(group)
 
-    threads = min(workers or len(os.sched_getaffinity(0)), len(groups))
+    threads = min(workers or CORES, len(groups))
     with ThreadPoolExecutor(threads) as pool:
         for done in pool.map(run, groups) if threads > 1 else map(run, groups):
             if progress is not None:
@@ -219,8 +236,7 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     width = ta.batch_size
     filled = legs + legs[-1:] * (width - len(legs))
     ta.state[:] = np.column_stack([leg.start for leg in filled])
-    ta.pars[:-1] = np.column_stack([leg.p for leg in filled])
-    ta.pars[-1] = 1.0
+    ta.pars[:] = np.column_stack([leg.p for leg in filled])
     ta.set_time([float(leg.times[0]) for leg in filled])
     ta.reset_cooldowns()
     stop: _Stop = ta.t_events[0].callback
