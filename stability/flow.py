@@ -21,6 +21,9 @@ Floats = NDArray[np.float64]
 
 POSE = ("phi", "psi", "centre_x", "centre_y")
 """Precession angle, relative spin angle, horizontal place of the centre; x̂ = (cos φ, sin φ)."""
+POSE_UNIT = 1024.0
+"""What the pose is counted in while it is integrated: it grows without bound, and an integrator
+whose tolerance is relative to the largest entry of the state would grow careless with it."""
 LIFT_OFF, FLAT, NO_CONTACT, CONE = "lift-off", "flat", "no-contact", "slip"
 """Names of the guards."""
 
@@ -282,13 +285,15 @@ def _pose_rates(x: ca.SX, slip: ca.SX, pose: ca.SX) -> ca.SX:
     theta, theta_dot, phi_dot, omega3 = (x[i] for i in range(4))
     along_x = slip[0] + theta_dot * ca.sin(theta)
     along_y = slip[1] - omega3
-    cosine, sine = ca.cos(pose[0]), ca.sin(pose[0])
-    return ca.vertcat(
+    heading = POSE_UNIT * pose[0]
+    cosine, sine = ca.cos(heading), ca.sin(heading)
+    rates = ca.vertcat(
         phi_dot,
         omega3 - phi_dot * ca.cos(theta),
         cosine * along_x - sine * along_y,
         sine * along_x + cosine * along_y,
     )
+    return rates / POSE_UNIT
 
 
 def flat_sine(angle: float) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 from . import __version__
 from .algebra import Program
 from .equations import STATES, disk_system
-from .flow import POSE, Floats
+from .flow import POSE, POSE_UNIT, Floats
 from .outcome import BY_CODE
 from .sticking import REST, SLIDING, STICKING
 
@@ -280,7 +280,7 @@ def _series(
     found["dissipated"] = work
     found["audit"] = found["energy"] + work - launches.energies[:, None]
     if settings.pose:
-        found |= dict(zip(POSE, np.moveaxis(y[..., own + 1 :], -1, 0), strict=True))
+        found |= dict(zip(POSE, POSE_UNIT * np.moveaxis(y[..., own + 1 :], -1, 0), strict=True))
         reach = np.cos(found["theta"])
         found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
         found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])

@@ -22,6 +22,7 @@ def test_notebook_runs(
         "quickstart": {"quarter.png", "quarter.pdf", "quarter.nc"},
         "rolling_drift": {"rolling_drift.png"},
         "flutter_lines": {"flutter_lines.png"},
+        "launches": {"launch.png"},
     }
     assert wanted[path.stem] <= names
 

@@ -1,0 +1,159 @@
+"""`stability simulate` and `table launches`: the contract's object, whole files, one sentence."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import reference
+from test_cli import output, refused
+
+import stability as st
+from stability.equations import STATES
+from stability.outcome import Outcome
+
+ASK = ["simulate", "--theta", "1.4707963267948966", "--omega3", "1.2", "--mu", "0.3"]
+
+
+def test_simulate_prints_the_object_of_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
+    case = reference.trajectories()[0]
+    found = json.loads(output(capsys, *ASK, "--time", "20", "--tolerance", "1e-12", "--json"))
+    assert list(found)[:4] == ["final", "time", "outcome", "energy_error"]
+    assert list(found["final"]) == list(STATES)
+    assert found["time"] == 20.0
+    assert found["outcome"] in {o.word for o in Outcome}
+    assert found["energy_error"] < 1e-11
+    final = np.array(list(found["final"].values()))
+    assert np.abs(final - np.array(case["states"][-1])).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("words", "outcome"),
+    [
+        (["--contact", "smooth", "--theta", "1", "--time", "5"], "flat"),
+        (["--theta", "1", "--omega3", "-5", "--phi-dot", "5", "--mu", "3", "--time", "3"],
+         "lift-off"),
+        (["--theta", "1.5", "--phi-dot", "2.5", "--mu", "0.3", "--time", "300"], "settled"),
+        (["--theta", "1.2", "--contact", "rough", "--omega3", "1", "--time", "3"], "moving"),
+        (["--theta", ".8653", "--theta-dot", ".3", "--phi-dot", ".6318", "--omega3", "1.59", "--k",
+          ".05", "--mu", ".947", "--contact", "coulomb", "--time", "1"], "non-unique"),
+        ([*ASK[1:], "--contact", "coulomb-regularised", "--epsilon", "1e-3", "--time", "2"],
+         "moving"),
+    ],
+)  # fmt: skip
+def test_each_outcome_is_told_with_its_evidence(
+    capsys: pytest.CaptureFixture[str], words: list[str], outcome: str
+) -> None:
+    found = json.loads(output(capsys, "simulate", *words, "--json"))
+    assert found["outcome"] == outcome
+    assert found["evidence"]
+    text = output(capsys, "simulate", *words)
+    assert text.startswith(f"outcome   {outcome}:")
+    assert "energy    audited to" in text
+
+
+def test_files_are_whole_and_say_what_was_printed(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    names = [str(tmp_path / n) for n in ("run.nc", "run.png", "run.html")]
+    found = json.loads(
+        output(capsys, *ASK, "--time", "4", "--points", "81", "--contact", "coulomb", "--slip-x",
+               "0.2", "--out", names[0], "--plot", names[1], "--film", names[2], "--json")
+    )  # fmt: skip
+    run = st.read_motion(names[0])
+    assert len(run.time) == 81
+    assert found["final"]["theta"] == float(run.theta[-1])
+    assert [e["kind"] for e in found["events"]] == run.event_kind.values.tolist()
+    assert found["files"] == {"out": names[0], "plot": names[1], "film": names[2]}
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["run.html", "run.nc", "run.png"]
+    assert Path(names[1]).stat().st_size > 10_000
+
+
+def test_si_numbers_go_in_and_come_out(capsys: pytest.CaptureFixture[str]) -> None:
+    disk = st.Disk.named("quarter")
+    rate = float(disk.rate)
+    si = json.loads(
+        output(capsys, "simulate", "--disk", "quarter", "--theta", "1.4", "--omega3",
+               str(1.2 * rate), "--mu", str(0.3 / float(disk.speed)), "--time", str(5 / rate),
+               "--tolerance", "1e-12", "--json")
+    )  # fmt: skip
+    plain = json.loads(
+        output(capsys, "simulate", "--theta", "1.4", "--omega3", "1.2", "--mu", "0.3", "--time",
+               "5", "--tolerance", "1e-12", "--json")
+    )  # fmt: skip
+    assert si["unit"] == "SI"
+    assert si["final"]["omega3"] == pytest.approx(plain["final"]["omega3"] * rate, rel=1e-8)
+    assert si["final"]["theta"] == pytest.approx(plain["final"]["theta"], abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["simulate", "--mu", "1", "--time", "1"], "--theta is missing"),
+        ([*ASK], "--time is missing"),
+        ([*ASK, "--time", "0"], "times is 0"),
+        ([*ASK, "--time", "nan"], "times is nan"),
+        ([*ASK, "--time", "x"], "invalid float value: 'x'"),
+        ([*ASK, "--time", "1", "--points", "1"], "at least 2 points"),
+        ([*ASK, "--time", "-1", "--points", "9"], "a time above 0"),
+        ([*ASK, "--time", "1", "--method", "euler"], "method is 'euler'"),
+        ([*ASK, "--time", "1", "--tolerance", "2"], "tolerance is 2"),
+        ([*ASK, "--time", "1", "--contact", "glue"], "known are smooth, viscous, linear-viscous"),
+        ([*ASK, "--time", "1", "--contact", "rough"], "has no coefficient"),
+        ([*ASK, "--time", "1", "--epsilon", "1e-3"], "epsilon is given but"),
+        ([*ASK, "--time", "1", "--contact", "coulomb-regularised"], "epsilon is missing"),
+        (["simulate", "--theta", "1", "--time", "1"], "mu is missing"),
+        (["simulate", "--theta", "0", "--mu", "1", "--time", "1"], "strictly between 0 and π"),
+        (["simulate", "--theta", "1", "--mu", "3", "--slip-x", "30", "--time", "1"], "Painlevé"),
+        (["simulate", "--theta", "1", "--theta-dot", "5", "--mu", "1", "--time", "1"],
+         "not in contact"),
+        ([*ASK, "--time", "1", "--plot", "run.txt"], "must end in .png, .pdf or .svg"),
+        ([*ASK, "--time", "1", "--film", "run.avi"], "must end in .gif, .mp4 or .html"),
+        ([*ASK, "--time", "1", "--out", "a.nc", "--plot", "./a.nc"], "must end in"),
+        ([*ASK, "--time", "1", "--out", "no/such/run.nc"], "does not exist"),
+        (["table", "launches", "--tilt", "0.1,0.2"], "takes one tilt"),
+        (["table", "launches", "--contact", "rough", "--mu", "1"], "no coefficient"),
+        (["table", "drift", "--time", "3"], "`table launches` only"),
+        (["table", "families", "--at", "3"], "`table launches` only"),
+    ],
+)  # fmt: skip
+def test_bad_questions_get_one_sentence_and_no_file(
+    capsys: pytest.CaptureFixture[str], words: list[str], sentence: str, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    assert sentence in refused(capsys, *words)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_existing_file_is_kept_unless_forced(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    target = tmp_path / "run.nc"
+    target.write_text("mine")
+    assert "exists" in refused(capsys, *ASK, "--time", "1", "--out", str(target))
+    assert target.read_text() == "mine"
+    output(capsys, *ASK, "--time", "1", "--out", str(target), "--force")
+    assert st.read_motion(target).attrs["outcome"] == "moving"
+
+
+def test_the_table_of_launches_is_printed_and_is_json(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["table", "launches", "--k", "0.25", "--mu", "0.3", "--at", "1.2,2.4", "--time", "100"]
+    text = output(capsys, *words)
+    assert "(recomputed)" in text
+    assert "gn > 0 throughout" in text
+    body = json.loads(output(capsys, *words, "--tilt", "0.05", "--json"))
+    assert body["heading"].endswith("(recomputed)")
+    assert [r["at"] for r in body["rows"]] == [1.2, 2.4, 1.2, 2.4]
+    assert all(math.isfinite(r["energy"]) and r["why"] for r in body["rows"])
+
+
+def test_help_has_an_example() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "stability", "simulate", "--help"], capture_output=True, text=True
+    )
+    assert "example: stability simulate" in done.stdout
+    assert done.returncode == 0
