@@ -116,6 +116,21 @@ def _fastest(matrices: Floats) -> Floats:
     return radius
 
 
+def explicit() -> str:
+    """The best explicit method that is installed.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> explicit() in METHODS
+    True
+    """
+    return HEYOKA if taylor.available() else "dop853"
+
+
 def choose(legs: Sequence[Leg]) -> list[Choice]:
     """What `auto` takes for each leg.
 
@@ -133,16 +148,15 @@ def choose(legs: Sequence[Leg]) -> list[Choice]:
     list of Choice
     """
     turn = _turn(legs[0])
-    explicit = HEYOKA if taylor.available() else "dop853"
-    only = ""
+    name, only = explicit(), ""
     if not taylor.available():
         only = ", and heyoka is not installed"
         if legs[0].tolerance > EXPLICIT_TIGHT:
-            explicit, only = "cvodes", ", but heyoka is not installed"
+            name, only = "cvodes", ", but heyoka is not installed"
     return [
         Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
         if stiff > turn
-        else Choice(explicit, f"stiffness {stiff:.3g} below {turn:.3g}: explicit is cheaper{only}")
+        else Choice(name, f"stiffness {stiff:.3g} below {turn:.3g}: explicit is cheaper{only}")
         for stiff in stiffness(legs).tolist()
     ]
 

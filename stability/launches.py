@@ -215,9 +215,10 @@ def _check(law: str, shape: tuple[int, ...], starts: Floats, p: Floats) -> Float
         seen[~rest] = _look(law, starts[~rest], p[~rest])
         if rest.any():
             seen[rest] = _look("rough", starts[rest, :4], p[rest, :1])
-        for i in np.flatnonzero(rest & ~(seen[:, 3] > 0)):
-            if seen[i, :2].min() > 0 and continuations(starts[i, :4], *p[i]).directions:
-                seen[i, 3] = 1.0  # it cannot stick, but slip can set in
+        for i in np.flatnonzero(rest & (seen[:, :2] > 0).all(axis=1)):
+            # it may not stick and yet slip, or do neither although gn of sticking is positive
+            pressed = continuations(starts[i, :4], *p[i]).count > 0
+            seen[i, 3] = max(seen[i, 3], 1e-300) if pressed else min(seen[i, 3], 0.0)
     else:
         seen = _look(law, starts[:, :own], p)
     if not (seen[:, :-1] > 0).all():

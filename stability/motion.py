@@ -13,7 +13,7 @@ from .contact import Contact
 from .disk import Disk, checked
 from .errors import ParameterError
 from .flow import FLAT, LIFT_OFF, NO_CONTACT, Floats, flat_sine, flow
-from .integrators import FINEST, HEYOKA, Choice, check_method, choose, run
+from .integrators import FINEST, HEYOKA, Choice, check_method, explicit, run
 from .launches import Launches, gather
 from .outcome import OF_END, Outcome
 from .route import End, Leg, Path
@@ -230,11 +230,8 @@ def results(
     if launches.law == "coulomb":
         for i, leg in enumerate(legs):
             dry = integrate_dry(leg, settings.method, pose=settings.pose)
-            choice = Choice(settings.method, "landings and onsets by LSODA and CVODES")
-            if settings.method == "auto":
-                choice = Choice(
-                    choose([leg])[0].method, "sliding; landings by LSODA, onsets by CVODES"
-                )
+            name = explicit() if settings.method == "auto" else settings.method
+            choice = Choice(name, "sliding and sticking; landings by LSODA, onsets by CVODES")
             found.append(_judge(leg, dry.path, choice, launches, settings, dry))
             if progress is not None:
                 progress(i + 1, len(legs))

@@ -28,7 +28,7 @@ import numpy as np
 
 from .equations import disk_system
 from .flow import CONE, FLAT, LIFT_OFF, NO_CONTACT, POSE, Flow, _pose_rates, flow
-from .integrators import METHODS, choose
+from .integrators import METHODS, explicit
 from .rest import continuations, polish, slip_acceleration, sticking_force
 from .route import UNRESOLVED, End, Floats, Leg, Path
 
@@ -39,9 +39,11 @@ AWAY = 2e-3
 REST = 1e-15
 """Slip speed that counts as rest: what is left of the landing is below rounding."""
 ONSET = 1e-4
-"""Time over which an onset of slip is a series [√(R/g)]; its error is of the order of its cube."""
+"""Time over which an onset of slip is a series, times the fastest angular velocity or √(g/R); its
+error is of the order of its cube."""
 DEPARTURE = 1e-6
-"""Step by which a slip with f > 0 leaves rest [√(R/g)]; its error is of the order of its square."""
+"""Step by which a slip with f > 0 leaves rest, in the same unit; its error is of the order of its
+square."""
 STRETCHED = 1e12
 """Longest stretched time of one landing or onset."""
 TRANSITIONS = 10_000
@@ -288,7 +290,7 @@ class _Dry:
         rates = np.array(plain.rates(self._along(angle), self.leg.p)).ravel()
         rates[:6] = system.rates(self.y[:6], [self.k, self.mu, angle])
         due = float(self.times[len(self.rows)])
-        step = min(DEPARTURE, (due - self.time) / 2)
+        step = min(self._brief(DEPARTURE), (due - self.time) / 2)
         self.y += step * rates
         self.time += step
         return SLIDING
@@ -310,30 +312,34 @@ class _Dry:
         if others:
             self._stop(NON_UNIQUE, f"at the edge of the cone slip can also set in at {others} rad")
             return STICKING
-        before, when = self.y.copy(), self.time
+        before, when, span = self.y.copy(), self.time, self._brief(ONSET)
         stick = flow("coulomb", pose=self.pose, sticking=True)
         plain = dataclasses.replace(stick, guards={})
         leg = Leg(plain, np.array([self.k, self.mu, self.flat]), np.delete(before, [4, 5]),
-                  np.array([when, when + ONSET]), 1e-12, self.leg.max_steps)  # fmt: skip
+                  np.array([when, when + span]), 1e-13, self.leg.max_steps)  # fmt: skip
         after = np.insert(METHODS["dop853"](leg).states[-1], [4, 4], 0.0)
         angle = polish(after[:4], self.k, self.mu, angle)
         f = float(slip_acceleration(after[:4], self.k, self.mu, np.array([angle]))[0][0])
-        while len(self.rows) < len(self.times) and self.times[len(self.rows)] <= when + ONSET:
+        while len(self.rows) < len(self.times) and self.times[len(self.rows)] <= when + span:
             t = self.times[len(self.rows)] - when
-            sample = before + (t / ONSET) * (after - before)  # a parabola's sagitta: 1e-9 at most
+            sample = before + (t / span) * (after - before)  # a parabola's sagitta: 1e-9 at most
             self.rows.append(sample)
             self.modes.append(STICKING)
-        self.time = when + ONSET
+        self.time = when + span
         if f <= 0:  # the cone was only grazed
             self.y = after
             return STICKING
         self.transitions.append(Transition(SLIP, when, before, angle))
-        # with |vA| = c t²/2 the stretched time from t = ONSET to ever is 2/(c ONSET)
-        self.y, self.onset = self._excess(after, angle), 0.99 * 2 / f
+        # with |vA| = c t²/2 the stretched time from t to ever is 2/(c t), and f = c t
+        self.y, self.onset = self._excess(after, angle, span), 0.99 * 2 / f
         return SLIDING
 
-    def _excess(self, stuck: Floats, angle: float) -> Floats:
-        """The state after the time ONSET of slip, from that of sticking.
+    def _brief(self, share: float) -> float:
+        """A short time: a share of that in which the disk turns by a radian."""
+        return share / max(1.0, float(np.abs(self.y[1:4]).max()))
+
+    def _excess(self, stuck: Floats, angle: float, span: float) -> Floats:
+        """The state after a brief time of slip, from that of sticking.
 
         The excess acceleration has grown in proportion to time, so that velocities gain a half of
         it and angles a sixth.
@@ -342,8 +348,8 @@ class _Dry:
         held = disk_system("rough").rates(stuck[:4], [self.k])
         excess = slipping - np.append(held, [0.0, 0.0])
         y = stuck.copy()
-        y[1:6] += excess[1:6] * ONSET / 2
-        y[0] += excess[1] * ONSET**2 / 6
+        y[1:6] += excess[1:6] * span / 2
+        y[0] += excess[1] * span**2 / 6
         return y
 
     # --- book-keeping ---
@@ -356,7 +362,7 @@ class _Dry:
         times = np.concatenate([[self.time], rest])
         leg = Leg(which, p, start, times, self.leg.tolerance, self.leg.max_steps)
         auto = self.method == "auto"
-        path = METHODS[choose([leg])[0].method if auto else self.method](leg)
+        path = METHODS[explicit() if auto else self.method](leg)
         if auto and path.end is not None and path.end.kind == UNRESOLVED:
             path = METHODS["lsoda"](leg)
         self.steps += path.steps

@@ -217,6 +217,26 @@ def test_a_start_at_rest_from_which_slip_sets_in_has_its_forces_at_once() -> Non
     assert all(np.isfinite(run[n].values).all() for n in ("normal_force", "power", "energy"))
 
 
+def test_a_start_at_rest_that_nothing_holds_down_is_refused() -> None:
+    # the force of sticking would press (gn > 0) but lies far outside the cone, and no slip sets in
+    start = [1.3584861398296046, 0.8731793602881994, 0.47383312494378416, 1.9119442312294206, 0, 0]
+    k, mu = 0.13306917881431404, 0.4060094943121223
+    assert sticking_force(np.array(start[:4]), k)[0] > 0
+    assert continuations(np.array(start[:4]), k, mu).count == 0
+    with pytest.raises(st.StabilityError, match="not in contact"):
+        st.simulate(st.Disk(k=k), st.Coulomb(mu), start, 1.0)
+
+
+def test_the_account_closes_through_a_slip_that_sets_in_close_to_flat() -> None:
+    # at 3.4648 the disk lies within 1e-4 of flat and turns at 3e4: an onset must be as brief
+    k, mu = 0.1786199664366368, 0.5075477197942422
+    start = [1.7857585771816074, -0.5203646835713671, 0.49026995133059526, -0.5709883297832943,
+             0.23468959865375028, -0.2095820483810763]  # fmt: skip
+    run = st.simulate(st.Disk(k=k), st.Coulomb(mu), start, np.linspace(0, 4, 41), tolerance=1e-12)
+    assert float(np.abs(run.event_state[:, 2]).max()) > 1e4
+    assert float(run.energy_error) < 1e-9
+
+
 def test_spectra_refuse_dry_friction_with_the_reason() -> None:
     with pytest.raises(st.StabilityError, match="Rough"):
         st.spectrum("rolling", at=1.0, contact=st.Coulomb(0.3))
