@@ -18,10 +18,16 @@ from .files import check_target, whole
 from .film import FINE, Scene, caption_of, inner_radius, unit_of, write_gif, write_mp4
 from .outcome import BY_CODE
 from .pose import LINEAR, POSED, resample
+from .trajectory import FORMAT
 
 if TYPE_CHECKING:
     import xarray
 
+KEPT = (
+    "time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "mass", "radius",
+    "gravity", "k",
+)  # fmt: skip
+"""What else a film needs of a dataset."""
 SHORTEST, LONGEST = 4.0, 20.0
 """Range of a film's length when none is asked [s]."""
 MOST_FRAMES, MOST_SAMPLES = 10_000, 20_000
@@ -76,6 +82,8 @@ def animate(
     ...     animate(run, FilePath(folder) / "fall.html").name
     'fall.html'
     """
+    if progress is not None and not callable(progress):
+        raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
     motion = _single(dataset)
     check_target(path, overwrite=overwrite)
     suffix = FilePath(path).suffix.lower()
@@ -108,8 +116,8 @@ def animate(
 
 def _number(name: str, value: Any, most: float) -> float:
     number = positive(name, value)
-    if not isinstance(number, float) or number > most:
-        raise ParameterError(f"{name} is {value}; give one positive number, at most {most:g}.")
+    if not isinstance(number, float) or not 1e-3 <= number <= most:
+        raise ParameterError(f"{name} is {value}; give one number from 0.001 to {most:g}.")
     return number
 
 
@@ -117,10 +125,15 @@ def _single(dataset: Any) -> dict[str, Any]:
     """The series of a single run with pose, or a sentence why not."""
     import xarray
 
-    if not isinstance(dataset, xarray.Dataset) or "theta" not in dataset:
+    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise ParameterError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
     if "phi" not in dataset:
         raise ParameterError("the dataset has no pose; call simulate with pose=True.")
+    lost = [n for n in (*POSED, *LINEAR, *KEPT) if n not in dataset.variables]
+    if lost:
+        raise ParameterError(
+            f"the dataset has no {lost[0]}; give what simulate returns, unchanged."
+        )
     if dataset.theta.dims != ("time",):
         sizes = dict(dataset.theta.sizes)
         raise ParameterError(f"the dataset has sizes {sizes}; take one launch by isel(launch=0).")

@@ -13,6 +13,8 @@ from .errors import ParameterError
 
 CONTACTS = "viscous, linear-viscous, smooth, rough, coulomb, coulomb-regularised"
 STATE_OPTIONS = ("theta", "theta-dot", "phi-dot", "omega3", "slip-x", "slip-y")
+MOST = 10_000_000
+"""Samples of a run at most."""
 FILMS = (".gif", ".mp4", ".html")
 
 
@@ -82,10 +84,10 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
     start = [getattr(options, name) for name in STATES]
     times: Any = options.time
     if options.points is not None:
-        if options.points < 2 or not options.time > 0:
+        if not 2 <= options.points <= MOST or not 0 < options.time < float("inf"):
             raise ParameterError(
                 f"--points is {options.points} and --time {options.time:g}; give at least 2 "
-                "points and a time above 0."
+                f"points, {MOST} at most, and a finite time above 0."
             )
         times = np.linspace(0.0, options.time, options.points)
     pose = options.pose or options.film is not None or options.plot is not None

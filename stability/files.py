@@ -46,10 +46,12 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
         If it exists, is a folder, or its folder is missing or not writable.
     """
     target = _path(path)
-    if target.is_symlink():  # write where it points, and leave the link
-        target = target.resolve()
     try:
+        if target.is_symlink():  # write where it points, and leave the link
+            target = target.resolve()
         there = target.exists()
+    except ValueError:
+        raise FileError(f"{str(target)[:60]!r} is no file name; leave out NUL.") from None
     except OSError as error:
         raise FileError(f"{str(target)[:60]} cannot be written: {error.strerror}.") from None
     if target.is_dir():
@@ -206,6 +208,8 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     FileError
         If there is no such file, or it is not a NetCDF file, or not one of ours.
     """
+    import xarray
+
     from .dataset import FORMAT
 
     dataset = opened(path, FORMAT, "a map", lazy=lazy)

@@ -267,7 +267,8 @@ def flow(law: str, *, pose: bool = False, sticking: bool = False) -> Flow:
         names += POSE
     flat = ca.SX.sym("flat")
     normal = seen["normal_force"]
-    guards = {LIFT_OFF: normal, FLAT: ca.sin(x[0]) - flat}
+    # gn D has the sign of gn, and stays finite where D vanishes
+    guards = {LIFT_OFF: normal * seen["determinant"], FLAT: ca.sin(x[0]) - flat}
     if sticking:
         guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
     if MOTION_LAWS[law].name.startswith("coulomb") and not sticking:

@@ -66,6 +66,8 @@ def check_method(method: str) -> str:
     >>> check_method("lsoda")
     'lsoda'
     """
+    if not isinstance(method, str):
+        raise NameUnknownError(f"method is {method!r}; give auto or a name: {', '.join(METHODS)}.")
     if method == "auto":
         return method
     if method not in METHODS:
@@ -169,8 +171,8 @@ def _patient(leg: Leg) -> Leg:
     """The leg with no more steps than an explicit method takes where it is the cheaper one."""
     pace = max(1.0, float(np.abs(leg.start[1:4]).max()))
     span = float(leg.times[-1] - leg.times[0]) * pace
-    most = 20_000 + int(PATIENCE * _turn(leg) * span)
-    return replace(leg, max_steps=min(leg.max_steps, most))
+    most = 20_000 + PATIENCE * _turn(leg) * span
+    return replace(leg, max_steps=int(min(leg.max_steps, most)))
 
 
 def run(
@@ -201,6 +203,7 @@ def run(
     """
     auto = method == "auto"
     choices = choose(legs) if auto else [Choice(method, "asked for")] * len(legs)
+    asked = legs
     if auto:
         legs = [
             _patient(leg) if choice.method != "cvodes" else leg
@@ -215,8 +218,13 @@ def run(
         if progress is not None:
             progress(done, total)
 
-    mine = [i for i, c in enumerate(choices) if c.method == HEYOKA]
-    if len(mine) > 1:
+    groups: dict[float, list[int]] = {}
+    for i, (leg, choice) in enumerate(zip(legs, choices, strict=True)):
+        if choice.method == HEYOKA:
+            groups.setdefault(leg.tolerance, []).append(i)
+    for mine in groups.values():
+        if len(mine) == 1:
+            continue
         found = taylor.integrate_many([legs[i] for i in mine], workers, advance)
         for i, path in zip(mine, found, strict=True):
             paths[i] = path
@@ -225,8 +233,9 @@ def run(
         path = known if known is not None else METHODS[choices[i].method](leg)
         if known is None:
             advance(1)
-        if auto and path.end is not None and path.end.kind == UNRESOLVED:
-            path, choices[i] = _second(leg, path, choices[i])
+        gave_up = path.end is not None and path.end.kind == UNRESOLVED
+        if auto and gave_up and path.steps < asked[i].max_steps:
+            path, choices[i] = _second(asked[i], path, choices[i])
         paths[i] = path
     return [p for p in paths if p is not None], choices
 

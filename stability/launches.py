@@ -21,6 +21,12 @@ from .flow import Floats
 from .rest import continuations
 from .sticking import REST
 
+FASTEST = 1e9
+"""Largest dimensionless rate or slip of a start: beyond it forces are lost in rounding."""
+ROUGHEST = 1e8
+"""Largest dimensionless friction."""
+LONGEST, BRIEFEST = 1e12, 1e-200
+"""Range of the last time, dimensionless."""
 POINTS = 201
 """Samples of a run for which only a last time is given."""
 
@@ -107,6 +113,12 @@ def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Lau
         starts[:, 1:4] *= flat["time"][..., None] if flat["time"].ndim else flat["time"]
         starts[:, 4:] /= flat["speed"][..., None] if flat["speed"].ndim else flat["speed"]
     p = np.column_stack([np.broadcast_to(v, (count,)) for v in _parameters(contact, flat).values()])
+    last = when[-1] / scales["time"]
+    if not (np.all(last <= LONGEST) and np.all(last >= BRIEFEST)):
+        raise ParameterError(
+            f"times end at {when[-1]:g}; in units of √(R/g) give a last time from {BRIEFEST:g} to "
+            f"{LONGEST:g}."
+        )
     energies = _check(contact.name, shape, starts, p)
     return Launches(
         contact.name, shape, starts, p, when, {n: flat[n] for n in fields},
@@ -204,9 +216,16 @@ def _look(law: str, x: Floats, p: Floats) -> Floats:
 
 def _check(law: str, shape: tuple[int, ...], starts: Floats, p: Floats) -> Floats:
     """Refuse starts at which there is no contact, with the reason; the energies of the others."""
-    if not (np.isfinite(starts).all() and np.isfinite(p).all() and (p > 0).all()):
+    finite = np.isfinite(starts).all() and np.isfinite(p).all() and (p > 0).all()
+    if not (finite and np.abs(starts).max() < FASTEST):
         raise ParameterError(
-            "the dimensionless numbers overflow double precision; give values nearer to 1."
+            "a dimensionless number of the start or the body leaves the range of double precision "
+            f"(rates up to {FASTEST:g}); give values nearer to 1."
+        )
+    if p.shape[1] > 1 and p[:, 1].max() > ROUGHEST:
+        raise ParameterError(
+            f"the dimensionless friction is {p[:, 1].max():.3g}, above {ROUGHEST:g}, where double "
+            "precision cannot resolve the slip; take Rough(), to which the motion tends."
         )
     own = 4 if law == "rough" else 6
     if law == "coulomb":

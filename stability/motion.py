@@ -16,7 +16,7 @@ from .flow import FLAT, LIFT_OFF, NO_CONTACT, Floats, flat_sine, flow
 from .integrators import FINEST, HEYOKA, Choice, check_method, explicit, run
 from .launches import Launches, gather
 from .outcome import OF_END, Outcome
-from .route import End, Leg, Path
+from .route import UNRESOLVED, End, Leg, Path
 from .settling import Nearest, nearest
 from .sticking import SLIDING, STICKING, DryPath, Transition
 from .sticking import integrate as integrate_dry
@@ -134,6 +134,8 @@ def simulate(
     """
     from .trajectory import assemble
 
+    if progress is not None and not callable(progress):
+        raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
     settings = Settings(check_method(method), tolerance, pose, flat, settle, max_steps, workers)
     settings.check()
     launches = gather(disk, contact, start, times)
@@ -166,6 +168,8 @@ class Settings:
             value = checked(name, getattr(self, name))
             if not isinstance(value, float):
                 raise ParameterError(f"{name} has shape {np.shape(value)}; give one number.")
+        if not isinstance(self.pose, (bool, np.bool_)):
+            raise ParameterError(f"pose is {self.pose!r}; give True or False.")
         if not TIGHTEST <= self.tolerance <= LOOSEST:
             raise ParameterError(
                 f"tolerance is {self.tolerance:g}; give one from {TIGHTEST:g} to {LOOSEST:g}."
@@ -184,7 +188,8 @@ class Settings:
 
 def _not_flat(launches: Launches, settings: Settings) -> None:
     theta = launches.starts[:, 0]
-    bad = np.flatnonzero(np.minimum(theta, np.pi - theta) <= settings.flat)
+    # a start within rounding of the border cannot be told from one on it
+    bad = np.flatnonzero(np.minimum(theta, np.pi - theta) <= settings.flat * (1 + 1e-6))
     if bad.size:
         raise ParameterError(
             f"theta of start is {theta[bad[0]]:g}, flat within flat = {settings.flat:g} rad; start "
@@ -222,7 +227,7 @@ def results(
         Leg(
             which, np.append(p, sine), y,
             times / float(clock[i]) if shared is None else shared,
-            settings.tolerance, settings.max_steps,
+            _finer(settings.tolerance, y), settings.max_steps,
         )
         for i, (p, y) in enumerate(zip(launches.p, which.pack(launches.starts), strict=True))
     ]  # fmt: skip
@@ -242,6 +247,15 @@ def results(
     return found
 
 
+def _finer(tolerance: float, y: Floats) -> float:
+    """The tolerance of a launch: finer by a decade for each in which it turns faster than 10.
+
+    The normal force holds products of angular velocities, whose error is theirs times the other.
+    """
+    fast = float(np.abs(y[1:4]).max()) / 10
+    return tolerance if fast <= 1 else max(tolerance * 10.0 ** -np.ceil(np.log10(fast)), TIGHTEST)
+
+
 def _judge(
     leg: Leg, path: Path, choice: Choice, launches: Launches, settings: Settings,
     dry: DryPath | None,
@@ -252,6 +266,8 @@ def _judge(
     six = leg.flow.six(final)
     near = nearest(six, launches.law, leg.p[:-1], settings.settle)
     outcome = Outcome.MOVING if end is None else OF_END[end.kind]
+    if outcome is Outcome.UNRESOLVED and end is not None and _collapses(leg, end):
+        outcome = Outcome.NO_CONTACT
     since = time
     if end is None and near.settled:
         outcome = Outcome.SETTLED
@@ -265,13 +281,37 @@ def _judge(
     )  # fmt: skip
 
 
+def _collapses(leg: Leg, end: End) -> bool:
+    """Whether an integrator gave up because D runs to zero, where accelerations have no bound.
+
+    Near t* then D goes like the root of t* - t, so that D over twice its rate is what is left.
+    """
+    if NO_CONTACT not in leg.flow.guards:
+        return False
+    index = list(leg.flow.guards).index(NO_CONTACT)
+    values, rates = leg.flow.margins(end.state, leg.p)
+    d, rate = float(values[index]), float(rates[index])
+    return rate < 0 and d < 1e-2 and d / (2 * -rate) < 1e-6 * max(1.0, end.time)
+
+
 def _why(leg: Leg, end: End) -> str:
     """The evidence for an early end, dimensionless."""
+    if end.kind == UNRESOLVED and _collapses(leg, end):
+        index = list(leg.flow.guards).index(NO_CONTACT)
+        values, rates = leg.flow.margins(end.state, leg.p)
+        return (
+            f"D = {float(values[index]):.1e} falls at {-float(rates[index]):.1e}: it runs to zero, "
+            "and the contact force grows without bound"
+        )
     if end.message:
         return end.message
     values, rates = leg.flow.margins(end.state, leg.p)
     seen = dict(zip(leg.flow.guards, zip(values, rates, strict=True), strict=True))
-    names = {LIFT_OFF: "normal force", FLAT: "sine of theta less that of flat", NO_CONTACT: "D"}
+    names = {
+        LIFT_OFF: "normal force times D",
+        FLAT: "sine of theta less that of flat",
+        NO_CONTACT: "D",
+    }
     if end.kind not in seen:
         return end.kind
     value, rate = (float(v) for v in seen[end.kind])

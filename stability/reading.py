@@ -9,10 +9,16 @@ import numpy as np
 from .errors import ParameterError
 from .flow import POSE, Floats
 from .sticking import SLIP, STICK, STICKING
+from .trajectory import FORMAT
 
 if TYPE_CHECKING:
     import xarray
 
+KEPT = (
+    "end_time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "energy_error",
+    "nearest_family", "nearest_at", "method",
+)  # fmt: skip
+"""What every figure needs of a dataset beside its series."""
 Event = tuple[float, str]
 Span = tuple[float, float]
 
@@ -51,9 +57,9 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> Motion:
     """
     import xarray
 
-    if not isinstance(dataset, xarray.Dataset):
+    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise ParameterError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
-    missing = [name for name in ("time", *needed) if name not in dataset.variables]
+    missing = [name for name in ("time", *needed, *KEPT) if name not in dataset.variables]
     if missing:
         remedy = (
             "with pose=True" if missing[0] in (*POSE, "contact_x", "contact_y") else "unchanged"

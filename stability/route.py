@@ -12,6 +12,10 @@ from .flow import Flow
 
 Floats = NDArray[np.float64]
 
+VISCOUS = "viscous"
+"""Word in the names of the laws whose force is mu times the slip."""
+LARGE = 1e3
+"""Friction from which the slip is resolved more finely."""
 UNRESOLVED = "unresolved"
 """The kind of an end at which an integrator gave up."""
 
@@ -32,6 +36,13 @@ class Leg:
     """Local error allowed in a step, relative and absolute."""
     max_steps: int
     """Steps after which the run gives up."""
+
+    @property
+    def absolute(self) -> float:
+        """The absolute tolerance: finer where friction is large and the slip small."""
+        names = self.flow.system.parameters
+        mu = float(self.p[names.index("mu")]) if VISCOUS in self.flow.system.name else 0.0
+        return self.tolerance * min(1.0, LARGE / max(mu, LARGE))
 
 
 @dataclass(frozen=True, eq=False)

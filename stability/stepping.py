@@ -22,7 +22,7 @@ STIFF = ("lsoda", "radau", "bdf")
 """Those that use the Jacobian, which is automatic."""
 
 
-def integrate(leg: Leg, *, method: str) -> Path:
+def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
     """Run one leg with a SciPy solver and locate the first guard that reaches zero.
 
     After each step the guards and their rates are evaluated at its end.  A sign change, or a
@@ -34,6 +34,9 @@ def integrate(leg: Leg, *, method: str) -> Path:
         What is asked.
     method
         A key of `NAMES`.
+    clock
+        Values of the last state variable, which must rise, at which to sample in place of times;
+        the run ends when all of them are reached, and the path begins at the first of them.
 
     Returns
     -------
@@ -42,53 +45,86 @@ def integrate(leg: Leg, *, method: str) -> Path:
     from scipy import integrate as scipy_integrate
 
     run = Evaluator(leg.flow, leg.p)
-    options: dict[str, Any] = {"rtol": max(leg.tolerance, FINEST), "atol": leg.tolerance}
+    options: dict[str, Any] = {"rtol": max(leg.tolerance, FINEST), "atol": leg.absolute}
     if method in STIFF:
         options["jac"] = run.jacobian
-    states = np.empty((len(leg.times), len(leg.start)))
-    states[0] = leg.start
-    filled, steps = 1, 0
-    last = float(leg.times[-1])
+    samples = _Samples(leg, clock)
+    steps, last = 0, float(leg.times[-1])
     if len(leg.times) == 1:
-        return Path(states, None, 0)
+        return Path(leg.start[None], None, 0)
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # a solver's trouble is reported by its status
         solver = getattr(scipy_integrate, NAMES[method])(
             run.rates, float(leg.times[0]), leg.start, last, **options
         )
-        good = leg.start.copy()
+        good, time = leg.start.copy(), float(leg.times[0])
         before = run.watch(leg.start)
-        while solver.status == "running":
-            message = solver.step()
+        while solver.status == "running" and not samples.done:
+            message = solver.step() if steps < leg.max_steps else None
             steps += 1
-            if (
-                solver.status == "failed"
-                or not np.isfinite(solver.y).all()
-                or steps > leg.max_steps
-            ):
-                why = message or (
-                    f"more than {leg.max_steps} steps" if steps > leg.max_steps
-                    else "the state is not finite"
-                )  # fmt: skip
-                end = End(UNRESOLVED, float(solver.t_old or leg.times[0]), good, why)
-                return Path(states[:filled], end, steps)
+            too_many = steps > leg.max_steps
+            if too_many or solver.status == "failed" or not np.isfinite(solver.y).all():
+                many = f"more than {leg.max_steps} steps"
+                why = message or (many if too_many else "the state is not finite")
+                return Path(samples.kept, End(UNRESOLVED, time, good, why), steps - too_many)
             after = run.watch(solver.y)
-            dense = None
-            when = _first_zero(solver, run, before, after)
-            reached = solver.t if when is None else when[0]
-            upto = int(np.searchsorted(leg.times, reached, "left" if when else "right"))
-            if upto > filled or when is not None:
-                dense = solver.dense_output()
-                if upto > filled:
-                    states[filled:upto] = dense(leg.times[filled:upto]).T
-                    if reached == last and when is None:
-                        states[-1] = solver.y
-                filled = max(upto, filled)
-            if when is not None and dense is not None:
-                state = dense(when[0])
-                return Path(states[:filled], End(when[1], when[0], state), steps)
-            before, good = after, solver.y.copy()
-    return Path(states[:filled], None, steps)
+            found = _first_zero(solver, run, before, after)
+            samples.take(solver, None if found is None else found[0])
+            if found is not None:
+                end = End(found[1], found[0], solver.dense_output()(found[0]))
+                return Path(samples.kept, end, steps)
+            before, good, time = after, solver.y.copy(), float(solver.t)
+    return Path(samples.kept, None, steps)
+
+
+class _Samples:
+    """What is kept of a run: the states at given times, or at given values of a clock."""
+
+    def __init__(self, leg: Leg, clock: Floats | None) -> None:
+        self.clock = clock
+        self.wanted = leg.times if clock is None else clock
+        self.states = np.empty((len(self.wanted), len(leg.start)))
+        self.filled = 0
+        if clock is None:
+            self.states[0], self.filled = leg.start, 1
+
+    @property
+    def kept(self) -> Floats:
+        return self.states[: self.filled]
+
+    @property
+    def done(self) -> bool:
+        """Whether a clock has nothing more to ask; times are asked to the end anyway."""
+        return self.clock is not None and self.filled == len(self.wanted)
+
+    def take(self, solver: Any, until: float | None) -> None:
+        """Keep what was asked within the last step, up to an event in it."""
+        reached = solver.t if until is None else until
+        value = reached
+        if self.clock is not None:
+            value = solver.y[-1] if until is None else solver.dense_output()(until)[-1]
+        upto = int(np.searchsorted(self.wanted, value, "right" if until is None else "left"))
+        if upto <= self.filled:
+            return
+        dense, wanted = solver.dense_output(), self.wanted[self.filled : upto]
+        if self.clock is not None:
+            wanted = np.array([_when(dense, w, solver.t_old, reached) for w in wanted])
+        self.states[self.filled : upto] = dense(wanted).T
+        if self.clock is None and until is None and wanted[-1] == solver.t:
+            self.states[upto - 1] = solver.y
+        self.filled = upto
+
+
+def _when(dense: Any, value: float, low: float, high: float) -> float:
+    """The time within a step at which its clock shows a value."""
+    from scipy.optimize import brentq
+
+    ends = [float(dense(t)[-1]) - value for t in (low, high)]
+    if ends[0] >= 0:
+        return low
+    if ends[1] <= 0:
+        return high
+    return float(brentq(lambda t: float(dense(t)[-1]) - value, low, high, xtol=1e-300, rtol=ULPS))
 
 
 def _first_zero(
@@ -151,5 +187,7 @@ def _locate(guard: Callable[[float], float], low: float, high: float) -> float |
     return float(brentq(guard, left, right, xtol=1e-15 * max(1.0, abs(right)), rtol=ULPS))
 
 
-METHODS = {name: partial(integrate, method=name) for name in NAMES}
+METHODS: dict[str, Callable[[Leg], Path]] = {
+    name: partial(integrate, method=name) for name in NAMES
+}
 """The SciPy routes by name."""

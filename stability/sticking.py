@@ -31,6 +31,7 @@ from .flow import CONE, FLAT, LIFT_OFF, NO_CONTACT, POSE, Flow, _pose_rates, flo
 from .integrators import METHODS, explicit
 from .rest import continuations, polish, slip_acceleration, sticking_force
 from .route import UNRESOLVED, End, Floats, Leg, Path
+from .stepping import integrate as integrate_scipy
 
 NEAR = 1e-3
 """Slip speed below which the polar form takes over [√(gR)]."""
@@ -46,9 +47,11 @@ DEPARTURE = 1e-6
 square."""
 STRETCHED = 1e12
 """Longest stretched time of one landing or onset."""
+ONSET_GRID = 401
+"""Points over the stiff part of an onset."""
 TRANSITIONS = 10_000
 """Transitions after which a run gives up."""
-SMALL, LANDED, LEFT, SAMPLE = "small", "landed", "left", "sample"
+SMALL, LANDED, LEFT = "small", "landed", "left"
 STICK, SLIP, REVERSE, NON_UNIQUE = "stick", "slip", "reverse", "non-unique"
 SLIDING, STICKING = 0, 1
 """Modes of a sample."""
@@ -94,7 +97,7 @@ def polar_flow(*, pose: bool) -> Flow:
     Returns
     -------
     Flow
-        Parameters k, mu, flat, then the time of the next sample.
+        Parameters k, mu, flat; y ends with the time.
     """
     system = disk_system("coulomb", direction=True)
     y = ca.SX.sym("y", 8 + (len(POSE) if pose else 0))
@@ -114,13 +117,13 @@ def polar_flow(*, pose: bool) -> Flow:
     if pose:
         rhs.append(size * _pose_rates(x, ca.vertcat(*slip), y[7:11]))
         names += POSE
-    flat, sample = ca.SX.sym("flat"), ca.SX.sym("sample")
+    flat = ca.SX.sym("flat")
     guards = {
-        LIFT_OFF: normal, FLAT: ca.sin(y[0]) - flat, NO_CONTACT: determinant,
-        LANDED: y[4] - math.log(REST), LEFT: math.log(AWAY) - y[4], SAMPLE: sample - y[-1],
+        LIFT_OFF: normal * determinant, FLAT: ca.sin(y[0]) - flat, NO_CONTACT: determinant,
+        LANDED: y[4] - math.log(REST), LEFT: math.log(AWAY) - y[4],
     }  # fmt: skip
     return Flow(
-        system, y, ca.vertcat(k, mu, flat, sample), ca.vertcat(*rhs, size), guards,
+        system, y, ca.vertcat(k, mu, flat), ca.vertcat(*rhs, size), guards,
         (*names, "time"),
     )  # fmt: skip
 
@@ -166,6 +169,8 @@ class _Dry:
         while self.end is None and self.time < last:
             if len(self.transitions) > TRANSITIONS:
                 self._stop(UNRESOLVED, f"more than {TRANSITIONS} transitions")
+            elif self.steps > self.leg.max_steps:
+                self._stop(UNRESOLVED, f"more than {self.leg.max_steps} steps")
             elif mode == STICKING:
                 mode = self._stick()
             elif math.hypot(self.y[4], self.y[5]) <= NEAR:
@@ -219,47 +224,66 @@ class _Dry:
 
     def _near(self) -> int:
         """Polar form: to rest, back to plain sliding, or to an end."""
-        polar = polar_flow(pose=self.pose)
-        own = len(self.y)
         state = np.append(self.y, self.time)
         state[4] = math.log(math.hypot(self.y[4], self.y[5]))
         state[5] = math.atan2(self.y[5], self.y[4])
-        while True:
-            due = float(self.times[len(self.rows)])
-            p = np.array([self.k, self.mu, self.flat, due])
-            leg = Leg(polar, p, state, np.array([0.0, self.onset or STRETCHED]),
-                      max(self.leg.tolerance / 10, 1e-14), self.leg.max_steps)  # fmt: skip
-            # in an onset the direction adjusts at once while the slip has hardly begun: stiff
-            path = METHODS["cvodes" if self.onset else "lsoda"](leg)
+        path = self._setting_in(state) if self.onset else None
+        self.onset = 0.0
+        if path is None or path.end is None:
+            leg = self._polar_leg(path.states[-1] if path else state, np.array([0.0, STRETCHED]))
+            path = integrate_scipy(leg, method="lsoda", clock=self.times[len(self.rows) :])
             self.steps += path.steps
-            if path.end is None and self.onset:
-                state, self.onset = path.states[-1], 0.0
-                continue
-            self.onset = max(self.onset - path.end.time, 0.0) if path.end else 0.0
-            if path.end is None:
+            for row in path.states:
+                self._sample(self._cartesian(row), SLIDING)
+        if path.end is None:  # the last sample was reached, or nothing happens any more
+            if len(self.rows) < len(self.times):
                 self._stop(UNRESOLVED, "the slip neither ends nor grows")
-                return SLIDING
-            state = path.end.state
-            size, angle = math.exp(state[4]), float(state[5])
-            self.time, self.y = float(state[-1]), state[:own].copy()
-            self.y[4:6] = size * math.cos(angle), size * math.sin(angle)
-            if path.end.kind == SAMPLE:
-                self.time = due
-                self.rows.append(self.y.copy())
-                self.modes.append(SLIDING)
-                if len(self.rows) == len(self.times):
-                    return SLIDING
-                state[-1] = due
-                continue
-            if path.end.kind == LEFT:
-                self.onset = 0.0
-                return SLIDING
-            if path.end.kind == LANDED:
-                self.onset = 0.0
-                self.y[4:6] = 0.0
-                return self._rest(angle)
-            self._stop(path.end.kind, path.end.message)
+            self.time = float(self.times[-1])
             return SLIDING
+        self.time, self.y = float(path.end.state[-1]), self._cartesian(path.end.state)
+        if path.end.kind == LANDED:
+            angle = float(path.end.state[5])
+            self.y[4:6] = 0.0
+            return self._rest(angle)
+        if path.end.kind != LEFT:
+            self._stop(path.end.kind, path.end.message)
+        return SLIDING
+
+    def _polar_leg(self, state: Floats, span: Floats) -> Leg:
+        p = np.array([self.k, self.mu, self.flat])
+        tolerance = max(self.leg.tolerance / 10, 1e-14)
+        return Leg(polar_flow(pose=self.pose), p, state, span, tolerance, self.leg.max_steps)
+
+    def _setting_in(self, state: Floats) -> Path:
+        """The first part of an onset, which is stiff: the direction adjusts at once.
+
+        Samples come from cubics through the grid in time, with the rates at both ends.
+        """
+        from scipy.interpolate import CubicHermiteSpline
+
+        # even in the logarithm of time: t from the first instant to a hundred times it
+        grid = (1 - 1 / np.geomspace(1.0, 100.0, ONSET_GRID)) * (self.onset / 0.99)
+        leg = self._polar_leg(state, grid)
+        path = METHODS["cvodes"](leg)
+        self.steps += path.steps
+        known = path.states if path.end is None else np.vstack([path.states, path.end.state])
+        due = self.times[len(self.rows) :]
+        due = due[due <= known[-1, -1]]
+        if due.size:
+            own = np.array([self._cartesian(row) for row in known])
+            rates = np.array(flow("coulomb", pose=self.pose).rates(own.T, self.leg.p)).T
+            keep = np.append(np.diff(known[:, -1]) > 0, True)
+            cubic = CubicHermiteSpline(known[keep, -1], own[keep], rates[keep])
+            for row in cubic(due):
+                self._sample(row, SLIDING)
+        return path
+
+    def _cartesian(self, state: Floats) -> Floats:
+        """The state of plain sliding from that in polar form."""
+        y = state[: len(self.y)].copy()
+        size = math.exp(state[4])
+        y[4:6] = size * math.cos(state[5]), size * math.sin(state[5])
+        return y
 
     def _rest(self, arrival: float | None) -> int:
         """At rest: the one way on, or an end."""
@@ -291,9 +315,19 @@ class _Dry:
         rates[:6] = system.rates(self.y[:6], [self.k, self.mu, angle])
         due = float(self.times[len(self.rows)])
         step = min(self._brief(DEPARTURE), (due - self.time) / 2)
+        step = self._before_a_guard(plain, step, rates)
         self.y += step * rates
         self.time += step
         return SLIDING
+
+    def _before_a_guard(self, plain: Flow, step: float, rates: Floats) -> float:
+        """A step that is short enough for no guard to be passed."""
+        for _ in range(60):
+            there = self.y + step * rates
+            if (plain.margins(there, self.leg.p)[0] > 0).all():
+                break
+            step /= 4
+        return step
 
     def _along(self, angle: float) -> Floats:
         """Y with the least slip in a direction, where the plain equations have a meaning."""
@@ -315,16 +349,21 @@ class _Dry:
         before, when, span = self.y.copy(), self.time, self._brief(ONSET)
         stick = flow("coulomb", pose=self.pose, sticking=True)
         plain = dataclasses.replace(stick, guards={})
+        due = self.times[len(self.rows) :]
+        due = due[due < when + span]
         leg = Leg(plain, np.array([self.k, self.mu, self.flat]), np.delete(before, [4, 5]),
-                  np.array([when, when + span]), 1e-13, self.leg.max_steps)  # fmt: skip
-        after = np.insert(METHODS["dop853"](leg).states[-1], [4, 4], 0.0)
+                  np.concatenate([[when], due[due > when], [when + span]]), 1e-13,
+                  self.leg.max_steps)  # fmt: skip
+        stuck = np.insert(METHODS["dop853"](leg).states, [4, 4], 0.0, axis=-1)
+        after = stuck[-1]
         angle = polish(after[:4], self.k, self.mu, angle)
         f = float(slip_acceleration(after[:4], self.k, self.mu, np.array([angle]))[0][0])
-        while len(self.rows) < len(self.times) and self.times[len(self.rows)] <= when + span:
-            t = self.times[len(self.rows)] - when
-            sample = before + (t / span) * (after - before)  # a parabola's sagitta: 1e-9 at most
-            self.rows.append(sample)
-            self.modes.append(STICKING)
+        for t, row in zip(leg.times[1:-1], stuck[1:-1], strict=True):
+            share = (t - when) / span
+            excess = self._excess(after, angle, span) - after if f > 0 else 0.0 * after
+            excess[1:] *= share**2
+            excess[0] *= share**3
+            self._sample(row + excess, SLIDING if f > 0 else STICKING)
         self.time = when + span
         if f <= 0:  # the cone was only grazed
             self.y = after
@@ -367,8 +406,7 @@ class _Dry:
             path = METHODS["lsoda"](leg)
         self.steps += path.steps
         for row in path.states[1:]:
-            self.rows.append(back(row))
-            self.modes.append(mode)
+            self._sample(back(row), mode)
         if path.end is None:
             self.time, self.y = float(self.times[-1]), self.rows[-1].copy()
             return None
@@ -376,6 +414,10 @@ class _Dry:
         if path.end.kind == UNRESOLVED:
             self._stop(UNRESOLVED, path.end.message)
         return path.end.kind
+
+    def _sample(self, y: Floats, mode: int) -> None:
+        self.rows.append(y)
+        self.modes.append(mode)
 
     def _note(self, kind: str, angle: float) -> None:
         self.transitions.append(Transition(kind, self.time, self.y.copy(), angle))

@@ -24,14 +24,16 @@ FILL = 200
 """Intervals at which the guards are checked at least."""
 FINEST = 1e-15
 """Smallest tolerance that is passed on."""
-STEPS = 20_000
+STEPS = 5_000
 """Steps within one interval of the grid after which the library gives up."""
 SHORTEST = 1e-10
 """Length of an interval, relative to the whole, below which a failure is final."""
 
 
 @lru_cache(maxsize=64)
-def _integrator(flow: Flow, plugin: str, tolerance: float, grid: bytes) -> tuple[Any, Any]:
+def _integrator(
+    flow: Flow, plugin: str, tolerance: tuple[float, float], steps: int, grid: bytes
+) -> tuple[Any, Any]:
     """A CasADi integrator over a grid of fractions of a span T, and the function for its z0."""
     span = ca.SX.sym("span")
     problem = {"x": flow.x, "p": ca.vertcat(flow.p, span), "ode": span * flow.rhs}
@@ -49,7 +51,7 @@ def _integrator(flow: Flow, plugin: str, tolerance: float, grid: bytes) -> tuple
         }  # fmt: skip
         guess = ca.Function("z0", [flow.x, flow.p], [ca.solve(system.mass, system.forcing)])
     options = {
-        "reltol": tolerance, "abstol": tolerance, "max_num_steps": STEPS,
+        "reltol": tolerance[0], "abstol": tolerance[1], "max_num_steps": steps,
         "disable_internal_warnings": True, "show_eval_warnings": False,
     }  # fmt: skip
     if plugin == "idas":
@@ -63,15 +65,19 @@ def _run(leg: Leg, plugin: str, start: Floats, times: Floats) -> tuple[Floats, i
     span = float(times[-1] - times[0])
     fractions = (times[1:] - times[0]) / span
     fractions[-1] = 1.0
-    tolerance = max(leg.tolerance, FINEST)
-    run, guess = _integrator(leg.flow, plugin, tolerance, fractions.tobytes())
+    tolerance = max(leg.tolerance, FINEST), max(leg.absolute, FINEST * 1e-3)
+    most = min(STEPS, leg.max_steps)
+    run, guess = _integrator(leg.flow, plugin, tolerance, most, fractions.tobytes())
     given = {"x0": start, "p": np.append(leg.p, span)}
     if guess is not None:
         given["z0"] = guess(start, leg.p)
+    said = io.StringIO()
     try:
-        with redirect_stderr(io.StringIO()):  # the library prints what the return value says
+        with redirect_stderr(said):  # the library prints what the return value says
             found = np.array(run(**given)["xf"]).T
     except RuntimeError:
+        if "KeyboardInterrupt" in said.getvalue():  # CasADi takes it for a failure of the graph
+            raise KeyboardInterrupt from None
         return None
     steps = int(run.stats().get("nsteps", 0))
     return (found, steps) if np.isfinite(found).all() else None
@@ -104,6 +110,9 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
         known, steps = np.vstack([known, whole[0]]), whole[1]
         first = _first_fall(leg, grid, known)
     end: End | None = None
+    if steps > leg.max_steps:
+        end = End(UNRESOLVED, float(times[0]), leg.start, f"more than {leg.max_steps} steps")
+        return Path(leg.start[None], end, leg.max_steps)
     if first is not None:
         rest, end, more = _march(leg, plugin, grid[first:], known[first])
         known, steps = np.vstack([known[: first + 1], rest]), steps + more
@@ -142,11 +151,15 @@ def _march(leg: Leg, plugin: str, grid: Floats, start: Floats) -> tuple[Floats, 
             got = _run(leg, plugin, state, fine)
             if got is None:
                 piece /= 8
+                steps += min(STEPS, leg.max_steps)
                 if piece < shortest or steps > leg.max_steps:
                     end = End(UNRESOLVED, time, state, f"{plugin} made no further step")
                     return np.array(rows).reshape(-1, len(start)), end, steps
                 continue
             steps += got[1]
+            if steps > leg.max_steps:
+                end = End(UNRESOLVED, time, state, f"more than {leg.max_steps} steps")
+                return np.array(rows).reshape(-1, len(start)), end, steps
             states = np.vstack([state[None], got[0]])
             fall = _first_fall(leg, fine, states)
             if fall is not None:

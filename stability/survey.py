@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .contact import Contact, LinearViscous, Viscous
-from .disk import Disk, checked
+from .disk import Disk, checked, positive
 from .errors import NameUnknownError, ParameterError
 from .flow import Floats
 from .motion import simulate
@@ -136,9 +136,15 @@ def launch(
     """
     if family not in (*LAUNCHES, "tumbling"):
         raise NameUnknownError(f"family is {family!r}; known are rolling, spinning, tumbling.")
-    body = Disk() if disk is None else disk
+    body = _body(disk)
     where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
-    shape = np.broadcast_shapes(where.shape, lean.shape, np.shape(body.k), np.shape(body.rate))
+    shapes = where.shape, lean.shape, np.shape(body.k), np.shape(body.rate)
+    try:
+        shape = np.broadcast_shapes(*shapes)
+    except ValueError:
+        raise ParameterError(
+            f"at, tilt and the disk have shapes {', '.join(map(str, shapes))}; make them fit."
+        ) from None
     six = np.zeros((*shape, 6))
     six[..., 0] = math.pi / 2 - lean
     if family == "rolling":
@@ -150,7 +156,28 @@ def launch(
             raise ParameterError("at of tumbling is theta; it must lie strictly between 0 and π.")
         six[..., 0] = where - lean
         six[..., 2] = body.rate / np.sqrt(body.k * np.sin(where))
+    bad = six[..., 0][(six[..., 0] <= 0) | (six[..., 0] >= math.pi)]
+    if bad.size:
+        raise ParameterError(
+            f"the tilt takes theta to {bad.flat[0]:g}; it must stay strictly between 0 and π."
+        )
     return six
+
+
+def _body(disk: Disk | None) -> Disk:
+    if disk is None:
+        return Disk()
+    if not isinstance(disk, Disk):
+        raise ParameterError(f"disk is {disk!r}; give a stability.Disk.")
+    return disk
+
+
+def _list(name: str, values: Any) -> list[float]:
+    """Numbers along one axis, at least one."""
+    found = np.asarray(checked(name, values), dtype=float)
+    if found.ndim != 1:
+        raise ParameterError(f"{name} has shape {found.shape}; give a list of numbers.")
+    return [float(v) for v in found]
 
 
 def launch_rows(
@@ -198,14 +225,23 @@ def launch_rows(
     >>> [(r.linear, r.outcome, r.final) for r in rows]
     [('unstable', 'settled', 'tumbling'), ('stable', 'settled', 'spinning')]
     """
-    scale = Disk() if disk is None else disk
-    values = np.asarray(VELOCITIES) * float(scale.rate) if at is None else np.asarray(at, float)
-    last = TIME * float(scale.time) if time is None else time
-    blocks = [(name, inertia, value) for name in launches for inertia in k for value in mu]
+    scale = _body(disk)
+    if np.ndim(scale.rate) or np.ndim(scale.mass):
+        raise ParameterError("disk holds arrays; the table takes one mass, radius and gravity.")
+    if isinstance(launches, str) or not launches or not set(launches) <= set(LAUNCHES):
+        raise NameUnknownError(f"launches is {launches!r}; give a list of rolling, spinning.")
+    values = np.asarray(VELOCITIES) * float(scale.rate) if at is None else _list("at", at)
+    last = TIME * float(scale.time) if time is None else positive("time", time)
+    lean = checked("tilt", tilt)
+    if not isinstance(lean, float) or not isinstance(last, float):
+        raise ParameterError("tilt and time are single numbers in this table.")
+    frictions = _list("mu", mu)
+    blocks = [(n, inertia, value) for n in launches for inertia in _list("k", k)
+              for value in frictions]  # fmt: skip
     rows: list[LaunchRow] = []
     for done, (name, inertia, value) in enumerate(blocks, start=1):
         body = Disk(mass=scale.mass, radius=scale.radius, gravity=scale.gravity, k=inertia)
-        rows += _block(name, body, _law(law, value), value, values, tilt, last)
+        rows += _block(name, body, _law(law, value), value, np.asarray(values), lean, last)
         if progress is not None:
             progress(done, len(blocks))
     return rows

@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 
 from .algebra import Algebra, Program
-from .flow import LIFT_OFF, NO_CONTACT, Flow
+from .flow import Flow
 from .route import UNRESOLVED, End, Floats, Leg, Path, guard_at
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -47,6 +47,7 @@ def heyoka_algebra() -> Algebra:
     """
     import heyoka as hy
 
+    hy.set_logger_level_critical()  # it logs to standard output, which is the user's
     names = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh")
     table: dict[str, Callable[..., Any]] = {n: getattr(hy, n) for n in (*names, "tanh")}
     table["pow"] = lambda x, y: x**y
@@ -57,11 +58,8 @@ def _expressions(flow: Flow) -> tuple[list[Any], list[Any], Any]:
     """Symbols, rates and the product of the guards: one event in place of several."""
     import heyoka as hy
 
-    guards = dict(flow.guards)
-    if NO_CONTACT not in guards:  # D stays positive, and gn D is the flatter of the two: faster
-        guards[LIFT_OFF] = guards[LIFT_OFF] * flow.system.observables["determinant"]
     product = ca.SX(1)
-    for guard in guards.values():
+    for guard in flow.guards.values():
         product = product * guard
     program = Program(ca.Function("taylor", [flow.x, flow.p], [flow.rhs, product]))
     symbols = list(hy.make_vars(*flow.names))
@@ -135,16 +133,34 @@ def integrate(leg: Leg) -> Path:
     outcome, _, _, steps, _, states = ta.propagate_grid(leg.times, max_steps=leg.max_steps)
     end = None
     if outcome != hy.taylor_outcome.time_limit:
-        end = _end(leg, outcome, float(ta.time), ta.state.copy())
-        states = states[: np.searchsorted(leg.times, end.time)]
+        end = _end(leg, outcome, float(ta.time), ta.state.copy(), np.asarray(states))
+        states = states[: max(1, int(np.searchsorted(leg.times, end.time)))]
     held.give(ta)
-    return Path(np.asarray(states), end, int(steps))
+    return _sound(leg, Path(np.asarray(states), end, int(steps)))
 
 
-def _end(leg: Leg, outcome: Any, time: float, state: Floats) -> End:
-    if int(outcome) > -(2**32) - 1 and np.isfinite(state).all():  # a terminal event
-        return End(guard_at(leg.flow, leg.p, state), time, state)
-    return End(UNRESOLVED, time, state, f"heyoka stopped: {outcome}")
+def _sound(leg: Leg, path: Path) -> Path:
+    """The path, or an unresolved one where an event was lost: a guard is negative at the end.
+
+    heyoka says so in its log when it could not isolate a root, and goes on.
+    """
+    if path.end is not None:
+        return path
+    last = path.states[-1]
+    if (leg.flow.margins(last, leg.p)[0] > 0).all() and (np.sin(path.states[:, 0]) > 0).all():
+        return path
+    end = End(UNRESOLVED, float(leg.times[0]), leg.start, "heyoka lost an event")
+    return Path(leg.start[None], end, path.steps)
+
+
+def _end(leg: Leg, outcome: Any, time: float, state: Floats, states: Floats) -> End:
+    event = int(outcome) > -(2**32) - 1
+    if np.isfinite(state).all() and math.isfinite(time):
+        if event:
+            return End(guard_at(leg.flow, leg.p, state), time, state)
+        return End(UNRESOLVED, time, state, f"heyoka stopped: {outcome}")
+    good = int(np.isfinite(states).all(axis=1).sum()) - 1  # the start is one of them
+    return End(UNRESOLVED, float(leg.times[good]), states[good], f"heyoka stopped: {outcome}")
 
 
 class _Stop:
@@ -254,5 +270,5 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
             when, where = stop.ends[lane]
             end = End(guard_at(leg.flow, leg.p, where), when, where)
             mine = mine[: np.searchsorted(leg.times, when)]
-        paths.append(Path(mine, end, int(steps)))
+        paths.append(_sound(leg, Path(mine, end, int(steps))))
     return paths

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import platform
 from collections import Counter
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -17,7 +18,7 @@ from . import __version__
 from .algebra import Program
 from .equations import STATES, disk_system
 from .flow import POSE, POSE_UNIT, Floats
-from .outcome import BY_CODE
+from .outcome import BY_CODE, Outcome
 from .sticking import REST, SLIDING, STICKING
 
 if TYPE_CHECKING:
@@ -53,6 +54,8 @@ IN_WORDS = {
     "power": "m g √(gR)", "length": "R", "time": "√(R/g)",
 }  # fmt: skip
 """The dimensionless unit by kind."""
+ACCOUNT = 1e-2
+"""Share of the initial energy by which the account may fail before no outcome is given."""
 LIBRARIES = ("casadi", "numpy", "scipy", "heyoka", "xarray")
 
 
@@ -118,7 +121,7 @@ def observe(
     """
     program = _observer(law)
     if heading is not None:
-        still = (six[..., 4] == 0) & (six[..., 5] == 0)
+        still = np.hypot(six[..., 4], six[..., 5]) < REST
         six = six.copy()
         six[still, 4] = REST * np.cos(heading[still])
         six[still, 5] = REST * np.sin(heading[still])
@@ -176,6 +179,7 @@ def assemble(launches: Launches, settings: Settings, results: list[Result]) -> x
             "long_name": "mode of dry friction",
             "flag_values": np.array([SLIDING, STICKING], dtype=np.int8),
             "flag_meanings": "sliding sticking"})  # fmt: skip
+    results = _accounted(launches, results, series["audit"])
     variables |= _summary(launches, results, series["audit"], dims)
     variables |= _log(launches, results)
     coordinates = {
@@ -338,6 +342,21 @@ def _summary(
         "steps": variable([r.path.steps for r in results], long_name="steps of the integrator"),
         "method": variable([r.choice.method for r in results], long_name="integrator"),
     }  # fmt: skip
+
+
+def _accounted(launches: Launches, results: list[Result], audit: Floats) -> list[Result]:
+    """The results, without the outcome of a run whose energy account does not close."""
+    start = launches.energies * launches.scales["energy"]
+    error = np.abs(audit).max(axis=-1) / np.broadcast_to(start, len(results))
+    if not (error > ACCOUNT).any():
+        return results
+    return [
+        result if error[i] <= ACCOUNT else replace(
+            result, outcome=Outcome.UNRESOLVED,
+            evidence=f"the energy account fails by {error[i]:.1e} of the initial energy",
+        )
+        for i, result in enumerate(results)
+    ]  # fmt: skip
 
 
 def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:

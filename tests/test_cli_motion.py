@@ -98,7 +98,7 @@ def test_si_numbers_go_in_and_come_out(capsys: pytest.CaptureFixture[str]) -> No
         ([*ASK, "--time", "nan"], "times is nan"),
         ([*ASK, "--time", "x"], "invalid float value: 'x'"),
         ([*ASK, "--time", "1", "--points", "1"], "at least 2 points"),
-        ([*ASK, "--time", "-1", "--points", "9"], "a time above 0"),
+        ([*ASK, "--time", "-1", "--points", "9"], "a finite time above 0"),
         ([*ASK, "--time", "1", "--method", "euler"], "method is 'euler'"),
         ([*ASK, "--time", "1", "--tolerance", "2"], "tolerance is 2"),
         ([*ASK, "--time", "1", "--contact", "glue"], "known are smooth, viscous, linear-viscous"),

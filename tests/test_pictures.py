@@ -211,6 +211,8 @@ def test_what_is_no_motion_is_refused(draw: Callable[[Any], Any], dry: xarray.Da
     with pytest.raises(ParameterError, match="fewer than two samples"):
         draw(dry.isel(time=[0]))
     with pytest.raises(ParameterError, match="dataset has no"):
+        draw(dry.drop_vars("evidence"))
+    with pytest.raises(ParameterError, match="give what simulate returns"):
         draw(xarray.Dataset({"time": [0.0, 1.0]}))
 
 

@@ -89,12 +89,14 @@ def test_versions_agree() -> None:
 
 def test_every_dependency_is_pinned_for_those_who_come_later() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    names = [*project["dependencies"], *project["optional-dependencies"]["test"]]
+    extras = project["optional-dependencies"]
+    names = [*project["dependencies"], *extras["test"], *extras["heyoka"], *extras["video"]]
     pinned = {
         line.split("==")[0].lower() for line in (ROOT / "constraints.txt").read_text().split()
     }
     for entry in names:
-        assert re.split(r"[<>=\[]", entry)[0].lower() in pinned
+        if not entry.startswith("stability["):
+            assert re.split(r"[<>=\[]", entry)[0].lower() in pinned
 
 
 def test_public_functions_say_parameters_and_source_in_their_docstrings() -> None:
