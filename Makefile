@@ -21,6 +21,7 @@ test-long: $(READY)
 bench: $(READY)
 	$(BIN)/python benchmarks/maps.py $(ARGS)
 	$(BIN)/python benchmarks/kernels.py $(ARGS)
+	$(BIN)/python benchmarks/motion.py $(ARGS)
 
 # Every polynomial and condition derived anew from the graph, into stability/data/exact.json.
 derive: $(READY)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -91,8 +92,8 @@ class Flow:
         ndarray
             Shape (N, n, n).
         """
-        if len(y) == 1:  # CasADi itself is the faster for one
-            return np.array(self.jacobian(y[0], p[0]))[None]
+        if len(y) == 1:
+            return self.quick.jacobian(p[0], y[0])[None]
         found: Floats = self._jacobian_program.arrays([list(y.T), list(p.T)], y.shape[:-1])[0]
         return found
 
@@ -124,10 +125,20 @@ class Flow:
         values, rates
             Shape (…, guards).
         """
+        if y.ndim == 1:
+            return self.quick.watch(p, y)
         arguments = [list(np.moveaxis(y, -1, 0)), list(np.moveaxis(p, -1, 0))]
         both = self._watch_program.arrays(arguments, y.shape[:-1])[0][..., 0]
         count = len(self.guards)
         return both[..., :count], both[..., count:]
+
+    @property
+    def quick(self) -> Quick:
+        """The flow's functions for one point at a time, bound to memory of this thread."""
+        held: dict[Flow, Quick] = _THREAD.__dict__.setdefault("held", {})
+        if self not in held:
+            held[self] = Quick(self)
+        return held[self]
 
     def pack(self, six: Floats) -> Floats:
         """Y at the start of a run: the law's own states, no work done, pose at the origin.
@@ -166,8 +177,55 @@ class Flow:
         return np.concatenate([y[..., :own], np.zeros((*y.shape[:-1], 6 - own))], axis=-1)
 
 
+class Quick:
+    """A flow as fast functions of one point, without a conversion on the way; for one thread.
+
+    Parameters
+    ----------
+    flow
+        The flow.
+
+    Examples
+    --------
+    >>> f = flow("viscous")
+    >>> start = f.pack(np.array([math.pi / 2, 0, 0, 1.2, 0, 0]))
+    >>> f.quick.rates(np.array([0.25, 0.3, 1e-6]), start).shape
+    (7,)
+    """
+
+    def __init__(self, flow: Flow) -> None:
+        self.flow, self.guards = flow, len(flow.guards)
+        n, self.p = len(flow.names), np.zeros(flow.p.numel())
+        self._rates = _bound(flow.rates, self.p, n, (n,))
+        self._watch = _bound(flow.watch, self.p, n, (2 * self.guards,)) if self.guards else None
+        self._jacobian: Callable[[Floats], Floats] | None = None
+
+    def rates(self, p: Floats, y: Floats) -> Floats:
+        """dy/dt, shape (n,)."""
+        self.p[:] = p
+        found: Floats = self._rates(y)
+        return found
+
+    def jacobian(self, p: Floats, y: Floats) -> Floats:
+        """∂(dy/dt)/∂y, shape (n, n)."""
+        if self._jacobian is None:
+            n = len(self.flow.names)
+            self._jacobian = _bound(self.flow.jacobian, self.p, n, (n, n))
+        self.p[:] = p
+        found: Floats = self._jacobian(y)
+        return found
+
+    def watch(self, p: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """Guards and their rates, shape (guards,) each."""
+        if self._watch is None:
+            return np.empty(0), np.empty(0)
+        self.p[:] = p
+        both = self._watch(y)
+        return both[: self.guards], both[self.guards :]
+
+
 class Evaluator:
-    """A flow as fast functions of one launch, without a conversion on the way; for one thread.
+    """One launch's equations as an integrator wants them: functions of (t, y).
 
     Parameters
     ----------
@@ -185,31 +243,22 @@ class Evaluator:
     """
 
     def __init__(self, flow: Flow, p: Floats) -> None:
-        self.flow = flow
-        n, guards = len(flow.names), len(flow.guards)
-        self.p = np.array(p, dtype=float)
-        self._rates = _bound(flow.rates, self.p, n, (n,))
-        self._watch = _bound(flow.watch, self.p, n, (2 * guards,))
-        self._jacobian: Callable[[Floats], Floats] | None = None
+        self.flow, self.p, self._quick = flow, p, flow.quick
 
     def rates(self, _t: float, y: Floats) -> Floats:
         """dy/dt, shape (n,)."""
-        found: Floats = self._rates(y)
-        return found
+        return self._quick.rates(self.p, y)
 
     def jacobian(self, _t: float, y: Floats) -> Floats:
         """∂(dy/dt)/∂y, shape (n, n)."""
-        if self._jacobian is None:
-            n = len(self.flow.names)
-            self._jacobian = _bound(self.flow.jacobian, self.p, n, (n, n))
-        found: Floats = self._jacobian(y)
-        return found
+        return self._quick.jacobian(self.p, y)
 
     def watch(self, y: Floats) -> tuple[Floats, Floats]:
         """Guards and their rates, shape (guards,) each."""
-        both = self._watch(y)
-        count = len(self.flow.guards)
-        return both[:count], both[count:]
+        return self._quick.watch(self.p, y)
+
+
+_THREAD = threading.local()
 
 
 def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> Any:
