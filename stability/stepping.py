@@ -26,7 +26,7 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
     """Run one leg with a SciPy solver and locate the first guard that reaches zero.
 
     After each step the guards and their rates are evaluated at its end.  A sign change, or a
-    cubic through both ends that dips below zero, is resolved on the solver's dense output.
+    lowest point within the step, is resolved on the solver's dense output.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def _first_zero(
     for i, name in enumerate(run.flow.guards):
         g0, g1 = before[0][i], after[0][i]
         d0, d1 = step * before[1][i], step * after[1][i]
-        if g1 > 0 and not dips(g0, g1, d0, d1):
+        if g1 > 0 and not (d0 < 0 < d1):  # positive at the end, and no lowest point within
             continue
         dense = dense or solver.dense_output()
         zero = _locate(partial(_value, run, dense, i), solver.t_old, solver.t)
@@ -152,7 +152,25 @@ def _value(run: Evaluator, dense: Any, i: int, t: float) -> float:
 
 
 def dips(g0: float, g1: float, d0: float, d1: float) -> bool:
-    """Whether the cubic with these values and slopes on [0, 1] comes within reach of zero."""
+    """Whether a guard with these values and slopes on [0, 1] may come near zero within.
+
+    Parameters
+    ----------
+    g0, g1
+        Values at both ends.
+    d0, d1
+        Slopes there, times the length of the interval.
+
+    Returns
+    -------
+    bool
+        Whether the cubic through them falls below four fifths of the smaller value.
+
+    Examples
+    --------
+    >>> dips(1.0, 1.0, -4.0, 4.0), dips(1.0, 2.0, 0.5, 0.5)
+    (True, False)
+    """
     if d0 >= 0 or d1 <= 0:
         return False
     s = np.linspace(0.0, 1.0, 9)
@@ -160,7 +178,7 @@ def dips(g0: float, g1: float, d0: float, d1: float) -> bool:
         g0 * (1 + 2 * s) * (1 - s) ** 2 + d0 * s * (1 - s) ** 2
         + g1 * s**2 * (3 - 2 * s) + d1 * s**2 * (s - 1)
     )  # fmt: skip
-    return bool(cubic.min() < 0.2 * min(g0, g1))
+    return bool(cubic.min() < 0.8 * min(g0, g1))
 
 
 def _locate(guard: Callable[[float], float], low: float, high: float) -> float | None:

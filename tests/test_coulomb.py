@@ -103,6 +103,11 @@ def test_the_force_of_sticking_stays_inside_the_cone_and_sliding_lies_on_it() ->
     assert sticking.any()
     assert not sticking.all()
     assert (ratio.values[sticking] <= 1 + 1e-9).all()
+    assert ratio.values[sticking].min() < 0.9
+    for i in np.flatnonzero(sticking)[::37]:
+        held = sticking_force(states(run)[i, :4], case["k"])
+        mine = [float(run[n][i]) for n in ("normal_force", "force_x", "force_y")]
+        assert mine == pytest.approx(held, abs=1e-12)
     assert np.allclose(ratio.values[~sticking], 1.0, atol=1e-12)
     assert (np.hypot(run.slip_x, run.slip_y).values[sticking] == 0).all()
     assert (np.diff(run.dissipated.values) >= -1e-15).all()

@@ -328,38 +328,75 @@ def test_heading_and_place_do_not_matter_since_pose_only_follows() -> None:
 # --- linear theory, measured ---
 
 
+V = st.Viscous
+BOTH_SIDES = [
+    ("rolling", V(0.3), 0.25, 2**0.5), ("rolling", V(3.0), 0.25, 2**0.5),
+    ("rolling", st.Rough(), 0.25, 3**-0.5), ("rolling", st.Smooth(), 0.25, 1.0),
+    ("spinning", V(0.3), 0.25, 2.0), ("spinning", V(0.8), 0.25, None),
+    ("spinning", st.Rough(), 0.25, 1.25**-0.5), ("spinning", st.Smooth(), 0.4, 0.4**-0.5),
+    ("tumbling", V(0.9), 0.375, 0.5148137315460574),
+    ("tumbling", V(0.9), 0.375, 0.8416302082000889),
+    ("spinning", st.LinearViscous(0.3), 0.25, 2.0),
+]  # fmt: skip
+"""Family, law, k and a boundary: known, or to be asked for."""
+
+
+@pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize(
-    ("family", "at", "mu", "k"),
-    [("spinning", 1.6, 0.3, 0.25), ("spinning", 2.6, 0.3, 0.25), ("spinning", 2.4, 1.3, 0.25),
-     ("rolling", 1.2, 0.3, 0.25), ("rolling", 1.0, 3.0, 0.25), ("tumbling", 1.0, 0.3, 0.25),
-     ("tumbling", 0.4, 2.0, 0.5)],
+    ("family", "contact", "k", "boundary"), BOTH_SIDES,
+    ids=[f"{f}-{c.name}-{k}" for f, c, k, _ in BOTH_SIDES],
 )  # fmt: skip
 def test_growth_and_frequency_measured_from_motions_are_those_of_the_spectrum(
-    family: str, at: float, mu: float, k: float
+    family: str, contact: Any, k: float, boundary: float | None, side: int
 ) -> None:
-    # start on a mode (its real part), 1e-6 from the member; fit the eigenvalue from the motion
-    disk, contact = st.Disk(k=k), st.Viscous(mu)
-    found = st.spectrum(family, at=at, disk=disk, contact=contact)
+    disk = st.Disk(k=k)
+    if boundary is None:  # the last one along the family
+        scan = ("at", 0.1, 1.55, 60) if family == "tumbling" else ("at", 2.05, 8.0, 60)
+        found = st.boundaries(family, axis=scan, disk=disk, contact=contact)
+        if not found:
+            pytest.skip("no boundary there")
+        boundary = found[-1].value
+    at = boundary * (1 + 0.1 * side)
+    if family == "tumbling":
+        at = min(at, 1.5)
+    spectrum = st.spectrum(family, at=at, disk=disk, contact=contact)
     member = st.launch(family, at=at, tilt=0.0, disk=disk)
-    for value, vector in zip(found.eigenvalues, found.modes.vectors, strict=True):
-        if value.imag < 0 or abs(value.real) > 1.5:
+    measured = 0
+    for value, mode in zip(spectrum.eigenvalues, spectrum.modes.vectors, strict=True):
+        if value.imag < 0 or abs(value.real) > 1.5 or abs(value) < 1e-3:
             continue
-        direction = vector / np.abs(vector).max()
+        direction = np.zeros(6, dtype=complex)
+        direction[: len(mode)] = mode / np.abs(mode).max()
         times = np.linspace(0, 2.0 / max(0.1, abs(value.real), abs(value.imag)), 9)
-        sizes = []
-        for part in (direction.real, direction.imag):
+        motion = np.zeros((9, 6), dtype=complex)
+        for part, unit in ((direction.real, 1), (direction.imag, 1j)):
             if np.abs(part).max() < 1e-12:
-                sizes.append(np.zeros((9, 6)))
                 continue
             runs = [
                 states(st.simulate(disk, contact, member + sign * 1e-6 * part, times,
                                    tolerance=1e-15, method="dop853"))
                 for sign in (1, -1)
             ]  # fmt: skip
-            sizes.append((runs[0] - runs[1]) / 2e-6)
-        motion = sizes[0] + 1j * sizes[1]
-        expected = direction * np.exp(value * times)[:, None]
-        assert np.abs(motion - expected).max() < 2e-5 * np.abs(expected).max()
+            motion += unit * (runs[0] - runs[1]) / 2e-6
+        own = slice(0, len(mode))
+        expected = (direction * np.exp(value * times)[:, None])[:, own]
+        assert np.abs(motion[:, own] - expected).max() < 2e-5 * np.abs(expected).max()
+        measured += 1
+    assert measured
+
+
+def test_the_two_sides_of_a_boundary_have_the_verdicts_that_were_measured() -> None:
+    for family, contact, k, boundary in BOTH_SIDES:
+        if boundary is None:
+            continue
+        verdicts = [
+            st.spectrum(family, at=boundary * f, disk=st.Disk(k=k), contact=contact).verdict
+            for f in (0.9, 1.1)
+        ]
+        if boundary == 0.5148137315460574:  # here the stable side is the lower one
+            verdicts = verdicts[::-1]
+        assert verdicts[0] is st.Verdict.UNSTABLE
+        assert verdicts[1] in (st.Verdict.STABLE, st.Verdict.NEUTRAL)
 
 
 # --- refusals ---

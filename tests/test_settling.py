@@ -57,6 +57,18 @@ def test_slow_passage_by_an_unstable_motion_is_not_settling() -> None:
     assert str(later.nearest_family.values) == "tumbling"
 
 
+def test_near_a_stable_motion_but_beyond_its_lyapunov_function_is_not_settled() -> None:
+    six = np.array([math.pi / 2 + 0.03, 0, 2.5, 0, 0, 0.03])
+    p = np.array([0.25, 0.3])
+    assert st.spectrum("spinning", at=2.5, contact=st.Viscous(0.3)).verdict is st.Verdict.STABLE
+    far = nearest(six, "viscous", p, 0.1)
+    assert far.distance < 0.1
+    assert not far.settled
+    assert "too far" in far.evidence
+    close = nearest(six * [1, 0, 1, 0, 0, 0.01] - [0.0299, 0, 0, 0, 0, 0], "viscous", p, 0.1)
+    assert close.settled
+
+
 def test_stable_rolling_is_said_to_drift_and_not_to_settle() -> None:
     run = st.simulate(st.Disk(), st.Viscous(1.0), st.launch("rolling", at=3.0, tilt=1e-4), 100.0)
     assert float(run.nearest_distance) < 1e-3
