@@ -135,7 +135,7 @@ def _first_zero(
     found: list[tuple[float, str]] = []
     dense = None
     for i, name in enumerate(run.flow.guards):
-        g0, g1 = before[0][i], after[0][i]
+        g1 = after[0][i]
         d0, d1 = step * before[1][i], step * after[1][i]
         if g1 > 0 and not (d0 < 0 < d1):  # positive at the end, and no lowest point within
             continue

@@ -67,7 +67,7 @@ def test_a_shallow_dip_of_the_normal_force_is_not_stepped_over() -> None:
     assert -2e-5 < lowest(high + step) < 0  # it dips by very little
     for method in ("dop853", "lsoda", "cvodes", *(["heyoka"] if taylor.available() else [])):
         over, under = (
-            st.simulate(st.Disk(), st.Viscous(0.3), [math.pi / 2 - 0.1, 0, 0, w, 0, 0], [24.0],
+            st.simulate(st.Disk(), st.Viscous(0.3), [math.pi / 2 - 0.1, 0, 0, w, 0, 0], [25.0],
                         tolerance=1e-11, method=method)
             for w in (high + step, low - step)
         )  # fmt: skip
