@@ -103,21 +103,23 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
     grid = np.union1d(times, np.linspace(times[0], times[-1], FILL + 1))
     grid = grid[np.append(True, np.diff(grid) > 1e-14 * max(abs(times[-1]), 1e-300))]
     grid = np.union1d(grid, times)
+    at = np.searchsorted(grid, times)
     whole = _run(leg, plugin, leg.start, grid)
-    first: int | None = 0
-    known, steps = leg.start[None], 0
-    if whole is not None:
-        known, steps = np.vstack([known, whole[0]]), whole[1]
-        first = _first_fall(leg, grid, known)
-    end: End | None = None
+    if whole is None:
+        rest, end, steps = _march(leg, plugin, grid, leg.start)
+        known = np.vstack([leg.start[None], rest])
+        return Path(known[at[at < len(known)]], end, steps)
+    known, steps = np.vstack([leg.start[None], whole[0]]), whole[1]
     if steps > leg.max_steps:
         end = End(UNRESOLVED, float(times[0]), leg.start, f"more than {leg.max_steps} steps")
         return Path(leg.start[None], end, leg.max_steps)
-    if first is not None:
-        rest, end, more = _march(leg, plugin, grid[first:], known[first])
-        known, steps = np.vstack([known[: first + 1], rest]), steps + more
-    at = np.searchsorted(grid, times)
-    return Path(known[at[at < len(known)]], end, steps)
+    for i in _suspects(leg, grid, known):  # nearly always a low that stays above zero
+        _, end, more = _march(leg, plugin, grid[i : i + 2], known[i])
+        steps += more
+        if end is not None:
+            known = known[: i + 1]
+            return Path(known[at[at < len(known)]], end, steps)
+    return Path(known[at], None, steps)
 
 
 def _falls(steps: Floats, values: Floats, rates: Floats) -> Any:
@@ -130,10 +132,10 @@ def _falls(steps: Floats, values: Floats, rates: Floats) -> Any:
     return bad
 
 
-def _first_fall(leg: Leg, grid: Floats, states: Floats) -> int | None:
+def _suspects(leg: Leg, grid: Floats, states: Floats) -> list[int]:
+    """The intervals in which a guard may reach zero."""
     values, rates = leg.flow.margins(states, leg.p)
-    bad = np.flatnonzero(_falls(np.diff(grid), values, rates))
-    return int(bad[0]) if bad.size else None
+    return [int(i) for i in np.flatnonzero(_falls(np.diff(grid), values, rates))]
 
 
 def _march(leg: Leg, plugin: str, grid: Floats, start: Floats) -> tuple[Floats, End | None, int]:
@@ -161,8 +163,7 @@ def _march(leg: Leg, plugin: str, grid: Floats, start: Floats) -> tuple[Floats, 
                 end = End(UNRESOLVED, time, state, f"more than {leg.max_steps} steps")
                 return np.array(rows).reshape(-1, len(start)), end, steps
             states = np.vstack([state[None], got[0]])
-            fall = _first_fall(leg, fine, states)
-            if fall is not None:
+            for fall in _suspects(leg, fine, states):
                 end = _locate(leg, plugin, fine[fall : fall + 2], states[fall])
                 if end is not None:
                     return np.array(rows).reshape(-1, len(start)), end, steps

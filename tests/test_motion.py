@@ -184,6 +184,14 @@ def test_friction_over_ten_decades_runs_without_a_stall(mu: float, slip: float) 
     assert float(run.energy_error) < 1e-5
 
 
+def test_very_large_friction_still_has_its_normal_force() -> None:
+    # force is mu times a slip of 1e-8: the absolute tolerance has to follow
+    start, times = [UPRIGHT - 0.1, 0, 0.3, 1.2, 0, 0], np.linspace(1, 20, 191)
+    rough = st.simulate(st.Disk(), st.Rough(), start, times, tolerance=1e-12)
+    run = st.simulate(st.Disk(), st.Viscous(1e8), start, times)
+    assert np.abs(run.normal_force - rough.normal_force).max() < 1e-7
+
+
 def test_large_friction_tends_to_the_rough_disk() -> None:
     times = np.linspace(0, 5, 6)
     rough = states(st.simulate(st.Disk(), st.Rough(), LAUNCH, times, tolerance=1e-12))
