@@ -119,9 +119,8 @@ def reference() -> None:
             print(f"  {tolerance:.0e}  {name:<11} {1e3 * seconds:7.2f} ms  error "
                   f"{errors[name]:.1e}  first call {once:.2f} s")  # fmt: skip
         raw_time = found["raw heyoka"]
-        print(f"         with guards and energy account / raw = {found['our route'] / raw_time:.2f}; "
-              f"simulate, with checks, outcome and labels / raw = "
-              f"{found['simulate'] / raw_time:.2f}")  # fmt: skip
+        print(f"         guards and energy account: {found['our route'] / raw_time:.2f} of raw; "
+              f"with checks, outcome, labels: {found['simulate'] / raw_time:.2f}")  # fmt: skip
     run = lsoda(1e-6)
     error = np.abs(run(LAUNCH) - exact).max()
     seconds = best({"lsoda": lambda: run(LAUNCH)}, 5)["lsoda"]

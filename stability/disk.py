@@ -269,7 +269,10 @@ class Disk:
     @property
     def dimensionless(self) -> bool:
         """Whether m = R = g = 1, so that no unit is owed."""
-        return all(np.all(np.asarray(v) == 1) for v in (self.mass, self.radius, self.gravity))
+        scales = (self.mass, self.radius, self.gravity)
+        if all(isinstance(v, float) for v in scales):
+            return scales == (1.0, 1.0, 1.0)
+        return all(np.all(np.asarray(v) == 1) for v in scales)
 
 
 def _sqrt(value: Number) -> Number:

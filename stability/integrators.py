@@ -80,7 +80,7 @@ def check_method(method: str) -> str:
     return method
 
 
-def stiffness(legs: Sequence[Leg]) -> Floats:
+def stiffness(legs: Sequence[Leg], enough: float = 0.0) -> Floats:
     """Fastest rate of the linearised motion over the rate of the motion itself.
 
     The Jacobian is taken at the start, and there without slip, which is where a stiff motion soon
@@ -90,31 +90,38 @@ def stiffness(legs: Sequence[Leg]) -> Floats:
     ----------
     legs
         What is asked; they share their flow.
+    enough
+        Below this a bound will do.
 
     Returns
     -------
     ndarray
         Largest modulus of an eigenvalue of the Jacobian, over the largest angular velocity or 1,
-        one for each leg.
+        one for each leg; an upper bound of it (the row-sum norm) where that is below `enough`.
     """
     flow = legs[0].flow
     own = len(flow.system.states)
     points = np.array([leg.start for leg in legs])
     p = np.array([leg.p for leg in legs])
     pace = np.maximum(1.0, np.abs(points[:, 1:4]).max(axis=1))
-    fastest = _fastest(flow.jacobians(points, p)[:, :own, :own])
+    matrices = [flow.jacobians(points, p)[:, :own, :own]]
     if own == 6 and flow.system.name != DRY and points[:, 4:6].any():
         points[:, 4:6] = 0.0
-        fastest = np.maximum(fastest, _fastest(flow.jacobians(points, p)[:, :own, :own]))
-    return np.asarray(fastest / pace)
+        matrices.append(flow.jacobians(points, p)[:, :own, :own])
+    with np.errstate(all="ignore"):
+        bounds = [np.abs(m).sum(axis=2).max(axis=1) / pace for m in matrices]
+        fastest = np.max(bounds, axis=0)
+        dear = np.flatnonzero(~(fastest < enough))
+        if dear.size:
+            fastest[dear] = np.max([_fastest(m[dear]) / pace[dear] for m in matrices], axis=0)
+    return np.asarray(fastest)
 
 
 def _fastest(matrices: Floats) -> Floats:
     """The spectral radius of each matrix; infinite where it is not finite."""
     finite = np.isfinite(matrices).all(axis=(1, 2))
     radius = np.full(len(matrices), np.inf)
-    with np.errstate(all="ignore"):
-        radius[finite] = np.abs(np.linalg.eigvals(matrices[finite])).max(axis=1)
+    radius[finite] = np.abs(np.linalg.eigvals(matrices[finite])).max(axis=1)
     return radius
 
 
@@ -158,8 +165,10 @@ def choose(legs: Sequence[Leg]) -> list[Choice]:
     return [
         Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
         if stiff > turn
-        else Choice(name, f"stiffness {stiff:.3g} below {turn:.3g}: explicit is cheaper{only}")
-        for stiff in stiffness(legs).tolist()
+        else Choice(
+            name, f"stiffness up to {stiff:.3g}, below {turn:.3g}: explicit is cheaper{only}"
+        )
+        for stiff in stiffness(legs, turn).tolist()
     ]
 
 

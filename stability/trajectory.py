@@ -209,9 +209,10 @@ def _dataset(
     import xarray
 
     try:
+        import pandas
         from xarray.core.indexes import PandasIndex
 
-        index = PandasIndex(coordinates["time"].values, "time")
+        index = PandasIndex(pandas.Index(coordinates["time"].values, name="time"), "time")
         coordinates |= index.create_variables({"time": coordinates["time"]})
         every = coordinates | variables
         sizes = {d: n for v in every.values() for d, n in zip(v.dims, v.shape, strict=True)}
