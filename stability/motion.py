@@ -24,6 +24,8 @@ from .sticking import integrate as integrate_dry
 if TYPE_CHECKING:
     import xarray
 
+TOGETHER = 1e-6
+"""D at which a zero of gn D is taken for one of both."""
 LOOSEST, TIGHTEST = 1e-2, 1e-16
 """Range of `tolerance`."""
 
@@ -266,7 +268,7 @@ def _judge(
     six = leg.flow.six(final)
     near = nearest(six, launches.law, leg.p[:-1], settings.settle)
     outcome = Outcome.MOVING if end is None else OF_END[end.kind]
-    if outcome is Outcome.UNRESOLVED and end is not None and _collapses(leg, end):
+    if end is not None and (_collapses(leg, end) or _singular(leg, end)):
         outcome = Outcome.NO_CONTACT
     since = time
     if end is None and near.settled:
@@ -286,7 +288,7 @@ def _collapses(leg: Leg, end: End) -> bool:
 
     Near t* then D goes like the root of t* - t, so that D over twice its rate is what is left.
     """
-    if NO_CONTACT not in leg.flow.guards:
+    if end.kind != UNRESOLVED or NO_CONTACT not in leg.flow.guards:
         return False
     index = list(leg.flow.guards).index(NO_CONTACT)
     values, rates = leg.flow.margins(end.state, leg.p)
@@ -294,9 +296,23 @@ def _collapses(leg: Leg, end: End) -> bool:
     return rate < 0 and d < 1e-2 and d / (2 * -rate) < 1e-6 * max(1.0, end.time)
 
 
+def _singular(leg: Leg, end: End) -> bool:
+    """Whether gn D and D have reached zero together: a point that attracts sliding motions.
+
+    There gn, their ratio, is still positive, so that it is no lift-off (Génot & Brogliato, Eur. J.
+    Mech. A/Solids 18 (1999) 653-677, for the planar rod).
+    """
+    if end.kind != LIFT_OFF or NO_CONTACT not in leg.flow.guards:
+        return False
+    values = dict(zip(leg.flow.guards, leg.flow.margins(end.state, leg.p)[0], strict=True))
+    return abs(float(values[NO_CONTACT])) < TOGETHER
+
+
 def _why(leg: Leg, end: End) -> str:
     """The evidence for an early end, dimensionless."""
-    if end.kind == UNRESOLVED and _collapses(leg, end):
+    if _singular(leg, end):
+        return "gn D and D have reached zero together: the contact force is not determined there"
+    if _collapses(leg, end):
         index = list(leg.flow.guards).index(NO_CONTACT)
         values, rates = leg.flow.margins(end.state, leg.p)
         return (

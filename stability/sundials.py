@@ -26,6 +26,8 @@ FINEST = 1e-15
 """Smallest tolerance that is passed on."""
 STEPS = 5_000
 """Steps within one interval of the grid after which the library gives up."""
+ZERO = 1e-6
+"""What a guard may be off zero at an event."""
 SHORTEST = 1e-10
 """Length of an interval, relative to the whole, below which a failure is final."""
 
@@ -206,7 +208,9 @@ def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
         return None
     when, name = min(ends)
     state = at(when)
-    if not np.isfinite(state).all():
+    index = list(leg.flow.guards).index(name)
+    left = abs(float(leg.flow.margins(state, leg.p)[0][index]))
+    if not left < ZERO:  # the integrator failed there, or the state is not finite
         return End(UNRESOLVED, low, start, f"{plugin} made no further step")
     return End(name, when, state)
 

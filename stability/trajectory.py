@@ -372,7 +372,7 @@ def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
         end = result.path.end
         if end is not None:
             six = np.append(end.state[:4], [0.0, 0.0]) if flow_six else end.state[:6]
-            rows.append((i, end.time, end.kind, six, 0.0))
+            rows.append((i, end.time, result.outcome.word, six, 0.0))
     clock = launches.scales["time"]
     which = np.array([r[0] for r in rows], dtype=np.int64)
     times = np.array([r[1] for r in rows], dtype=float)

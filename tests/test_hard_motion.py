@@ -83,6 +83,11 @@ def test_near_d_zero_a_batch_is_its_launches() -> None:
     one = st.simulate(DISK, law, start, [5.0])
     many = st.simulate(DISK, law, [start, start], [5.0])
     assert word(one) == "no-contact"
+    for method in HERE:  # gn D and D reach zero together there
+        other = st.simulate(DISK, law, start, [5.0], method=method)
+        assert word(other) == "no-contact"
+        assert other.event_kind.values[-1] == "no-contact"
+        assert float(other.end_time) == pytest.approx(1.438305765, abs=2e-6)
     assert (many.outcome == int(one.outcome)).all()
     assert np.allclose(many.end_time, float(one.end_time), atol=1e-7)
 
@@ -110,6 +115,7 @@ def test_steps_are_bounded_by_every_method(method: str) -> None:
     run = st.simulate(DISK, st.Viscous(0.3), [1.4, 0, 0, 1.2, 0, 0], np.linspace(0, 50, 500),
                       max_steps=3, method=method)  # fmt: skip
     assert word(run) == "unresolved"
+    method = run.attrs["method"]
     # CasADi bounds the steps of an interval, of which up to nine are taken at once
     assert int(run.steps) <= (3 if method not in ("cvodes", "idas") else 30)
     assert np.isfinite(states(run)).all()
