@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .contact import LAWS, ZERO_MU, Contact
+from .contact import LAWS, MOTION_LAWS, ZERO_MU, Contact
 from .disk import Disk, checked, positive
 from .errors import NameUnknownError, NoMemberError, ParameterError
 from .exact import Exact, exact_polynomial
@@ -204,6 +204,11 @@ def disk_problem(
     """
     if not isinstance(family, str):
         raise NameUnknownError(f"family is {family!r}; give a name or a stability.Family.")
+    if isinstance(contact, Contact) and contact.name in MOTION_LAWS and contact.name not in LAWS:
+        raise NameUnknownError(
+            f"contact is {contact!r}, dry friction, which has no linearisation of its own; inside "
+            "the friction cone it is Rough()."
+        )
     if not isinstance(contact, Contact) or contact.name not in LAWS:
         raise NameUnknownError(
             f"contact is {contact!r}; give one of Smooth(), Viscous(mu), LinearViscous(c), Rough()."
