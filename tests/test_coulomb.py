@@ -243,7 +243,5 @@ def test_the_account_closes_through_a_slip_that_sets_in_close_to_flat() -> None:
 
 
 def test_spectra_refuse_dry_friction_with_the_reason() -> None:
-    with pytest.raises(
-        st.StabilityError, match="no linearisation of its own"
-    ):
+    with pytest.raises(st.StabilityError, match="no linearisation of its own"):
         st.spectrum("rolling", at=1.0, contact=st.Coulomb(0.3))
