@@ -146,12 +146,28 @@ def sliding_flow(*, pose: bool) -> Flow:
     return dataclasses.replace(plain, guards={**plain.guards, SMALL: small})
 
 
+@lru_cache(maxsize=4)
+def held_flow(*, pose: bool) -> Flow:
+    """Sticking without its guards, for the brief start of an onset, which lies beyond the cone.
+
+    Parameters
+    ----------
+    pose
+        As for `flow`.
+
+    Returns
+    -------
+    Flow
+    """
+    return dataclasses.replace(flow("coulomb", pose=pose, sticking=True), guards={})
+
+
 class _Dry:
     """One run through its modes; y is that of sliding (with slip), whatever the mode."""
 
     def __init__(self, leg: Leg, method: str, pose: bool) -> None:
         self.leg, self.method, self.pose = leg, method, pose
-        self.k, self.mu, self.flat = (float(v) for v in leg.p)
+        self.k, self.mu = (float(v) for v in leg.p[:2])
         self.times = leg.times
         self.time, self.y = float(leg.times[0]), leg.start.copy()
         self.rows: list[Floats] = [leg.start.copy()]
@@ -183,7 +199,7 @@ class _Dry:
     # --- one mode each: run to its end, and say the next ---
 
     def _slide(self) -> int:
-        kind = self._advance(sliding_flow(pose=self.pose), self.leg.p, self.y, SLIDING, lambda y: y)
+        kind = self._advance(sliding_flow(pose=self.pose), self.y, SLIDING, lambda y: y)
         if kind is not None and kind != SMALL:
             self._stop(kind)
         elif kind == SMALL:  # step inside, so that rounding cannot hold it at the border
@@ -192,11 +208,8 @@ class _Dry:
 
     def _stick(self) -> int:
         stick = flow("coulomb", pose=self.pose, sticking=True)
-        p = np.array([self.k, self.mu, self.flat])
         start, first = np.delete(self.y, [4, 5]), len(self.rows)
-        kind = self._advance(
-            stick, p, start, STICKING, lambda y: np.insert(y, [4, 4], 0.0, axis=-1)
-        )
+        kind = self._advance(stick, start, STICKING, lambda y: np.insert(y, [4, 4], 0.0, axis=-1))
         if self._ambiguous(first):
             return STICKING
         if kind == CONE:
@@ -250,9 +263,9 @@ class _Dry:
         return SLIDING
 
     def _polar_leg(self, state: Floats, span: Floats) -> Leg:
-        p = np.array([self.k, self.mu, self.flat])
         tolerance = max(self.leg.tolerance / 10, 1e-14)
-        return Leg(polar_flow(pose=self.pose), p, state, span, tolerance, self.leg.max_steps)
+        which = polar_flow(pose=self.pose)
+        return Leg(which, self.leg.p, state, span, tolerance, self.leg.max_steps)
 
     def _setting_in(self, state: Floats) -> Path:
         """The first part of an onset, which is stiff: the direction adjusts at once.
@@ -330,7 +343,7 @@ class _Dry:
         return step
 
     def _along(self, angle: float) -> Floats:
-        """Y with the least slip in a direction, where the plain equations have a meaning."""
+        """The state with the least slip in a direction, where the plain rates have a meaning."""
         y = self.y.copy()
         y[4:6] = REST * math.cos(angle), REST * math.sin(angle)
         return y
@@ -347,11 +360,9 @@ class _Dry:
             self._stop(NON_UNIQUE, f"at the edge of the cone slip can also set in at {others} rad")
             return STICKING
         before, when, span = self.y.copy(), self.time, self._brief(ONSET)
-        stick = flow("coulomb", pose=self.pose, sticking=True)
-        plain = dataclasses.replace(stick, guards={})
         due = self.times[len(self.rows) :]
         due = due[due < when + span]
-        leg = Leg(plain, np.array([self.k, self.mu, self.flat]), np.delete(before, [4, 5]),
+        leg = Leg(held_flow(pose=self.pose), self.leg.p, np.delete(before, [4, 5]),
                   np.concatenate([[when], due[due > when], [when + span]]), 1e-13,
                   self.leg.max_steps)  # fmt: skip
         stuck = np.insert(METHODS["dop853"](leg).states, [4, 4], 0.0, axis=-1)
@@ -394,12 +405,12 @@ class _Dry:
     # --- book-keeping ---
 
     def _advance(
-        self, which: Flow, p: Floats, start: Floats, mode: int, back: Callable[[Floats], Floats],
+        self, which: Flow, start: Floats, mode: int, back: Callable[[Floats], Floats],
     ) -> str | None:  # fmt: skip
         """Run a flow over the samples that are left; the guard that ended it, or None."""
         rest = self.times[len(self.rows) :]
         times = np.concatenate([[self.time], rest])
-        leg = Leg(which, p, start, times, self.leg.tolerance, self.leg.max_steps)
+        leg = Leg(which, self.leg.p, start, times, self.leg.tolerance, self.leg.max_steps)
         auto = self.method == "auto"
         path = METHODS[explicit() if auto else self.method](leg)
         if auto and path.end is not None and path.end.kind == UNRESOLVED:

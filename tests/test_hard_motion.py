@@ -39,6 +39,18 @@ def test_dry_motions_do_not_depend_on_how_many_samples_are_asked() -> None:
         assert float(run.energy_error) < 1e-8
 
 
+def test_onsets_build_nothing_anew() -> None:
+    # each onset once made a flow of its own, compiled it, and kept it for ever
+    from stability.flow import _THREAD
+
+    start = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]
+    st.simulate(st.Disk(k=0.3), st.Coulomb(0.15), start, [10.0])
+    held = len(_THREAD.held)
+    run = st.simulate(st.Disk(k=0.3), st.Coulomb(0.15), start, [10.0])
+    assert run.event_kind.values.tolist().count("slip") == 3
+    assert len(_THREAD.held) == held
+
+
 def test_samples_within_an_onset_slip_and_lie_on_the_cone() -> None:
     mu = 1.0795174012565514
     start = [
