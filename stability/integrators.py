@@ -80,7 +80,7 @@ def check_method(method: str) -> str:
     return method
 
 
-def stiffness(legs: Sequence[Leg], enough: float = 0.0) -> Floats:
+def stiffness(legs: Sequence[Leg], enough: Floats | float = 0.0) -> Floats:
     """Fastest rate of the linearised motion over the rate of the motion itself.
 
     The Jacobian is taken at the start, and there without slip, which is where a stiff motion soon
@@ -150,26 +150,27 @@ def choose(legs: Sequence[Leg]) -> list[Choice]:
     Parameters
     ----------
     legs
-        What is asked; they share flow and tolerance.
+        What is asked; they share their flow.
 
     Returns
     -------
     list of Choice
     """
-    turn = _turn(legs[0])
+    turns = np.array([_turn(leg) for leg in legs])
+    found = zip(legs, turns.tolist(), stiffness(legs, turns).tolist(), strict=True)
+    return [_choice(leg, turn, stiff) for leg, turn, stiff in found]
+
+
+def _choice(leg: Leg, turn: float, stiff: float) -> Choice:
+    if stiff > turn:
+        return Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
     name, only = explicit(), ""
     if not taylor.available():
         only = ", and heyoka is not installed"
-        if legs[0].tolerance > EXPLICIT_TIGHT:
+        if leg.tolerance > EXPLICIT_TIGHT:
             name, only = "cvodes", ", but heyoka is not installed"
-    return [
-        Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
-        if stiff > turn
-        else Choice(
-            name, f"stiffness up to {stiff:.3g}, below {turn:.3g}: explicit is cheaper{only}"
-        )
-        for stiff in stiffness(legs, turn).tolist()
-    ]
+    why = f"stiffness up to {stiff:.3g}, below {turn:.3g}: explicit is cheaper{only}"
+    return Choice(name, why)
 
 
 def _turn(leg: Leg) -> float:
@@ -191,7 +192,7 @@ def run(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[list[Path], list[Choice]]:
-    """Run legs of one flow, times and tolerance.
+    """Run legs of one flow and number of times.
 
     Parameters
     ----------

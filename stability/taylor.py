@@ -207,12 +207,12 @@ def _batch(flow: Flow, tolerance: float) -> _Held:
 def integrate_many(
     legs: Sequence[Leg], workers: int | None = None, progress: Callable[[int], None] | None = None
 ) -> list[Path]:
-    """Run many legs of one flow, times and tolerance: as many at once as the processor has lanes.
+    """Run many legs of one flow and tolerance: as many at once as the processor has lanes.
 
     Parameters
     ----------
     legs
-        What is asked; they share flow, number of times, tolerance and max_steps.
+        What is asked; they share flow, number of times and tolerance.
     workers
         Threads; as many as there are cores when left out.  Each has an integrator of its own.
     progress
@@ -258,7 +258,7 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     stop: _Stop = ta.t_events[0].callback
     stop.ends.clear()
     grid = np.column_stack([leg.times for leg in filled])
-    _, states = ta.propagate_grid(grid, max_steps=legs[0].max_steps)
+    _, states = ta.propagate_grid(grid, max_steps=max(leg.max_steps for leg in legs))
     paths = []
     for lane, leg in enumerate(legs):
         outcome, _, _, steps = ta.propagate_res[lane]

@@ -145,3 +145,18 @@ def test_a_failed_lane_is_run_again_by_itself() -> None:
     assert all(p.end is None for p in whole)
     for one, path in zip(legs, whole, strict=True):
         assert np.abs(taylor.integrate(one).states - path.states).max() < 1e-7
+
+
+def test_a_launch_is_judged_by_its_own_tolerance_whatever_leads_the_batch() -> None:
+    fast, slow = leg(120.0, tolerance=1e-12), leg(120.0, tolerance=1e-6)
+    alone = [choose([one])[0].method for one in (fast, slow)]
+    assert alone[1] == "cvodes"
+    assert alone[0] != "cvodes"
+    assert [c.method for c in choose([fast, slow])] == alone
+    assert [c.method for c in choose([slow, fast])] == alone[::-1]
+
+
+def test_the_file_records_the_tolerance_that_a_fast_spin_was_given() -> None:
+    run = st.simulate(st.Disk(), st.Smooth(), [1.5, 0, 0, 1e4, 0, 0], [1e-3], tolerance=1e-9)
+    assert run.attrs["tolerance"] == 1e-9
+    assert run.attrs["tolerance_used"] == pytest.approx(1e-12)
