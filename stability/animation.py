@@ -18,6 +18,7 @@ from .files import check_target, whole
 from .film import FINE, Scene, caption_of, inner_radius, unit_of, write_gif, write_mp4
 from .outcome import BY_CODE
 from .pose import LINEAR, POSED, resample
+from .reading import events_of
 from .trajectory import FORMAT
 
 if TYPE_CHECKING:
@@ -158,9 +159,9 @@ def _page(dataset: xarray.Dataset, motion: dict[str, Any], length: float) -> str
     if "mode" in dataset:
         at = np.searchsorted(times, series["time"], side="right") - 1
         data["mode"] = dataset["mode"].values[at].astype(int).tolist()
-    own = dataset.event_launch.values == int(dataset.coords.get("number", 0))
-    data["event_time"] = _digits(dataset.event_time.values[own], 9)
-    data["event_kind"] = [str(k) for k in dataset.event_kind.values[own]]
+    log = events_of(dataset)
+    data["event_time"] = _digits([time for time, _ in log], 9)
+    data["event_kind"] = [word for _, word in log]
     outcome = BY_CODE[int(dataset.outcome)]
     data |= {
         "title": str(dataset.attrs.get("title", "motion of a disk")),

@@ -102,7 +102,7 @@ def drift_rows(
                 for ratio in RATIOS:
                     at = ratio * threshold
                     slow, fast = (
-                        drift(at=at, tilt=angle, disk=body, contact=_law(law, value), launch=f)
+                        drift(at=at, tilt=angle, disk=body, contact=law_of(law, value), launch=f)
                         for f in (False, True)
                     )
                     rows.append(DriftRow(inertia, value, at, threshold, angle, slow.time, fast.time,
@@ -145,7 +145,7 @@ def hopf_rows(
     rows: list[HopfRow] = []
     asked = [(f, inertia, value) for f in ("spinning", "tumbling") for inertia in k for value in mu]
     for done, (family, inertia, value) in enumerate(asked, start=1):
-        found = hopf(family, contact=_law(law, value), disk=_body(disk, inertia))
+        found = hopf(family, contact=law_of(law, value), disk=_body(disk, inertia))
         rows += [
             HopfRow(family, inertia, value, p.at, "below" if p.stable_below else "above",
                     p.frequency, p.crossing, p.push, p.kind.word)
@@ -156,7 +156,25 @@ def hopf_rows(
     return rows
 
 
-def _law(name: str, mu: float) -> Contact:
+def law_of(name: str, mu: float) -> Contact:
+    """The law of a table that compares with linear theory of a slipping disk.
+
+    Parameters
+    ----------
+    name
+        viscous or linear-viscous.
+    mu
+        Friction coefficient [s/m].
+
+    Returns
+    -------
+    Contact
+
+    Raises
+    ------
+    NameUnknownError
+        If it is another.
+    """
     if name not in ("viscous", "linear-viscous"):
         raise NameUnknownError(f"contact is {name!r}; this table has viscous and linear-viscous.")
     return Viscous(mu) if name == "viscous" else LinearViscous(mu=mu)

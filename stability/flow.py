@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -57,11 +56,6 @@ class Flow:
     """What must stay positive, by name."""
     names: tuple[str, ...]
     """Names of the entries of y."""
-
-    @property
-    def key(self) -> str:
-        """What tells this flow from others, for caches."""
-        return f"{self.system.name}/{'/'.join(self.names)}/{'/'.join(self.guards)}"
 
     @cached_property
     def rates(self) -> ca.Function:
@@ -141,7 +135,7 @@ class Flow:
         return held[self]
 
     def pack(self, six: Floats) -> Floats:
-        """Y at the start of a run: the law's own states, no work done, pose at the origin.
+        """The state y at the start: the law's own states, no work done, pose at the origin.
 
         Parameters
         ----------
@@ -280,6 +274,26 @@ def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> 
     return call
 
 
+def moving_system(law: str) -> System:
+    """The disk with every state that a motion has: the smooth disk's slip too.
+
+    Parameters
+    ----------
+    law
+        A key of `stability.contact.MOTION_LAWS`.
+
+    Returns
+    -------
+    System
+
+    Examples
+    --------
+    >>> len(moving_system("smooth").states), len(moving_system("rough").states)
+    (6, 4)
+    """
+    return disk_system(law, slip_states=None if law == "rough" else True)
+
+
 @lru_cache(maxsize=32)
 def flow(law: str, *, pose: bool = False, sticking: bool = False) -> Flow:
     """The flow of the disk under a contact law; built once for each.
@@ -303,7 +317,7 @@ def flow(law: str, *, pose: bool = False, sticking: bool = False) -> Flow:
         mu = ca.SX.sym("mu")
         parameters = ca.vertcat(system.p, mu)
     else:
-        system = disk_system(law, slip_states=None if law == "rough" else True)
+        system = moving_system(law)
         mu, parameters = ca.SX(0), system.p
     x = system.x
     seen = system.observables
@@ -344,14 +358,3 @@ def _pose_rates(x: ca.SX, slip: ca.SX, pose: ca.SX) -> ca.SX:
         sine * along_x + cosine * along_y,
     )
     return rates / POSE_UNIT
-
-
-def flat_sine(angle: float) -> float:
-    """The sine of the angle that counts as flat.
-
-    Examples
-    --------
-    >>> flat_sine(0.0)
-    0.0
-    """
-    return math.sin(angle)

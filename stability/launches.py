@@ -17,7 +17,7 @@ from .contact import MOTION_LAWS, Contact, LinearViscous, RegularisedCoulomb
 from .disk import Disk, checked
 from .equations import STATES, disk_system
 from .errors import DomainError, NameUnknownError, ParameterError
-from .flow import Floats
+from .flow import Floats, moving_system
 from .rest import continuations
 from .sticking import REST
 
@@ -203,7 +203,7 @@ def _times(times: Any) -> Floats:
 @cache
 def _first_look(law: str) -> Program:
     """The conditions of a law's system, then gn and the energy."""
-    system = disk_system(law, slip_states=None if law == "rough" else True)
+    system = moving_system(law)
     seen = system.observables
     values = [c.value for c in system.conditions] + [seen["normal_force"], seen["energy"]]
     return Program(ca.Function("start", [system.x, system.p], [ca.vertcat(*values)]))
@@ -227,7 +227,7 @@ def _check(law: str, shape: tuple[int, ...], starts: Floats, p: Floats) -> Float
             f"the dimensionless friction is {p[:, 1].max():.3g}, above {ROUGHEST:g}, where double "
             "precision cannot resolve the slip; take Rough(), to which the motion tends."
         )
-    own = 4 if law == "rough" else 6
+    own = len(moving_system(law).states)
     if law == "coulomb":
         rest = np.hypot(starts[:, 4], starts[:, 5]) <= REST
         seen = np.empty((len(starts), 5))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -12,18 +13,24 @@ from numpy.typing import ArrayLike
 from .contact import Contact
 from .disk import Disk, checked
 from .errors import ParameterError
-from .flow import FLAT, LIFT_OFF, NO_CONTACT, Floats, flat_sine, flow
-from .integrators import FINEST, HEYOKA, Choice, check_method, explicit, run
+from .flow import FLAT, LIFT_OFF, NO_CONTACT, Floats, flow
+from .integrators import FINEST, Choice, check_method, explicit, run
 from .launches import Launches, gather
 from .outcome import OF_END, Outcome
 from .route import UNRESOLVED, End, Leg, Path
-from .settling import Nearest, nearest
-from .sticking import SLIDING, STICKING, DryPath, Transition
+from .settling import Nearest, deviation, nearest
+from .sticking import SLIDING, DryPath, Transition
 from .sticking import integrate as integrate_dry
 
 if TYPE_CHECKING:
     import xarray
 
+GUARDS = {
+    LIFT_OFF: "normal force times D",
+    FLAT: "sine of theta less that of flat",
+    NO_CONTACT: "D",
+}
+"""What each guard is, in words."""
 TOGETHER = 1e-6
 """D at which a zero of gn D is taken for one of both."""
 LOOSEST, TIGHTEST = 1e-2, 1e-16
@@ -56,6 +63,8 @@ class Result:
     """Between sliding and sticking."""
     evidence: str
     """Why the outcome is what it is."""
+    tolerance: float
+    """What the integrator was given: not below what it accepts."""
 
 
 def simulate(
@@ -219,7 +228,7 @@ def results(
         In the order of the launches.
     """
     which = flow(launches.law, pose=settings.pose)
-    sine = flat_sine(settings.flat)
+    sine = math.sin(settings.flat)
     lead = launches.times[:1] != 0
     times = np.concatenate([[0.0], launches.times]) if lead else launches.times
     clock = launches.scales["time"]
@@ -267,92 +276,51 @@ def _judge(
     time = float(leg.times[-1]) if end is None else end.time
     six = leg.flow.six(final)
     near = nearest(six, launches.law, leg.p[:-1], settings.settle)
-    outcome = Outcome.MOVING if end is None else OF_END[end.kind]
-    if end is not None and (_collapses(leg, end) or _singular(leg, end)):
-        outcome = Outcome.NO_CONTACT
     since = time
-    if end is None and near.settled:
-        outcome = Outcome.SETTLED
-        since = _since(leg, path, near, settings.settle)
+    if end is not None:
+        outcome, evidence = _ending(leg, end)
+    else:
+        outcome, evidence = Outcome.MOVING, near.evidence
+        if near.settled:
+            outcome = Outcome.SETTLED
+            since = _since(leg, path, near, settings.settle)
     return Result(
         path, choice, outcome, time, final, near, since,
         dry.modes if dry else None, dry.mode if dry else SLIDING,
         tuple(dry.transitions) if dry else (),
-        (near.evidence if end is None else _why(leg, end))
-        + ("" if launches.dimensionless else " (dimensionless numbers)"),
+        evidence + ("" if launches.dimensionless else " (dimensionless numbers)"),
+        max(leg.tolerance, FINEST[choice.method]),
     )  # fmt: skip
 
 
-def _collapses(leg: Leg, end: End) -> bool:
-    """Whether an integrator gave up because D runs to zero, where accelerations have no bound.
+def _ending(leg: Leg, end: End) -> tuple[Outcome, str]:
+    """The outcome of an early end, and its evidence, dimensionless.
 
-    Near t* then D goes like the root of t* - t, so that D over twice its rate is what is left.
+    Where dry friction makes D run to zero an integrator gives up: near t* then D goes like the
+    root of t* - t, so that D over twice its rate is what is left.  Or gn D and D reach zero
+    together, at a point that attracts sliding motions, where gn, their ratio, is still positive:
+    no lift-off (Génot & Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653-677, for the planar rod).
     """
-    if end.kind != UNRESOLVED or NO_CONTACT not in leg.flow.guards:
-        return False
-    index = list(leg.flow.guards).index(NO_CONTACT)
-    values, rates = leg.flow.margins(end.state, leg.p)
-    d, rate = float(values[index]), float(rates[index])
-    return rate < 0 and d < 1e-2 and d / (2 * -rate) < 1e-6 * max(1.0, end.time)
-
-
-def _singular(leg: Leg, end: End) -> bool:
-    """Whether gn D and D have reached zero together: a point that attracts sliding motions.
-
-    There gn, their ratio, is still positive, so that it is no lift-off (Génot & Brogliato, Eur. J.
-    Mech. A/Solids 18 (1999) 653-677, for the planar rod).
-    """
-    if end.kind != LIFT_OFF or NO_CONTACT not in leg.flow.guards:
-        return False
-    values = dict(zip(leg.flow.guards, leg.flow.margins(end.state, leg.p)[0], strict=True))
-    return abs(float(values[NO_CONTACT])) < TOGETHER
-
-
-def _why(leg: Leg, end: End) -> str:
-    """The evidence for an early end, dimensionless."""
-    if _singular(leg, end):
-        return "gn D and D have reached zero together: the contact force is not determined there"
-    if _collapses(leg, end):
-        index = list(leg.flow.guards).index(NO_CONTACT)
-        values, rates = leg.flow.margins(end.state, leg.p)
-        return (
-            f"D = {float(values[index]):.1e} falls at {-float(rates[index]):.1e}: it runs to zero, "
-            "and the contact force grows without bound"
-        )
-    if end.message:
-        return end.message
-    values, rates = leg.flow.margins(end.state, leg.p)
-    seen = dict(zip(leg.flow.guards, zip(values, rates, strict=True), strict=True))
-    names = {
-        LIFT_OFF: "normal force times D",
-        FLAT: "sine of theta less that of flat",
-        NO_CONTACT: "D",
-    }
-    if end.kind not in seen:
-        return end.kind
-    value, rate = (float(v) for v in seen[end.kind])
-    return f"{names[end.kind]} {value:.1e}, falling at {-rate:.4g}"
+    margins = zip(*leg.flow.margins(end.state, leg.p), strict=True)
+    seen = {n: (float(v), float(r)) for n, (v, r) in zip(leg.flow.guards, margins, strict=True)}
+    d, d_rate = seen.get(NO_CONTACT, (np.inf, 0.0))
+    if end.kind == LIFT_OFF and abs(d) < TOGETHER:
+        why = "gn D and D have reached zero together: the contact force is not determined there"
+        return Outcome.NO_CONTACT, why
+    if end.kind == UNRESOLVED and d_rate < 0 and d < 1e-2:
+        if d / (2 * -d_rate) < 1e-6 * max(1.0, end.time):
+            why = f"D = {d:.1e} falls at {-d_rate:.1e}: it runs to zero, and the contact force "
+            return Outcome.NO_CONTACT, why + "grows without bound"
+    outcome = OF_END[end.kind]
+    if end.message or end.kind not in seen:
+        return outcome, end.message or end.kind
+    value, rate = seen[end.kind]
+    return outcome, f"{GUARDS[end.kind]} {value:.1e}, falling at {-rate:.4g}"
 
 
 def _since(leg: Leg, path: Path, near: Nearest, within: float) -> float:
     """The first sample from which the motion stayed within the distance of the family."""
-    from .settling import deviation
-
     _, e = deviation(leg.flow.six(path.states), float(leg.p[0]), near.family)
     outside = np.flatnonzero(np.linalg.norm(e, axis=-1) > within)
     first = 0 if outside.size == 0 else min(int(outside[-1]) + 1, len(leg.times) - 1)
     return float(leg.times[first])
-
-
-def tolerance_used(choice: Choice, tolerance: float) -> float:
-    """The tolerance that the integrator was given, not below what it accepts.
-
-    Examples
-    --------
-    >>> tolerance_used(Choice("heyoka", ""), 1e-12)
-    1e-12
-    """
-    return max(tolerance, FINEST[choice.method])
-
-
-__all__ = ["HEYOKA", "STICKING", "Result", "Settings", "results", "simulate", "tolerance_used"]

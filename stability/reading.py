@@ -74,7 +74,7 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> Motion:
     if data.sizes.get("time", 0) < 2:
         raise ParameterError("dataset has fewer than two samples; ask simulate for more times.")
     times = np.asarray(data.time.values, dtype=float)
-    log = _log(data)
+    log = events_of(data)
     spans = _spans(log, data, times)
     seen = [(t, word) for t, word in log if times[0] <= t <= times[-1]]
     return Motion(data, times, seen, spans)
@@ -93,8 +93,19 @@ def _until_end(dataset: xarray.Dataset) -> xarray.Dataset:
     return kept.assign_coords(time=("time", times, dataset.time.attrs))
 
 
-def _log(data: xarray.Dataset) -> list[Event]:
-    """The events of this launch; a slice of several tells its own by its number."""
+def events_of(data: xarray.Dataset) -> list[Event]:
+    """The events of this launch; a slice of several tells its own by its number.
+
+    Parameters
+    ----------
+    data
+        From `simulate`, one launch.
+
+    Returns
+    -------
+    list of (time, word)
+        In order of time.
+    """
     own = data.event_launch.values == int(data.coords.get("number", 0))
     pairs = zip(data.event_time.values[own], data.event_kind.values[own], strict=True)
     return sorted((float(t), str(word)) for t, word in pairs)

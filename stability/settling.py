@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -67,29 +68,27 @@ def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
     >>> float(at), float(abs(e).max())
     (2.5, 0.0)
     """
-    theta, theta_dot, phi_dot, omega3, vx, vy = np.moveaxis(six, -1, 0)
+    at, parts = _parts(np.moveaxis(six, -1, 0), k, np)[family]
+    return at, np.stack(parts, axis=-1)
+
+
+def _parts(six: Any, k: float, maths: Any) -> dict[str, tuple[Any, tuple[Any, ...]]]:
+    """For each family its parameter and the five deviations, with NumPy or with `math`."""
+    theta, theta_dot, phi_dot, omega3, vx, vy = six
     lean = theta - math.pi / 2
-    if family == "spinning":
-        return phi_dot, np.stack([lean, theta_dot, omega3, vx, vy], axis=-1)
-    if family == "rolling":
-        return omega3, np.stack([lean, theta_dot, phi_dot, vx, vy], axis=-1)
-    rate = np.copysign(1 / np.sqrt(k * np.sin(theta)), phi_dot)
-    return theta, np.stack([theta_dot, phi_dot - rate, omega3, vx, vy], axis=-1)
+    rate = maths.copysign(1 / maths.sqrt(k * maths.sin(theta)), phi_dot)
+    return {
+        "spinning": (phi_dot, (lean, theta_dot, omega3, vx, vy)),
+        "tumbling": (theta, (theta_dot, phi_dot - rate, omega3, vx, vy)),
+        "rolling": (omega3, (lean, theta_dot, phi_dot, vx, vy)),
+    }
 
 
 def _closest(six: Floats, k: float) -> tuple[str, float, float]:
-    """Family, parameter and distance of the nearest member; as `deviation`, for one state."""
-    theta, theta_dot, phi_dot, omega3, vx, vy = six.tolist()
-    lean = theta - math.pi / 2
-    rest = theta_dot**2 + vx**2 + vy**2
-    rate = math.copysign(1 / math.sqrt(k * math.sin(theta)), phi_dot)
-    options = (
-        (lean**2 + omega3**2, "spinning", phi_dot),
-        ((phi_dot - rate) ** 2 + omega3**2, "tumbling", theta),
-        (lean**2 + phi_dot**2, "rolling", omega3),
-    )
-    square, family, at = min(options)
-    return family, at, math.sqrt(square + rest)
+    """Family, parameter and distance of the nearest member, for one state."""
+    parts = _parts(six.tolist(), k, math)
+    distance, family = min((math.hypot(*e), name) for name, (_, e) in parts.items())
+    return family, parts[family][0], distance
 
 
 @lru_cache(maxsize=16)

@@ -151,36 +151,6 @@ def _value(run: Evaluator, dense: Any, i: int, t: float) -> float:
     return float(run.watch(dense(t))[0][i])
 
 
-def dips(g0: float, g1: float, d0: float, d1: float) -> bool:
-    """Whether a guard with these values and slopes on [0, 1] may come near zero within.
-
-    Parameters
-    ----------
-    g0, g1
-        Values at both ends.
-    d0, d1
-        Slopes there, times the length of the interval.
-
-    Returns
-    -------
-    bool
-        Whether the cubic through them falls below four fifths of the smaller value.
-
-    Examples
-    --------
-    >>> dips(1.0, 1.0, -4.0, 4.0), dips(1.0, 2.0, 0.5, 0.5)
-    (True, False)
-    """
-    if d0 >= 0 or d1 <= 0:
-        return False
-    s = np.linspace(0.0, 1.0, 9)
-    cubic = (
-        g0 * (1 + 2 * s) * (1 - s) ** 2 + d0 * s * (1 - s) ** 2
-        + g1 * s**2 * (3 - 2 * s) + d1 * s**2 * (s - 1)
-    )  # fmt: skip
-    return bool(cubic.min() < 0.8 * min(g0, g1))
-
-
 def _locate(guard: Callable[[float], float], low: float, high: float) -> float | None:
     """The first zero of a falling guard on [low, high], if it has one."""
     from scipy.optimize import brentq, minimize_scalar

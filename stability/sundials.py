@@ -18,7 +18,6 @@ import numpy as np
 
 from .flow import Flow
 from .route import UNRESOLVED, End, Floats, Leg, Path
-from .stepping import dips
 
 FILL = 200
 """Intervals at which the guards are checked at least."""
@@ -122,6 +121,36 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
             known = known[: i + 1]
             return Path(known[at[at < len(known)]], end, steps)
     return Path(known[at], None, steps)
+
+
+def dips(g0: float, g1: float, d0: float, d1: float) -> bool:
+    """Whether a guard with these values and slopes on [0, 1] may come near zero within.
+
+    Parameters
+    ----------
+    g0, g1
+        Values at both ends.
+    d0, d1
+        Slopes there, times the length of the interval.
+
+    Returns
+    -------
+    bool
+        Whether the cubic through them falls below four fifths of the smaller value.
+
+    Examples
+    --------
+    >>> dips(1.0, 1.0, -4.0, 4.0), dips(1.0, 2.0, 0.5, 0.5)
+    (True, False)
+    """
+    if d0 >= 0 or d1 <= 0:
+        return False
+    s = np.linspace(0.0, 1.0, 9)
+    cubic = (
+        g0 * (1 + 2 * s) * (1 - s) ** 2 + d0 * s * (1 - s) ** 2
+        + g1 * s**2 * (3 - 2 * s) + d1 * s**2 * (s - 1)
+    )  # fmt: skip
+    return bool(cubic.min() < 0.8 * min(g0, g1))
 
 
 def _falls(steps: Floats, values: Floats, rates: Floats) -> Any:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .contact import Contact, LinearViscous, Viscous
+from .beyond import law_of
+from .contact import Contact
 from .disk import Disk, checked, positive
 from .errors import NameUnknownError, ParameterError
 from .flow import Floats
@@ -241,21 +242,10 @@ def launch_rows(
     rows: list[LaunchRow] = []
     for done, (name, inertia, value) in enumerate(blocks, start=1):
         body = Disk(mass=scale.mass, radius=scale.radius, gravity=scale.gravity, k=inertia)
-        rows += _block(name, body, _law(law, value), value, np.asarray(values), lean, last)
+        rows += _block(name, body, law_of(law, value), value, np.asarray(values), lean, last)
         if progress is not None:
             progress(done, len(blocks))
     return rows
-
-
-def _law(name: str, mu: float) -> Contact:
-    if name == "viscous":
-        return Viscous(mu)
-    if name == "linear-viscous":
-        return LinearViscous(mu=mu)
-    raise NameUnknownError(
-        f"contact is {name!r}; launches are compared with linear theory for viscous and "
-        "linear-viscous contact."
-    )
 
 
 def _block(

@@ -16,8 +16,8 @@ import numpy as np
 
 from . import __version__
 from .algebra import Program
-from .equations import STATES, disk_system
-from .flow import POSE, POSE_UNIT, Floats
+from .equations import STATES
+from .flow import POSE, POSE_UNIT, Floats, flow, moving_system
 from .outcome import BY_CODE, Outcome
 from .sticking import REST, SLIDING, STICKING
 
@@ -84,7 +84,7 @@ def _attributes(name: str, dimensionless: bool) -> dict[str, str]:
 @cache
 def _observer(law: str) -> Program:
     """Energy, height, gn, contact force and power of six states."""
-    system = disk_system(law, slip_states=None if law == "rough" else True)
+    system = moving_system(law)
     seen = system.observables
     values = [
         seen["energy"], ca.sin(system.x[0]), seen["normal_force"], seen["contact_force"],
@@ -125,7 +125,7 @@ def observe(
         six = six.copy()
         six[still, 4] = REST * np.cos(heading[still])
         six[still, 5] = REST * np.sin(heading[still])
-    own = len(disk_system(law).states) if law == "rough" else 6
+    own = len(moving_system(law).states)
     x, q = list(np.moveaxis(six[..., :own], -1, 0)), list(np.moveaxis(p, -1, 0))
     values = program.arrays([x, q], six.shape[:-1])[0][..., 0]
     if modes is not None and (modes == STICKING).any():
@@ -273,11 +273,9 @@ def _series(
     heading: Floats | None = None,
 ) -> dict[str, Floats]:
     """Every series by name, in the user's units, shape (launch, time)."""
-    own = 4 if launches.law == "rough" else 6
-    six = y[..., :6] if own == 6 else np.concatenate(
-        [y[..., :4], np.zeros((*y.shape[:-1], 2))], axis=-1
-    )  # fmt: skip
-    work = y[..., own]
+    which = flow(launches.law, pose=settings.pose)
+    own = len(which.system.states)
+    six, work = which.six(y), y[..., own]
     seen = observe(launches.law, six, launches.p[:, None, :], modes, heading)
     found = dict(zip(STATES, np.moveaxis(six, -1, 0), strict=True))
     found |= dict(zip(OBSERVED, seen, strict=True))
@@ -364,15 +362,14 @@ def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
     """The event log: transitions between sliding and sticking, and early ends."""
     import xarray
 
+    motion = flow(launches.law)  # the six states lie first in y, with or without the pose
     rows: list[tuple[int, float, str, Floats, float]] = []
     for i, result in enumerate(results):
-        flow_six = launches.law == "rough"
         for t in result.transitions:
             rows.append((i, t.time, t.kind, t.state[:6], t.direction))
         end = result.path.end
         if end is not None:
-            six = np.append(end.state[:4], [0.0, 0.0]) if flow_six else end.state[:6]
-            rows.append((i, end.time, result.outcome.word, six, 0.0))
+            rows.append((i, end.time, result.outcome.word, motion.six(end.state), 0.0))
     clock = launches.scales["time"]
     which = np.array([r[0] for r in rows], dtype=np.int64)
     times = np.array([r[1] for r in rows], dtype=float)
@@ -401,8 +398,6 @@ def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
 
 
 def _provenance(launches: Launches, settings: Settings, results: list[Result]) -> dict[str, Any]:
-    from .motion import tolerance_used
-
     used = Counter(r.choice.method for r in results)
     outcomes = Counter(r.outcome.word for r in results)
     first = results[0].choice
@@ -417,7 +412,7 @@ def _provenance(launches: Launches, settings: Settings, results: list[Result]) -
         "method": ", ".join(used),
         "method_reason": first.reason,
         "tolerance": settings.tolerance,
-        "tolerance_used": tolerance_used(first, settings.tolerance),
+        "tolerance_used": results[0].tolerance,
         "flat": settings.flat,
         "settle": settings.settle,
         "max_steps": settings.max_steps,
