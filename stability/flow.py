@@ -253,6 +253,8 @@ class Evaluator:
 
 
 _THREAD = threading.local()
+CASADI = threading.RLock()
+"""Held while a motion is made: CasADi's objects are not for several threads at once."""
 
 
 def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> Any:

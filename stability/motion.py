@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from .contact import Contact
 from .disk import Disk, checked
 from .errors import ParameterError
-from .flow import FLAT, LIFT_OFF, NO_CONTACT, Floats, flow
+from .flow import CASADI, FLAT, LIFT_OFF, NO_CONTACT, Floats, flow
 from .integrators import FINEST, Choice, check_method, explicit, run
 from .launches import Launches, gather
 from .outcome import OF_END, Outcome
@@ -149,9 +149,10 @@ def simulate(
         raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
     settings = Settings(check_method(method), tolerance, pose, flat, settle, max_steps, workers)
     settings.check()
-    launches = gather(disk, contact, start, times)
-    _not_flat(launches, settings)
-    return assemble(launches, settings, results(launches, settings, progress))
+    with CASADI:  # calls from several threads take turns; a batch uses threads of its own
+        launches = gather(disk, contact, start, times)
+        _not_flat(launches, settings)
+        return assemble(launches, settings, results(launches, settings, progress))
 
 
 @dataclass(frozen=True)

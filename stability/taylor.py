@@ -245,10 +245,12 @@ def integrate_many(
     return [path for path in paths if path is not None]
 
 
+_ASKING = Lock()
+"""Held by the thread of a batch that asks CasADi something."""
+
+
 def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     """One batch; lanes that have no launch repeat the last one."""
-    import heyoka as hy
-
     width = ta.batch_size
     filled = legs + legs[-1:] * (width - len(legs))
     ta.state[:] = np.column_stack([leg.start for leg in filled])
@@ -259,6 +261,14 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     stop.ends.clear()
     grid = np.column_stack([leg.times for leg in filled])
     _, states = ta.propagate_grid(grid, max_steps=max(leg.max_steps for leg in legs))
+    with _ASKING:
+        return _read(ta, legs, states, stop)
+
+
+def _read(ta: Any, legs: list[Leg], states: Floats, stop: _Stop) -> list[Path]:
+    """The paths of a batch that has run; asks the graph for its guards."""
+    import heyoka as hy
+
     paths = []
     for lane, leg in enumerate(legs):
         outcome, _, _, steps = ta.propagate_res[lane]
