@@ -182,7 +182,7 @@ class Quick:
     Examples
     --------
     >>> f = flow("viscous")
-    >>> start = f.pack(np.array([math.pi / 2, 0, 0, 1.2, 0, 0]))
+    >>> start = f.pack(np.array([np.pi / 2, 0, 0, 1.2, 0, 0]))
     >>> f.quick.rates(np.array([0.25, 0.3, 1e-6]), start).shape
     (7,)
     """
@@ -232,7 +232,7 @@ class Evaluator:
     --------
     >>> f = flow("viscous")
     >>> e = Evaluator(f, np.array([0.25, 0.3, 1e-6]))
-    >>> e.rates(0.0, f.pack(np.array([math.pi / 2, 0, 0, 1.2, 0, 0]))).shape
+    >>> e.rates(0.0, f.pack(np.array([np.pi / 2, 0, 0, 1.2, 0, 0]))).shape
     (7,)
     """
 
