@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from .launches import Launches, gather
 from .outcome import OF_END, Outcome
 from .route import UNRESOLVED, End, Leg, Path
 from .settling import Nearest, deviation, nearest
+from .shadow import COMPARED, SIGNS, Doubt, doubts
 from .sticking import SLIDING, DryPath, Transition
 from .sticking import integrate as integrate_dry
 
@@ -65,6 +66,8 @@ class Result:
     """Why the outcome is what it is."""
     tolerance: float
     """What the integrator was given: not below what it accepts."""
+    doubt: Doubt | None = None
+    """What its shadow says; None where none was asked, or the run has no outcome."""
 
 
 def simulate(
@@ -79,6 +82,7 @@ def simulate(
     flat: float = 1e-6,
     settle: float = 1e-3,
     max_steps: int = 1_000_000,
+    check: bool = True,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xarray.Dataset:
@@ -112,6 +116,9 @@ def simulate(
         Largest distance from a steady motion, dimensionless, at which it can count as settled on.
     max_steps
         Steps after which a run gives up.
+    check
+        Whether each launch is run a second time, a little off and less finely, which tells the
+        error of its final state; a launch whose neighbour ends otherwise is *undetermined*.
     workers
         Threads for many launches at once; one for each core when left out.
     progress
@@ -121,7 +128,9 @@ def simulate(
     -------
     xarray.Dataset
         States and observables over (…, time), with units; `outcome` (CF flags), `evidence`,
-        `end_time`, `energy_error` and the nearest steady motion for each launch; the event log
+        `end_time`, `energy_error`, `final_error` (estimated: the largest over the states, each over
+        1 or its own size), `end_time_error` and the nearest steady motion for each launch; the
+        event log
         along `event`; provenance in the attributes.  A single run that ended early has its end as
         last sample.  Of several, each holds its last state after its end, where `running` is 0.
 
@@ -147,8 +156,10 @@ def simulate(
 
     if progress is not None and not callable(progress):
         raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
-    settings = Settings(check_method(method), tolerance, pose, flat, settle, max_steps, workers)
-    settings.check()
+    settings = Settings(
+        check_method(method), tolerance, pose, flat, settle, max_steps, workers, check
+    )
+    settings.refuse()
     with CASADI:  # calls from several threads take turns; a batch uses threads of its own
         launches = gather(disk, contact, start, times)
         _not_flat(launches, settings)
@@ -173,15 +184,18 @@ class Settings:
     """Steps after which a run gives up."""
     workers: int | None
     """Threads."""
+    check: bool = True
+    """Whether each launch has a shadow."""
 
-    def check(self) -> None:
+    def refuse(self) -> None:
         """Refuse what is out of range, in one sentence."""
         for name in ("tolerance", "flat", "settle"):
             value = checked(name, getattr(self, name))
             if not isinstance(value, float):
                 raise ParameterError(f"{name} has shape {np.shape(value)}; give one number.")
-        if not isinstance(self.pose, (bool, np.bool_)):
-            raise ParameterError(f"pose is {self.pose!r}; give True or False.")
+        for name in ("pose", "check"):
+            if not isinstance(getattr(self, name), (bool, np.bool_)):
+                raise ParameterError(f"{name} is {getattr(self, name)!r}; give True or False.")
         if not TIGHTEST <= self.tolerance <= LOOSEST:
             raise ParameterError(
                 f"tolerance is {self.tolerance:g}; give one from {TIGHTEST:g} to {LOOSEST:g}."
@@ -228,6 +242,23 @@ def results(
     list of Result
         In the order of the launches.
     """
+    legs = _legs(launches, settings)
+    found = _run(legs, launches, settings, [settings.method] * len(legs), progress)
+    if not settings.check:
+        return found
+
+    def rerun(which: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
+        shadows = [
+            _shadow(legs[i], launches.starts[i], tolerance, size)
+            for i, tolerance, size in zip(which, tolerances.tolist(), off.tolist(), strict=True)
+        ]
+        return _run(shadows, launches, settings, [found[i].choice.method for i in which], None)
+
+    judged = doubts(found, [FINEST[r.choice.method] for r in found], rerun)
+    return [_doubted(result, doubt) for result, doubt in zip(found, judged, strict=True)]
+
+
+def _legs(launches: Launches, settings: Settings) -> list[Leg]:
     which = flow(launches.law, pose=settings.pose)
     sine = math.sin(settings.flat)
     lead = launches.times[:1] != 0
@@ -235,7 +266,7 @@ def results(
     clock = launches.scales["time"]
     # launches of one time scale share their array of times
     shared = times / float(clock) if clock.ndim == 0 else None
-    legs = [
+    return [
         Leg(
             which, np.append(p, sine), y,
             times / float(clock[i]) if shared is None else shared,
@@ -243,20 +274,44 @@ def results(
         )
         for i, (p, y) in enumerate(zip(launches.p, which.pack(launches.starts), strict=True))
     ]  # fmt: skip
-    found: list[Result] = []
+
+
+def _shadow(leg: Leg, six: Floats, tolerance: float, off: float) -> Leg:
+    """The leg from a start off by a relative size, with times to compare at."""
+    start = leg.flow.pack(six * (1.0 + off * SIGNS))
+    times = np.linspace(leg.times[0], leg.times[-1], COMPARED)
+    return replace(leg, start=start, times=times, tolerance=tolerance)
+
+
+def _doubted(result: Result, doubt: Doubt | None) -> Result:
+    if doubt is None or not doubt.contrary:
+        return replace(result, doubt=doubt)
+    return replace(result, doubt=doubt, outcome=Outcome.UNDETERMINED, evidence=doubt.contrary)
+
+
+def _run(
+    legs: Sequence[Leg], launches: Launches, settings: Settings, methods: Sequence[str],
+    progress: Callable[[int, int], None] | None,
+) -> list[Result]:  # fmt: skip
+    """Run legs, each by its method, and judge how they ended."""
+    found: list[Result | None] = [None] * len(legs)
     if launches.law == "coulomb":
-        for i, leg in enumerate(legs):
-            dry = integrate_dry(leg, settings.method, pose=settings.pose)
-            name = explicit() if settings.method == "auto" else settings.method
+        for i, (leg, method) in enumerate(zip(legs, methods, strict=True)):
+            dry = integrate_dry(leg, method, pose=settings.pose)
+            name = explicit() if method == "auto" else method
             choice = Choice(name, "sliding and sticking; landings by LSODA, onsets by CVODES")
-            found.append(_judge(leg, dry.path, choice, launches, settings, dry))
+            found[i] = _judge(leg, dry.path, choice, launches, settings, dry)
             if progress is not None:
                 progress(i + 1, len(legs))
     else:
-        paths, choices = run(legs, settings.method, workers=settings.workers, progress=progress)
-        for leg, path, choice in zip(legs, paths, choices, strict=True):
-            found.append(_judge(leg, path, choice, launches, settings, None))
-    return found
+        for method in dict.fromkeys(methods):
+            mine = [i for i, name in enumerate(methods) if name == method]
+            paths, choices = run(
+                [legs[i] for i in mine], method, workers=settings.workers, progress=progress
+            )
+            for i, path, choice in zip(mine, paths, choices, strict=True):
+                found[i] = _judge(legs[i], path, choice, launches, settings, None)
+    return [result for result in found if result is not None]
 
 
 def _finer(tolerance: float, y: Floats) -> float:

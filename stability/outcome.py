@@ -39,6 +39,10 @@ class Outcome(Enum):
         "unresolved: the integrator gave up and what came after is not shown; ask for another "
         "method, a larger max_steps or tolerance"
     )
+    UNDETERMINED = (
+        "undetermined: neighbours within the tolerance end differently; ask for a finer tolerance "
+        "or an earlier last time"
+    )
 
     @property
     def word(self) -> str:

@@ -108,6 +108,8 @@ def outcome_of(dataset: xarray.Dataset) -> Outcome:
 def is_finite(dataset: xarray.Dataset) -> bool:
     """Whether every number of a motion is finite, which `simulate` promises.
 
+    Estimates of errors may be infinite: nothing is known then.
+
     Parameters
     ----------
     dataset
@@ -118,6 +120,6 @@ def is_finite(dataset: xarray.Dataset) -> bool:
     bool
     """
     return all(
-        bool(np.isfinite(v.values).all()) for v in dataset.variables.values()
-        if v.dtype.kind == "f"
+        bool(np.isfinite(v.values).all()) for name, v in dataset.variables.items()
+        if v.dtype.kind == "f" and name not in ("final_error", "end_time_error")
     ) and math.isfinite(float(dataset.attrs["tolerance"]))  # fmt: skip

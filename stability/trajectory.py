@@ -338,8 +338,27 @@ def _summary(
         ),
         "nearest_distance": variable([n.distance for n in near], units="1",
                                      long_name="dimensionless distance from it"),
+        **_errors(results, clock, variable, second),
         "steps": variable([r.path.steps for r in results], long_name="steps of the integrator"),
         "method": variable([r.choice.method for r in results], long_name="integrator"),
+    }  # fmt: skip
+
+
+def _errors(
+    results: list[Result], clock: Floats, variable: Any, second: str
+) -> dict[str, Any]:  # fmt: skip
+    """What shadows say of the final state and of the end's time; nothing if none were asked."""
+    if all(r.doubt is None for r in results):
+        return {}
+    # a run without an outcome has no shadow: its error is without bound
+    state = [r.doubt.final_error if r.doubt else np.inf for r in results]
+    late = [r.doubt.time_error if r.doubt and r.path.end else 0.0 for r in results]
+    return {
+        "final_error": variable(state, units="1",
+                                long_name="estimated error of the final state, the largest over "
+                                "the states, each over 1 or its own size"),
+        "end_time_error": variable(np.array(late) * clock, units=second,
+                                   long_name="estimated error of the end's time"),
     }  # fmt: skip
 
 
