@@ -35,6 +35,7 @@ _HOME = {
     "animation": ("animate",),
     "outcome": ("Outcome",),
     "records": ("read_motion", "write_motion"),
+    "compare.report": ("report",),
     "errors": ("StabilityError",),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from .animation import animate as animate
     from .boundary import BoundaryPoint as BoundaryPoint
     from .boundary import Crossing as Crossing
+    from .compare.report import report as report
     from .contact import Coulomb as Coulomb
     from .contact import LinearViscous as LinearViscous
     from .contact import RegularisedCoulomb as RegularisedCoulomb

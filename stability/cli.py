@@ -13,6 +13,7 @@ from contextlib import ExitStack, contextmanager
 from typing import Any, NoReturn
 
 from . import __version__
+from .cli_compare import add_arguments as add_compare
 from .cli_motion import add_arguments
 from .errors import ParameterError, StabilityError
 
@@ -276,6 +277,12 @@ def _simulate(options: argparse.Namespace) -> None:
     run(options, _disk(options), _bar)
 
 
+def _compare(options: argparse.Namespace) -> None:
+    from .cli_compare import run
+
+    run(options, _bar)
+
+
 def _table(options: argparse.Namespace) -> None:
     from .errors import NameUnknownError
     from .tables import TABLES, records, text
@@ -448,6 +455,17 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--contact", help=f"one law of {CONTACTS}")
     for name in ("mass", "radius", "gravity"):
         sub.add_argument(f"--{name}", type=float, help="of the disk")
+    for name, what, example in (
+        ("chart", "Time against error, by every route to a spectrum or a motion",
+         "stability chart spectrum --out chart"),
+        ("failures", "Hard cases against every method: right, degraded, wrong, refused, crashed",
+         "stability failures --out failures"),
+        ("report", "Both charts and the catalogue of failures on one page",
+         "stability report --out report"),
+    ):  # fmt: skip
+        sub = command(name, _compare, what, example)
+        sub.set_defaults(command=name)
+        add_compare(sub, chart=name == "chart")
     return parser
 
 

@@ -50,6 +50,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="auto, heyoka, dop853, lsoda, radau, bdf, cvodes, idas")  # fmt: skip
     parser.add_argument("--tolerance", type=float, default=1e-9, metavar="E",
                         help="error allowed in a step (default 1e-9)")  # fmt: skip
+    parser.add_argument("--no-check", action="store_true",
+                        help="do not run each launch again beside itself, which tells the error "
+                        "of its end: faster")  # fmt: skip
     parser.add_argument("--pose", action="store_true", help="φ, ψ and the paths in the plane too")
     parser.add_argument("--out", metavar="F.nc", help="NetCDF file to write")
     parser.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
@@ -92,8 +95,9 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
         times = np.linspace(0.0, options.time, options.points)
     pose = options.pose or options.film is not None or options.plot is not None
     dataset = simulate(
-        disk, contact, start, times, method=options.method, tolerance=options.tolerance, pose=pose
-    )
+        disk, contact, start, times, method=options.method, tolerance=options.tolerance, pose=pose,
+        check=not options.no_check,
+    )  # fmt: skip
     with ExitStack() as all_whole:  # every file is whole before any of them has its name
         _draw(options, dataset, targets, all_whole, bar)
         if options.out is not None:
@@ -143,6 +147,14 @@ def _draw(
             animate(dataset, targets["film"], overwrite=options.force, progress=progress)
 
 
+def _errors(dataset: Any) -> dict[str, float | None]:
+    """Estimated errors of the end; None where nothing is known of them."""
+    if "final_error" not in dataset:
+        return {"final_error": None, "end_time_error": None}
+    values = {n: float(dataset[n]) for n in ("final_error", "end_time_error")}
+    return {n: v if v < float("inf") else None for n, v in values.items()}
+
+
 def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[str, Path]) -> None:
     from .equations import STATES
     from .outcome import BY_CODE
@@ -154,6 +166,7 @@ def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[
         "time": float(dataset.end_time),
         "outcome": outcome.word,
         "energy_error": float(dataset.energy_error),
+        **_errors(dataset),
         "evidence": str(dataset.evidence.values),
         "nearest": {
             "family": str(dataset.nearest_family.values),
@@ -182,6 +195,8 @@ def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[
     print("final     " + ", ".join(f"{name} = {value:.9g}" for name, value in final.items()))
     for event in record["events"]:
         print(f"event     {event['kind']} at {event['time']:.9g}{unit}")
+    if record["final_error"] is not None:
+        print(f"error     of the final state: {record['final_error']:.1e}, estimated")
     print(f"energy    audited to {record['energy_error']:.1e} of the initial energy")
     print(f"method    {record['method']}, {record['steps']} steps: {record['method_reason']}")
     for path in targets.values():

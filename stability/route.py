@@ -16,6 +16,8 @@ VISCOUS = "viscous"
 """Word in the names of the laws whose force is mu times the slip."""
 LARGE = 1e3
 """Friction from which the slip is resolved more finely."""
+RESOLVED = 0.01
+"""mu times the slip that is always resolved."""
 UNRESOLVED = "unresolved"
 """The kind of an end at which an integrator gave up."""
 
@@ -42,7 +44,8 @@ class Leg:
         """The absolute tolerance: finer where friction is large and the slip small."""
         names = self.flow.system.parameters
         mu = float(self.p[names.index("mu")]) if VISCOUS in self.flow.system.name else 0.0
-        return self.tolerance * min(1.0, LARGE / max(mu, LARGE))
+        # where D vanishes mu times the slip is of order one: an error that large is no motion
+        return min(self.tolerance * min(1.0, LARGE / max(mu, LARGE)), RESOLVED / max(mu, 1.0))
 
 
 @dataclass(frozen=True, eq=False)

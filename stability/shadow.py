@@ -23,9 +23,10 @@ if TYPE_CHECKING:
     from .motion import Result
 
 LOOSER = 1e3
-"""The first shadow's tolerance over that of the launch."""
+"""The first shadow's tolerance over that of the launch, up to `LOOSEST`."""
 LOOSEST = 1e-6
-"""Tolerance of a launch above which its shadow is finer instead: no scaling holds there."""
+"""Where no scaling holds any more, and a stiff motion is lost: a launch that is asked less than ten
+times as finely has a finer shadow instead."""
 FINER = 1e-2
 """That shadow's tolerance over that of the launch."""
 ROUNDING = 1e-15
@@ -85,10 +86,12 @@ def doubts(found: Sequence[Result], finest: Sequence[float], rerun: Rerun) -> li
     out: list[Doubt | None] = [None] * len(found)
     asked = np.array([r.tolerance for r in found])
     where = [i for i, r in enumerate(found) if r.outcome is not Outcome.UNRESOLVED]
-    looser = asked <= LOOSEST
-    shadow = np.maximum(np.where(looser, LOOSER * asked, FINER * asked), finest)
-    scale = np.where(looser, MARGIN * np.maximum(asked, ROUNDING) / shadow, 2.0)
-    off = np.where(looser, shadow, asked)
+    looser = 10 * asked <= LOOSEST
+    coarse = np.minimum(LOOSER * asked, LOOSEST)
+    shadow = np.maximum(np.where(looser, coarse, FINER * asked), finest)
+    own = np.maximum(asked, ROUNDING)  # what rounds away is no change of a start
+    scale = np.where(looser, MARGIN * own / shadow, 2.0)
+    off = np.where(looser, shadow, own)
     again: list[int] = []
     for i, pair in zip(where, _pairs(rerun, where, shadow[where], off[where]), strict=True):
         doubt, spread = _judged(found[i], pair)
@@ -98,7 +101,7 @@ def doubts(found: Sequence[Result], finest: Sequence[float], rerun: Rerun) -> li
             out[i] = Doubt(doubt.final_error * scale[i], doubt.time_error * scale[i])
     if again:
         fine = np.maximum(asked / 10, finest)[again]
-        for i, pair in zip(again, _pairs(rerun, again, fine, asked[again]), strict=True):
+        for i, pair in zip(again, _pairs(rerun, again, fine, own[again]), strict=True):
             doubt, spread = _judged(found[i], pair)
             # where neighbours part on the way, that they meet at the end is chance
             size = max(doubt.final_error, spread if spread > CLOSE else 0.0)

@@ -1,0 +1,421 @@
+"""Cells of a comparison: each done in a process that may fail, and kept as soon as it is done.
+
+A group of tasks shares one fresh process, in order; several groups may run side by side.  A task
+that raises, exceeds its limit of time or takes its process down is recorded as that, and the rest
+of its group goes on in another process.  Finished cells are lines of a journal in the folder of the
+comparison, so that a run that was stopped goes on where it was.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import multiprocessing
+import os
+import platform
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import Any
+
+from .. import __version__
+from ..errors import FileError, ParameterError, StabilityError
+
+JOURNAL = "cells.jsonl"
+"""Name of the journal in its folder."""
+LIBRARIES = ("casadi", "numpy", "scipy", "sympy", "python-flint", "mpmath", "heyoka")
+"""Whose versions a comparison depends on."""
+DONE, REFUSED, CRASHED, LATE = "done", "refused", "crashed", "time-out"
+"""How a cell can end."""
+SHOWN = (
+    "drawings", "strips", "squares", "workings", "page", "report", "lists", "plots", "pictures",
+    "reading", "film", "animation", "loci", "atlas", "tables", "survey", "beyond",
+)  # fmt: skip
+"""Modules that show results and make none: a change of theirs leaves cells as they are."""
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Set to 1 in the processes: small matrices are no work for several threads."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One cell to be done."""
+
+    key: str
+    """Its name, unique in the comparison."""
+    function: Callable[..., Any]
+    """Of a module, so that a process finds it; returns what JSON can hold."""
+    arguments: tuple[Any, ...]
+    """Its arguments."""
+    limit: float = 60.0
+    """Seconds after which it is given up."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell that has ended."""
+
+    key: str
+    """Name of its task."""
+    status: str
+    """done, refused, crashed or time-out."""
+    value: Any
+    """What the task returned; None unless done."""
+    message: str
+    """Why it was refused or crashed, in the words of the one who did."""
+    seconds: float
+    """How long it took, the start of its process apart."""
+
+
+class Journal:
+    """Finished cells, kept in a folder.
+
+    Parameters
+    ----------
+    folder
+        Made if it is not there.
+
+    Raises
+    ------
+    FileError
+        If it cannot be made or read.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / JOURNAL
+        self.cells: dict[str, Cell] = {}
+        head = json.dumps({"fingerprint": fingerprint()})
+        try:
+            folder.mkdir(exist_ok=True)
+            lines = self.path.read_text(encoding="utf-8").splitlines() if self.path.exists() else []
+            if not lines or lines[0] != head:  # other sources, versions or machine: nothing holds
+                self.path.write_text(head + "\n", encoding="utf-8")
+                lines = []
+        except (OSError, UnicodeDecodeError) as error:
+            what = getattr(error, "strerror", None) or "it is not text"
+            raise FileError(f"{self.path} cannot be used: {what}.") from None
+        for line in lines[1:]:
+            with contextlib.suppress(ValueError, TypeError):  # a line cut short by a power failure
+                cell = Cell(**json.loads(line))
+                self.cells[cell.key] = cell
+
+    def add(self, cell: Cell) -> None:
+        """Keep a cell, at once."""
+        self.cells[cell.key] = cell
+        with self.path.open("a", encoding="utf-8") as handle:
+            handle.write(json.dumps(vars(cell)) + "\n")
+
+
+def fingerprint() -> str:
+    """What the cells of a journal depend on: sources of the package, versions and the machine.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> fingerprint() == fingerprint()
+    True
+    """
+    digest = hashlib.sha256()
+    root = Path(__file__).resolve().parents[1]
+    for path in sorted([*root.rglob("*.py"), *root.rglob("*.json")]):
+        if path.stem in SHOWN or path.stem.startswith("cli"):
+            continue
+        digest.update(path.read_bytes())
+    digest.update(json.dumps(machine(), sort_keys=True).encode())
+    return digest.hexdigest()
+
+
+def machine() -> dict[str, str]:
+    """The machine and the versions, in words.
+
+    Returns
+    -------
+    dict
+        processor, cores, memory, system, python and the version of each library.
+
+    Examples
+    --------
+    >>> sorted(machine())[:3]
+    ['casadi', 'cores', 'memory']
+    """
+    found = {
+        "processor": _processor(), "cores": str(os.cpu_count() or 1), "memory": _memory(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(), "stability": __version__,
+    }  # fmt: skip
+    for name in LIBRARIES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "missing"
+    return found
+
+
+def _processor() -> str:
+    with contextlib.suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    return platform.processor() or platform.machine()
+
+
+def _memory() -> str:
+    try:
+        size = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return "unknown"
+    return f"{size / 2**30:.0f} GiB"
+
+
+def today() -> str:
+    """The moment, UTC.
+
+    Returns
+    -------
+    str
+    """
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+# --- running ---
+
+
+def run(
+    groups: Sequence[Sequence[Task]],
+    journal: Journal,
+    *,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, Cell]:
+    """Do what the journal does not hold yet.
+
+    Parameters
+    ----------
+    groups
+        Tasks that share a process, in order; each group starts in a fresh one.
+    journal
+        Where finished cells are, and go.
+    workers
+        Groups at a time.
+    progress
+        Called with (cells done, cells in all).
+
+    Returns
+    -------
+    dict
+        Every cell by key.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C, with a sentence that says that finished cells are kept.
+    """
+    if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
+        raise ParameterError(f"workers is {workers!r}; give a whole number above 0.")
+    total = sum(len(group) for group in groups)
+    waiting = [[t for t in group if t.key not in journal.cells] for group in groups]
+    waiting = [group for group in waiting if group]
+    done = total - sum(len(group) for group in waiting)
+    lanes: list[_Lane] = []
+    try:
+        while waiting or lanes:
+            while waiting and len(lanes) < workers:
+                lanes.append(_Lane(waiting.pop(0)))
+            if progress is not None:
+                progress(done, total)
+            for lane, cell in _ended(lanes):
+                journal.add(cell)
+                done += 1
+                if not lane.left:
+                    lane.stop()
+                    lanes.remove(lane)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"interrupted; {done} of {total} finished cells are kept in {journal.path.parent}: "
+            "give the same command again to go on"
+        ) from None
+    finally:
+        for lane in lanes:
+            lane.stop()
+    if progress is not None:
+        progress(done, total)
+    return {task.key: journal.cells[task.key] for group in groups for task in group}
+
+
+class _Lane:
+    """A process that works through a group."""
+
+    def __init__(self, tasks: Sequence[Task]) -> None:
+        self.left = list(tasks)
+        self._start()
+
+    def _start(self) -> None:
+        context = _context()
+        self.pipe, theirs = context.Pipe()
+        self.process = context.Process(target=_work, args=(theirs,), daemon=True)
+        with _single_threads():
+            self.process.start()
+        theirs.close()
+        self._next()
+
+    def _next(self) -> None:
+        task = self.left[0]
+        self.since = time.monotonic()
+        # the start of the process is not the task's
+        self.deadline = self.since + 1.5 * task.limit + 10.0
+        with contextlib.suppress(OSError):
+            self.pipe.send((task.function, task.arguments, task.limit))
+
+    def outcome(self) -> Cell | None:
+        """The cell that has ended just now, if one has."""
+        task = self.left[0]
+        found: Cell | None = None
+        dead = False
+        if self.pipe.poll():
+            try:
+                status, value, message, seconds = self.pipe.recv()
+                found = Cell(task.key, status, value, message, seconds)
+            except (EOFError, OSError):
+                dead = True
+        if found is None and not dead and time.monotonic() > self.deadline:
+            found = Cell(task.key, LATE, None, f"no answer in {task.limit:g} s", task.limit)
+            dead = True
+        elif dead or (found is None and not self.process.is_alive()):
+            dead = True
+            code = self.process.exitcode
+            took = time.monotonic() - self.since
+            found = Cell(task.key, CRASHED, None, f"its process ended with code {code}", took)
+        if found is None:
+            return None
+        self.left.pop(0)
+        if dead or found.status == LATE:
+            self.stop()
+            if self.left:
+                self._start()
+        elif self.left:
+            self._next()
+        return found
+
+    def stop(self) -> None:
+        """End the process."""
+        self.process.kill()
+        self.process.join()
+        self.pipe.close()
+
+
+def _ended(lanes: list[_Lane]) -> Iterator[tuple[_Lane, Cell]]:
+    wait([lane.pipe for lane in lanes], timeout=0.5)
+    for lane in list(lanes):
+        cell = lane.outcome()
+        if cell is not None:
+            yield lane, cell
+
+
+@contextlib.contextmanager
+def _single_threads() -> Iterator[None]:
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ |= dict.fromkeys(THREADS, "1")
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def _context() -> Any:
+    """A server that forks processes with the libraries imported, where the system has one.
+
+    Each process is fresh as far as graphs and compiled code go, which is what a first call pays.
+    """
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    wanted = ["numpy", "casadi", "scipy.integrate", "flint", "xarray", "stability.motion",
+              "stability.certify", "stability.query"]  # fmt: skip
+    if find_spec("heyoka") is not None:
+        wanted.append("heyoka")
+    context.set_forkserver_preload(wanted)
+    return context
+
+
+class Late(BaseException):
+    """The limit of time, from within a task; one that has part of an answer may catch it."""
+
+
+def _work(pipe: Connection) -> None:
+    """Answer tasks until the pipe closes."""
+    import signal
+    import warnings
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who waits
+    warnings.simplefilter("ignore")  # what a route warns of is counted as its error
+
+    def late(*_: Any) -> None:
+        raise Late
+
+    timer = hasattr(signal, "setitimer")
+    if timer:
+        signal.signal(signal.SIGALRM, late)
+    while True:
+        try:
+            function, arguments, limit = pipe.recv()
+        except (EOFError, OSError):
+            return
+        start = time.perf_counter()
+        try:
+            if timer:
+                signal.setitimer(signal.ITIMER_REAL, limit)
+            answer: tuple[str, Any, str] = (DONE, function(*arguments), "")
+        except StabilityError as error:
+            answer = (REFUSED, None, str(error))
+        except Late:
+            answer = (LATE, None, f"no answer in {limit:g} s")
+        except Exception as error:
+            answer = (CRASHED, None, f"{type(error).__name__}: {error}"[:300])
+        finally:
+            if timer:
+                signal.setitimer(signal.ITIMER_REAL, 0)
+        pipe.send((*answer, time.perf_counter() - start))
+
+
+def timed(
+    call: Callable[[], Any], *, least: int = 5, most: int = 200, budget: float = 0.4
+) -> list[float]:
+    """Seconds of each of several calls, all of them.
+
+    Parameters
+    ----------
+    call
+        What is timed.
+    least, most
+        Number of calls.
+    budget
+        Seconds after which no further call is made beyond the least.
+
+    Returns
+    -------
+    list of float
+
+    Examples
+    --------
+    >>> len(timed(lambda: None, least=3, most=3))
+    3
+    """
+    found: list[float] = []
+    begin = time.perf_counter()
+    while len(found) < least or (len(found) < most and time.perf_counter() - begin < budget):
+        start = time.perf_counter()
+        call()
+        found.append(time.perf_counter() - start)
+    return found

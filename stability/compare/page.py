@@ -1,0 +1,241 @@
+"""The page of a report: static HTML with figures, tables, and the files behind them."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..files import whole
+from . import catalogue
+from .bench import machine, today
+from .marks import Mark
+
+if TYPE_CHECKING:
+    from .report import Part, Standing
+
+PAGE = "index.html"
+TITLES = {
+    "spectrum": "Spectra: time against error",
+    "motion": "Motions: work against precision",
+    "failures": "Where methods fail",
+}
+"""Heading of each part."""
+WHY = {
+    "spectrum": "it checks that the motion is steady, removes the zeros by structure, and puts a "
+    "disc with a bound about every eigenvalue, none of which the rival does",
+    "map": "it bounds every growth rate, and hands what doubles cannot bound to exact arithmetic",
+    "map-verdict": "it proves every sign",
+    "simulate": "it runs every launch three times, which tells its error, and watches for the ends "
+    "of the motion; simulate(check=False) is charted as “unchecked”",
+}
+"""Why a default route is not the fastest where it is not."""
+ANOTHER = {
+    ("spectrum", "verdict"): "it finds the eigenvalues too",
+    ("map", "verdict"): "it finds the eigenvalues too",
+    ("simulate", "model"): "the rival is another model, whose energy account closes whatever its "
+    "path",
+}
+"""More specific reasons: for a route and a word in the panel or the rival."""
+SIGNS = {
+    Mark.RIGHT: "✓", Mark.DEGRADED: "≈", Mark.UNDECIDED: "?", Mark.REFUSED: "–", Mark.WRONG: "✗",
+    Mark.CRASHED: "‼", Mark.LATE: "⌛",
+}  # fmt: skip
+"""Sign of each mark, beside its colour."""
+STYLE = """
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 72rem;
+       margin: 0 auto; padding: 1.5rem; }
+h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { margin: 2.4rem 0 .3rem; font-size: 1.3rem; }
+p, ul { max-width: 48rem; } nav a { margin-right: 1rem; }
+figure { margin: 1.2rem 0; } figure img { width: 100%; height: auto; }
+figcaption { font-size: .85rem; color: #333; max-width: 60rem; }
+table { border-collapse: collapse; font-size: .8rem; } th, td { padding: .15rem .45rem; }
+th { text-align: left; font-weight: 600; } tr { border-bottom: 1px solid #e4e4e4; }
+.scroll { overflow-x: auto; } .scroll th.turned { writing-mode: vertical-rl; rotate: 180deg;
+  text-align: left; padding: .3rem .1rem; } td.mark { text-align: center; min-width: 1.4rem; }
+.right { background: #0072b2; color: #fff; } .degraded { background: #a6cfe8; }
+.undecided, .refused { background: #e6e6e6; } .wrong { background: #d55e00; color: #000; }
+.crashed { background: #000; color: #fff; } .late { background: #bbb; }
+.own { color: #b34700; } td.number { text-align: right; }
+details { margin: .8rem 0; } summary { cursor: pointer; }
+footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color: #444; }
+"""
+
+
+def write(folder: Path, parts: Sequence[Part]) -> Path:
+    """Write the page of a report.
+
+    Parameters
+    ----------
+    folder
+        Where figures and data lie.
+    parts
+        The parts that are whole.
+
+    Returns
+    -------
+    Path
+        `index.html` in the folder.
+    """
+    body = [
+        "<!doctype html>", '<html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        "<title>stability: cost against error, and where methods fail</title>",
+        f"<style>{STYLE}</style></head><body>",
+        "<h1>Cost against error, and where methods fail</h1>", _lead(machine()),
+        "<nav>" + "".join(f'<a href="#{p.name}">{TITLES[p.name]}</a>' for p in parts) + "</nav>",
+    ]  # fmt: skip
+    for one in parts:
+        body += [f'<h2 id="{one.name}">{TITLES[one.name]}</h2>', *_section(one)]
+    body.append(_footer(machine()))
+    target = folder / PAGE
+    with whole(target, overwrite=True) as beside:
+        beside.write_text("\n".join(body) + "\n", encoding="utf-8")
+    return target
+
+
+def _lead(here: Mapping[str, str]) -> str:
+    return (
+        "<p>Every quantity of the rolling and sliding disk has several routes to it. Here they "
+        "answer the same questions on one machine: how long does each take, how far is it from the "
+        f"truth, and where does it go wrong? Measured on {html.escape(here['processor'])}, "
+        f"{here['cores']} cores, {here['memory']}. Times are those of this machine on that day; "
+        "ratios within a panel are what carries over. The package's routes are vermilion.</p>"
+    )
+
+
+def _footer(here: Mapping[str, str]) -> str:
+    versions = ", ".join(
+        f"{name} {v}"
+        for name, v in here.items()
+        if name not in ("processor", "cores", "memory", "system", "stability")
+    )
+    return (
+        f"<footer><p>Made by <code>stability report</code>, stability {here['stability']}, "
+        f"{today()}, on {html.escape(here['processor'])}, {here['cores']} cores, {here['memory']}, "
+        f"{html.escape(here['system'])}; {html.escape(versions)}.</p></footer></body></html>"
+    )
+
+
+def _section(one: Part) -> list[str]:
+    files = ", ".join(f'<a href="{name}">{name}</a>' for name in one.data)
+    found = [f"<p>Numbers behind it, every raw timing among them: {files}.</p>"]
+    if one.name == "failures":
+        found += _verdict(one.chart)
+    else:
+        found += _standings(one)
+    for plate in one.plates:
+        links = " · ".join(f'<a href="{plate.stem}.{s}">{s.upper()}</a>' for s in ("png", "pdf"))
+        found.append(
+            f'<figure><img src="{plate.stem}.png" alt="{html.escape(plate.caption[:90])}" '
+            f'loading="lazy"><figcaption>{html.escape(plate.caption)} {links}</figcaption></figure>'
+        )
+    if one.name == "failures":
+        found += _tables(one.chart)
+    return found
+
+
+# --- charts ---
+
+
+def reason(standing: Standing) -> str:
+    """Why a route is not on the front.
+
+    Parameters
+    ----------
+    standing
+        Where it stands.
+
+    Returns
+    -------
+    str
+    """
+    for (route, word), text in ANOTHER.items():
+        if route == standing.route and (word in standing.panel or word in standing.rival):
+            return text
+    return WHY[standing.route]
+
+
+def _standings(one: Part) -> list[str]:
+    from .report import standings
+
+    found = standings(one)
+    front = sum(s.on_front for s in found)
+    lines = [
+        f"<p>The routes that the package takes by default are on the Pareto front in {front} of "
+        f"{len(found)} places; where not, by what factor they are slower than the fastest route "
+        "that is as accurate, and why:</p>",
+        '<details open><summary>Where the defaults stand</summary><div class="scroll"><table>',
+        "<tr><th>panel</th><th>route</th><th>front</th><th>times slower than</th><th></th>"
+        "<th>because</th></tr>",
+    ]
+    for s in found:
+        rest = (
+            "<td></td><td></td><td></td>" if s.on_front else
+            f'<td class="number">{s.factor:.3g}</td><td>{s.rival}</td>'
+            f"<td>{html.escape(reason(s))}</td>"
+        )  # fmt: skip
+        mark = "yes" if s.on_front else "no"
+        lines.append(
+            f'<tr><td>{html.escape(s.panel)}</td><td class="own">{s.route}</td>'
+            f"<td>{mark}</td>{rest}</tr>"
+        )
+    return [*lines, "</table></div></details>"]
+
+
+# --- catalogue ---
+
+
+def _verdict(found: Sequence[catalogue.Entry]) -> list[str]:
+    bad = catalogue.misleading(found)
+    asked = [e for e in found if e.mark is not None]
+    defaults = {name for name, default in catalogue.own_methods().items() if default}
+    mine = [e for e in asked if e.method in defaults]
+    counts = {mark: sum(e.mark is mark for e in mine) for mark in Mark}
+    told = ", ".join(f"{n} {mark.word}" for mark, n in counts.items() if n)
+    cases = len({(e.part, e.case) for e in asked})
+    lines = [
+        f"<p>{cases} hard cases, {len(asked)} answers. The routes that the package takes by "
+        f"default gave {len(mine)} of them: {told}.</p>"
+    ]
+    if bad:
+        rows = "; ".join(f"{e.case}, {e.method}: {e.mark.word if e.mark else ''}" for e in bad)
+        lines.append(f"<p><strong>Misleading: {html.escape(rows)}.</strong></p>")
+    legend = "".join(
+        f'<li><span class="{mark.word}">&nbsp;{SIGNS[mark]}&nbsp;</span> {mark.value}</li>'
+        for mark in Mark
+    )
+    return [*lines, f"<ul>{legend}</ul>"]
+
+
+def _tables(found: Sequence[catalogue.Entry]) -> list[str]:
+    lines = []
+    for part, heading in ((catalogue.LINEAR, "Linear analysis"), (catalogue.MOTION, "Motion")):
+        mine = [e for e in found if e.part == part]
+        methods = list(dict.fromkeys(e.method for e in mine))
+        own = catalogue.own_methods()
+        head = "".join(f'<th class="turned{" own" if m in own else ""}">{m}</th>' for m in methods)
+        lines += [
+            f"<details><summary>{heading}: the table; point at a cell to read what was seen"
+            f'</summary><div class="scroll"><table><tr><th>case</th>{head}</tr>'
+        ]
+        cases = catalogue.texts(part)
+        for case in dict.fromkeys(e.case for e in mine):
+            row = "".join(_cell(e) for e in mine if e.case == case)
+            physics, known = cases[case]
+            tip = html.escape(f"{physics}. Known: {known}", quote=True)
+            lines.append(f'<tr><td title="{tip}">{html.escape(case)}</td>{row}</tr>')
+        lines.append("</table></div></details>")
+    return lines
+
+
+def _cell(entry: catalogue.Entry) -> str:
+    if entry.mark is None:
+        return "<td></td>"
+    digits = ""
+    if entry.mark is Mark.DEGRADED and entry.digits == entry.digits:
+        digits = f"{entry.digits:.0f}"
+    tip = html.escape(f"{entry.method}: {entry.mark.word}. {entry.note}", quote=True)
+    return f'<td class="mark {entry.mark.word}" title="{tip}">{digits or SIGNS[entry.mark]}</td>'

@@ -1,0 +1,382 @@
+"""The report: both charts and the catalogue in one folder, with the numbers behind them and a page.
+
+Cells are kept in the folder as they are finished, so a run that was stopped goes on where it was;
+figures, tables and page are written when a part is whole.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import FileError, NameUnknownError
+from ..files import whole
+from . import catalogue, motion_data, spectral, spectral_data, works
+from .bench import JOURNAL, Cell, Journal, Task, run
+from .classes import classes
+from .scenes import scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SPECTRUM, MOTION, FAILURES = "spectrum", "motion", "failures"
+PARTS: dict[str, Callable[[], list[list[Task]]]] = {
+    SPECTRUM: spectral.tasks, MOTION: works.tasks, FAILURES: catalogue.tasks,
+}  # fmt: skip
+"""The parts of a report, each with its cells."""
+ALONE = (SPECTRUM, MOTION)
+"""Parts that are timed, and so have the machine to themselves."""
+METRICS = {
+    "path": "the whole path", "final": "the last state", "audit": "the energy account",
+    "event": "the time of the end or of the events",
+}  # fmt: skip
+"""Errors of motions, in words."""
+QUANTITIES = {
+    "eigenvalues": "eigenvalues", "abscissa": "the abscissa", "verdict": "verdicts",
+    "boundary": "places of boundaries",
+}  # fmt: skip
+"""What is charted of spectra, in words."""
+
+
+@dataclass(frozen=True)
+class Plate:
+    """One figure of a report."""
+
+    stem: str
+    """File name without suffix."""
+    caption: str
+    """What was computed."""
+    draw: Callable[[], Figure]
+    """Draws it."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of a report that is whole."""
+
+    name: str
+    """spectrum, motion or failures."""
+    plates: tuple[Plate, ...]
+    """Its figures."""
+    data: tuple[str, ...]
+    """Names of its files of numbers."""
+    chart: Any
+    """Its dataset, or the entries of the catalogue."""
+
+
+def report(
+    out: str | os.PathLike[str],
+    parts: Sequence[str] = tuple(PARTS),
+    *,
+    force: bool = False,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Make a report, or go on with one that was stopped.
+
+    Parameters
+    ----------
+    out
+        Folder to make; one with a journal is gone on with, so long as the package, the libraries
+        and the machine are those it was begun with.
+    parts
+        `spectrum`, `motion`, `failures`: which of them to make; the page shows the others too
+        where the folder holds all of their cells.
+    force
+        Whether a folder that holds other files may be written into.
+    workers
+        Processes for the catalogue; all cores when left out.  Charts take one: they are timed.
+    progress
+        Called with (cells done, cells in all).
+
+    Returns
+    -------
+    Path
+        The page, `index.html` in the folder.
+
+    Raises
+    ------
+    FileError
+        If the folder cannot be used.
+    NameUnknownError
+        If there is no such part.
+    KeyboardInterrupt
+        On Ctrl-C; finished cells are kept.
+
+    Source: the truth of spectra is proved in balls, that of motions rests on two integrations in
+    many digits (benchmarks/truths.py); tests/test_compare.py.
+    """
+    from .page import write
+
+    wanted = _checked(parts)
+    folder = _folder(Path(out), force)
+    journal = Journal(folder)
+    plan = [group for name in wanted for group in PARTS[name]()]
+    total, before = sum(map(len, plan)), 0
+    for name in wanted:
+        groups = PARTS[name]()
+        count = sum(map(len, groups))
+
+        def told(done: int, _: int, base: int = before) -> None:
+            if progress is not None:
+                progress(base + done, total)
+
+        lanes = 1 if name in ALONE else workers or os.cpu_count() or 1
+        run(groups, journal, workers=lanes, progress=told)
+        before += count
+    ready = [part(name, journal.cells) for name in PARTS if _whole(name, journal)]
+    for one in ready:
+        if one.name in wanted or not all((folder / name).exists() for name in one.data):
+            _write(folder, one, journal.cells)
+    return write(folder, ready)
+
+
+def _checked(parts: Sequence[str]) -> list[str]:
+    for name in parts:
+        if name not in PARTS:
+            raise NameUnknownError(f"part is {name!r}; known are {', '.join(PARTS)}.")
+    return [name for name in PARTS if name in parts]
+
+
+def _folder(target: Path, force: bool) -> Path:
+    if target.exists() and not target.is_dir():
+        raise FileError(f"{target} is a file; give the name of a folder.")
+    if not target.parent.is_dir():
+        raise FileError(f"the folder {target.parent} does not exist; create it first.")
+    if target.is_dir() and any(target.iterdir()) and not (target / JOURNAL).exists() and not force:
+        raise FileError(f"{target} holds other files; choose another folder, or use --force.")
+    if not os.access(target if target.is_dir() else target.parent, os.W_OK):
+        raise FileError(f"{target} cannot be written: its folder is not writable.")
+    return target
+
+
+def _whole(name: str, journal: Journal) -> bool:
+    return all(task.key in journal.cells for group in PARTS[name]() for task in group)
+
+
+# --- parts ---
+
+
+def part(name: str, cells: Mapping[str, Cell]) -> Part:
+    """A part from its cells.
+
+    Parameters
+    ----------
+    name
+        Which.
+    cells
+        All of its cells by key.
+
+    Returns
+    -------
+    Part
+    """
+    return {SPECTRUM: _spectrum, MOTION: _motion, FAILURES: _failures}[name](cells)
+
+
+def _spectrum(cells: Mapping[str, Cell]) -> Part:
+    from . import drawings
+
+    chart = spectral_data.dataset(cells)
+    plates = [
+        Plate(
+            f"spectrum-{q}", _spectrum_caption(chart, q),
+            lambda q=q: drawings.spectrum_figure(chart, q),  # type: ignore[misc]
+        )
+        for q in ("eigenvalues", "abscissa", "verdict")
+    ]  # fmt: skip
+    plates.append(Plate(
+        "spectrum-boundary",
+        "Routes to the place of a boundary: time for one boundary against relative error, on "
+        f"{chart.sizes['boundary']} boundaries (slow routes on every {spectral.SPARSE}th): "
+        "bisection on a route's verdict from 1 % off, and for the package its own boundaries() in "
+        "the same bracket. Crosses: boundaries not found, since the route gives both ends the same "
+        "verdict.",
+        lambda: drawings.boundary_figure(chart),
+    ))  # fmt: skip
+    return Part(SPECTRUM, tuple(plates), ("spectrum.nc", "spectrum.csv", "boundaries.csv"), chart)
+
+
+def _spectrum_caption(chart: Any, quantity: str) -> str:
+    error = {
+        "eigenvalues": "the largest error of the eigenvalues over the points, relative to the "
+        "largest modulus, after the best matching",
+        "abscissa": "the largest error of the abscissa over the points, relative to itself",
+        "verdict": "the share of points left undecided",
+    }[quantity]
+    count = int(np.nanmax(chart["count"].values))
+    return (
+        f"Routes to {QUANTITIES[quantity]}: time a point, at the route's best (a batch of "
+        f"{spectral.MANY} where it takes arrays), against {error}; up to {count} points a class. "
+        "Lines: to the time of a call with one point, and down to the median error. A route with a "
+        "wrong verdict stands in the strip above, with their number. Step line: the Pareto front "
+        f"of the others. Truth: {chart.attrs['truth']}."
+    )
+
+
+def _motion(cells: Mapping[str, Cell]) -> Part:
+    from . import drawings
+
+    chart = motion_data.dataset(cells)
+    plates = [
+        Plate(
+            f"motion-{m}",
+            f"Work against precision, error of {text}: median time of a run against error for each "
+            "tolerance (steps for rk4, ε for regularised), without the first call. Rungs with a "
+            f"wrong outcome stand in the strip above. Truth: {chart.attrs['truth']}.",
+            lambda m=m: drawings.motion_figure(chart, m),  # type: ignore[misc]
+        )
+        for m, text in METRICS.items()
+    ]  # fmt: skip
+    plates.append(Plate(
+        "motion-first",
+        "What the first call costs: a run in a fresh process (graphs built, code compiled, imports "
+        "apart) and the median of repeats at the middle tolerance.",
+        lambda: drawings.first_call_figure(chart),
+    ))  # fmt: skip
+    return Part(MOTION, tuple(plates), ("motion.nc", "motion.csv"), chart)
+
+
+def _failures(cells: Mapping[str, Cell]) -> Part:
+    found = catalogue.entries(cells)
+    plates = [
+        Plate(
+            f"failures-{name}",
+            f"{heading}: every hard case against every method. Numbers are digits, or decades of "
+            "distance from a boundary, that are left. The package's routes stand apart.",
+            lambda name=name: _heat_map(found, name),  # type: ignore[misc]
+        )
+        for name, heading in ((catalogue.LINEAR, "Linear analysis"), (catalogue.MOTION, "Motion"))
+    ]  # fmt: skip
+    plates.append(Plate(
+        "failures-ladder",
+        "Verdicts on both sides of boundaries, at relative distances 10⁻¹ to 10⁻¹⁵: shares of the "
+        f"{len(_ladders())} boundaries for which each route is right, undecided or wrong.",
+        lambda: _ladder_figure(cells),
+    ))  # fmt: skip
+    return Part(FAILURES, tuple(plates), ("failures.md", "failures.csv"), found)
+
+
+def _ladders() -> tuple[Any, ...]:
+    from .cases import LADDERS
+
+    return LADDERS
+
+
+def _heat_map(found: Sequence[catalogue.Entry], name: str) -> Figure:
+    from . import drawings
+
+    mine = [e for e in found if e.part == name]
+    cases = list(dict.fromkeys(e.case for e in mine))
+    methods = list(dict.fromkeys(e.method for e in mine))
+    marks = np.array([e.mark.word if e.mark else "" for e in mine]).reshape(len(cases), -1)
+    digits = np.array([e.digits for e in mine], dtype=float).reshape(marks.shape)
+    groups: dict[str, list[str]] = {}
+    for e in mine:
+        if e.case not in groups.setdefault(e.group, []):
+            groups[e.group].append(e.case)
+    own = [method in catalogue.own_methods() for method in methods]
+    return drawings.catalogue_figure(
+        cases, methods, own, marks, digits, groups=[(g, len(c)) for g, c in groups.items()]
+    )
+
+
+def _ladder_figure(cells: Mapping[str, Cell]) -> Figure:
+    from . import drawings
+    from .cases import DECADES
+
+    counts = catalogue.ladder(cells)
+    share = np.array([
+        [[c[w] / max(1, sum(c.values())) for w in ("right", "undecided", "wrong")] for c in row]
+        for row in counts.values()
+    ])  # fmt: skip
+    own = [name in catalogue.own_methods() for name in counts]
+    return drawings.ladder_figure(list(counts), own, list(DECADES), share)
+
+
+# --- files ---
+
+
+def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
+    import matplotlib.pyplot as plt
+
+    for plate in one.plates:
+        figure = plate.draw()
+        for suffix in (".png", ".pdf"):
+            with whole(folder / f"{plate.stem}{suffix}", overwrite=True) as beside:
+                figure.savefig(beside, dpi=300)
+        plt.close(figure)
+    for name, text in _texts(one, cells).items():
+        with whole(folder / name, overwrite=True) as beside:
+            beside.write_text(text, encoding="utf-8")
+    if one.name != FAILURES:
+        with whole(folder / f"{one.name}.nc", overwrite=True) as beside:
+            beside.write_bytes(one.chart.to_netcdf(engine="h5netcdf"))
+
+
+def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:
+    from .lists import boundary_csv, motion_csv, spectrum_csv
+
+    if one.name == FAILURES:
+        return {"failures.csv": catalogue.as_csv(one.chart),
+                "failures.md": catalogue.as_markdown(one.chart)}  # fmt: skip
+    if one.name == MOTION:
+        return {"motion.csv": motion_csv(cells)}
+    return {"spectrum.csv": spectrum_csv(cells), "boundaries.csv": boundary_csv(cells)}
+
+
+# --- what the charts say ---
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Where one of the package's default routes stands in a panel."""
+
+    panel: str
+    """What is asked, and where."""
+    route: str
+    """The route."""
+    on_front: bool
+    """Whether it is on the Pareto front."""
+    factor: float
+    """Its time over that of the fastest route that is as accurate."""
+    rival: str
+    """That route."""
+
+
+def standings(one: Part) -> list[Standing]:
+    """The standing of the package's default routes in every panel of a chart.
+
+    Parameters
+    ----------
+    one
+        The part: spectrum or motion.
+
+    Returns
+    -------
+    list of Standing
+    """
+    found = []
+    defaults = {name for name, default in catalogue.own_methods().items() if default}
+    panels: list[tuple[str, Any]] = []
+    if one.name == SPECTRUM:
+        for quantity, text in QUANTITIES.items():
+            for kind in classes() if quantity != "boundary" else ("",):
+                place = spectral_data.standing(one.chart, quantity, kind)
+                panels.append((f"{text}, {kind}".rstrip(", "), place))
+    else:
+        for which in works.CHARTED:
+            for metric, text in METRICS.items():
+                if metric != "event" or scene(which).ends or scene(which).events:
+                    place = motion_data.standing(one.chart, which, metric)
+                    panels.append((f"{text}, {which}", place))
+    for panel, places in panels:
+        for route, place in places.items():
+            if route in defaults:
+                found.append(Standing(panel, route, place.on_front, place.factor, place.rival))
+    return found

@@ -1,0 +1,219 @@
+"""Cells are kept, processes may fail, and a report is whole or not there."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import pytest
+
+import stability as st
+from stability.cli import main
+from stability.compare import bench, catalogue, report, spectral, spectral_data, works
+from stability.compare import motion_data as motion_data
+from stability.compare.bench import CRASHED, DONE, LATE, REFUSED, Journal, Task, run
+
+# functions of a task must be found by name in another process
+SQUARE = "operator"
+
+
+def tasks(*rows: tuple[str, Any, tuple[Any, ...]], limit: float = 20.0) -> list[Task]:
+    return [Task(key, function, arguments, limit) for key, function, arguments in rows]
+
+
+def test_a_task_that_fails_takes_no_other_with_it(tmp_path: Path) -> None:
+    import operator
+
+    group = tasks(
+        ("good", operator.add, (1, 2)), ("raises", operator.truediv, (1, 0)),
+        ("dies", os._exit, (3,)), ("refuses", spectral.route, ("nonsense",)),
+        ("after", operator.mul, (6, 7)),
+    )  # fmt: skip
+    group.insert(3, Task("sleeps", time.sleep, (60,), 0.3))
+    cells = run([group], Journal(tmp_path / "a"))
+    assert {k: c.status for k, c in cells.items()} == {
+        "good": DONE, "raises": CRASHED, "dies": CRASHED, "sleeps": LATE, "refuses": REFUSED,
+        "after": DONE,
+    }  # fmt: skip
+    assert (cells["good"].value, cells["after"].value) == (3, 42)
+    assert cells["raises"].message == "ZeroDivisionError: division by zero"
+    assert cells["dies"].message == "its process ended with code 3"
+    assert "known are forward" in cells["refuses"].message
+
+
+def test_finished_cells_are_kept_and_not_done_again(tmp_path: Path) -> None:
+    clock = [[Task("one", time.time, ()), Task("two", time.time, ())]]
+    first = run(clock, Journal(tmp_path / "a"))
+    path = tmp_path / "a" / bench.JOURNAL
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join(lines[:2]) + '\n{"key": "tw')  # stopped in the middle of a line
+    again = run(clock, Journal(tmp_path / "a"))
+    assert again["one"].value == first["one"].value
+    assert again["two"].value > first["two"].value
+
+
+def test_a_journal_of_other_sources_is_begun_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = [[Task("one", time.time, ())]]
+    first = run(clock, Journal(tmp_path / "a"))
+    monkeypatch.setattr(bench, "fingerprint", lambda: "another")
+    assert run(clock, Journal(tmp_path / "a"))["one"].value > first["one"].value
+
+
+def test_groups_run_side_by_side_and_progress_is_told(tmp_path: Path) -> None:
+    groups = [[Task(str(i), time.sleep, (0.2,))] for i in range(4)]
+    seen: list[tuple[int, int]] = []
+    run(groups, Journal(tmp_path / "a"), workers=2, progress=lambda d, t: seen.append((d, t)))
+    assert seen[-1] == (4, 4)
+    assert [d for d, _ in seen] == sorted(d for d, _ in seen)
+
+
+def test_processes_are_fresh_for_each_group_alone(tmp_path: Path) -> None:
+    groups = [[Task("a", os.getpid, ()), Task("b", os.getpid, ())], [Task("c", os.getpid, ())]]
+    cells = {k: c.value for k, c in run(groups, Journal(tmp_path / "j")).items()}
+    assert cells["a"] == cells["b"] != cells["c"]
+
+
+def test_the_fingerprint_knows_the_sources_and_not_the_figures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import shutil
+
+    root = Path(st.__file__).parent
+    copy = tmp_path / "stability"
+    shutil.copytree(root, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(bench, "__file__", str(copy / "compare" / "bench.py"))
+    before = bench.fingerprint()
+    (copy / "compare" / "page.py").write_text("# another page")
+    assert bench.fingerprint() == before
+    (copy / "growth.py").write_text("# another kernel")
+    assert bench.fingerprint() != before
+
+
+# --- reports of a few cells ---
+
+
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A report of few routes, classes, scenes and cases."""
+    routes = ("ad-1e-9", "certified", "map", "spectrum")
+    for module in (spectral, spectral_data):
+        monkeypatch.setattr(module, "CHARTED", routes)
+    scenes = {n: works.CHARTED[n] for n in ("gentle", "stiff-10000")}
+    drivers = ("simulate", "rk4", "rough-model")
+    for module in (works, motion_data):
+        monkeypatch.setattr(module, "CHARTED", scenes)
+        monkeypatch.setattr(module, "NAMES", drivers)
+    monkeypatch.setattr(catalogue, "ROUTE_NAMES", ("ad-raw", "sympy-solved", "spectrum"))
+    monkeypatch.setattr(catalogue, "DRIVER_NAMES", ("rk4", "regularised", "simulate"))
+    cases = {
+        n: catalogue.CASES[n]
+        for n in list(catalogue.CASES)[:1]
+        + ["two structural zeros", "1/cosθ left by computer algebra", "non-steady operating point"]
+    }
+    motion = {n: catalogue.MOTION_CASES[n] for n in ("lifts off", "slides, then sticks")}
+    monkeypatch.setattr(catalogue, "CASES", cases)
+    monkeypatch.setattr(catalogue, "MOTION_CASES", motion)
+
+
+@pytest.mark.usefixtures("small")
+def test_a_report_holds_figures_numbers_and_a_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "report"
+    assert main(["report", "--out", str(out), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["failures"]["misleading"] == []
+    assert found["failures"]["marks"]["ad-raw"]["wrong"] >= 2
+    page = (out / "index.html").read_text()
+    for name in ("spectrum", "motion", "failures"):
+        for file in found[name]["files"]:
+            assert Path(file).stat().st_size > 100
+            assert Path(file).name in page
+    assert found["machine"]["processor"] in page.replace("&amp;", "&")
+    assert "stability " + st.__version__ in page
+    assert not [p for p in out.iterdir() if p.name.startswith(".")]
+    rows = list(csv.DictReader((out / "failures.csv").open()))
+    assert len(rows) == 4 * 3 + 2 * 3
+    marks = {(r["case"], r["method"]): r["mark"] for r in rows}
+    assert marks["two structural zeros", "ad-raw"] == "wrong"
+    assert marks["non-steady operating point", "spectrum"] == "refused"
+    assert marks["1/cosθ left by computer algebra", "sympy-solved"] in ("crashed", "wrong")
+    assert marks["slides, then sticks", "rk4"] == ""
+    assert marks["slides, then sticks", "simulate"] == "right"
+    chart = motion_data_of(out / "motion.nc")
+    assert chart.seconds.sel(scene="gentle", driver="rk4").notnull().sum() > 8
+    assert plt.get_fignums() == []
+    # told again, nothing is done again
+    before = (out / bench.JOURNAL).read_text()
+    assert main(["failures", "--out", str(out)]) == 0
+    text = capsys.readouterr().out
+    assert "default routes that mislead: 0" in text
+    assert (out / bench.JOURNAL).read_text() == before
+    assert main(["chart", "spectrum", "--out", str(out)]) == 0
+    assert "on the Pareto front in" in capsys.readouterr().out
+
+
+def motion_data_of(path: Path) -> Any:
+    import xarray
+
+    with xarray.open_dataset(path, engine="h5netcdf") as data:
+        return data.load()
+
+
+@pytest.mark.usefixtures("small")
+def test_a_part_alone_makes_a_page_of_that_part(tmp_path: Path) -> None:
+    page = st.report(tmp_path / "r", ["failures"])
+    text = page.read_text()
+    assert "Where methods fail" in text and "Work against precision" not in text
+
+
+def test_bad_input_gets_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("x")
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "mine.txt").write_text("x")
+    for words, expected in (
+        (["chart", "spectra", "--out", "r"], "chart is 'spectra'; known are spectrum, motion."),
+        (["chart", "spectrum"], "the following arguments are required: --out"),
+        (["report", "--out", str(tmp_path / "file")], "is a file; give the name of a folder."),
+        (["report", "--out", str(tmp_path / "no" / "r")], "does not exist; create it first."),
+        (["failures", "--out", str(other)], "holds other files; choose another folder, or use"),
+        (["failures", "--out", "r", "--workers", "0"], "--workers is 0; give a whole number"),
+    ):
+        try:
+            code = main(words)
+        except SystemExit as stop:
+            code = int(str(stop.code))
+        said = capsys.readouterr().err
+        assert code == 2
+        assert expected in said
+        assert said.count("\n") == 1
+    assert [p.name for p in other.iterdir()] == ["mine.txt"]
+    with pytest.raises(st.StabilityError, match="part is 'all'; known are spectrum, motion"):
+        report.report(tmp_path / "r", ["all"])
+    assert not (tmp_path / "r").exists()
+
+
+def test_an_interrupted_report_is_gone_on_with(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "stability", "chart", "spectrum", "--out", str(tmp_path / "r")]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    journal = tmp_path / "r" / bench.JOURNAL
+    end = time.monotonic() + 90
+    while time.monotonic() < end and (not journal.exists() or journal.read_text().count("\n") < 3):
+        time.sleep(0.2)
+    os.kill(process.pid, signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "finished cells are kept in" in said and "Traceback" not in said
+    cells = Journal(tmp_path / "r").cells
+    assert len(cells) >= 2
+    assert all(c.status == DONE for c in cells.values())
+    assert [p.name for p in (tmp_path / "r").iterdir()] == [bench.JOURNAL]
