@@ -3,11 +3,16 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: atlas test test-long lint bench derive lock clean
+.PHONY: atlas report peers test test-long lint bench derive lock clean
 
 # The main job: the stability diagrams of three bodies, in atlas/index.html.
 atlas: $(READY)
 	$(BIN)/stability atlas --out atlas --force
+
+# Cost against error by every route, and where methods fail, measured on this machine, in
+# report/index.html; what was finished before an interruption is kept.
+report: $(READY)
+	$(BIN)/stability report --out report
 
 # Lint, types and every test.
 test: lint
@@ -22,6 +27,12 @@ bench: $(READY)
 	$(BIN)/python benchmarks/maps.py $(ARGS)
 	$(BIN)/python benchmarks/kernels.py $(ARGS)
 	$(BIN)/python benchmarks/motion.py $(ARGS)
+
+# Other people's codes beside this one; what is not installed is reported as missing.
+peers: $(READY)
+	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[peers]'
+	for peer in sympy_kane heyoka_raw auto mujoco_disk; do \
+	  echo; echo "== $$peer"; $(BIN)/python benchmarks/peers/$$peer.py || exit 1; done
 
 # Every polynomial and condition derived anew from the graph, into stability/data/exact.json.
 derive: $(READY)
@@ -44,4 +55,4 @@ $(READY): pyproject.toml constraints.txt
 	@touch $@
 
 clean:
-	rm -rf .venv atlas build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv atlas report build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -290,6 +290,7 @@ class _Lane:
             dead = True
         elif dead or (found is None and not self.process.is_alive()):
             dead = True
+            self.process.join(5)
             code = self.process.exitcode
             took = time.monotonic() - self.since
             found = Cell(task.key, CRASHED, None, f"its process ended with code {code}", took)

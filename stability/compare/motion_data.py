@@ -48,8 +48,9 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
 
     kinds, names = list(CHARTED), list(NAMES)
     rungs = max(len(DRIVERS[n].tolerances) for n in names)
-    repeats = max((len(r.get("seconds", ())) for c in cells.values() if c.value
-                   for r in c.value["rows"]), default=1)  # fmt: skip
+    repeats = max((len(r.get("seconds", ())) for key, c in cells.items()
+                   if key.startswith("motion/") and c.value for r in c.value["rows"]),
+                  default=1)  # fmt: skip
     shape = (len(kinds), len(names), rungs)
     numbers = {key: np.full(shape, np.nan) for key in ("tolerance", *LONG)}
     seconds = np.full((*shape, repeats), np.nan)

@@ -256,7 +256,8 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
     plates.append(Plate(
         "failures-ladder",
         "Verdicts on both sides of boundaries, at relative distances 10⁻¹ to 10⁻¹⁵: shares of the "
-        f"{len(_ladders())} boundaries for which each route is right, undecided or wrong.",
+        f"{len(_ladders())} boundaries for which each route is right, undecided or wrong; "
+        "blank where it crashed.",
         lambda: _ladder_figure(cells),
     ))  # fmt: skip
     return Part(FAILURES, tuple(plates), ("failures.md", "failures.csv"), found)
@@ -292,11 +293,11 @@ def _ladder_figure(cells: Mapping[str, Cell]) -> Figure:
 
     counts = catalogue.ladder(cells)
     share = np.array([
-        [[c[w] / max(1, sum(c.values())) for w in ("right", "undecided", "wrong")] for c in row]
+        [[c[w] / len(_ladders()) for w in ("right", "undecided", "wrong")] for c in row]
         for row in counts.values()
     ])  # fmt: skip
     own = [name in catalogue.own_methods() for name in counts]
-    return drawings.ladder_figure(list(counts), own, list(DECADES), share)
+    return drawings.ladder_figure(list(counts), own, [-d for d in DECADES], share)
 
 
 # --- files ---

@@ -26,9 +26,9 @@ CHARTED: dict[str, str] = {
 """Scenes of the chart and their titles."""
 NAMES = tuple(d.name for d in (*OWN, *PEOPLE, *MODELS))
 """Drivers of the chart."""
-PATIENCE = 0.7
+PATIENCE = 0.5
 """Seconds of a run after which tighter tolerances are not tried."""
-LIMIT = 12.0
+LIMIT = 8.0
 """Seconds that one cell may take."""
 METRICS = ("final", "path", "audit", "event")
 """Errors kept side by side."""
@@ -71,6 +71,8 @@ def measure(which: str, name: str) -> dict[str, Any]:
             motion = mine.run(it, times, tolerance)
             took = time.perf_counter() - start
             out["first"] = took if out["first"] is None else out["first"]
+            if took > PATIENCE:  # which may have been compiling: Taylor's order has its own code
+                took = _once(mine, it, tolerance)
             row = judged(it, motion)
             row |= {"seconds": _repeated(mine, it, tolerance, took), "message": ""}
         except (StabilityError, ArithmeticError, ValueError, RuntimeError) as error:
@@ -84,16 +86,20 @@ def measure(which: str, name: str) -> dict[str, Any]:
     return out
 
 
+def _once(mine: Driver, it: Scene, tolerance: float) -> float:
+    start = time.perf_counter()
+    mine.run(it, it.asked, tolerance)
+    return time.perf_counter() - start
+
+
 def _repeated(mine: Driver, it: Scene, tolerance: float, took: float) -> list[float]:
     """Seconds of each repeat; the one run itself where it took long."""
     if took > PATIENCE:
         return [took]
     seconds: list[float] = []
     begin = time.perf_counter()
-    while not seconds or (len(seconds) < 9 and time.perf_counter() - begin < 0.2):
-        start = time.perf_counter()
-        mine.run(it, it.asked, tolerance)
-        seconds.append(time.perf_counter() - start)
+    while not seconds or (len(seconds) < 9 and time.perf_counter() - begin < 0.12):
+        seconds.append(_once(mine, it, tolerance))
     return seconds
 
 
