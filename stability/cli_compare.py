@@ -88,7 +88,7 @@ def summary(folder: Path, parts: tuple[str, ...]) -> dict[str, Any]:
         which a default route misleads.
     """
     from .compare import catalogue
-    from .compare.bench import Journal, machine
+    from .compare.journal import Journal, machine
     from .compare.report import FAILURES, part, standings
 
     cells = Journal(folder).cells

@@ -24,7 +24,7 @@ FINEST = {
     **dict.fromkeys(sundials.METHODS, sundials.FINEST),
 }  # fmt: skip
 """The smallest tolerance that each passes on to its library."""
-TURN, TURN_POWER = {HEYOKA: 800.0, "dop853": 190.0}, 0.12
+TURN, TURN_POWER = {HEYOKA: 500.0, "dop853": 190.0}, 0.12
 """An explicit method is dearer where stiffness exceeds TURN (tolerance / 1e-6)^-TURN_POWER: dearer
 for the error that it ends with, which for Taylor's is far below that of CVODES at one tolerance."""
 PATIENCE = 4.0

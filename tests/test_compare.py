@@ -15,13 +15,14 @@ from stability.compare import catalogue, routes, spectral
 from stability.compare.cases import CASES, LADDERS, Case, DoubleZero, NonSteady
 from stability.compare.catalogue import Entry, attempt
 from stability.compare.classes import EDGES, MEETINGS, classes, coalescence, points_of
+from stability.compare.digits import ManyDigits
 from stability.compare.drivers import DRIVERS, Driver, Motion, driver, simulated
 from stability.compare.front import places
 from stability.compare.marks import HONEST, Judgement, Mark, by_error
 from stability.compare.motion_cases import MOTION_CASES, MotionCase
 from stability.compare.own import OWN, Certified, Deflated, MapKernel
 from stability.compare.points import Points
-from stability.compare.routes import AutomaticJacobian, AutomaticRaw, ManyDigits, Route
+from stability.compare.routes import AutomaticJacobian, AutomaticRaw, Route
 from stability.compare.scenes import Scene, scene, scenes
 from stability.compare.symbolic import kept_mass
 from stability.compare.works import judged

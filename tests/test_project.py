@@ -20,7 +20,7 @@ CORE = (
     "kernels", "factoring", "growth", "tiles", "boxes", "stream", "derivation", "hurwitz",
     "decomposition", "formulas", "slowflow", "passage", "lines", "flow", "route", "taylor",
     "stepping", "sundials", "integrators", "rest", "sticking", "outcome", "settling", "launches",
-    "motion", "trajectory", "records",
+    "shadow", "motion", "trajectory", "records",
 )  # fmt: skip
 
 
@@ -64,6 +64,13 @@ def test_the_core_knows_no_plotting_no_command_line_and_no_progress_bar() -> Non
         }
 
 
+def test_what_is_compared_knows_no_plotting() -> None:
+    shown = ("drawings", "strips", "squares", "workings", "report")
+    for path in (PACKAGE / "compare").glob("*.py"):
+        if path.stem not in shown:
+            assert not re.search(r"matplotlib|tqdm|argparse", path.read_text()), path.name
+
+
 def test_spectra_know_no_disk() -> None:
     for name in (
         "spectra",
@@ -102,7 +109,7 @@ def test_every_dependency_is_pinned_for_those_who_come_later() -> None:
 def test_public_functions_say_parameters_and_source_in_their_docstrings() -> None:
     """Each parameter of a public function is named in its docstring."""
     missing = []
-    for path in PACKAGE.glob("*.py"):
+    for path in PACKAGE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             if not isinstance(node, ast.FunctionDef) or node.name.startswith("_"):
                 continue
@@ -115,7 +122,7 @@ def test_public_functions_say_parameters_and_source_in_their_docstrings() -> Non
 
 
 def test_no_long_decimal_is_typed_into_the_package() -> None:
-    for path in PACKAGE.glob("*.py"):
+    for path in PACKAGE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Constant) and isinstance(node.value, float):
                 assert not re.search(r"\d\.\d{11,}", repr(node.value)), path.name

@@ -15,9 +15,10 @@ import pytest
 
 import stability as st
 from stability.cli import main
-from stability.compare import bench, catalogue, report, spectral, spectral_data, works
+from stability.compare import catalogue, journal, report, spectral, spectral_data, works
 from stability.compare import motion_data as motion_data
-from stability.compare.bench import CRASHED, DONE, LATE, REFUSED, Journal, Task, run
+from stability.compare.bench import CRASHED, DONE, LATE, REFUSED, Task, run
+from stability.compare.journal import Journal
 
 # functions of a task must be found by name in another process
 SQUARE = "operator"
@@ -50,7 +51,7 @@ def test_a_task_that_fails_takes_no_other_with_it(tmp_path: Path) -> None:
 def test_finished_cells_are_kept_and_not_done_again(tmp_path: Path) -> None:
     clock = [[Task("one", time.time, ()), Task("two", time.time, ())]]
     first = run(clock, Journal(tmp_path / "a"))
-    path = tmp_path / "a" / bench.JOURNAL
+    path = tmp_path / "a" / journal.JOURNAL
     lines = path.read_text().splitlines()
     path.write_text("\n".join(lines[:2]) + '\n{"key": "tw')  # stopped in the middle of a line
     again = run(clock, Journal(tmp_path / "a"))
@@ -63,7 +64,7 @@ def test_a_journal_of_other_sources_is_begun_anew(
 ) -> None:
     clock = [[Task("one", time.time, ())]]
     first = run(clock, Journal(tmp_path / "a"))
-    monkeypatch.setattr(bench, "fingerprint", lambda: "another")
+    monkeypatch.setattr(journal, "fingerprint", lambda: "another")
     assert run(clock, Journal(tmp_path / "a"))["one"].value > first["one"].value
 
 
@@ -89,12 +90,12 @@ def test_the_fingerprint_knows_the_sources_and_not_the_figures(
     root = Path(st.__file__).parent
     copy = tmp_path / "stability"
     shutil.copytree(root, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(bench, "__file__", str(copy / "compare" / "bench.py"))
-    before = bench.fingerprint()
+    monkeypatch.setattr(journal, "__file__", str(copy / "compare" / "journal.py"))
+    before = journal.fingerprint()
     (copy / "compare" / "page.py").write_text("# another page")
-    assert bench.fingerprint() == before
+    assert journal.fingerprint() == before
     (copy / "growth.py").write_text("# another kernel")
-    assert bench.fingerprint() != before
+    assert journal.fingerprint() != before
 
 
 # --- reports of a few cells ---
@@ -152,11 +153,11 @@ def test_a_report_holds_figures_numbers_and_a_page(
     assert chart.seconds.sel(scene="gentle", driver="rk4").notnull().sum() > 8
     assert plt.get_fignums() == []
     # told again, nothing is done again
-    before = (out / bench.JOURNAL).read_text()
+    before = (out / journal.JOURNAL).read_text()
     assert main(["failures", "--out", str(out)]) == 0
     text = capsys.readouterr().out
     assert "default routes that mislead: 0" in text
-    assert (out / bench.JOURNAL).read_text() == before
+    assert (out / journal.JOURNAL).read_text() == before
     assert main(["chart", "spectrum", "--out", str(out)]) == 0
     assert "on the Pareto front in" in capsys.readouterr().out
 
@@ -205,9 +206,9 @@ def test_bad_input_gets_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixtu
 def test_an_interrupted_report_is_gone_on_with(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "stability", "chart", "spectrum", "--out", str(tmp_path / "r")]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    journal = tmp_path / "r" / bench.JOURNAL
+    kept = tmp_path / "r" / journal.JOURNAL
     end = time.monotonic() + 90
-    while time.monotonic() < end and (not journal.exists() or journal.read_text().count("\n") < 3):
+    while time.monotonic() < end and (not kept.exists() or kept.read_text().count("\n") < 3):
         time.sleep(0.2)
     os.kill(process.pid, signal.SIGINT)
     _, said = process.communicate(timeout=60)
@@ -216,4 +217,4 @@ def test_an_interrupted_report_is_gone_on_with(tmp_path: Path) -> None:
     cells = Journal(tmp_path / "r").cells
     assert len(cells) >= 2
     assert all(c.status == DONE for c in cells.values())
-    assert [p.name for p in (tmp_path / "r").iterdir()] == [bench.JOURNAL]
+    assert [p.name for p in (tmp_path / "r").iterdir()] == [journal.JOURNAL]

@@ -10,8 +10,9 @@ from typing import Any
 
 from ..errors import StabilityError
 from . import drivers
-from .bench import CRASHED, DONE, LATE, REFUSED, Cell, Task
+from .bench import CRASHED, DONE, LATE, REFUSED, Task
 from .cases import CASES, DECADES, Ladder
+from .journal import Cell
 from .marks import BY_WORD, HONEST, Judgement, Mark
 from .motion_cases import MOTION_CASES
 from .own import OWN

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from .bench import Cell
 from .classes import EDGES
+from .journal import Cell
 
 
 def _text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .bench import Cell, machine, today
 from .drivers import DRIVERS
 from .front import Place, places
+from .journal import Cell, machine, today
 from .scenes import scene
 from .works import CHARTED, METRICS, NAMES
 

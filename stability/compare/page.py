@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..files import whole
 from . import catalogue
-from .bench import machine, today
+from .journal import machine, today
 from .marks import Mark
 
 if TYPE_CHECKING:

@@ -17,8 +17,9 @@ import numpy as np
 from ..errors import FileError, NameUnknownError
 from ..files import whole
 from . import catalogue, motion_data, spectral, spectral_data, works
-from .bench import JOURNAL, Cell, Journal, Task, run
+from .bench import Task, run
 from .classes import classes
+from .journal import JOURNAL, Cell, Journal
 from .scenes import scene
 
 if TYPE_CHECKING:

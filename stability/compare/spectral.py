@@ -11,9 +11,25 @@ from ..errors import NameUnknownError, StabilityError
 from ..verdict import CODES, Verdict
 from .bench import Task, timed
 from .classes import EDGES, classes, points_of
+from .digits import ManyDigits, MoreDigits, MostDigits
 from .own import OWN
 from .points import Floats, Points, edge
-from .routes import PEOPLE, STEPS, Answer, Route
+from .routes import (
+    Answer,
+    AutomaticJacobian,
+    AutomaticRaw,
+    AutomaticTolerance,
+    CentralDifferences,
+    ComplexStep,
+    ForwardDifferences,
+    Hurwitz,
+    LongForwardDifferences,
+    PolynomialRoots,
+    Route,
+    ShortForwardDifferences,
+    SolvedSymbolically,
+    SymbolicJacobian,
+)  # fmt: skip
 
 FEW = 12
 """Points of a class that a route which takes one at a time is asked."""
@@ -25,6 +41,15 @@ HALVINGS = 32
 """From 1e-13 to below 1e-22, which is far below the rounding of a double."""
 SPARSE = 4
 """Of the boundaries a slow route is asked every so manieth."""
+PEOPLE: tuple[type[Route], ...] = (
+    ForwardDifferences, CentralDifferences, ComplexStep, AutomaticJacobian, AutomaticTolerance,
+    SymbolicJacobian, PolynomialRoots, Hurwitz, ManyDigits, MoreDigits, MostDigits,
+)  # fmt: skip
+"""Those of the charts."""
+STEPS: tuple[type[Route], ...] = (
+    LongForwardDifferences, ShortForwardDifferences, AutomaticRaw, SolvedSymbolically,
+)  # fmt: skip
+"""Further ones, for the catalogue of failures."""
 ROUTES: dict[str, type[Route]] = {r.name: r for r in (*PEOPLE, *STEPS, *OWN)}
 """Every route by name."""
 CHARTED = tuple(r.name for r in (*PEOPLE, *OWN))

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .bench import Cell, machine, today
 from .classes import EDGES, classes
 from .front import Place, places
+from .journal import Cell, machine, today
 from .spectral import CHARTED, ROUTES
 
 if TYPE_CHECKING:

@@ -1,0 +1,156 @@
+"""The journal of a comparison: finished cells, kept in its folder, and what they depend on."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import platform
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from .. import __version__
+from ..errors import FileError
+
+JOURNAL = "cells.jsonl"
+"""Name of the journal in its folder."""
+LIBRARIES = ("casadi", "numpy", "scipy", "sympy", "python-flint", "mpmath", "heyoka")
+"""Whose versions a comparison depends on."""
+SHOWN = (
+    "drawings", "strips", "squares", "workings", "page", "report", "lists", "plots", "pictures",
+    "reading", "film", "animation", "loci", "atlas", "tables", "survey", "beyond",
+)  # fmt: skip
+"""Modules that show results and make none: a change of theirs leaves cells as they are."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell that has ended."""
+
+    key: str
+    """Name of its task."""
+    status: str
+    """done, refused, crashed or time-out."""
+    value: Any
+    """What the task returned; None unless done."""
+    message: str
+    """Why it was refused or crashed, in the words of the one who did."""
+    seconds: float
+    """How long it took, the start of its process apart."""
+
+
+class Journal:
+    """Finished cells, kept in a folder.
+
+    Parameters
+    ----------
+    folder
+        Made if it is not there.
+
+    Raises
+    ------
+    FileError
+        If it cannot be made or read.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / JOURNAL
+        self.cells: dict[str, Cell] = {}
+        head = json.dumps({"fingerprint": fingerprint()})
+        try:
+            folder.mkdir(exist_ok=True)
+            lines = self.path.read_text(encoding="utf-8").splitlines() if self.path.exists() else []
+            if not lines or lines[0] != head:  # other sources, versions or machine: nothing holds
+                self.path.write_text(head + "\n", encoding="utf-8")
+                lines = []
+        except (OSError, UnicodeDecodeError) as error:
+            what = getattr(error, "strerror", None) or "it is not text"
+            raise FileError(f"{self.path} cannot be used: {what}.") from None
+        for line in lines[1:]:
+            with contextlib.suppress(ValueError, TypeError):  # a line cut short by a power failure
+                cell = Cell(**json.loads(line))
+                self.cells[cell.key] = cell
+
+    def add(self, cell: Cell) -> None:
+        """Keep a cell, at once."""
+        self.cells[cell.key] = cell
+        with self.path.open("a", encoding="utf-8") as handle:
+            handle.write(json.dumps(vars(cell)) + "\n")
+
+
+def fingerprint() -> str:
+    """What the cells of a journal depend on: sources of the package, versions and the machine.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> fingerprint() == fingerprint()
+    True
+    """
+    digest = hashlib.sha256()
+    root = Path(__file__).resolve().parents[1]
+    for path in sorted([*root.rglob("*.py"), *root.rglob("*.json")]):
+        if path.stem in SHOWN or path.stem.startswith("cli"):
+            continue
+        digest.update(path.read_bytes())
+    digest.update(json.dumps(machine(), sort_keys=True).encode())
+    return digest.hexdigest()
+
+
+def machine() -> dict[str, str]:
+    """The machine and the versions, in words.
+
+    Returns
+    -------
+    dict
+        processor, cores, memory, system, python and the version of each library.
+
+    Examples
+    --------
+    >>> machine()["stability"] == __version__
+    True
+    """
+    found = {
+        "processor": _processor(), "cores": str(os.cpu_count() or 1), "memory": _memory(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(), "stability": __version__,
+    }  # fmt: skip
+    for name in LIBRARIES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "missing"
+    return found
+
+
+def _processor() -> str:
+    with contextlib.suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    return platform.processor() or platform.machine()
+
+
+def _memory() -> str:
+    try:
+        size = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return "unknown"
+    return f"{size / 2**30:.0f} GiB"
+
+
+def today() -> str:
+    """The moment, UTC.
+
+    Returns
+    -------
+    str
+    """
+    return datetime.now(UTC).isoformat(timespec="seconds")
