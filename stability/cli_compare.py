@@ -126,15 +126,20 @@ def lines(found: dict[str, Any]) -> list[str]:
     for name in ("spectrum", "motion"):
         if name in found:
             rows = found[name]["standings"]
-            front = sum(r["on_front"] for r in rows)
-            out.append(
-                f"{name}: the default routes are on the Pareto front in {front} of {len(rows)} "
-                "places"
+            best: dict[str, Any] = {}
+            for r in rows:
+                if r["panel"] not in best or r["factor"] < best[r["panel"]]["factor"]:
+                    best[r["panel"]] = r
+            behind = sorted(
+                (r for r in best.values() if not r["on_front"]), key=lambda r: -r["factor"]
             )
-            behind = sorted((r for r in rows if not r["on_front"]), key=lambda r: -r["factor"])
+            front = len(best) - len(behind)
+            out.append(
+                f"{name}: a default route is on the Pareto front in {front} of {len(best)} panels"
+            )
             out += [
                 f"  {r['panel']}: {r['route']} takes {r['factor']:.3g} times {r['rival']}"
-                for r in behind[:5]
+                for r in behind
             ]
     if "failures" in found:
         for method, marks in found["failures"]["marks"].items():

@@ -122,10 +122,12 @@ def _footer(here: Mapping[str, str]) -> str:
 def _section(one: Part) -> list[str]:
     files = ", ".join(f'<a href="{name}">{name}</a>' for name in one.data)
     found = [f"<p>Numbers behind it, every raw timing among them: {files}.</p>"]
+    places: list[str] = []
     if one.name == "failures":
         found += _verdict(one.chart)
     else:
-        found += _standings(one)
+        told, places = _standings(one)
+        found.append(told)
     for plate in one.plates:
         links = " · ".join(f'<a href="{plate.stem}.{s}">{s.upper()}</a>' for s in ("png", "pdf"))
         found.append(
@@ -134,7 +136,7 @@ def _section(one: Part) -> list[str]:
         )
     if one.name == "failures":
         found += _tables(one.chart)
-    return found
+    return found + places
 
 
 # --- charts ---
@@ -158,16 +160,28 @@ def reason(standing: Standing) -> str:
     return WHY[standing.route]
 
 
-def _standings(one: Part) -> list[str]:
+def _standings(one: Part) -> tuple[str, list[str]]:
+    """A paragraph on where the package's default routes stand, and the table of it."""
     from .report import standings
 
     found = standings(one)
-    front = sum(s.on_front for s in found)
+    panels = dict.fromkeys(s.panel for s in found)
+    front = sum(any(s.on_front for s in found if s.panel == panel) for panel in panels)
+    best = {p: min((s for s in found if s.panel == p), key=lambda s: s.factor) for p in panels}
+    behind = [s for s in best.values() if not s.on_front]
+    told = (
+        f"<p>In {front} of {len(panels)} panels a route that the package takes by default is on "
+        "the Pareto front."
+    )
+    if behind:
+        low, high = (f(s.factor for s in behind) for f in (min, max))
+        told += (
+            f" In the others the nearest is {low:.2g} to {high:.2g} times slower than the fastest "
+            "route that is as accurate; the table below the figures says for each why."
+        )
     lines = [
-        f"<p>The routes that the package takes by default are on the Pareto front in {front} of "
-        f"{len(found)} places; where not, by what factor they are slower than the fastest route "
-        "that is as accurate, and why:</p>",
-        '<details open><summary>Where the defaults stand</summary><div class="scroll"><table>',
+        "<details><summary>Where each default route stands in each panel, and why it is not the "
+        'fastest where it is not</summary><div class="scroll"><table>',
         "<tr><th>panel</th><th>route</th><th>front</th><th>times slower than</th><th></th>"
         "<th>because</th></tr>",
     ]
@@ -182,7 +196,7 @@ def _standings(one: Part) -> list[str]:
             f'<tr><td>{html.escape(s.panel)}</td><td class="own">{s.route}</td>'
             f"<td>{mark}</td>{rest}</tr>"
         )
-    return [*lines, "</table></div></details>"]
+    return told + "</p>", [*lines, "</table></div></details>"]
 
 
 # --- catalogue ---
