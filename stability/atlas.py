@@ -13,12 +13,9 @@ import math
 import multiprocessing
 import os
 import shutil
-import signal
 import tempfile
-import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -34,6 +31,7 @@ from .curves import KINDS
 from .dataset import LIBRARIES, LONG_NAMES
 from .disk import Disk
 from .errors import FileError, ParameterError
+from .files import deaf
 from .maps import boundaries, stability_map
 from .query import spectrum
 from .steady import AT
@@ -193,7 +191,7 @@ def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(workers, len(jobs)), context) as pool:
         # The longest first.  The workers are born deaf to Ctrl-C: it is for this process to handle.
-        with _deaf():
+        with deaf():
             ordered = sorted(jobs, key=lambda j: j[1] != "tumbling")
             futures = [pool.submit(_job, *job) for job in ordered]
         try:
@@ -205,19 +203,6 @@ def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
                 child.terminate()
                 child.join()
             raise
-
-
-@contextmanager
-def _deaf() -> Iterator[None]:
-    """Ignore Ctrl-C for a moment, in a way that processes started meanwhile inherit."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 # --- one job ---

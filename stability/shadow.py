@@ -35,6 +35,8 @@ MARGIN = 10.0
 """Factor on a scaled distance, since an error falls a little more slowly than the tolerance."""
 CLOSE = 0.03
 """Distance of states up to which the scaling is trusted."""
+NOTHING = 0.3
+"""Estimate from which on nothing is known of the final state: its error is without bound then."""
 APART = 1e-2
 """Relative difference of the times of an early end that makes it another end."""
 LASTING = (Outcome.MOVING, Outcome.SETTLED)
@@ -104,8 +106,9 @@ def doubts(found: Sequence[Result], finest: Sequence[float], rerun: Rerun) -> li
         for i, pair in zip(again, _pairs(rerun, again, fine, own[again]), strict=True):
             doubt, spread = _judged(found[i], pair)
             # where neighbours part on the way, that they meet at the end is chance
-            size = max(doubt.final_error, spread if spread > CLOSE else 0.0)
-            out[i] = Doubt(2 * size, 2 * doubt.time_error, doubt.contrary)
+            size = 2 * max(doubt.final_error, spread if spread > CLOSE else 0.0)
+            bound = size if size < NOTHING else np.inf
+            out[i] = Doubt(bound, 2 * doubt.time_error, doubt.contrary)
     return out
 
 
@@ -121,13 +124,14 @@ def _pairs(
 def _judged(one: Result, pair: tuple[Result, Result]) -> tuple[Doubt, float]:
     """Distances of the ends, the contrary if there is one, and the spread of the shadows."""
     if any(other.outcome is Outcome.UNRESOLVED for other in pair):
-        return Doubt(np.inf, np.inf), np.inf
+        # where the launch itself lasted, its neighbour has met something that it has not
+        return Doubt(np.inf, np.inf, _contrary(one, pair) if one.outcome in LASTING else ""), np.inf
     final = max(_distance(one.final, other.final) for other in pair)
     late = max(abs(one.time - other.time) for other in pair)
     unlike = [other for other in pair if not _alike(one, other)]
     count = min(len(other.path.states) for other in pair)
     spread = _distance(pair[0].path.states[:count], pair[1].path.states[:count]) / 2
-    return Doubt(final, late, _contrary(one, unlike[0]) if unlike else ""), spread
+    return Doubt(final, late, _contrary(one, unlike) if unlike else ""), spread
 
 
 def _distance(a: Floats, b: Floats) -> float:
@@ -144,7 +148,9 @@ def _alike(one: Result, other: Result) -> bool:
     return one.outcome is other.outcome and abs(one.time - other.time) <= APART * max(1.0, one.time)
 
 
-def _contrary(one: Result, other: Result) -> str:
+def _contrary(one: Result, others: Sequence[Result]) -> str:
+    other = next((o for o in others if o.outcome is Outcome.UNRESOLVED), others[0])
+
     def told(result: Result) -> str:
         if result.outcome is Outcome.SETTLED:
             return f"{result.outcome.word} to {result.near.family}"

@@ -21,6 +21,10 @@ from .route import UNRESOLVED, End, Floats, Leg, Path
 
 FILL = 200
 """Intervals at which the guards are checked at least."""
+LOOKS, MOST_LOOKS = 10.0, 50_000
+"""How often in a unit of time, over the fastest angular velocity at the start, and at most."""
+EARLY, EARLY_LOOKS = 1e-6, 25
+"""Looks within the first of these intervals: from this part of it on, evenly in the logarithm."""
 FINEST = 1e-15
 """Smallest tolerance that is passed on."""
 STEPS = 5_000
@@ -101,9 +105,7 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
     times = leg.times
     if len(times) == 1:
         return Path(leg.start[None], None, 0)
-    grid = np.union1d(times, np.linspace(times[0], times[-1], FILL + 1))
-    grid = grid[np.append(True, np.diff(grid) > 1e-14 * max(abs(times[-1]), 1e-300))]
-    grid = np.union1d(grid, times)
+    grid = _grid(leg)
     at = np.searchsorted(grid, times)
     whole = _run(leg, plugin, leg.start, grid)
     if whole is None:
@@ -121,6 +123,22 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
             known = known[: i + 1]
             return Path(known[at[at < len(known)]], end, steps)
     return Path(known[at], None, steps)
+
+
+def _grid(leg: Leg) -> Floats:
+    """Times at which guards are looked at: those asked, and as many as the motion's pace needs.
+
+    A stiff motion first has its slip decay, over a time that the eye of an even grid would miss.
+    """
+    times = leg.times
+    span = float(times[-1] - times[0])
+    pace = max(1.0, float(np.abs(leg.start[1:4]).max()))
+    count = int(min(max(FILL, LOOKS * span * pace), MOST_LOOKS))
+    even = np.linspace(times[0], times[-1], count + 1)
+    early = times[0] + (even[1] - even[0]) * np.geomspace(EARLY, 0.7, EARLY_LOOKS)
+    grid = np.union1d(times, np.union1d(even, early))
+    grid = grid[np.append(True, np.diff(grid) > 1e-14 * max(abs(times[-1]), 1e-300))]
+    return np.union1d(grid, times)
 
 
 def dips(g0: float, g1: float, d0: float, d1: float) -> bool:

@@ -224,6 +224,9 @@ def test_a_stated_error_makes_a_poor_answer_honest() -> None:
     assert by_error(1e-4, 1e-6, 1e-9).mark is Mark.WRONG  # it states more than it has
     assert by_error(1e-4, 1e-6).digits == 4
     assert by_error(math.nan, 1e-6).mark is Mark.CRASHED
+    assert by_error(1e-3, 1e-6, math.nan).mark is Mark.CRASHED
+    assert by_error(2e-7, 1e-6, 1e-9).mark is Mark.WRONG  # good enough, but not what it states
+    assert by_error(-1e-9, 1e-6).mark is Mark.RIGHT
 
 
 # --- the check can fail ---
@@ -306,6 +309,39 @@ def test_no_default_route_misleads(route: type[Route]) -> None:
 def test_proved_routes_are_right_in_every_case() -> None:
     for name, mark in marks(Certified(), [n for n in CASES if n != NonSteady.name]).items():
         assert mark is Mark.RIGHT, name
+
+
+class Shaped(AutomaticJacobian):
+    """An answer of any shape."""
+
+    name, title = "shaped", "broken"
+    change: Any = None
+
+    def answer(self, points: Points) -> routes.Answer:
+        return self.change(super().answer(points))  # type: ignore[no-any-return]
+
+
+@pytest.mark.parametrize("change", [
+    lambda a: routes.Answer(a.codes[:0], a.eigenvalues, a.abscissa),
+    lambda a: routes.Answer(a.codes[:1], a.eigenvalues, a.abscissa),
+    lambda a: routes.Answer(a.codes.astype(bool), a.eigenvalues, a.abscissa),
+    lambda a: routes.Answer(a.codes + 40, a.eigenvalues, a.abscissa),
+    lambda a: routes.Answer(a.codes, a.eigenvalues[:, :1], a.abscissa),
+    lambda a: routes.Answer(a.codes, a.eigenvalues * np.nan, a.abscissa),
+    lambda a: routes.Answer(a.codes, a.eigenvalues, a.abscissa[:1]),
+])  # fmt: skip
+def test_an_answer_of_a_wrong_shape_is_no_answer(change: Any) -> None:
+    route = Shaped()
+    route.change = change
+    assert set(marks(route, [OPEN[0], DoubleZero.name, "coalescing eigenvalues"]).values()) == {
+        Mark.CRASHED
+    }
+
+
+def test_the_truth_holds_where_growth_is_tiny() -> None:
+    # beside flat the hoop's growth goes as theta⁴: 1.667e-21 at 1e-5, 1.667e-141 at 1e-35
+    small = [points("tumbling", 0.5, 3.0, theta).truth.abscissa[0] for theta in (1e-5, 1e-35)]
+    assert small[1] / small[0] == pytest.approx(1e-120, rel=1e-3)
 
 
 # --- motion ---

@@ -225,3 +225,24 @@ print(many == [ask(job) for job in jobs])
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     assert done.stdout == "True\n", done.stderr[-300:]
+
+
+@pytest.mark.parametrize("last", [5.0, 200.0, 400.0])
+def test_an_early_lift_off_does_not_depend_on_how_long_a_run_is_asked(last: float) -> None:
+    # CVODES once looked at its guards 200 times a run, whatever its length, and saw the next one
+    k, mu = 0.36516325782292336, 2327.347048953263
+    start = [0.17455928494788384, 0.088886895424144, -1.1466736692731412, -1.662955988936166, 0, 0]
+    for method in ("auto", "cvodes", "idas"):
+        run = st.simulate(st.Disk(k=k), st.LinearViscous(mu), start, last, method=method)
+        assert word(run) == "lift-off"
+        assert float(run.end_time) == pytest.approx(5.080957e-4, abs=1e-8)
+
+
+def test_a_launch_whose_neighbours_cannot_be_run_is_not_said_to_last() -> None:
+    law = st.RegularisedCoulomb(5.753758471817282, 0.00028800461614589425)
+    start = [1.0525640005202301, 0.6767085152932947, 0, 0, 0, -0.3436609788816844]
+    disk = st.Disk(k=0.2556196142891559)
+    assert word(st.simulate(disk, law, start, 5.0, tolerance=1e-6)) in (
+        "undetermined", "no-contact", "unresolved",
+    )  # fmt: skip
+    assert word(st.simulate(disk, law, start, 5.0)) == "no-contact"

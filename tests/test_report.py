@@ -59,6 +59,71 @@ def test_finished_cells_are_kept_and_not_done_again(tmp_path: Path) -> None:
     assert again["two"].value > first["two"].value
 
 
+def test_a_line_cut_short_costs_that_cell_and_no_other(tmp_path: Path) -> None:
+    clock = [[Task(n, time.time, ()) for n in ("one", "two", "three")]]
+    first = run(clock, Journal(tmp_path / "a"))
+    path = tmp_path / "a" / journal.JOURNAL
+    path.write_text(path.read_text()[:-20])
+    again = run(clock, Journal(tmp_path / "a"))
+    assert {n: again[n].value == first[n].value for n in again} == {
+        "one": True, "two": True, "three": False,
+    }  # fmt: skip
+    assert set(Journal(tmp_path / "a").cells) == {"one", "two", "three"}
+
+
+def test_a_journal_that_is_none_of_ours_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "r").mkdir()
+    mine = tmp_path / "r" / journal.JOURNAL
+    mine.write_text("my precious data")
+    for force in (False, True):
+        with pytest.raises(st.StabilityError, match="holds other files|is not a journal of ours"):
+            report.report(tmp_path / "r", ["failures"], force=force)
+    assert mine.read_text() == "my precious data"
+    mine.unlink()
+    (tmp_path / "target").write_text("precious")
+    mine.symlink_to(tmp_path / "target")
+    with pytest.raises(st.StabilityError):
+        report.report(tmp_path / "r", ["failures"])
+    assert (tmp_path / "target").read_text() == "precious"
+
+
+@pytest.mark.usefixtures("small")
+def test_a_cell_that_cannot_be_read_gets_a_sentence(tmp_path: Path) -> None:
+    groups = catalogue.tasks()
+    for value in (5, [1], {}, {"mark": "odd", "digits": 1, "note": ""}):
+        kept = Journal(tmp_path / "r")
+        for task in (task for group in groups for task in group):
+            kept.add(journal.Cell(task.key, DONE, value, "", 0.0))
+        with pytest.raises(st.StabilityError, match="holds a cell that cannot be read"):
+            report.report(tmp_path / "r", ["failures"])
+
+
+def test_a_script_without_a_guard_gets_a_sentence(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text('import stability as st\nst.report("d", ["spectrum"])\n')
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True,
+                          cwd=tmp_path, timeout=120, check=False)  # fmt: skip
+    assert done.returncode == 1
+    assert "make the call under `if __name__ == '__main__':`" in done.stderr
+    assert not Journal(tmp_path / "d").cells
+
+
+@pytest.mark.parametrize(("arguments", "expected"), [
+    ({"out": "a\0b"}, "give the name of a folder"), ({"out": 5}, "give the name of a folder"),
+    ({"out": "x" * 300}, "give the name of a folder"), ({"parts": "spectrum"}, "give a list of"),
+    ({"parts": [5]}, "part is 5"), ({"parts": []}, "give a list of"),
+    ({"workers": -1}, "workers is -1"), ({"workers": True}, "workers is True"),
+    ({"progress": 5}, "progress is 5"),
+])  # fmt: skip
+def test_bad_arguments_get_a_sentence(
+    arguments: dict[str, Any], expected: str, tmp_path: Path
+) -> None:
+    given: dict[str, Any] = {"out": tmp_path / "r"} | arguments
+    with pytest.raises(st.StabilityError, match=expected):
+        report.report(**given)
+    assert not (tmp_path / "r").exists()
+
+
 def test_a_journal_of_other_sources_is_begun_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -210,7 +275,7 @@ def test_an_interrupted_report_is_gone_on_with(tmp_path: Path) -> None:
     end = time.monotonic() + 90
     while time.monotonic() < end and (not kept.exists() or kept.read_text().count("\n") < 3):
         time.sleep(0.2)
-    os.kill(process.pid, signal.SIGINT)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "finished cells are kept in" in said and "Traceback" not in said

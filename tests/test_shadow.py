@@ -124,6 +124,6 @@ def test_check_is_true_or_false() -> None:
 
 def test_a_looser_launch_has_a_finer_shadow() -> None:
     it = scene("stiff-300")
-    for tolerance in (1e-3, 1e-5, 1e-7):
+    for tolerance, most in ((1e-3, math.inf), (1e-5, 0.3), (1e-7, 0.01)):
         run = launched(it, tolerance=tolerance)
-        assert distance(last(run), it.states[-1]) <= float(run.final_error) < 1
+        assert distance(last(run), it.states[-1]) <= float(run.final_error) <= most

@@ -18,11 +18,12 @@ from importlib.util import find_spec
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from ..errors import ParameterError, StabilityError
-from .journal import Cell, Journal
+from ..errors import StabilityError
+from ..files import deaf
+from .journal import CRASHED, DONE, LATE, REFUSED, Cell, Journal
 
-DONE, REFUSED, CRASHED, LATE = "done", "refused", "crashed", "time-out"
-"""How a cell can end."""
+START = 120.0
+"""Seconds that a process may take to start."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Set to 1 in the processes: small matrices are no work for several threads."""
 
@@ -74,8 +75,7 @@ def run(
     KeyboardInterrupt
         On Ctrl-C, with a sentence that says that finished cells are kept.
     """
-    if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
-        raise ParameterError(f"workers is {workers!r}; give a whole number above 0.")
+    lanes_at_most = min(workers, os.cpu_count() or 1)
     total = sum(len(group) for group in groups)
     waiting = [[t for t in group if t.key not in journal.cells] for group in groups]
     waiting = [group for group in waiting if group]
@@ -83,7 +83,7 @@ def run(
     lanes: list[_Lane] = []
     try:
         while waiting or lanes:
-            while waiting and len(lanes) < workers:
+            while waiting and len(lanes) < lanes_at_most:
                 lanes.append(_Lane(waiting.pop(0)))
             if progress is not None:
                 progress(done, total)
@@ -117,9 +117,19 @@ class _Lane:
         context = _context()
         self.pipe, theirs = context.Pipe()
         self.process = context.Process(target=_work, args=(theirs,), daemon=True)
-        with _single_threads():
+        with _single_threads(), deaf():  # Ctrl-C is for this process to handle
             self.process.start()
         theirs.close()
+        try:
+            if not self.pipe.poll(START):
+                raise EOFError
+            self.pipe.recv()
+        except (EOFError, OSError):
+            self.stop()
+            raise StabilityError(
+                "the processes that do the work cannot start; in a script, make the call under "
+                "`if __name__ == '__main__':`."
+            ) from None
         self._next()
 
     def _next(self) -> None:
@@ -215,7 +225,8 @@ def _work(pipe: Connection) -> None:
     import signal
     import warnings
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who waits
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    pipe.send("ready")
     warnings.simplefilter("ignore")  # what a route warns of is counted as its error
 
     def late(*_: Any) -> None:

@@ -16,7 +16,7 @@ from ..verdict import CODES, Verdict
 from .classes import DEGREES, EDGES, MEETINGS, _points, beside, coalescence
 from .marks import Judgement, Mark, by_error
 from .points import Points
-from .routes import Answer, Route
+from .routes import Answer, Route, check
 from .spectral import errors
 
 DECADES = tuple(range(1, 16))
@@ -63,6 +63,7 @@ class Case:
             The route.
         """
         points, answer = self.points(), self.ask(route)
+        check(points, answer)
         if self.question == "verdict":
             return self.judge_verdicts(points, answer)
         eigenvalues, abscissa = errors(points, answer)
@@ -106,6 +107,7 @@ class Ladder(Case):
     def steps(self, route: Route) -> list[str]:
         """The mark at each distance, from far to near: right, undecided or wrong."""
         points, answer = self.points(), self.ask(route)
+        check(points, answer)
         open_ = (answer.codes == CODES[Verdict.UNDECIDED]).reshape(-1, 2)
         right = (answer.codes == points.truth.codes).reshape(-1, 2)
         wrong = (~open_ & ~right).any(axis=1)

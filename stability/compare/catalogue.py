@@ -10,9 +10,9 @@ from typing import Any
 
 from ..errors import StabilityError
 from . import drivers
-from .bench import CRASHED, DONE, LATE, REFUSED, Task
+from .bench import Task
 from .cases import CASES, DECADES, Ladder
-from .journal import Cell
+from .journal import CRASHED, DONE, LATE, REFUSED, Cell
 from .marks import BY_WORD, HONEST, Judgement, Mark
 from .motion_cases import MOTION_CASES
 from .own import OWN

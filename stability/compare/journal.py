@@ -15,7 +15,13 @@ from typing import Any
 
 from .. import __version__
 from ..errors import FileError
+from ..files import whole
 
+MARK = "fingerprint"
+"""The first word of a journal."""
+DONE, REFUSED, CRASHED, LATE = "done", "refused", "crashed", "time-out"
+"""How a cell can end."""
+ENDS = (DONE, REFUSED, CRASHED, LATE)
 JOURNAL = "cells.jsonl"
 """Name of the journal in its folder."""
 LIBRARIES = ("casadi", "numpy", "scipy", "sympy", "python-flint", "mpmath", "heyoka")
@@ -60,26 +66,58 @@ class Journal:
     def __init__(self, folder: Path) -> None:
         self.path = folder / JOURNAL
         self.cells: dict[str, Cell] = {}
-        head = json.dumps({"fingerprint": fingerprint()})
+        head = json.dumps({MARK: fingerprint()})
         try:
             folder.mkdir(exist_ok=True)
-            lines = self.path.read_text(encoding="utf-8").splitlines() if self.path.exists() else []
-            if not lines or lines[0] != head:  # other sources, versions or machine: nothing holds
-                self.path.write_text(head + "\n", encoding="utf-8")
-                lines = []
+            there = self.path.is_symlink() or self.path.exists()
+            if there and not is_journal(self.path):
+                raise FileError(f"{self.path} is not a journal of ours; choose another folder.")
+            text = self.path.read_text(encoding="utf-8") if there else ""
+            lines = text.splitlines()
+            if lines and lines[0] == head:  # otherwise other sources, versions or machine
+                self._read(lines[1:])
+            kept = "".join(_line(cell) for cell in self.cells.values())
+            if text != f"{head}\n{kept}":  # a line cut short, or cells that no longer hold
+                with whole(self.path, overwrite=True) as beside:
+                    beside.write_text(f"{head}\n{kept}", encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             what = getattr(error, "strerror", None) or "it is not text"
             raise FileError(f"{self.path} cannot be used: {what}.") from None
-        for line in lines[1:]:
-            with contextlib.suppress(ValueError, TypeError):  # a line cut short by a power failure
+
+    def _read(self, lines: list[str]) -> None:
+        for line in lines:
+            with contextlib.suppress(ValueError, TypeError, RecursionError):
                 cell = Cell(**json.loads(line))
-                self.cells[cell.key] = cell
+                if isinstance(cell.key, str) and cell.status in ENDS:
+                    self.cells[cell.key] = cell
 
     def add(self, cell: Cell) -> None:
         """Keep a cell, at once."""
         self.cells[cell.key] = cell
         with self.path.open("a", encoding="utf-8") as handle:
-            handle.write(json.dumps(vars(cell)) + "\n")
+            handle.write(_line(cell))
+
+
+def _line(cell: Cell) -> str:
+    return json.dumps(vars(cell)) + "\n"
+
+
+def is_journal(path: Path) -> bool:
+    """Whether a file is a journal of a comparison.
+
+    Parameters
+    ----------
+    path
+        The file, which need not be there.
+
+    Returns
+    -------
+    bool
+    """
+    if path.is_symlink() or not path.is_file():
+        return False
+    with path.open("rb") as handle:
+        return handle.read(len(MARK) + 2) == f'{{"{MARK}'.encode()
 
 
 def fingerprint() -> str:

@@ -30,6 +30,8 @@ class Mark(Enum):
         return str(self.value).split(":")[0]
 
 
+ROUNDING = 1e-13
+"""An error up to this is not held against what a method states."""
 BY_WORD = {mark.word: mark for mark in Mark}
 """Mark by its word."""
 HONEST = (Mark.RIGHT, Mark.DEGRADED, Mark.UNDECIDED, Mark.REFUSED)
@@ -77,14 +79,15 @@ def by_error(
     >>> by_error(0.5, 1e-6).mark.word, by_error(0.5, 1e-6, stated=2.0).mark.word
     ('wrong', 'undecided')
     """
-    if not math.isfinite(error):
+    error = abs(error)
+    if not math.isfinite(error) or (stated is not None and math.isnan(stated)):
         return Judgement(Mark.CRASHED, note="a number that is not finite")
     digits = 16.0 if error == 0 else min(16.0, max(0.0, -math.log10(error)))
     note = f"error {error:.0e}" + ("" if stated is None else f", stated {stated:.0e}")
     if stated is not None and stated >= worst:
         return Judgement(Mark.UNDECIDED, note=note)
+    if error > worst or (stated is not None and error > 3 * stated + ROUNDING):
+        return Judgement(Mark.WRONG, digits, note)
     if error <= asked:
         return Judgement(Mark.RIGHT, digits, note)
-    if error > worst or (stated is not None and error > 3 * stated):
-        return Judgement(Mark.WRONG, digits, note)
     return Judgement(Mark.DEGRADED, math.floor(digits), note)

@@ -26,6 +26,8 @@ Floats = NDArray[np.float64]
 
 BITS = 1024
 """Working precision of the truth."""
+SHARP = 90
+"""Bits that are asked of the abscissa."""
 MOST_BITS = 16384
 """Where raising it ends."""
 
@@ -182,11 +184,19 @@ def _one(a: list[Any], q: list[Any], points: Points) -> tuple[Any, ...]:
             coefficients = characteristic(family, _balls(a), _balls(q))
             sign = hurwitz_sign(verdict_polynomial(coefficients, zeros, even))
             roots = _roots(coefficients[zeros:], even)
-            if roots is not None and (sign or bits > 2 * BITS):
+            if roots is not None and (sign or bits > 2 * BITS) and _sharp(roots, sign, even):
                 verdict = {1: best(even=even), -1: Verdict.UNSTABLE}.get(sign, Verdict.NEUTRAL)
                 return (*_split(roots), CODES[verdict])
         bits *= 2
     raise ArithmeticError(f"the truth of {points.family} at {a}, {q} needs more than {bits} bits")
+
+
+def _sharp(roots: list[Any], sign: int, even: bool) -> bool:
+    """Whether the abscissa has its digits; of a conservative law or a boundary it may be zero."""
+    if even or sign == 0:
+        return True
+    top = max((root.real for root in roots), key=lambda part: part.mid())
+    return bool(top.rel_accuracy_bits() > SHARP)
 
 
 def _balls(values: list[Any]) -> list[Any]:
@@ -222,11 +232,10 @@ def _split(roots: list[Any]) -> tuple[Any, Any, float, float]:
     """Each root as a double and what is left, sorted; the largest real part likewise."""
     from flint import acb, arb
 
-    # the midpoint of a ball about zero may be ±1e-300: smaller than any double that matters
     def part(ball: Any) -> tuple[float, float]:
-        high = float(ball.mid())
-        if abs(high) < 1e-290:
+        if ball.contains(0):
             return 0.0, 0.0
+        high = float(ball.mid())
         return high, float((ball - arb(high)).mid())
 
     pairs = []

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import FileError, NameUnknownError
+from ..errors import FileError, NameUnknownError, ParameterError
 from ..files import whole
 from . import catalogue, motion_data, spectral, spectral_data, works
 from .bench import Task, run
 from .classes import classes
-from .journal import JOURNAL, Cell, Journal
+from .journal import JOURNAL, Cell, Journal, is_journal
 from .scenes import scene
 
 if TYPE_CHECKING:
@@ -114,8 +114,8 @@ def report(
     """
     from .page import write
 
-    wanted = _checked(parts)
-    folder = _folder(Path(out), force)
+    wanted = _checked(parts, workers, progress)
+    folder = _folder(out, force)
     journal = Journal(folder)
     plan = [group for name in wanted for group in PARTS[name]()]
     total, before = sum(map(len, plan)), 0
@@ -130,29 +130,60 @@ def report(
         lanes = 1 if name in ALONE else workers or os.cpu_count() or 1
         run(groups, journal, workers=lanes, progress=told)
         before += count
-    ready = [part(name, journal.cells) for name in PARTS if _whole(name, journal)]
-    for one in ready:
-        if one.name in wanted or not all((folder / name).exists() for name in one.data):
-            _write(folder, one, journal.cells)
-    return write(folder, ready)
+    try:
+        ready = [part(name, journal.cells) for name in PARTS if _whole(name, journal)]
+        for one in ready:
+            if one.name in wanted or not all((folder / name).exists() for name in one.data):
+                _write(folder, one, journal.cells)
+        return write(folder, ready)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"interrupted; every cell is kept in {folder}: give the same command again to have "
+            "what is missing drawn"
+        ) from None
+    except FileError:
+        raise
+    except (TypeError, KeyError, ValueError, AttributeError, IndexError) as error:
+        raise FileError(
+            f"{journal.path} holds a cell that cannot be read ({type(error).__name__}); remove the "
+            "file to begin anew."
+        ) from error
 
 
-def _checked(parts: Sequence[str]) -> list[str]:
+def _checked(parts: Any, workers: Any, progress: Any) -> list[str]:
+    if isinstance(parts, str) or not isinstance(parts, Sequence) or not parts:
+        raise NameUnknownError(f"parts is {parts!r}; give a list of {', '.join(PARTS)}.")
     for name in parts:
-        if name not in PARTS:
+        if not isinstance(name, str) or name not in PARTS:
             raise NameUnknownError(f"part is {name!r}; known are {', '.join(PARTS)}.")
+    whole_number = isinstance(workers, (int, np.integer)) and not isinstance(workers, bool)
+    if workers is not None and not (whole_number and workers > 0):
+        raise ParameterError(f"workers is {workers!r}; give a whole number above 0.")
+    if progress is not None and not callable(progress):
+        raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
     return [name for name in PARTS if name in parts]
 
 
-def _folder(target: Path, force: bool) -> Path:
-    if target.exists() and not target.is_dir():
-        raise FileError(f"{target} is a file; give the name of a folder.")
+def _folder(out: Any, force: bool) -> Path:
+    try:
+        target = Path(out)
+        if "\0" in str(target):
+            raise ValueError
+        if target.exists() and not target.is_dir():
+            raise FileError(f"{target} is a file; give the name of a folder.")
+    except (TypeError, ValueError, OSError) as error:
+        if isinstance(error, FileError):
+            raise
+        raise FileError(f"out is {str(out)[:60]!r}; give the name of a folder.") from None
     if not target.parent.is_dir():
         raise FileError(f"the folder {target.parent} does not exist; create it first.")
-    if target.is_dir() and any(target.iterdir()) and not (target / JOURNAL).exists() and not force:
+    ours = is_journal(target / JOURNAL)
+    if target.is_dir() and any(target.iterdir()) and not ours and not force:
         raise FileError(f"{target} holds other files; choose another folder, or use --force.")
     if not os.access(target if target.is_dir() else target.parent, os.W_OK):
         raise FileError(f"{target} cannot be written: its folder is not writable.")
+    if (target / "index.html").is_dir():
+        raise FileError(f"{target / 'index.html'} is a folder in the way; move it aside.")
     return target
 
 

@@ -39,6 +39,35 @@ class Answer:
     """The route's own bound on the error of the abscissa, shape (N,); None if it states none."""
 
 
+def check(points: Points, answer: Answer) -> None:
+    """See that an answer has the shapes and kinds that it should have.
+
+    Parameters
+    ----------
+    points
+        What was asked.
+    answer
+        What a route says.
+
+    Raises
+    ------
+    ArithmeticError
+        If it has not, or holds a number that is not finite.
+    """
+    count, codes = len(points), np.asarray(answer.codes)
+    if codes.shape != (count,) or codes.dtype.kind not in "iu":
+        raise ArithmeticError(f"verdicts of shape {codes.shape} for {count} points")
+    if not np.isin(codes, list(CODES.values())).all():
+        raise ArithmeticError("verdict flags that mean nothing")
+    wide = points.member.system.x.numel() - points.zeros
+    for name, shape in (("eigenvalues", (count, wide)), ("abscissa", (count,))):
+        values = getattr(answer, name)
+        if values is not None and (
+            np.shape(values) != shape or not np.isfinite(np.asarray(values, dtype=complex)).all()
+        ):
+            raise ArithmeticError(f"{name} of a wrong shape, or not finite")
+
+
 class Route:
     """A route to spectra; subclasses name it and say how.
 

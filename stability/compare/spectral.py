@@ -29,6 +29,7 @@ from .routes import (
     ShortForwardDifferences,
     SolvedSymbolically,
     SymbolicJacobian,
+    check,
 )  # fmt: skip
 
 FEW = 12
@@ -161,7 +162,7 @@ def measure(hardness: str, name: str) -> dict[str, Any]:
         start = time.perf_counter()
         answer = mine.answer(points)
         first = time.perf_counter() - start if first is None else first
-        _check_finite(answer)
+        check(points, answer)
         eigenvalues, abscissa = errors(points, answer)
         for key, values in (("eigenvalues", eigenvalues), ("abscissa", abscissa)):
             found[key] = None if values is None else [*found[key], *values.tolist()]
@@ -176,12 +177,6 @@ def _share(points: Points, hardness: str) -> int:
     """How many of a group's points are asked of a slow route: about `FEW` of the class."""
     total = sum(len(p) for p in points_of(hardness))
     return max(1, round(FEW * len(points) / total))
-
-
-def _check_finite(answer: Answer) -> None:
-    for values in (answer.eigenvalues, answer.abscissa):
-        if values is not None and not np.isfinite(values).all():
-            raise ArithmeticError("an answer that is not finite")
 
 
 def _times(mine: Route, groups: Sequence[Points]) -> dict[str, list[float]]:
