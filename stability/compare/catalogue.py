@@ -29,7 +29,7 @@ DRIVER_NAMES = (
     "radau", "bdf", "cvodes", "idas", "heyoka", "unchecked", "simulate", "simulate-fine",
 )  # fmt: skip
 """Columns of the part on motion."""
-LIMIT = 6.0
+LIMIT = 4.0
 """Seconds that a cell may take."""
 LINEAR, MOTION = "linear", "motion"
 

@@ -17,7 +17,7 @@ from ..errors import NameUnknownError
 from ..integrators import METHODS
 from .scenes import Floats, Scene
 
-DECADES = tuple(10.0**-d for d in (3, 4, 5, 6, 8, 10, 12, 14))
+DECADES = tuple(10.0**-d for d in (3, 4, 6, 8, 10, 12, 14))
 """Tolerances of an integrator in the charts."""
 
 
@@ -190,7 +190,7 @@ class RungeKutta45(Driver):
     """SciPy's `solve_ivp` as it comes, with the tolerance set: no events."""
 
     name, title = "rk45", "solve_ivp (RK45), no events"
-    tolerances = DECADES[:7]
+    tolerances = DECADES[:6]
 
     def takes(self, scene: Scene) -> bool:
         """Smooth equations only."""

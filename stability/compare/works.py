@@ -26,9 +26,9 @@ CHARTED: dict[str, str] = {
 """Scenes of the chart and their titles."""
 NAMES = tuple(d.name for d in (*OWN, *PEOPLE, *MODELS))
 """Drivers of the chart."""
-PATIENCE = 0.5
+PATIENCE = 0.3
 """Seconds of a run after which tighter tolerances are not tried."""
-LIMIT = 8.0
+LIMIT = 7.0
 """Seconds that one cell may take."""
 METRICS = ("final", "path", "audit", "event")
 """Errors kept side by side."""
@@ -98,7 +98,7 @@ def _repeated(mine: Driver, it: Scene, tolerance: float, took: float) -> list[fl
         return [took]
     seconds: list[float] = []
     begin = time.perf_counter()
-    while not seconds or (len(seconds) < 9 and time.perf_counter() - begin < 0.12):
+    while not seconds or (len(seconds) < 9 and time.perf_counter() - begin < 0.08):
         seconds.append(_once(mine, it, tolerance))
     return seconds
 
