@@ -186,7 +186,7 @@ def ladder_figure(
             spine.set_visible(False)
         axes.set_xlabel("relative distance from the boundary", fontsize=7.5, labelpad=2)
         shares = [Patch(facecolor=c, hatch=h, label=w, linewidth=0) for c, h, w in SHARES]
-        blank = Patch(facecolor="none", edgecolor="#bbbbbb", linewidth=0.4, label="not asked")
+        blank = Patch(facecolor="none", edgecolor="#bbbbbb", linewidth=0.4, label="no answer")
         figure.legend(handles=[*shares, blank], loc="lower center", ncols=4, frameon=False,
                       fontsize=6.5)  # fmt: skip
     return figure

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..plots import STYLE
 from . import motion_data
 from .front import places
+from .motion_cases import NO_ANSWER
 from .strips import (
     BETWEEN,
     FRONT,
@@ -150,7 +151,8 @@ def _motion_panel(
         panel.main.hlines(error, times[0], times[2], color=look["color"], **BAR)
         # each driver a little lower than the last, so that none hides another
         down = index / len(looks)
-        rows = ((ran & ~right, 2.3 - 1.2 * down, "x"),
+        open_ = ran & np.isin(mine.outcome.values, NO_ANSWER)
+        rows = ((ran & ~right & ~open_, 2.3 - 1.2 * down, "x"), (open_, 2.3 - 1.2 * down, "_"),
                 (right & np.isnan(error) & asked, 0.6 - 0.9 * down, "|"))  # fmt: skip
         for where, y, mark in rows:
             panel.strip.plot(times[1][where], [y] * int(where.sum()), mark, ms=3.3, mew=0.9,
@@ -174,6 +176,7 @@ def _driver_key(figure: Figure, looks: dict[str, dict[str, Any]]) -> None:
     extra = [
         handle("front", ls="-", **{k: v for k, v in BROAD.items() if k != "zorder"}),
         handle("wrong outcome", marker="x", color="#555555", ms=3.2),
+        handle("says it has none", marker="_", color="#555555", ms=3.6, mew=0.9),
         handle("right, but no such error", marker="|", color="#555555"),
         handle("fastest to slowest repeat", ls="-", color="#555555", lw=0.6),
     ]
