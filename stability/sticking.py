@@ -285,7 +285,9 @@ class _Dry:
         if due.size:
             own = np.array([self._cartesian(row) for row in known])
             rates = np.array(flow("coulomb", pose=self.pose).rates(own.T, self.leg.p)).T
-            keep = np.append(np.diff(known[:, -1]) > 0, True)
+            # a loose run's time may stand still or go back by its error: only later times count
+            latest = np.maximum.accumulate(known[:, -1])
+            keep = np.append(True, known[1:, -1] > latest[:-1])
             cubic = CubicHermiteSpline(known[keep, -1], own[keep], rates[keep])
             for row in cubic(due):
                 self._sample(row, SLIDING)
