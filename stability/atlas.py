@@ -31,7 +31,7 @@ from .curves import KINDS
 from .dataset import LIBRARIES, LONG_NAMES
 from .disk import Disk
 from .errors import FileError, ParameterError
-from .files import deaf
+from .files import check_folder, deaf
 from .maps import boundaries, stability_map
 from .query import spectrum
 from .steady import AT
@@ -122,7 +122,9 @@ def atlas(
         raise ParameterError(
             f"resolution is {resolution!r}; a whole number of at least 8 is needed."
         )
-    target = _check_folder(Path(out), force)
+    target = Path(out)
+    taken = f"{target} exists and is not empty; choose another, or use --force."
+    check_folder(target, "" if force else taken)
     with _beside(target) as folder:
         jobs = [(body, family, str(folder), resolution) for body in BODIES for family in RANGES]
         pages: dict[tuple[str, str], Page] = {}
@@ -137,19 +139,6 @@ def atlas(
         (folder / "index.html").write_text(_html(ordered, resolution), encoding="utf-8")
         _move(folder, target)
     return target / "index.html"
-
-
-def _check_folder(target: Path, force: bool) -> Path:
-    if target.exists() and not target.is_dir():
-        raise FileError(f"{target} is a file; give the name of a folder.")
-    if target.is_dir() and any(target.iterdir()) and not force:
-        raise FileError(f"{target} exists and is not empty; choose another, or use --force.")
-    parent = target.parent
-    if not parent.is_dir():
-        raise FileError(f"the folder {parent} does not exist; create it first.")
-    if not os.access(target if target.is_dir() else parent, os.W_OK):
-        raise FileError(f"{target} cannot be written: its folder is not writable.")
-    return target
 
 
 class _beside:  # noqa: N801  # a context manager that reads as a word

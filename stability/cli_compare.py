@@ -122,25 +122,18 @@ def lines(found: dict[str, Any]) -> list[str]:
     -------
     list of str
     """
+    from .compare.report import Standing, nearest
+
     out = []
-    for name in ("spectrum", "motion"):
+    for name in CHARTS:
         if name in found:
-            rows = found[name]["standings"]
-            best: dict[str, Any] = {}
-            for r in rows:
-                if r["panel"] not in best or r["factor"] < best[r["panel"]]["factor"]:
-                    best[r["panel"]] = r
-            behind = sorted(
-                (r for r in best.values() if not r["on_front"]), key=lambda r: -r["factor"]
-            )
+            best = nearest([Standing(**row) for row in found[name]["standings"]]).values()
+            behind = sorted((s for s in best if not s.on_front), key=lambda s: -s.factor)
             front = len(best) - len(behind)
             out.append(
                 f"{name}: a default route is on the Pareto front in {front} of {len(best)} panels"
             )
-            out += [
-                f"  {r['panel']}: {r['route']} takes {r['factor']:.3g} times {r['rival']}"
-                for r in behind
-            ]
+            out += [f"  {s.panel}: {s.route} takes {s.factor:.3g} times {s.rival}" for s in behind]
     if "failures" in found:
         for method, marks in found["failures"]["marks"].items():
             told = ", ".join(f"{n} {word}" for word, n in sorted(marks.items()))

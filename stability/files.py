@@ -72,6 +72,31 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
     return target
 
 
+def check_folder(target: Path, taken: str = "") -> None:
+    """See that a folder can be made or written into; nothing is created.
+
+    Parameters
+    ----------
+    target
+        The folder.
+    taken
+        The sentence for a folder that holds something already; none where that is no matter.
+
+    Raises
+    ------
+    FileError
+        If it is a file, is taken, or its place is missing or not writable.
+    """
+    if target.exists() and not target.is_dir():
+        raise FileError(f"{target} is a file; give the name of a folder.")
+    if taken and target.is_dir() and any(target.iterdir()):
+        raise FileError(taken)
+    if not target.parent.is_dir():
+        raise FileError(f"the folder {target.parent} does not exist; create it first.")
+    if not os.access(target if target.is_dir() else target.parent, os.W_OK):
+        raise FileError(f"{target} cannot be written: its folder is not writable.")
+
+
 @contextmanager
 def whole(path: str | os.PathLike[str], *, overwrite: bool = False) -> Iterator[Path]:
     """A temporary name beside the target; renamed to it if all goes well, removed otherwise.

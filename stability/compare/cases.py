@@ -124,10 +124,12 @@ class Ladder(Case):
         if "wrong" in steps:
             first = steps.index("wrong") + 1
             note += f", wrong at 1e-{first}" + (" and nearer" if first < len(steps) else "")
-            return Judgement(Mark.WRONG, held, note)
-        if held == len(steps):
-            return Judgement(Mark.RIGHT, held, note)
-        return Judgement(Mark.DEGRADED if held else Mark.UNDECIDED, held, note + ", then undecided")
+            mark = Mark.WRONG
+        elif held == len(steps):
+            mark = Mark.RIGHT
+        else:
+            mark, note = Mark.DEGRADED if held else Mark.UNDECIDED, note + ", then undecided"
+        return Judgement(mark, held, note, tuple(steps))
 
 
 @lru_cache(maxsize=32)

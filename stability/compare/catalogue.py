@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,8 +9,9 @@ from typing import Any
 from ..errors import StabilityError
 from . import drivers
 from .bench import Task
-from .cases import CASES, DECADES, Ladder
+from .cases import CASES, DECADES
 from .journal import CRASHED, DONE, LATE, REFUSED, Cell
+from .lists import csv_text
 from .marks import BY_WORD, HONEST, Judgement, Mark
 from .motion_cases import MOTION_CASES
 from .own import OWN
@@ -82,11 +81,7 @@ def weigh(case: str, method: str) -> dict[str, Any] | None:
     case, method
         Names.
     """
-    route, it = ROUTES[method](), CASES[case]()
-    found = _kept(it.judge(route))
-    if found is not None and isinstance(it, Ladder):
-        found["steps"] = it.steps(route)
-    return found
+    return _kept(CASES[case]().judge(ROUTES[method]()))
 
 
 def weigh_motion(case: str, method: str) -> dict[str, Any] | None:
@@ -103,7 +98,8 @@ def weigh_motion(case: str, method: str) -> dict[str, Any] | None:
 def _kept(judgement: Judgement | None) -> dict[str, Any] | None:
     if judgement is None:
         return None
-    return {"mark": judgement.mark.word, "digits": judgement.digits, "note": judgement.note}
+    return {"mark": judgement.mark.word, "digits": judgement.digits, "note": judgement.note,
+            "steps": judgement.steps}  # fmt: skip
 
 
 def attempt(judge: Callable[[], Judgement | None]) -> Judgement | None:
@@ -233,14 +229,12 @@ def as_csv(found: Sequence[Entry]) -> str:
     -------
     str
     """
-    handle = io.StringIO(newline="")
-    writer = csv.writer(handle)
-    writer.writerow(["part", "group", "case", "method", "mark", "digits", "note"])
+    rows = []
     for e in found:
         digits = "" if e.digits != e.digits else f"{e.digits:g}"
         mark = "" if e.mark is None else e.mark.word
-        writer.writerow([e.part, e.group, e.case, e.method, mark, digits, e.note])
-    return handle.getvalue()
+        rows.append((e.part, e.group, e.case, e.method, mark, digits, e.note))
+    return csv_text(("part", "group", "case", "method", "mark", "digits", "note"), rows)
 
 
 def as_markdown(found: Sequence[Entry]) -> str:

@@ -198,13 +198,18 @@ class RungeKutta45(Driver):
 
     def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
         """By `scipy.integrate.solve_ivp`."""
+        return self.solved(scene, times, rtol=tolerance, atol=tolerance)
+
+    def solved(self, scene: Scene, times: Floats, **options: float) -> Motion:
+        """`solve_ivp` with options of its own."""
         from scipy.integrate import solve_ivp
 
         f, start = _plain(scene)
-        found = solve_ivp(f, times[[0, -1]], start, t_eval=times, rtol=tolerance, atol=tolerance)
+        found = solve_ivp(f, times[[0, -1]], start, t_eval=times, **options)
         if not found.success:
             raise ArithmeticError(found.message)
-        _check(found.y)
+        if not np.isfinite(found.y).all():
+            raise ArithmeticError("a state that is not finite")
         return Motion(found.t, _six(found.y.T), "moving", float(found.t[-1]))
 
 
@@ -215,14 +220,7 @@ class AsItComes(RungeKutta45):
 
     def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:  # noqa: ARG002
         """By `scipy.integrate.solve_ivp`, nothing set."""
-        from scipy.integrate import solve_ivp
-
-        f, start = _plain(scene)
-        found = solve_ivp(f, times[[0, -1]], start, t_eval=times)
-        if not found.success:
-            raise ArithmeticError(found.message)
-        _check(found.y)
-        return Motion(found.t, _six(found.y.T), "moving", float(found.t[-1]))
+        return self.solved(scene, times)
 
 
 class FixedStep(Driver):
@@ -267,11 +265,6 @@ def _step(f: Callable[[float, Any], Any], y: Any, h: float) -> Any:
         c = f(0.0, y + h / 2 * b)
         d = f(0.0, y + h * c)
         return y + h / 6 * (a + 2 * b + 2 * c + d)
-
-
-def _check(values: Any) -> None:
-    if not np.isfinite(values).all():
-        raise ArithmeticError("a state that is not finite")
 
 
 # --- smaller models ---

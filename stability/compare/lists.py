@@ -13,7 +13,25 @@ from .classes import EDGES
 from .journal import Cell
 
 
-def _text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """A table as CSV.
+
+    Parameters
+    ----------
+    columns
+        Their names.
+    rows
+        Their values.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> csv_text(("a", "b"), [(1, "x, y")]).splitlines()
+    ['a,b', '1,"x, y"']
+    """
     handle = io.StringIO(newline="")
     writer = csv.writer(handle)
     writer.writerow(columns)
@@ -65,7 +83,7 @@ def spectrum_csv(cells: Mapping[str, Cell]) -> str:
             v["first"], _middle(v["one"]), _middle(v["many"]), _timings(v["one"]),
             _timings(v["many"]), "",
         ))  # fmt: skip
-    return _text(columns, rows)
+    return csv_text(columns, rows)
 
 
 def boundary_csv(cells: Mapping[str, Cell]) -> str:
@@ -95,7 +113,7 @@ def boundary_csv(cells: Mapping[str, Cell]) -> str:
                 error = cell.value["error"][i]
                 rows.append((route, *where, _known(error), _known(cell.value["width"][i]), seconds,
                              "not found" if error is None else "found"))  # fmt: skip
-    return _text(columns, rows)
+    return csv_text(columns, rows)
 
 
 def motion_csv(cells: Mapping[str, Cell]) -> str:
@@ -130,4 +148,4 @@ def motion_csv(cells: Mapping[str, Cell]) -> str:
                 which, driver, tolerance, row["outcome"], *(_known(row[m]) for m in metrics),
                 _middle(row["seconds"]), _timings(row["seconds"]), cell.value["first"], "",
             ))  # fmt: skip
-    return _text(columns, rows)
+    return csv_text(columns, rows)

@@ -48,6 +48,8 @@ class Judgement:
     """Digits that are right, or decades of distance down to which the answers hold; NaN if none."""
     note: str = ""
     """What was seen, in a few words."""
+    steps: tuple[str, ...] = ()
+    """Of a ladder: the mark at each distance from the boundary, from far to near."""
 
 
 def by_error(

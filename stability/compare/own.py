@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any, ClassVar
+
 import numpy as np
 
 from ..certify import verdict
 from ..growth import GrowthKernel
 from ..kernels import Filtered
 from ..query import spectrum
+from ..spectra import Spectrum
 from ..verdict import CODES
 from .points import Points
 from .routes import Answer, Route
 
 
-def _somewhere(points: Points, *, certify: bool) -> Answer:
+def _somewhere(points: Points, *, certify: bool) -> Spectrum:
     """A family that claims to hold the given state; the package looks whether it is steady."""
     from ..equations import disk_system
     from ..families import Family
@@ -27,14 +30,17 @@ def _somewhere(points: Points, *, certify: bool) -> Answer:
         typical={"omega3": at, "k": 0.3, "mu": 0.7}, conservative=law.conservative,
     )  # fmt: skip
     p = dict(zip(system.parameters, points.parameters[0].tolist(), strict=True))
-    found = spectrum(family, at=at, certify=certify, **p)
+    return spectrum(family, at=at, certify=certify, **p)
+
+
+def _told(found: Spectrum) -> Answer:
     return Answer(
         np.atleast_1d(found.codes), np.atleast_2d(found.eigenvalues),
         np.atleast_1d(found.abscissa), np.atleast_1d(found.abscissa_error),
     )  # fmt: skip
 
 
-def _arguments(points: Points) -> dict[str, object]:
+def _arguments(points: Points) -> dict[str, Any]:
     from ..disk import Disk
 
     place = {"at": points.at} if points.lean is None else {"lean": points.lean}
@@ -46,37 +52,23 @@ class Deflated(Route):
 
     name, title = "spectrum", "spectrum(): AD Jacobian, deflation, discs about eigenvalues"
     own, default = True, True
+    certify: ClassVar[bool] = False
 
     def answer(self, points: Points) -> Answer:
         """By the public function, all points at once."""
-        found = spectrum(points.family, **_arguments(points))  # type: ignore[arg-type]
-        return Answer(
-            np.asarray(found.codes), found.eigenvalues, np.asarray(found.abscissa),
-            np.asarray(found.abscissa_error),
-        )  # fmt: skip
+        given: dict[str, Any] = _arguments(points)
+        return _told(spectrum(points.family, certify=self.certify, **given))
 
     def at_state(self, points: Points) -> Answer:
         """As a family of the user's."""
-        return _somewhere(points, certify=False)
+        return _told(_somewhere(points, certify=self.certify))
 
 
-class Certified(Route):
+class Certified(Deflated):
     """`spectrum(certify=True)`: rational arithmetic and balls."""
 
     name, title = "certified", "spectrum(certify=True): rational arithmetic and balls"
-    own, arrays = True, False
-
-    def answer(self, points: Points) -> Answer:
-        """By the public function."""
-        found = spectrum(points.family, certify=True, **_arguments(points))  # type: ignore[arg-type]
-        return Answer(
-            np.asarray(found.codes), found.eigenvalues, np.asarray(found.abscissa),
-            np.asarray(found.abscissa_error),
-        )  # fmt: skip
-
-    def at_state(self, points: Points) -> Answer:
-        """As a family of the user's."""
-        return _somewhere(points, certify=True)
+    default, arrays, certify = False, False, True
 
 
 class MapKernel(Route):

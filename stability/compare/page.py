@@ -162,16 +162,14 @@ def reason(standing: Standing) -> str:
 
 def _standings(one: Part) -> tuple[str, list[str]]:
     """A paragraph on where the package's default routes stand, and the table of it."""
-    from .report import standings
+    from .report import nearest, standings
 
     found = standings(one)
-    panels = dict.fromkeys(s.panel for s in found)
-    front = sum(any(s.on_front for s in found if s.panel == panel) for panel in panels)
-    best = {p: min((s for s in found if s.panel == p), key=lambda s: s.factor) for p in panels}
-    behind = [s for s in best.values() if not s.on_front]
+    best = nearest(found).values()
+    behind = [s for s in best if not s.on_front]
     told = (
-        f"<p>In {front} of {len(panels)} panels a route that the package takes by default is on "
-        "the Pareto front."
+        f"<p>In {len(best) - len(behind)} of {len(best)} panels a route that the package "
+        "takes by default is on the Pareto front."
     )
     if behind:
         low, high = (f(s.factor for s in behind) for f in (min, max))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import FileError, NameUnknownError, ParameterError
-from ..files import whole
+from ..files import check_folder, whole
 from . import catalogue, motion_data, spectral, spectral_data, works
 from .bench import Task, run
 from .classes import classes
@@ -117,11 +117,9 @@ def report(
     wanted = _checked(parts, workers, progress)
     folder = _folder(out, force)
     journal = Journal(folder)
-    plan = [group for name in wanted for group in PARTS[name]()]
-    total, before = sum(map(len, plan)), 0
-    for name in wanted:
-        groups = PARTS[name]()
-        count = sum(map(len, groups))
+    plan = {name: PARTS[name]() for name in wanted}
+    total, before = sum(len(group) for groups in plan.values() for group in groups), 0
+    for name, groups in plan.items():
 
         def told(done: int, _: int, base: int = before) -> None:
             if progress is not None:
@@ -129,7 +127,7 @@ def report(
 
         lanes = 1 if name in ALONE else workers or os.cpu_count() or 1
         run(groups, journal, workers=lanes, progress=told)
-        before += count
+        before += sum(map(len, groups))
     try:
         ready = [part(name, journal.cells) for name in PARTS if _whole(name, journal)]
         for one in ready:
@@ -169,19 +167,11 @@ def _folder(out: Any, force: bool) -> Path:
         target = Path(out)
         if "\0" in str(target):
             raise ValueError
-        if target.exists() and not target.is_dir():
-            raise FileError(f"{target} is a file; give the name of a folder.")
-    except (TypeError, ValueError, OSError) as error:
-        if isinstance(error, FileError):
-            raise
+        ours = is_journal(target / JOURNAL)
+    except (TypeError, ValueError, OSError):
         raise FileError(f"out is {str(out)[:60]!r}; give the name of a folder.") from None
-    if not target.parent.is_dir():
-        raise FileError(f"the folder {target.parent} does not exist; create it first.")
-    ours = is_journal(target / JOURNAL)
-    if target.is_dir() and any(target.iterdir()) and not ours and not force:
-        raise FileError(f"{target} holds other files; choose another folder, or use --force.")
-    if not os.access(target if target.is_dir() else target.parent, os.W_OK):
-        raise FileError(f"{target} cannot be written: its folder is not writable.")
+    taken = f"{target} holds other files; choose another folder, or use --force."
+    check_folder(target, "" if ours or force else taken)
     if (target / "index.html").is_dir():
         raise FileError(f"{target / 'index.html'} is a folder in the way; move it aside.")
     return target
@@ -413,3 +403,23 @@ def standings(one: Part) -> list[Standing]:
             if route in defaults:
                 found.append(Standing(panel, route, place.on_front, place.factor, place.rival))
     return found
+
+
+def nearest(found: Sequence[Standing]) -> dict[str, Standing]:
+    """Of the default routes in each panel the one on the front, or nearest to it.
+
+    Parameters
+    ----------
+    found
+        From `standings`.
+
+    Returns
+    -------
+    dict
+        By panel.
+    """
+    best: dict[str, Standing] = {}
+    for one in found:
+        if one.panel not in best or one.factor < best[one.panel].factor:
+            best[one.panel] = one
+    return best

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import StabilityError
-from .bench import Late, Task
+from .bench import Late, Task, timed
 from .drivers import DRIVERS, MODELS, OWN, PEOPLE, Driver, Motion, driver
 from .scenes import Floats, Scene, scene, scenes
 
@@ -72,7 +72,7 @@ def measure(which: str, name: str) -> dict[str, Any]:
             took = time.perf_counter() - start
             out["first"] = took if out["first"] is None else out["first"]
             if took > PATIENCE:  # which may have been compiling: Taylor's order has its own code
-                took = _once(mine, it, tolerance)
+                [took] = timed(lambda t=tolerance: mine.run(it, times, t), least=1, most=1)  # type: ignore[misc]
             row = judged(it, motion)
             row |= {"seconds": _repeated(mine, it, tolerance, took), "message": ""}
         except (StabilityError, ArithmeticError, ValueError, RuntimeError) as error:
@@ -86,21 +86,11 @@ def measure(which: str, name: str) -> dict[str, Any]:
     return out
 
 
-def _once(mine: Driver, it: Scene, tolerance: float) -> float:
-    start = time.perf_counter()
-    mine.run(it, it.asked, tolerance)
-    return time.perf_counter() - start
-
-
 def _repeated(mine: Driver, it: Scene, tolerance: float, took: float) -> list[float]:
     """Seconds of each repeat; the one run itself where it took long."""
     if took > PATIENCE:
         return [took]
-    seconds: list[float] = []
-    begin = time.perf_counter()
-    while not seconds or (len(seconds) < 9 and time.perf_counter() - begin < 0.08):
-        seconds.append(_once(mine, it, tolerance))
-    return seconds
+    return timed(lambda: mine.run(it, it.asked, tolerance), least=1, most=9, budget=0.08)
 
 
 def _forget() -> None:
