@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from .disk import positive
-from .errors import FileError, ParameterError
+from .checks import positive
+from .errors import FileError, ParameterError, shown
 from .files import check_target, whole
 from .film import FINE, Scene, caption_of, inner_radius, unit_of, write_gif, write_mp4
 from .outcome import BY_CODE
@@ -84,12 +84,12 @@ def animate(
     'fall.html'
     """
     if progress is not None and not callable(progress):
-        raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
+        raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
     motion = _single(dataset)
     check_target(path, overwrite=overwrite)
     suffix = FilePath(path).suffix.lower()
     if suffix not in (".gif", ".mp4", ".html"):
-        raise FileError(f"the file name ends in {suffix!r}; give .gif, .mp4 or .html.")
+        raise FileError(f"the file name ends in {shown(suffix)}; give .gif, .mp4 or .html.")
     first, last = motion["time"][[0, -1]]
     length, rate = min(max(last - first, SHORTEST), LONGEST), _number("fps", fps, 100.0)
     if seconds is not None:

@@ -30,7 +30,7 @@ from .contact import Rough, Smooth, Viscous
 from .curves import KINDS
 from .dataset import LIBRARIES, LONG_NAMES
 from .disk import Disk
-from .errors import FileError, ParameterError
+from .errors import FileError, ParameterError, shown
 from .files import check_folder, deaf
 from .maps import boundaries, stability_map
 from .query import spectrum
@@ -120,7 +120,7 @@ def atlas(
     """
     if isinstance(resolution, bool) or not isinstance(resolution, int) or resolution < 8:
         raise ParameterError(
-            f"resolution is {resolution!r}; a whole number of at least 8 is needed."
+            f"resolution is {shown(resolution)}; a whole number of at least 8 is needed."
         )
     target = Path(out)
     taken = f"{target} exists and is not empty; choose another, or use --force."

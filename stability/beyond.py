@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from .contact import Contact, LinearViscous, Viscous
 from .disk import Disk
-from .errors import NameUnknownError
+from .errors import NameUnknownError, shown
 from .lines import hopf
 from .passage import FORMULAS, drift
 
@@ -176,7 +176,9 @@ def law_of(name: str, mu: float) -> Contact:
         If it is another.
     """
     if name not in ("viscous", "linear-viscous"):
-        raise NameUnknownError(f"contact is {name!r}; this table has viscous and linear-viscous.")
+        raise NameUnknownError(
+            f"contact is {shown(name)}; this table has viscous and linear-viscous."
+        )
     return Viscous(mu) if name == "viscous" else LinearViscous(mu=mu)
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import NoMemberError, ParameterError
+from .errors import NoMemberError, ParameterError, shown
 from .exact import Exact, Polynomial
 from .grid import Grid
 from .problem import Problem
@@ -103,7 +103,7 @@ def prove_boxes(
     """
     if isinstance(levels, bool) or not isinstance(levels, int) or not 0 <= levels <= MOST_LEVELS:
         raise ParameterError(
-            f"levels is {levels!r}; a whole number from 0 to {MOST_LEVELS} is needed."
+            f"levels is {shown(levels)}; a whole number from 0 to {MOST_LEVELS} is needed."
         )
     judge = BoxConditions(question) if question.exact is not None else _WideBalls(question)
     edges = [_edges(axis, levels) for axis in axes]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from . import __version__
 from .certify import verdict
-from .errors import FileError, ParameterError
+from .errors import FileError, ParameterError, shown
 from .files import whole
 from .grid import Grid
 from .growth import GrowthKernel, steady_memory
@@ -71,7 +71,7 @@ class Parts:
 
     def __init__(self, folder: str | PathLike[str], key: dict[str, Any]) -> None:
         if not isinstance(folder, (str, PathLike)) or not str(folder):
-            raise FileError(f"the checkpoint folder is {folder!r}; give the name of a folder.")
+            raise FileError(f"the checkpoint folder is {shown(folder)}; give the name of a folder.")
         self.folder = Path(folder)
         try:
             self.folder.mkdir(exist_ok=True)

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 from . import __version__
 from .cli_compare import add_arguments as add_compare
 from .cli_motion import add_arguments
-from .errors import ParameterError, StabilityError
+from .errors import ParameterError, StabilityError, one_line, shown
 
 FAMILY_HELP = "rolling, spinning, tumbling, or circling (rough disk)"
 CONTACTS = "smooth, viscous, linear-viscous, rough"
@@ -37,7 +37,7 @@ class _Parser(argparse.ArgumentParser):
 def _say(sentence: str) -> None:
     """A message on standard error, if there is one."""
     if sys.stderr is not None:
-        print(f"stability: {sentence}", file=sys.stderr)
+        print(f"stability: {one_line(sentence)}", file=sys.stderr)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -100,7 +100,7 @@ def _spectrum(options: argparse.Namespace) -> None:
     parts = AT.get(options.family, ("at",))
     if isinstance(at, list) and len(at) != len(parts):
         raise ParameterError(
-            f"at is {options.at!r}; {options.family} takes {' and '.join(parts)}, "
+            f"at is {shown(options.at)}; {options.family} takes {' and '.join(parts)}, "
             f"{len(parts)} number{'s' * (len(parts) > 1)}."
         )
     result = spectrum(
@@ -175,7 +175,7 @@ def _map(options: argparse.Namespace) -> None:
     if options.plot is not None:
         targets.append(_picture(options.plot, options.force))
         if targets[0].resolve() == targets[1].resolve():
-            raise ParameterError(f"--out and --plot are both {options.out!r}; give two files.")
+            raise ParameterError(f"--out and --plot are both {shown(options.out)}; give two files.")
     at = None if options.at is None else _at(options.at)
     if options.verdict_only:
         _stream(options, x, y, disk, contact, at)
@@ -288,7 +288,7 @@ def _table(options: argparse.Namespace) -> None:
     from .tables import TABLES, records, text
 
     if options.name not in TABLES:
-        raise NameUnknownError(f"table is {options.name!r}; known are {', '.join(TABLES)}.")
+        raise NameUnknownError(f"table is {shown(options.name)}; known are {', '.join(TABLES)}.")
     settings = _table_settings(options)
     formulas: list[Any] = []
     with _bar("lines") as progress:
@@ -498,7 +498,7 @@ def _number(text: str, name: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise ParameterError(f"{name} is {text!r}; a number is needed.") from None
+        raise ParameterError(f"{name} is {shown(text)}; a number is needed.") from None
 
 
 def _at(text: str) -> float | list[float]:
@@ -511,19 +511,21 @@ def _list(text: str) -> list[float]:
         return [float(part) for part in text.split(",")]
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is not a comma-separated list of numbers"
+            f"{shown(text)} is not a comma-separated list of numbers"
         ) from None
 
 
 def _axis(text: str, which: str) -> Any:
     parts = text.split(":")
     if len(parts) not in (4, 5):
-        raise ParameterError(f"{which} is {text!r}; give NAME:LO:HI:N or NAME:LO:HI:N:log.")
+        raise ParameterError(f"{which} is {shown(text)}; give NAME:LO:HI:N or NAME:LO:HI:N:log.")
     name, low, high, count, *rest = parts
     try:
         number = int(count)
     except ValueError:
-        raise ParameterError(f"{which} has {count!r} points; a whole number is needed.") from None
+        raise ParameterError(
+            f"{which} has {shown(count)} points; a whole number is needed."
+        ) from None
     return (name, _number(low, which), _number(high, which), number, *rest)
 
 
@@ -532,7 +534,7 @@ def _picture(path: str, force: bool) -> Any:
 
     target = check_target(path, overwrite=force)
     if target.suffix.lower() not in (".png", ".pdf", ".svg"):
-        raise ParameterError(f"--plot is {path!r}; the name must end in .png, .pdf or .svg.")
+        raise ParameterError(f"--plot is {shown(path)}; the name must end in .png, .pdf or .svg.")
     return target
 
 

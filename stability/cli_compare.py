@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from .errors import NameUnknownError, ParameterError
+from .errors import NameUnknownError, ParameterError, shown
 
 CHARTS = ("spectrum", "motion")
 """What can be charted."""
@@ -51,7 +51,9 @@ def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
     parts = tuple(PARTS)
     if options.command == "chart":
         if options.what not in CHARTS:
-            raise NameUnknownError(f"chart is {options.what!r}; known are {', '.join(CHARTS)}.")
+            raise NameUnknownError(
+                f"chart is {shown(options.what)}; known are {', '.join(CHARTS)}."
+            )
         parts = (options.what,)
     elif options.command == "failures":
         parts = ("failures",)

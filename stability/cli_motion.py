@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from .errors import ParameterError
+from .errors import ParameterError, shown
 
 CONTACTS = "viscous, linear-viscous, smooth, rough, coulomb, coulomb-regularised"
 STATE_OPTIONS = ("theta", "theta-dot", "phi-dot", "omega3", "slip-x", "slip-y")
@@ -118,9 +118,11 @@ def _targets(options: argparse.Namespace) -> dict[str, Path]:
         target = check_target(path, overwrite=options.force)
         if name in kinds and target.suffix.lower() not in kinds[name]:
             listed = ", ".join(kinds[name][:-1]) + f" or {kinds[name][-1]}"
-            raise ParameterError(f"--{name} is {path!r}; the name must end in {listed}.")
+            raise ParameterError(f"--{name} is {shown(path)}; the name must end in {listed}.")
         if target.resolve() in [t.resolve() for t in targets.values()]:
-            raise ParameterError(f"--{name} is {path!r}, which another file has; give two names.")
+            raise ParameterError(
+                f"--{name} is {shown(path)}, which another file has; give two names."
+            )
         targets[name] = target
     return targets
 

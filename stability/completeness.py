@@ -16,7 +16,7 @@ import numpy as np
 
 from .algebra import Program, sympy_algebra
 from .equations import disk_system
-from .errors import ParameterError
+from .errors import ParameterError, shown
 
 NEAR = 1e-4
 """A root counts as a member within this distance.  Rolling has two zero eigenvalues but one
@@ -62,7 +62,7 @@ def prove(law: str = "viscous") -> tuple[Step, ...]:
 
     if law not in ("viscous", "linear-viscous"):
         raise ParameterError(
-            f"completeness is proved for the viscous and linear-viscous laws, not for {law!r}."
+            f"completeness is proved for the viscous and linear-viscous laws, not for {shown(law)}."
         )
     system = disk_system(law)
     assert system.mass is not None and system.forcing is not None

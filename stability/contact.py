@@ -7,8 +7,9 @@ from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
-from .disk import Disk, Number, positive
-from .errors import NameUnknownError, ParameterError
+from .checks import Number, positive
+from .disk import Disk
+from .errors import NameUnknownError, ParameterError, shown
 
 ZERO_MU = "friction must be positive (without friction the law is Smooth(), `--contact smooth`)"
 
@@ -326,12 +327,12 @@ def law_named(
         )
     if name in MOTION_LAWS and name not in LAWS and not motion:
         raise NameUnknownError(
-            f"contact is {name!r}, dry friction, which has no linearisation of its own; "
+            f"contact is {shown(name)}, dry friction, which has no linearisation of its own; "
             "inside the friction cone it is `rough`."
         )
     known = MOTION_LAWS if motion else LAWS
     if name not in known:
-        raise NameUnknownError(f"contact is {name!r}; known are {', '.join(known)}.")
+        raise NameUnknownError(f"contact is {shown(name)}; known are {', '.join(known)}.")
     law = known[name]
     if law.coefficient is None:
         if mu is not None:

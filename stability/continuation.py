@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .disk import checked
-from .errors import NoMemberError, ParameterError
+from .checks import checked
+from .errors import NoMemberError, ParameterError, shown
 from .families import Family, Floats, columns
 
 
@@ -68,9 +68,9 @@ def branch(
     (True, 2.00251)
     """
     if not isinstance(family, Family):
-        raise ParameterError(f"family is {family!r}; give a stability.Family.")
+        raise ParameterError(f"family is {shown(family)}; give a stability.Family.")
     if isinstance(points, bool) or not isinstance(points, int):
-        raise ParameterError(f"points is {points!r}; a whole number is needed.")
+        raise ParameterError(f"points is {shown(points)}; a whole number is needed.")
     for what, given, names in (
         ("parameters", parameters, family.parameters), ("fixed", fixed, family.at[1:]),
     ):  # fmt: skip

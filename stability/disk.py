@@ -7,98 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .errors import NameUnknownError, ParameterError
-
-Number = float | NDArray[np.float64]
-
-
-def checked(name: str, value: ArrayLike) -> Number:
-    """Return a finite float, or a read-only float array, or refuse with the value.
-
-    Parameters
-    ----------
-    name
-        What the number is called in the message.
-    value
-        A number or an array of numbers, any shape.
-
-    Returns
-    -------
-    float or ndarray
-        The same values in double precision.
-
-    Raises
-    ------
-    ParameterError
-        If a value is not a real finite number.
-
-    Examples
-    --------
-    >>> checked("mu", 3)
-    3.0
-    """
-    try:
-        if (
-            value is None
-            or isinstance(value, (str, bytes))
-            or np.asarray(value).dtype.kind not in "iufO"
-        ):
-            raise TypeError  # text, truth values, complex numbers, dates
-        if np.ma.is_masked(value):
-            raise ParameterError(f"{name} has masked entries; give numbers only.")
-        array = np.asarray(value, dtype=float)
-    except ParameterError:
-        raise
-    except (TypeError, ValueError, OverflowError):
-        shown = repr(value)
-        shown = shown if len(shown) < 60 else shown[:56] + " ..."
-        raise ParameterError(f"{name} is {shown}; a real number is needed.") from None
-    if array.size == 0:
-        raise ParameterError(f"{name} is an empty array; at least one number is needed.")
-    bad = ~np.isfinite(array)
-    if bad.any():
-        raise ParameterError(f"{name} is {array[bad].flat[0]}; a finite number is needed.")
-    if array.ndim == 0:
-        return float(array)
-    array = array.copy()
-    array.flags.writeable = False
-    return array
-
-
-def positive(name: str, value: ArrayLike, remedy: str = "it must be positive") -> Number:
-    """Return `checked(name, value)` if all of it is above zero, or refuse.
-
-    Parameters
-    ----------
-    name
-        What the number is called in the message.
-    value
-        A number or an array of numbers, any shape.
-    remedy
-        What is accepted, for the message.
-
-    Returns
-    -------
-    float or ndarray
-        The same values in double precision.
-
-    Raises
-    ------
-    ParameterError
-        If a value is not a real finite number above zero.
-
-    Examples
-    --------
-    >>> positive("mass", 0.3)
-    0.3
-    """
-    number = checked(name, value)
-    low = np.asarray(number)
-    if (low <= 0).any():
-        raise ParameterError(f"{name} is {low[low <= 0].flat[0]:g}; {remedy}.")
-    return number
+from .checks import Number, checked, known, positive
+from .errors import ParameterError
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,9 +149,7 @@ class Disk:
         >>> coin.mass, coin.radius
         (0.00567, 0.01213)
         """
-        if not isinstance(name, str) or name not in REAL_DISKS:
-            raise NameUnknownError(f"disk is {name!r}; known are {', '.join(REAL_DISKS)}.")
-        return cls(**REAL_DISKS[name][0])
+        return cls(**REAL_DISKS[known("disk", name, REAL_DISKS)][0])
 
     @property
     def time(self) -> Number:

@@ -2,6 +2,14 @@
 
 from __future__ import annotations
 
+import reprlib
+from typing import Any
+
+LONGEST = 280
+"""Characters of a message at most."""
+VALUE = 60
+"""Characters of a user's value in a message at most."""
+
 
 class StabilityError(ValueError):
     """Any input that the package refuses.
@@ -15,6 +23,10 @@ class StabilityError(ValueError):
     ...     print(error)
     k is 0.7; a thin body has a diametral inertia factor in (0, 1/2].
     """
+
+    def __init__(self, message: object = "") -> None:
+        text = message if isinstance(message, str) else shown(message)
+        super().__init__(one_line(text))
 
 
 class ParameterError(StabilityError):
@@ -35,3 +47,98 @@ class NoMemberError(StabilityError):
 
 class FileError(StabilityError):
     """A file that cannot be read or written, or that would be overwritten."""
+
+
+def one_line(text: str, longest: int = LONGEST) -> str:
+    r"""A text as one printable line, its middle left out where it is too long.
+
+    Parameters
+    ----------
+    text
+        Any text: with line breaks, control characters, lone surrogates.
+    longest
+        Characters at most.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> one_line("a\n  b\x1b")
+    'a b\\x1b'
+    >>> one_line("0123456789", 7)
+    '01 … 89'
+    """
+    if len(text) > 40 * longest:  # what is cut away below need not be looked at
+        text = f"{text[: 20 * longest]} {text[-20 * longest :]}"
+    plain = " ".join(text.split())
+    if not plain.isprintable():
+        plain = "".join(c if c.isprintable() else repr(c)[1:-1] for c in plain)
+    if len(plain) <= longest:
+        return plain
+    room = longest - 3
+    head = room - room // 2
+    return f"{plain[:head].rstrip()} … {plain[len(plain) - room // 2 :].lstrip()}"
+
+
+class _Short(reprlib.Repr):
+    """Values in few words; nothing that a value's own code raises gets out."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlevel = 3
+        self.maxlist = self.maxtuple = self.maxset = self.maxfrozenset = self.maxdict = 6
+        self.maxstring = self.maxlong = self.maxother = VALUE
+
+    def repr_int(self, x: int, level: int) -> str:  # noqa: ARG002
+        """Digits, or how many there are; Python refuses to print very long ones."""
+        return repr(x) if x.bit_length() < 180 else f"an integer of {x.bit_length()} bits"
+
+    def repr_ndarray(self, x: Any, level: int) -> str:  # noqa: ARG002
+        """Shape and type of its entries."""
+        return f"an array of shape {x.shape}, {x.dtype}"
+
+    repr_MaskedArray = repr_matrix = repr_ndarray  # noqa: N815  # reprlib looks for the type's name
+
+    def repr_instance(self, x: Any, level: int) -> str:  # noqa: ARG002
+        """What it says of itself if that is short; else what it is."""
+        try:
+            said = repr(x)
+        except Exception:  # the value's own code runs here, which may raise anything
+            said = ""
+        kind = type(x).__name__
+        article = "an" if kind[:1].lower() in tuple("aeiou") else "a"
+        return said if said.isprintable() and 0 < len(said) <= VALUE else f"{article} {kind}"
+
+
+_SHORT = _Short()
+
+
+def shown(value: object) -> str:
+    """A user's value for a message: one short printable line, whatever the value is.
+
+    Parameters
+    ----------
+    value
+        Anything: arrays show their shape, datasets and graphs their type.
+
+    Returns
+    -------
+    str
+        At most `VALUE` characters.
+
+    Examples
+    --------
+    >>> shown("x" * 5000)
+    "'xxxxxxxxxxxxxxxxxxxxxxxxxxxx … xxxxxxxxxxxxxxxxxxxxxxxxxxx'"
+    >>> import numpy as np
+    >>> shown(np.zeros((2, 3))), shown([0.5] * 100)
+    ('an array of shape (2, 3), float64', '[0.5, 0.5, 0.5, 0.5, 0.5, 0.5, ...]')
+    """
+    try:
+        if isinstance(value, str):  # its ends say more than reprlib's three dots
+            return one_line(repr(str(value)), VALUE)
+        return one_line(_SHORT.repr(value), VALUE)
+    except Exception:  # as above
+        return one_line(f"a {type(value).__name__}", VALUE)

@@ -14,7 +14,7 @@ from importlib.resources import files
 from typing import Any
 
 from .contact import Contact
-from .errors import NameUnknownError
+from .errors import NameUnknownError, shown
 
 DATA = "exact.json"
 """The file of derived polynomials, in stability/data."""
@@ -207,7 +207,7 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     known = _catalogue()
     key = f"{family} {name}"
     if key not in known:
-        raise NameUnknownError(f"{key!r} has no polynomial; known are {', '.join(known)}.")
+        raise NameUnknownError(f"{shown(key)} has no polynomial; known are {', '.join(known)}.")
     return known[key]
 
 

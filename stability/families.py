@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .algebra import Upright
-from .disk import checked
-from .errors import NameUnknownError, NoMemberError, ParameterError
+from .checks import checked
+from .errors import NameUnknownError, NoMemberError, ParameterError, shown
 from .graph import FamilyGraph, Frame
 from .system import System
 
@@ -103,14 +103,14 @@ class Family:
         for name in self.at:
             if name not in (*self.system.states, *self.system.parameters):
                 raise NameUnknownError(
-                    f"at is {name!r}, neither a state nor a parameter of {self.system.name}."
+                    f"at is {shown(name)}, neither a state nor a parameter of {self.system.name}."
                 )
         given = [*self.held, *self.unknown, *(n for n in self.at if n in self.system.states)]
         for state in self.system.states:
             if given.count(state) != 1:
                 raise ParameterError(
-                    f"state {state!r} of family {self.name} is given {given.count(state)} times; "
-                    "name each state once, in at, held or unknown."
+                    f"state {shown(state)} of family {self.name} is given {given.count(state)} "
+                    "times; name each state once, in at, held or unknown."
                 )
         if len(self.unknown) != len(self.equations):
             raise ParameterError(

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .errors import FileError
+from .errors import FileError, shown
 
 if TYPE_CHECKING:
     import xarray
@@ -25,7 +25,7 @@ def _path(path: str | os.PathLike[str]) -> Path:
     try:
         return Path(path)
     except TypeError:
-        raise FileError(f"the file name is {path!r}; give a string or a path.") from None
+        raise FileError(f"the file name is {shown(path)}; give a string or a path.") from None
 
 
 def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
@@ -53,7 +53,7 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
             target = target.resolve()
         there = target.exists()
     except ValueError:
-        raise FileError(f"{str(target)[:60]!r} is no file name; leave out NUL.") from None
+        raise FileError(f"{shown(str(target))} is no file name; leave out NUL.") from None
     except OSError as error:
         raise FileError(f"{str(target)[:60]} cannot be written: {error.strerror}.") from None
     if target.is_dir():
@@ -199,7 +199,7 @@ def write_map(
     import xarray
 
     if not isinstance(dataset, xarray.Dataset):
-        raise FileError(f"dataset is {dataset!r}; give what stability_map returns.")
+        raise FileError(f"dataset is {shown(dataset)}; give what stability_map returns.")
     encoded: xarray.Dataset = dataset.copy()
     for name, variable in dataset.variables.items():
         if np.iscomplexobj(variable.values):

@@ -17,7 +17,7 @@ import sympy
 
 from .decomposition import Line, Range
 from .derivation import LAM, MU, SQUARE, Derived, M
-from .errors import ParameterError
+from .errors import ParameterError, shown
 from .exact import Exact, Polynomial, exact_polynomial
 from .hurwitz import conditions, decisive
 
@@ -132,7 +132,7 @@ def _inertia(value: Any) -> str:
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):
         number = Fraction(-1)
     if not 0 < number <= Fraction(1, 2):
-        raise ParameterError(f"k is {value!r}; give exact numbers in (0, 1/2], such as '1/4'.")
+        raise ParameterError(f"k is {shown(value)}; give exact numbers in (0, 1/2], such as '1/4'.")
     return str(number)
 
 
@@ -310,8 +310,8 @@ def _words(statement: str) -> str:
     text = statement.replace("mu*²", "@").replace("**", "^").replace("*", " ")
     for plain in ("phi_dot", "omega3"):
         text = text.replace(plain, plain.replace("_", "\\_"))
-    for plain, shown in (("^", "\\^{}"), ("<", "$<$"), (">", "$>$"), ("&", "\\&")):
-        text = text.replace(plain, shown)
+    for plain, typeset in (("^", "\\^{}"), ("<", "$<$"), (">", "$>$"), ("&", "\\&")):
+        text = text.replace(plain, typeset)
     return text.replace("@", "$\\mu_*^2$")
 
 

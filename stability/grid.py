@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .disk import checked
-from .errors import ParameterError
+from .checks import checked
+from .errors import ParameterError, shown
 
 Floats = NDArray[np.float64]
 
@@ -56,12 +56,14 @@ class Grid:
         [0.1, 1.0, 10.0]
         """
         if not isinstance(axis, (tuple, list)) or len(axis) not in (4, 5):
-            raise ParameterError(f"{which} is {axis!r}; give (name, low, high, n) or (…, 'log').")
+            raise ParameterError(
+                f"{which} is {shown(axis)}; give (name, low, high, n) or (…, 'log')."
+            )
         name, low, high, count, *rest = axis
         if not isinstance(name, str):
-            raise ParameterError(f"{which} axis name is {name!r}; give a string such as 'at'.")
+            raise ParameterError(f"{which} axis name is {shown(name)}; give a string such as 'at'.")
         if rest and rest[0] not in ("log", "linear"):
-            raise ParameterError(f"{which} spacing is {rest[0]!r}; give 'linear' or 'log'.")
+            raise ParameterError(f"{which} spacing is {shown(rest[0])}; give 'linear' or 'log'.")
         low, high = (
             checked(f"the {what} end of the {which} axis {name}", value)
             for what, value in (("low", low), ("high", high))
@@ -70,7 +72,8 @@ class Grid:
             raise ParameterError(f"{which} axis {name} has an array for an end; give numbers.")
         if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 2:
             raise ParameterError(
-                f"{which} axis {name} has {count!r} points; a whole number of at least 2 is needed."
+                f"{which} axis {name} has {shown(count)} points; a whole number of at least 2 is "
+                "needed."
             )
         if not low < high:
             raise ParameterError(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from . import stepping, sundials, taylor
-from .errors import NameUnknownError, ParameterError
+from .errors import NameUnknownError, ParameterError, shown
 from .flow import Floats
 from .route import UNRESOLVED, Integrate, Leg, Path
 
@@ -68,11 +68,13 @@ def check_method(method: str) -> str:
     'lsoda'
     """
     if not isinstance(method, str):
-        raise NameUnknownError(f"method is {method!r}; give auto or a name: {', '.join(METHODS)}.")
+        raise NameUnknownError(
+            f"method is {shown(method)}; give auto or a name: {', '.join(METHODS)}."
+        )
     if method == "auto":
         return method
     if method not in METHODS:
-        raise NameUnknownError(f"method is {method!r}; known are auto, {', '.join(METHODS)}.")
+        raise NameUnknownError(f"method is {shown(method)}; known are auto, {', '.join(METHODS)}.")
     if method == HEYOKA and not taylor.available():
         raise ParameterError(
             "method is 'heyoka', which is not installed; install stability[heyoka], or take "

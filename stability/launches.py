@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .algebra import Program
+from .checks import checked
 from .contact import MOTION_LAWS, Contact, LinearViscous, RegularisedCoulomb
-from .disk import Disk, checked
+from .disk import Disk
 from .equations import STATES, disk_system
-from .errors import DomainError, NameUnknownError, ParameterError
+from .errors import DomainError, NameUnknownError, ParameterError, shown
 from .flow import Floats, moving_system
 from .rest import continuations
 from .sticking import REST
@@ -78,10 +79,10 @@ def gather(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Launch
         In one sentence, if something is not accepted.
     """
     if not isinstance(disk, Disk):
-        raise ParameterError(f"disk is {disk!r}; give a stability.Disk.")
+        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
     if not isinstance(contact, Contact) or contact.name not in MOTION_LAWS:
         raise NameUnknownError(
-            f"contact is {contact!r}; give one of Smooth(), Viscous(mu), LinearViscous(c), "
+            f"contact is {shown(contact)}; give one of Smooth(), Viscous(mu), LinearViscous(c), "
             "Rough(), Coulomb(mu), RegularisedCoulomb(mu, epsilon)."
         )
     with np.errstate(all="ignore"):  # what overflows is refused by _check
@@ -150,7 +151,9 @@ def _start(start: Any, contact: Contact) -> Floats:
     if isinstance(start, Mapping):
         unknown = [n for n in start if n not in STATES]
         if unknown:
-            raise NameUnknownError(f"start names {unknown[0]!r}; known are {', '.join(STATES)}.")
+            raise NameUnknownError(
+                f"start names {shown(unknown[0])}; known are {', '.join(STATES)}."
+            )
         if "theta" not in start:
             raise ParameterError("start does not name theta; give at least theta [rad].")
         columns = [np.asarray(checked(f"start {n}", start.get(n, 0.0))) for n in STATES]

@@ -28,9 +28,10 @@ from numpy.typing import NDArray
 
 from .algebra import Program
 from .boundary import Crossing, along
+from .checks import checked
 from .contact import Contact
-from .disk import Disk, checked
-from .errors import ParameterError
+from .disk import Disk
+from .errors import ParameterError, shown
 from .exact import exact_polynomial
 from .families import Family, columns
 from .problem import Problem, disk_problem
@@ -158,13 +159,13 @@ def hopf(
     """
     if not isinstance(family, str) or family not in SCAN:
         raise ParameterError(
-            f"family is {family!r}; spinning and tumbling have such boundaries (rolling passes its "
-            "own slowly, see drift)."
+            f"family is {shown(family)}; spinning and tumbling have such boundaries (rolling "
+            "passes its own slowly, see drift)."
         )
     if not isinstance(contact, Contact) or type(contact).coefficient is None:
-        raise ParameterError(f"contact is {contact!r}; a law with friction is needed.")
+        raise ParameterError(f"contact is {shown(contact)}; a law with friction is needed.")
     if isinstance(points, bool) or not isinstance(points, (int, np.integer)) or points < 2:
-        raise ParameterError(f"points is {points!r}; a whole number of at least 2 is needed.")
+        raise ParameterError(f"points is {shown(points)}; a whole number of at least 2 is needed.")
     body = Disk() if disk is None else disk
     question = disk_problem(family, body, contact, 1.0)
     for name, value in question.values.items():

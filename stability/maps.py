@@ -15,7 +15,7 @@ from .cells import Cells, Parts
 from .contact import LAWS, Contact, LinearViscous, Viscous
 from .curves import trace
 from .disk import Disk
-from .errors import NameUnknownError, ParameterError
+from .errors import NameUnknownError, ParameterError, shown
 from .families import Family
 from .grid import Grid
 from .problem import PHYSICAL, Problem, check_axis, disk_roundings, disk_units
@@ -108,7 +108,7 @@ def stability_map(
     (('mu', 'at'), (5, 7))
     """
     if not isinstance(certify, bool):
-        raise ParameterError(f"certify is {certify!r}; give True or False.")
+        raise ParameterError(f"certify is {shown(certify)}; give True or False.")
     if levels is not None and not certify:
         raise ParameterError("levels goes with certify=True; leave it out or certify.")
     check_run(workers, progress)
@@ -144,9 +144,11 @@ def check_run(workers: Any, progress: Any) -> None:
         With the value.
     """
     if workers is not None and (not isinstance(workers, int) or workers < 1):
-        raise ParameterError(f"workers is {workers!r}; a whole number of at least 1 is needed.")
+        raise ParameterError(
+            f"workers is {shown(workers)}; a whole number of at least 1 is needed."
+        )
     if progress is not None and not callable(progress):
-        raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
+        raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
 
 
 def boundaries(
@@ -220,7 +222,7 @@ def prepare(
     """
     names = [g.name for g in axes]
     if len(set(names)) < len(names):
-        raise ParameterError(f"both axes are {names[0]!r}; give two different ones.")
+        raise ParameterError(f"both axes are {shown(names[0])}; give two different ones.")
     if isinstance(family, Family):
         question = make_problem(family, at, disk, contact, dict(parameters))  # type: ignore[arg-type]
         known: tuple[str, ...] = (*family.at, *family.parameters)
@@ -239,11 +241,12 @@ def prepare(
     for name in names:
         if name not in known:
             raise NameUnknownError(
-                f"axis is {name!r}; known for {question.family.name} are {', '.join(known)}."
+                f"axis is {shown(name)}; known for {question.family.name} are {', '.join(known)}."
             )
         if not name or name in RESERVED or name.startswith(("boundary_", "box_")) or "/" in name:
             raise NameUnknownError(
-                f"axis is {name!r}, a name that the map needs for itself; rename the parameter."
+                f"axis is {shown(name)}, a name that the map needs for itself; rename the "
+                "parameter."
             )
     axis_values = {g.name: g.values for g in axes}
     for name, values in axis_values.items():
@@ -288,7 +291,7 @@ def _law(contact: Any, axes: Sequence[Grid]) -> Contact:
     if isinstance(contact, Contact):
         return contact
     if contact not in LAWS.values():
-        raise NameUnknownError(f"contact is {contact!r}; known are {', '.join(LAWS)}.")
+        raise NameUnknownError(f"contact is {shown(contact)}; known are {', '.join(LAWS)}.")
     law: type[Contact] = contact
     if law.coefficient is None:
         return law()

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import checked
 from .contact import Contact
-from .disk import Disk, checked
-from .errors import ParameterError
+from .disk import Disk
+from .errors import ParameterError, shown
 from .flow import CASADI, FLAT, LIFT_OFF, NO_CONTACT, Floats, flow
 from .integrators import FINEST, Choice, check_method, explicit, run
 from .launches import Launches, gather
@@ -155,7 +156,7 @@ def simulate(
     from .trajectory import assemble
 
     if progress is not None and not callable(progress):
-        raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
+        raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
     settings = Settings(
         check_method(method), tolerance, pose, flat, settle, max_steps, workers, check
     )
@@ -195,7 +196,7 @@ class Settings:
                 raise ParameterError(f"{name} has shape {np.shape(value)}; give one number.")
         for name in ("pose", "check"):
             if not isinstance(getattr(self, name), (bool, np.bool_)):
-                raise ParameterError(f"{name} is {getattr(self, name)!r}; give True or False.")
+                raise ParameterError(f"{name} is {shown(getattr(self, name))}; give True or False.")
         if not TIGHTEST <= self.tolerance <= LOOSEST:
             raise ParameterError(
                 f"tolerance is {self.tolerance:g}; give one from {TIGHTEST:g} to {LOOSEST:g}."
@@ -209,7 +210,7 @@ class Settings:
             if name == "workers" and value is None:
                 continue
             if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
-                raise ParameterError(f"{name} is {value!r}; give a whole number above 0.")
+                raise ParameterError(f"{name} is {shown(value)}; give a whole number above 0.")
 
 
 def _not_flat(launches: Launches, settings: Settings) -> None:

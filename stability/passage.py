@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .checks import checked
 from .contact import Contact
-from .disk import Disk, checked
-from .errors import ParameterError
+from .disk import Disk
+from .errors import ParameterError, shown
 from .problem import disk_problem
 
 Floats = NDArray[np.float64]
@@ -106,11 +107,11 @@ def drift(
     """
     if not isinstance(contact, Contact) or type(contact).coefficient is None:
         raise ParameterError(
-            f"contact is {contact!r}; drift needs a law with friction: Viscous(mu) or "
+            f"contact is {shown(contact)}; drift needs a law with friction: Viscous(mu) or "
             "LinearViscous(c)."
         )
     if not isinstance(launch, bool):
-        raise ParameterError(f"launch is {launch!r}; give True or False.")
+        raise ParameterError(f"launch is {shown(launch)}; give True or False.")
     if at is None:
         raise ParameterError("at is missing; it is omega3 at the start.")
     question = disk_problem("rolling", Disk() if disk is None else disk, contact, at)

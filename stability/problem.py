@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .checks import checked, positive
 from .contact import LAWS, MOTION_LAWS, ZERO_MU, Contact
-from .disk import Disk, checked, positive
-from .errors import NameUnknownError, NoMemberError, ParameterError
+from .disk import Disk
+from .errors import NameUnknownError, NoMemberError, ParameterError, shown
 from .exact import Exact, exact_polynomial
 from .families import Family
 from .steady import AT, disk_family
@@ -203,18 +204,19 @@ def disk_problem(
     ('at', 'k', 'mass', 'radius', 'gravity', 'mu')
     """
     if not isinstance(family, str):
-        raise NameUnknownError(f"family is {family!r}; give a name or a stability.Family.")
+        raise NameUnknownError(f"family is {shown(family)}; give a name or a stability.Family.")
     if isinstance(contact, Contact) and contact.name in MOTION_LAWS and contact.name not in LAWS:
         raise NameUnknownError(
-            f"contact is {contact!r}, dry friction, which has no linearisation of its own; inside "
-            "the friction cone it is Rough()."
+            f"contact is {shown(contact)}, dry friction, which has no linearisation of its own; "
+            "inside the friction cone it is Rough()."
         )
     if not isinstance(contact, Contact) or contact.name not in LAWS:
         raise NameUnknownError(
-            f"contact is {contact!r}; give one of Smooth(), Viscous(mu), LinearViscous(c), Rough()."
+            f"contact is {shown(contact)}; give one of Smooth(), Viscous(mu), LinearViscous(c), "
+            "Rough()."
         )
     if not isinstance(disk, Disk):
-        raise ParameterError(f"disk is {disk!r}; give a stability.Disk.")
+        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
     resolved = disk_family(family, contact.name)
     parts = AT[family]
     keys = ("at",) if len(parts) == 1 else parts
@@ -367,7 +369,7 @@ def system_problem(
             raise ParameterError(f"{name} is given as at and by name; give it once.")
         if name not in (*family.parameters, *family.at):
             raise NameUnknownError(
-                f"{name!r} is not a parameter of {family.name}; known are "
+                f"{shown(name)} is not a parameter of {family.name}; known are "
                 f"{', '.join((*family.parameters, *family.at)) or 'none'}."
             )
     values: dict[str, Any] = {n: checked(n, v) for n, v in parameters.items()}
@@ -383,7 +385,9 @@ def system_problem(
     ) -> tuple[list[Any], list[Any], Any]:
         missing = [n for n in (*keys, *family.parameters) if n not in v]
         if missing:
-            raise NameUnknownError(f"{missing[0]!r} is missing; {family.name} needs its value.")
+            raise NameUnknownError(
+                f"{shown(missing[0])} is missing; {family.name} needs its value."
+            )
         return [v[k] for k in keys], [v[n] for n in family.parameters], 1.0
 
     units = {n: family.system.units.get(n, "1") for n in (*keys, *family.parameters)} | {

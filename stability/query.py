@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from .contact import Contact
 from .disk import Disk
-from .errors import DomainError, ParameterError
+from .errors import DomainError, ParameterError, shown
 from .families import Family
 from .polynomial import structure
 from .problem import Problem, disk_problem, system_problem
@@ -64,7 +64,7 @@ def problem(
         return system_problem(family, at, parameters)
     if parameters:
         raise ParameterError(
-            f"{next(iter(parameters))!r} is not an argument here; the disk's numbers go in "
+            f"{shown(next(iter(parameters)))} is not an argument here; the disk's numbers go in "
             "disk=Disk(...) and contact=Viscous(mu)."
         )
     if contact is None:
@@ -131,7 +131,7 @@ def spectrum(
     if at is None and lean is None:
         raise ParameterError("at is missing; it names the member of the family.")
     if not isinstance(certify, bool):
-        raise ParameterError(f"certify is {certify!r}; give True or False.")
+        raise ParameterError(f"certify is {shown(certify)}; give True or False.")
     question = problem(family, at, disk, contact, dict(parameters), lean)
     a, q, rate, shape = question.arrays(question.values)
     resolved = question.family

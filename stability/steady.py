@@ -7,7 +7,7 @@ from functools import lru_cache
 from .algebra import UPRIGHT, Upright
 from .contact import LAWS
 from .equations import disk_system
-from .errors import NameUnknownError
+from .errors import NameUnknownError, shown
 from .families import Family
 
 FAMILIES = ("rolling", "spinning", "tumbling", "circling")
@@ -55,9 +55,9 @@ def disk_family(name: str, law: str) -> Family:
     np.float64(2.0)
     """
     if name not in FAMILIES:
-        raise NameUnknownError(f"family is {name!r}; known are {', '.join(FAMILIES)}.")
+        raise NameUnknownError(f"family is {shown(name)}; known are {', '.join(FAMILIES)}.")
     if law not in LAWS:
-        raise NameUnknownError(f"contact is {law!r}; known are {', '.join(LAWS)}.")
+        raise NameUnknownError(f"contact is {shown(law)}; known are {', '.join(LAWS)}.")
     if name == "circling" and law != "rough":
         raise NameUnknownError(
             f"circling is a family of the rough disk; under the {law} law the contact would slip "

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .beyond import law_of
+from .checks import checked, positive
 from .contact import Contact
-from .disk import Disk, checked, positive
-from .errors import NameUnknownError, ParameterError
+from .disk import Disk
+from .errors import NameUnknownError, ParameterError, shown
 from .flow import Floats
 from .motion import simulate
 from .outcome import BY_CODE, Outcome
@@ -136,7 +137,7 @@ def launch(
     [1.471, 0.0, 0.0, 1.2, 0.0, 0.0]
     """
     if family not in (*LAUNCHES, "tumbling"):
-        raise NameUnknownError(f"family is {family!r}; known are rolling, spinning, tumbling.")
+        raise NameUnknownError(f"family is {shown(family)}; known are rolling, spinning, tumbling.")
     body = _body(disk)
     where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
     shapes = where.shape, lean.shape, np.shape(body.k), np.shape(body.rate)
@@ -169,7 +170,7 @@ def _body(disk: Disk | None) -> Disk:
     if disk is None:
         return Disk()
     if not isinstance(disk, Disk):
-        raise ParameterError(f"disk is {disk!r}; give a stability.Disk.")
+        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
     return disk
 
 
@@ -230,7 +231,7 @@ def launch_rows(
     if np.ndim(scale.rate) or np.ndim(scale.mass):
         raise ParameterError("disk holds arrays; the table takes one mass, radius and gravity.")
     if isinstance(launches, str) or not launches or not set(launches) <= set(LAUNCHES):
-        raise NameUnknownError(f"launches is {launches!r}; give a list of rolling, spinning.")
+        raise NameUnknownError(f"launches is {shown(launches)}; give a list of rolling, spinning.")
     values = np.asarray(VELOCITIES) * float(scale.rate) if at is None else _list("at", at)
     last = TIME * float(scale.time) if time is None else positive("time", time)
     lean = checked("tilt", tilt)

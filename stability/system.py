@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .algebra import Program
-from .errors import DomainError, NameUnknownError, ParameterError
+from .errors import DomainError, NameUnknownError, ParameterError, shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ class System:
         for what in ("states", "parameters"):
             value = getattr(self, what)
             if isinstance(value, str) or not isinstance(value, (tuple, list)):
-                raise ParameterError(f"{what} is {value!r}; give a tuple of names.")
+                raise ParameterError(f"{what} is {shown(value)}; give a tuple of names.")
             object.__setattr__(self, what, tuple(value))
         for what, symbols, names in (("x", self.x, self.states), ("p", self.p, self.parameters)):
             if symbols.numel() != len(names) or len(set(names)) != len(names):
@@ -328,7 +328,7 @@ class System:
             If there is no such state.
         """
         if state not in self.states:
-            raise NameUnknownError(f"state is {state!r}; known are {', '.join(self.states)}.")
+            raise NameUnknownError(f"state is {shown(state)}; known are {', '.join(self.states)}.")
         return self.states.index(state)
 
 

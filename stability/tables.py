@@ -13,7 +13,7 @@ from .beyond import DRIFT_NOTES, HOPF_NOTES, drift_rows, hopf_rows
 from .boundary import along
 from .contact import LAWS, Contact, LinearViscous, Viscous
 from .disk import Disk
-from .errors import NameUnknownError
+from .errors import NameUnknownError, shown
 from .polynomial import structure
 from .problem import disk_problem
 from .steady import AT, FAMILIES, disk_family
@@ -220,7 +220,7 @@ def conditions(
 
 def _contacts(law: str, mu: Sequence[float]) -> list[Contact]:
     if law not in LAWS:
-        raise NameUnknownError(f"contact is {law!r}; known are {', '.join(LAWS)}.")
+        raise NameUnknownError(f"contact is {shown(law)}; known are {', '.join(LAWS)}.")
     if law == "viscous":
         return [Viscous(m) for m in mu]
     if law == "linear-viscous":
@@ -297,7 +297,7 @@ def records(name: str, **options: Any) -> list[dict[str, Any]]:
 
         steps = [asdict(step) for step in prove()]
         return [*steps, {"search": asdict(search())}]
-    raise NameUnknownError(f"table is {name!r}; known are {', '.join(TABLES)}.")
+    raise NameUnknownError(f"table is {shown(name)}; known are {', '.join(TABLES)}.")
 
 
 def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:

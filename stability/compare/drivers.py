@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..contact import RegularisedCoulomb, Rough, Smooth
-from ..errors import NameUnknownError
+from ..errors import NameUnknownError, shown
 from ..integrators import METHODS
 from .scenes import Floats, Scene
 
@@ -350,5 +350,5 @@ def driver(name: str) -> Driver:
     True
     """
     if name not in DRIVERS:
-        raise NameUnknownError(f"driver is {name!r}; known are {', '.join(DRIVERS)}.")
+        raise NameUnknownError(f"driver is {shown(name)}; known are {', '.join(DRIVERS)}.")
     return DRIVERS[name]()

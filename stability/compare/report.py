@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import FileError, NameUnknownError, ParameterError
+from ..errors import FileError, NameUnknownError, ParameterError, shown
 from ..files import check_folder, whole
 from . import catalogue, motion_data, spectral, spectral_data, works
 from .bench import Task, run
@@ -150,15 +150,15 @@ def report(
 
 def _checked(parts: Any, workers: Any, progress: Any) -> list[str]:
     if isinstance(parts, str) or not isinstance(parts, Sequence) or not parts:
-        raise NameUnknownError(f"parts is {parts!r}; give a list of {', '.join(PARTS)}.")
+        raise NameUnknownError(f"parts is {shown(parts)}; give a list of {', '.join(PARTS)}.")
     for name in parts:
         if not isinstance(name, str) or name not in PARTS:
-            raise NameUnknownError(f"part is {name!r}; known are {', '.join(PARTS)}.")
+            raise NameUnknownError(f"part is {shown(name)}; known are {', '.join(PARTS)}.")
     whole_number = isinstance(workers, (int, np.integer)) and not isinstance(workers, bool)
     if workers is not None and not (whole_number and workers > 0):
-        raise ParameterError(f"workers is {workers!r}; give a whole number above 0.")
+        raise ParameterError(f"workers is {shown(workers)}; give a whole number above 0.")
     if progress is not None and not callable(progress):
-        raise ParameterError(f"progress is {progress!r}; give a function of (done, total).")
+        raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
     return [name for name in PARTS if name in parts]
 
 
@@ -169,7 +169,7 @@ def _folder(out: Any, force: bool) -> Path:
             raise ValueError
         ours = is_journal(target / JOURNAL)
     except (TypeError, ValueError, OSError):
-        raise FileError(f"out is {str(out)[:60]!r}; give the name of a folder.") from None
+        raise FileError(f"out is {shown(out)}; give the name of a folder.") from None
     taken = f"{target} holds other files; choose another folder, or use --force."
     check_folder(target, "" if ours or force else taken)
     if (target / "index.html").is_dir():

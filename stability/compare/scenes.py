@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..contact import Contact, law_named
 from ..disk import Disk
-from ..errors import NameUnknownError
+from ..errors import NameUnknownError, shown
 
 Floats = NDArray[np.float64]
 
@@ -111,7 +111,7 @@ def scene(name: str) -> Scene:
         If there is none.
     """
     if name not in scenes():
-        raise NameUnknownError(f"scene is {name!r}; known are {', '.join(scenes())}.")
+        raise NameUnknownError(f"scene is {shown(name)}; known are {', '.join(scenes())}.")
     return scenes()[name]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import NameUnknownError, StabilityError
+from ..errors import NameUnknownError, StabilityError, shown
 from ..verdict import CODES, Verdict
 from .bench import Task, timed
 from .classes import EDGES, classes, points_of
@@ -80,7 +80,7 @@ def route(name: str) -> Route:
     'complex step, h = 1e-30; LAPACK'
     """
     if name not in ROUTES:
-        raise NameUnknownError(f"route is {name!r}; known are {', '.join(ROUTES)}.")
+        raise NameUnknownError(f"route is {shown(name)}; known are {', '.join(ROUTES)}.")
     return ROUTES[name]()
 
 

@@ -1,0 +1,321 @@
+"""Checks of arguments, one place for each kind; a refusal shows the value and what is accepted."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import NameUnknownError, ParameterError, shown
+
+Number = float | NDArray[np.float64]
+Kind = TypeVar("Kind")
+
+
+def checked(name: str, value: ArrayLike) -> Number:
+    """Return a finite float, or a read-only float array, or refuse with the value.
+
+    Parameters
+    ----------
+    name
+        What the number is called in the message.
+    value
+        A number or an array of numbers, any shape.
+
+    Returns
+    -------
+    float or ndarray
+        The same values in double precision.
+
+    Raises
+    ------
+    ParameterError
+        If a value is not a real finite number.
+
+    Examples
+    --------
+    >>> checked("mu", 3)
+    3.0
+    """
+    if type(value) is float:  # by far the most frequent
+        array = np.asarray(value)
+    else:
+        array = _numbers(name, value)
+    if array.size == 0:
+        raise ParameterError(f"{name} is an empty array; at least one number is needed.")
+    bad = ~np.isfinite(array)
+    if bad.any():
+        raise ParameterError(f"{name} is {array[bad].flat[0]}; a finite number is needed.")
+    if array.ndim == 0:
+        return float(array)
+    array = array.copy()
+    array.flags.writeable = False
+    return array
+
+
+def _numbers(name: str, value: Any) -> NDArray[np.float64]:
+    """Real numbers as doubles, infinite and NaN among them, or a refusal."""
+    try:
+        if value is None or isinstance(value, (str, bytes)):
+            raise TypeError
+        given = np.asarray(value)
+        if given.dtype.kind not in "iufO":
+            raise TypeError  # truth values, complex numbers, text, dates, records
+        if np.ma.is_masked(value):
+            raise ParameterError(f"{name} has masked entries; give numbers only.")
+        if given.dtype.kind == "O" and any(
+            entry is None or isinstance(entry, (str, bytes, bool, complex)) for entry in given.flat
+        ):
+            raise TypeError
+        with np.errstate(all="ignore"):  # what overflows is infinite, and refused as that
+            return np.asarray(given, dtype=float)
+    except ParameterError:
+        raise
+    except Exception:  # the value's own conversion runs here, which may raise anything
+        raise ParameterError(f"{name} is {shown(value)}; a real number is needed.") from None
+
+
+def positive(name: str, value: ArrayLike, remedy: str = "it must be positive") -> Number:
+    """Return `checked(name, value)` if all of it is above zero, or refuse.
+
+    Parameters
+    ----------
+    name
+        What the number is called in the message.
+    value
+        A number or an array of numbers, any shape.
+    remedy
+        What is accepted, for the message.
+
+    Returns
+    -------
+    float or ndarray
+        The same values in double precision.
+
+    Raises
+    ------
+    ParameterError
+        If a value is not a real finite number above zero.
+
+    Examples
+    --------
+    >>> positive("mass", 0.3)
+    0.3
+    """
+    number = checked(name, value)
+    low = np.asarray(number)
+    if (low <= 0).any():
+        raise ParameterError(f"{name} is {low[low <= 0].flat[0]:g}; {remedy}.")
+    return number
+
+
+def one_number(name: str, value: Any) -> float:
+    """A single finite number, or a refusal.
+
+    Parameters
+    ----------
+    name
+        What it is called in the message.
+    value
+        The number.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> one_number("tolerance", 1e-9)
+    1e-09
+    """
+    number = checked(name, value)
+    if not isinstance(number, float):
+        raise ParameterError(f"{name} has shape {number.shape}; give one number.")
+    return number
+
+
+def rows(name: str, value: Any, names: Collection[str]) -> NDArray[np.float64]:
+    """Finite numbers whose last axis holds one for each name, or a refusal.
+
+    Parameters
+    ----------
+    name
+        What the array is called in the message.
+    value
+        Shape (…, len(names)); without names anything empty will do.
+    names
+        Of the entries of the last axis.
+
+    Returns
+    -------
+    ndarray
+        Shape (…, len(names)).
+
+    Examples
+    --------
+    >>> rows("x", [0.5, 0.0], ("angle", "rate")).shape
+    (2,)
+    """
+    array = _numbers(name, value)
+    if array.ndim == 0 or array.shape[-1] != len(names):
+        raise ParameterError(
+            f"{name} has shape {array.shape}; its last axis must hold {len(names)} values"
+            + (f" ({', '.join(names)})." if names else ".")
+        )
+    if not np.isfinite(array).all():
+        raise ParameterError(f"{name} holds NaN or infinite numbers; give finite ones.")
+    return array
+
+
+def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
+    """The shape to which shapes broadcast, or a refusal that lists them by name.
+
+    Parameters
+    ----------
+    **shapes
+        Shapes by name.
+
+    Returns
+    -------
+    tuple of int
+
+    Examples
+    --------
+    >>> broadcast(at=(3, 1), mu=(4,))
+    (3, 4)
+    """
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        listed = ", ".join(f"{n} {s}" for n, s in shapes.items() if s)
+        raise ParameterError(
+            f"the arrays do not broadcast: their shapes are {listed}; make them fit."
+        ) from None
+
+
+def flag(name: str, value: Any) -> bool:
+    """True or False, or a refusal.
+
+    Parameters
+    ----------
+    name
+        What it is called in the message.
+    value
+        A truth value of Python or NumPy.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> flag("certify", True)
+    True
+    """
+    if not isinstance(value, (bool, np.bool_)):
+        raise ParameterError(f"{name} is {shown(value)}; give True or False.")
+    return bool(value)
+
+
+def whole_number(
+    name: str, value: Any, least: int = 1, most: int | None = None, remedy: str = ""
+) -> int:
+    """A whole number within a range, or a refusal.
+
+    Parameters
+    ----------
+    name
+        What it is called in the message.
+    value
+        An integer of Python or NumPy.
+    least, most
+        The range, ends included; no upper end when left out.
+    remedy
+        What to do for more than `most`, for the message.
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> whole_number("points", 5, least=2)
+    5
+    """
+    integer = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not integer or value < least:
+        raise ParameterError(
+            f"{name} is {shown(value)}; a whole number of at least {least} is needed."
+        )
+    if most is not None and value > most:
+        hint = f"; {remedy}" if remedy else ""
+        raise ParameterError(f"{name} is {shown(value)}; at most {most} are allowed{hint}.")
+    return int(value)
+
+
+def known(name: str, value: Any, names: Collection[str]) -> str:
+    """One of several names, or a refusal that lists them.
+
+    Parameters
+    ----------
+    name
+        What it is called in the message.
+    value
+        The name.
+    names
+        The known ones.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> known("contact", "rough", ("smooth", "rough"))
+    'rough'
+    """
+    if not isinstance(value, str) or value not in names:
+        raise NameUnknownError(f"{name} is {shown(value)}; known are {', '.join(names)}.")
+    return str(value)
+
+
+def instance(name: str, value: Any, kind: type[Kind], remedy: str) -> Kind:
+    """An object of a class, or a refusal.
+
+    Parameters
+    ----------
+    name
+        What it is called in the message.
+    value
+        The object.
+    kind
+        Its class.
+    remedy
+        What to give, for the message.
+
+    Returns
+    -------
+    object
+
+    Examples
+    --------
+    >>> instance("title", "a few words", str, "give a string")
+    'a few words'
+    """
+    if not isinstance(value, kind):
+        raise ParameterError(f"{name} is {shown(value)}; {remedy}.")
+    return value
+
+
+def callback(value: Any) -> None:
+    """Refuse a progress function that cannot be called.
+
+    Parameters
+    ----------
+    value
+        A function of (done, total), or None.
+    """
+    if value is not None and not callable(value):
+        raise ParameterError(f"progress is {shown(value)}; give a function of (done, total).")
