@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .algebra import Program
-from .contact import MOTION_LAWS
 from .equations import disk_system
 from .system import System
 
@@ -41,7 +40,7 @@ class Flow:
     >>> f.names
     ('theta', 'theta_dot', 'phi_dot', 'omega3', 'slip_x', 'slip_y', 'work')
     >>> list(f.guards)
-    ['lift-off', 'flat']
+    ['lift-off', 'flat', 'no-contact']
     """
 
     system: System
@@ -336,9 +335,9 @@ def flow(law: str, *, pose: bool = False, sticking: bool = False) -> Flow:
     guards = {LIFT_OFF: normal * seen["determinant"], FLAT: ca.sin(x[0]) - flat}
     if sticking:
         guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
-    if MOTION_LAWS[law].name.startswith("coulomb") and not sticking:
-        # where the law is viscous D needs no guard: it is pushed away from zero by the normal
-        # force that it makes (tests/test_motion.py proves it)
+    if not sticking and ca.depends_on(seen["determinant"], x[4:]):
+        # viscous friction pushes D away from zero while gn D is positive, but both may reach zero
+        # together (stability/painleve.py)
         guards[NO_CONTACT] = seen["determinant"]
     return Flow(
         system, ca.vertcat(*columns), ca.vertcat(parameters, flat), ca.vertcat(*rates), guards,

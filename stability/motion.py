@@ -18,6 +18,7 @@ from .flow import CASADI, FLAT, LIFT_OFF, NO_CONTACT, Floats, flow
 from .integrators import FINEST, Choice, check_method, explicit, run
 from .launches import Launches, gather
 from .outcome import OF_END, Outcome
+from .painleve import OPEN_END, closer
 from .route import UNRESOLVED, End, Leg, Path
 from .settling import Nearest, deviation, nearest
 from .shadow import COMPARED, SIGNS, Doubt, doubts
@@ -328,6 +329,9 @@ def _judge(
     leg: Leg, path: Path, choice: Choice, launches: Launches, settings: Settings,
     dry: DryPath | None,
 ) -> Result:  # fmt: skip
+    why = ""
+    if path.end is not None and dry is None and path.end.kind != FLAT:
+        path, why = closer(leg, path) or (path, "")
     end: End | None = path.end
     final = path.states[-1] if end is None else end.state
     time = float(leg.times[-1]) if end is None else end.time
@@ -336,6 +340,7 @@ def _judge(
     since = time
     if end is not None:
         outcome, evidence = _ending(leg, end)
+        evidence = why or evidence
     else:
         outcome, evidence = Outcome.MOVING, near.evidence
         if near.settled:
@@ -358,6 +363,8 @@ def _ending(leg: Leg, end: End) -> tuple[Outcome, str]:
     together, at a point that attracts sliding motions, where gn, their ratio, is still positive:
     no lift-off (Génot & Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653-677, for the planar rod).
     """
+    if end.kind == OPEN_END:
+        return Outcome.UNDETERMINED, ""
     margins = zip(*leg.flow.margins(end.state, leg.p), strict=True)
     seen = {n: (float(v), float(r)) for n, (v, r) in zip(leg.flow.guards, margins, strict=True)}
     d, d_rate = seen.get(NO_CONTACT, (np.inf, 0.0))

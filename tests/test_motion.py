@@ -63,7 +63,7 @@ def test_auto_takes_a_tight_route_at_the_tightest_tolerance() -> None:
 # --- the normal force and D ---
 
 
-def test_viscous_friction_never_reaches_d_zero_with_a_positive_normal_force() -> None:
+def test_viscous_friction_never_reaches_d_zero_while_gn_d_stays_positive() -> None:
     # D gn = N is bounded; as D falls to 0+ the normal force grows without bound and pushes D up:
     # dD/dt = mu (k + 1) gn + bounded.  Derived here from the closed form, not from the graph.
     th, q, p, w, vx, vy, k, mu, gn = sp.symbols("theta q p w v_x v_y k mu g_n", real=True)
@@ -77,7 +77,7 @@ def test_viscous_friction_never_reaches_d_zero_with_a_positive_normal_force() ->
     assert sp.simplify(on_zero - mu * (k + 1)) == 0
 
 
-def test_the_viscous_flow_keeps_d_positive_without_a_guard() -> None:
+def test_the_viscous_flow_keeps_d_positive_where_gn_d_is() -> None:
     # starts close to D = 0: the slip is braked at once
     k, mu, theta = 0.25, 3.0, 1.0
     s, c = math.sin(theta), math.cos(theta)
