@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from . import __version__
 from .certify import verdict
-from .errors import FileError, ParameterError, shown
+from .errors import DomainError, FileError, ParameterError, shown
 from .files import whole
 from .grid import Grid
 from .growth import GrowthKernel, steady_memory
+from .multiplicity import certain
 from .polynomial import structure
 from .problem import Problem
 from .reduction import reduce
@@ -173,6 +174,7 @@ class Cells:
         self.handed_on = 0
         family = question.family
         zeros = structure(family).zeros  # established here, before the threads start
+        self._certain = self.exact or certain(family)
         if modes:
             count = len(family.system.states) - zeros
             self.values = np.empty((*self.shape, count), dtype=complex)
@@ -299,10 +301,14 @@ class Cells:
     def _work(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
         family = self.question.family
         reduced = reduce(family, a, q, u, self.question.roundings)
-        values, radius = eigenvalues(reduced, even=family.conservative)
+        even = family.conservative and self._certain
+        values, radius = eigenvalues(reduced, even=even)
+        codes = decide(values, radius, even=even)
+        if not self._certain:
+            self._restore(values, radius, codes, (a, q, u), reduced.supported)
         lead = values[:, -1]
         chunk: Chunk = {
-            "codes": decide(values, radius, even=family.conservative),
+            "codes": codes,
             "abscissa": lead.real * rate,
             "error": (radius + (values.real - lead.real[:, None])).max(axis=1) * rate,
             "frequency": np.abs(lead.imag) * rate,
@@ -310,6 +316,29 @@ class Cells:
         if self.values is not None:
             chunk["values"] = values * rate[:, None]
         return chunk
+
+    def _restore(
+        self, values: Any, radius: Floats, codes: NDArray[np.int8],
+        place: tuple[Floats, Floats, Floats], supported: NDArray[np.intp],
+    ) -> None:  # fmt: skip
+        """Put back the leading eigenvalue of members that have fewer zeros than typical ones."""
+        usual = structure(self.question.family).zeros
+        for count in range(usual):
+            rows = np.flatnonzero(supported == count)
+            if not len(rows):
+                continue
+            if self.values is not None:
+                raise DomainError(
+                    f"{self.question.family.name} has {usual} eigenvalues that are zero by "
+                    f"structure at typical members but {count} somewhere on this map; leave out "
+                    "modes, or map that part by itself."
+                )
+            a, q, u = (part[rows] for part in place)
+            reduced = reduce(self.question.family, a, q, u, self.question.roundings, count)
+            all_values, discs = eigenvalues(reduced, even=False)
+            codes[rows] = decide(all_values, discs, even=False)
+            kept = values.shape[1]
+            values[rows], radius[rows] = all_values[:, -kept:], discs[:, -kept:]
 
     def _fits(self, start: int, chunk: Chunk) -> bool:
         """Whether a stored chunk is whole: every array, of the right length and type."""

@@ -3,29 +3,36 @@
 For the disk everything starts from the exact ratios of the given doubles, mu²gR and at²R/g, and
 from the polynomials over Q of `stability.exact`.  With θ given as a double its sine is
 transcendental (Lindemann), so no condition vanishes there and raising the precision ends; a lean of
-exactly zero is the right angle.  A user's family goes through the same steps in balls.
+exactly zero is the right angle.  A user's family goes through the same
+steps: over Q where its member and its graph are rational, else in balls with proved zeros.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
-from flint import acb, acb_poly, arb, ctx, fmpq, fmpq_poly
+from flint import acb, arb, fmpq, fmpq_poly
+from numpy.typing import ArrayLike
 
-from .errors import DomainError
 from .exact import Exact
 from .families import Family
+from .multiplicity import Member, certain
 from .polynomial import characteristic, hurwitz_sign, precision, structure, verdict_polynomial
 from .problem import Problem
+from .root_balls import clustered, exact_roots, isolated
+from .routh import on_the_axis
 from .verdict import Verdict, best
 
 BITS = 128
 """Working precision of the first attempt."""
 MOST_BITS = 8192
 """Where raising the precision ends: the verdict is then undecided."""
+FINE_BITS = 1024
+"""Where raising it for the eigenvalues ends: those that still coincide are given as clusters."""
 WANTED = 58
 """Bits of relative accuracy of each real and imaginary part, before rounding to double."""
 
@@ -69,7 +76,10 @@ def rational(value: float) -> Any:
     return fmpq(*float(value).as_integer_ratio())
 
 
-def certify(question: Problem, values: Mapping[str, float]) -> Certificate:
+def certify(
+    question: Problem, values: Mapping[str, float], near: ArrayLike | None = None,
+    zeros: int | None = None, member: Member | None = None,
+) -> Certificate:  # fmt: skip
     """A proved verdict with eigenvalue enclosures at one point.
 
     Parameters
@@ -78,15 +88,18 @@ def certify(question: Problem, values: Mapping[str, float]) -> Certificate:
         The question.
     values
         Double by name, taken as exact.
+    near
+        For a user's family: unknowns of the member to double precision, shape (u,); found by the
+        family's root-finder when left out.
+    zeros
+        For a user's family: how many zero eigenvalues are left out; all that are structural and
+        proved to be zero at this point when left out.
+    member
+        For a user's family: the member, where it is at hand.
 
     Returns
     -------
     Certificate
-
-    Raises
-    ------
-    DomainError
-        If a user's family has eigenvalues that no precision within the budget separates.
 
     Examples
     --------
@@ -98,45 +111,86 @@ def certify(question: Problem, values: Mapping[str, float]) -> Certificate:
     >>> found.verdict.word, found.how
     ('neutral', 'rational arithmetic')
     """
-    decided, bits = _decided(question, values)
+    if question.exact is None:
+        member = member or member_at(question, values, near)
+        zeros = structural_zeros(member) if zeros is None else zeros
+        decided, bits = of_member(member, zeros)
+        attempt = partial(_member_roots, member, zeros)
+    else:
+        decided, bits = _decided(question.exact, question, values)
+        attempt = partial(_roots, question.exact, question, values)
     if decided is Verdict.UNDECIDED:
         return Certificate(decided, (), (), np.inf, bits)
     precise = BITS
-    while precise <= MOST_BITS:
+    while True:
+        last = precise >= FINE_BITS
         with precision(precise):
-            roots = _roots(question, values)
-            if roots is not None and all(map(_sharp, roots)):
+            roots = attempt(last=last)
+            if roots is not None and (last or all(map(_sharp, roots))):
                 return _rounded(decided, roots, bits)
         precise *= 2
-    raise DomainError(
-        f"the eigenvalues of {question.family.name} cannot be separated within {MOST_BITS} bits; "
-        "two of them coincide, or nearly: ask for the verdict alone, or at a neighbouring point."
-    )
 
 
-def verdict(question: Problem, values: Mapping[str, float]) -> Verdict:
+def verdict(
+    question: Problem, values: Mapping[str, float], near: ArrayLike | None = None
+) -> Verdict:
     """The proved verdict alone.
 
     Parameters
     ----------
-    question, values
+    question, values, near
         As in `certify`.
 
     Returns
     -------
     Verdict
     """
-    return _decided(question, values)[0]
+    if question.exact is not None:
+        return _decided(question.exact, question, values)[0]
+    member = member_at(question, values, near)
+    return of_member(member, structural_zeros(member))[0]
+
+
+def member_at(
+    question: Problem, values: Mapping[str, float], near: ArrayLike | None = None
+) -> Member:
+    """The member of a user's family at exact parameters.
+
+    Parameters
+    ----------
+    question, values, near
+        As in `certify`.
+
+    Returns
+    -------
+    Member
+    """
+    family = question.family
+    a, q, _ = question.reduce({n: rational(v) for n, v in values.items()}, _irrational)
+    if near is None:
+        rows = [np.array([float(v.p) / float(v.q) for v in part])[None, :] for part in (a, q)]
+        near = family.solve(*rows)[0]
+    return Member(family, a, q, np.asarray(near, dtype=float).tolist())
+
+
+def structural_zeros(member: Member) -> int:
+    """How many eigenvalues of a member are left out: structural ones, each proved to be zero there.
+
+    Parameters
+    ----------
+    member
+        The member.
+    """
+    if certain(member.family):
+        return structure(member.family).zeros
+    return member.structural()
 
 
 # --- verdicts ---
 
 
-def _decided(question: Problem, values: Mapping[str, float]) -> tuple[Verdict, int]:
-    """The verdict, and the bits of the balls that decided it (0 for rational arithmetic)."""
-    exact = question.exact
-    if exact is None:
-        return _raised(lambda: in_balls(question.family, *question.balls(values)))
+def _decided(exact: Exact, question: Problem, values: Mapping[str, float]) -> tuple[Verdict, int]:
+    """The disk's verdict, and the bits of the balls that decided it (0: rational arithmetic)."""
     given = {name: rational(value) for name, value in values.items()}
     point = question.point(given, sine=None)
     if point is None:
@@ -147,7 +201,55 @@ def _decided(question: Problem, values: Mapping[str, float]) -> tuple[Verdict, i
         return Verdict.UNSTABLE, 0
     if not edge and all(v > 0 for v in signs):
         return best(even=exact.even), 0
-    return _on_the_axis([fmpq_poly(c) for c in exact.coefficients(point)]), 0
+    return on_the_axis([fmpq_poly(c) for c in exact.coefficients(point)]), 0
+
+
+def of_member(member: Member, zeros: int) -> tuple[Verdict, int]:
+    """The verdict of a member on all but some zero eigenvalues, and the bits that decided it.
+
+    Parameters
+    ----------
+    member
+        The member.
+    zeros
+        How many eigenvalues, proved to be zero, are left out.
+
+    Returns
+    -------
+    verdict, bits
+        Bits are 0 for rational arithmetic.
+    """
+    if member.rational is not None:
+        return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
+    return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]))
+
+
+def _enclosed_verdict(polynomial: Balls) -> Verdict | None:
+    """By Routh's array, or by the roots where that meets a zero; exact zeros count as such.
+
+    A ball equals zero only if it is the exact zero; one that holds zero differs from nothing.
+    """
+    extra = next(i for i, c in enumerate(polynomial) if not c == 0)
+    rest = polynomial[extra:]
+    if len(rest) == 1:
+        return Verdict.NEUTRAL
+    even = len(rest) % 2 == 1 and all(c == 0 for c in rest[1::2])
+    sign = hurwitz_sign(verdict_polynomial(rest, 0, even))
+    if sign == 0:
+        sign = _sign_by_roots(isolated(rest, even))
+    if sign > 0:
+        return Verdict.NEUTRAL if even or extra else Verdict.STABLE
+    return Verdict.UNSTABLE if sign else None
+
+
+def _sign_by_roots(roots: Balls | None) -> int:
+    if roots is not None and any(r.real > 0 for r in roots):
+        return -1
+    return int(roots is not None and all(r.real < 0 for r in roots))
+
+
+def _irrational(value: Any) -> Any:
+    raise AssertionError(f"a user's family takes its numbers as they are, not √{value}")
 
 
 def _raised(attempt: Callable[[], Verdict | None]) -> tuple[Verdict, int]:
@@ -190,6 +292,8 @@ def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
     NoMemberError
         If no root is proved to exist there.
     """
+    if not certain(family):
+        return None  # the count of zeros is proved member by member only
     even = family.conservative
     coefficients = characteristic(family, a, q)
     sign = hurwitz_sign(verdict_polynomial(coefficients, structure(family).zeros, even))
@@ -207,80 +311,13 @@ def ball_sine(given: Mapping[str, Any]) -> Any:
     return arb(given["lean"]).cos() if "lean" in given else arb(given["theta"]).sin()
 
 
-def _on_the_axis(factors: Sequence[Any]) -> Verdict:
-    """The verdict of a product of polynomials over Q, whatever lies on the imaginary axis."""
-    neutral = False
-    for factor in factors:
-        zeros, symmetric, rest = split(factor)
-        neutral = neutral or zeros > 0 or symmetric.degree() > 0
-        if not _hurwitz(rest):
-            return Verdict.UNSTABLE
-        for square, _ in _squares(symmetric):
-            if not (square.imag == 0 and square.real < 0):
-                return Verdict.UNSTABLE
-    return Verdict.NEUTRAL if neutral else Verdict.STABLE
-
-
-def split(p: Any) -> tuple[int, Any, Any]:
-    """A polynomial over Q as λ^zeros · symmetric · rest.
-
-    Parameters
-    ----------
-    p
-        An `fmpq_poly`, not zero.
-
-    Returns
-    -------
-    zeros, symmetric, rest
-        `symmetric` is even and holds the roots whose mirror images in the imaginary axis are roots
-        too; `rest` has none of these.
-
-    Examples
-    --------
-    >>> split(fmpq_poly([0, 1, 1, 1, 1]))  # λ (λ² + 1) (λ + 1)
-    (1, x^2 + 1, x + 1)
-    """
-    coefficients = p.coeffs()
-    zeros = next(i for i, c in enumerate(coefficients) if c != 0)
-    kept = fmpq_poly(coefficients[zeros:])
-    mirror = fmpq_poly([-c if i % 2 else c for i, c in enumerate(kept.coeffs())])
-    common = kept.gcd(mirror)
-    return zeros, common, kept / common
-
-
-def _squares(symmetric: Any) -> list[Any]:
-    if symmetric.degree() < 1:
-        return []
-    found: list[Any] = fmpq_poly(symmetric.coeffs()[::2]).numer().complex_roots()
-    return found
-
-
-def _hurwitz(p: Any) -> bool:
-    """Routh's array over Q, for a polynomial without mirrored roots."""
-    rows = list(reversed(p.coeffs()))
-    here, following = rows[::2], rows[1::2]
-    while following:
-        if following[0] / here[0] <= 0:
-            return False
-        ratio = here[0] / following[0]
-        padded = [*following[1:], fmpq(0)][: len(here) - 1]
-        here, following = (
-            following,
-            [x - ratio * y for x, y in zip(here[1:], padded, strict=True)],
-        )
-    return True
-
-
 # --- enclosures ---
 
 
-def _roots(question: Problem, values: Mapping[str, float]) -> Balls | None:
+def _roots(
+    exact: Exact, question: Problem, values: Mapping[str, float], *, last: bool
+) -> Balls | None:
     """Every eigenvalue that is not zero by structure, as a complex ball; None if not isolated."""
-    exact = question.exact
-    if exact is None:
-        family = question.family
-        reduced = characteristic(family, *question.balls(values))[structure(family).zeros :]
-        return _isolated(reduced, family.conservative)
     given = {name: rational(value) for name, value in values.items()}
     scale, square = question.scale(given)
     unit = arb(square).sqrt() if scale is None else arb(scale)
@@ -288,51 +325,30 @@ def _roots(question: Problem, values: Mapping[str, float]) -> Balls | None:
     place: Any = point or question.point(given, sine=ball_sine)
     out: Balls = []
     for factor in exact.coefficients(place):
-        found = _isolated(factor, exact.even) if point is None else _exact_roots(fmpq_poly(factor))
+        if point is not None:
+            found: Balls | None = exact_roots(fmpq_poly(factor))
+        else:
+            found = isolated(factor, exact.even)
+        if found is None and last:
+            found = clustered([arb(c) / arb(factor[-1]) for c in factor[:-1]] + [arb(1)])
         if found is None:
             return None
         out += [root * unit for root in found]
     return out
 
 
-def _exact_roots(p: Any) -> Balls:
-    zeros, symmetric, rest = split(p)
-    out = [acb(0)] * zeros
-    for square, count in _squares(symmetric):
-        out += _both(square) * count
-    if rest.degree() > 0:
-        out += [root for root, count in rest.numer().complex_roots() for _ in range(count)]
-    return out
-
-
-def _both(square: Any) -> Balls:
-    """±√y, exactly real or imaginary where y is real."""
-    if square.imag == 0 and square.real < 0:
-        root = acb(0, (-square.real).sqrt())
-    else:
-        root = acb(square.real.sqrt()) if square.imag == 0 else square.sqrt()
-    return [root, -root]
-
-
-def _isolated(coefficients: Balls, even: bool) -> Balls | None:
-    """Roots of a polynomial whose coefficients are balls; None where they are not separated."""
-    balls = [arb(c) for c in (coefficients[::2] if even else coefficients)]
-    if balls[-1].contains(0):
-        return None
-    try:
-        found = acb_poly(balls).roots(tol=arb(2) ** (-3 * ctx.prec // 4))
-    except ValueError:
-        return None
-    # an isolated root whose ball meets the real axis is real, since the coefficients are
-    real = [acb(r.real) if r.imag.contains(0) else r for r in found]
-    if even:
-        return [root for square in real for root in _both(square)] if _clear(real) else None
-    upper = [r for r in real if r.imag > 0]
-    return [r for r in real if r.imag == 0] + [w for r in upper for w in (r, r.conjugate())]
-
-
-def _clear(squares: Balls) -> bool:
-    return not any(y.contains(0) for y in squares)
+def _member_roots(member: Member, zeros: int, *, last: bool) -> Balls | None:
+    """The same for a user's family; at the last precision, clusters where roots coincide."""
+    if member.rational is not None:
+        return exact_roots(fmpq_poly(member.rational[zeros:]))
+    polynomial = member.enclosed()[zeros:]
+    extra = next(i for i, c in enumerate(polynomial) if not c == 0)
+    rest = polynomial[extra:]
+    even = len(rest) % 2 == 1 and all(c == 0 for c in rest[1::2])
+    found = isolated(rest, even) if len(rest) > 1 else []
+    if found is None and last:
+        found = clustered(rest)
+    return None if found is None else [acb(0)] * extra + found
 
 
 def _sharp(root: Any) -> bool:

@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .contact import Contact
 from .disk import Disk
-from .errors import DomainError, ParameterError, shown
+from .errors import DomainError, NoMemberError, ParameterError, shown
 from .families import Family
 from .polynomial import structure
 from .problem import Problem, disk_problem, system_problem
 from .reduction import reduce
-from .spectra import Proof, Spectrum, decide, eigenvalues
+from .spectra import NOT_ASKED, Proof, Spectrum, decide, eigenvalues
 from .tracked import UNIT
+from .verdict import CODES, Verdict
+
+if TYPE_CHECKING:
+    from .multiplicity import Member
+
+Floats = NDArray[np.float64]
 
 SPEEDS = ("slip_x", "slip_y")
 
@@ -82,6 +88,7 @@ def spectrum(
     disk: Disk | None = None,
     contact: Contact | None = None,
     certify: bool = False,
+    escalate: bool = True,
     **parameters: ArrayLike,
 ) -> Spectrum:
     """Eigenvalues, modes and verdict of the linearisation at members of a family.
@@ -104,6 +111,9 @@ def spectrum(
     certify
         Whether every verdict and eigenvalue is proved, in rational arithmetic or balls, so that a
         verdict is undecided only where the budget of precision ends.
+    escalate
+        Whether points that double precision leaves undecided are certified by themselves; the
+        others keep their error discs.  False forbids it, and what is open stays undecided.
     **parameters
         For a family of a user's system: its parameters by name.
 
@@ -130,16 +140,18 @@ def spectrum(
     """
     if at is None and lean is None:
         raise ParameterError("at is missing; it names the member of the family.")
-    if not isinstance(certify, bool):
-        raise ParameterError(f"certify is {shown(certify)}; give True or False.")
+    for what, flag in (("certify", certify), ("escalate", escalate)):
+        if not isinstance(flag, bool):
+            raise ParameterError(f"{what} is {shown(flag)}; give True or False.")
     question = problem(family, at, disk, contact, dict(parameters), lean)
     a, q, rate, shape = question.arrays(question.values)
     resolved = question.family
     u = resolved.solve(a, q)
     states = resolved.checked_states(a, u, q)
-    reduced = reduce(resolved, a, q, u, question.roundings)
-    values, radius = eigenvalues(reduced, even=resolved.conservative)
-    codes = decide(values, radius, even=resolved.conservative)
+    rows = Rows(question, a, q, u, exact=certify or escalate)
+    even = resolved.conservative and rows.certain
+    values, radius = eigenvalues(rows.reduced, even=even)
+    codes = decide(values, radius, even=even)
     last = 0.0 if question.dimensionless else 4 * UNIT  # of the product with the unit
     names = resolved.system.states
     scale = np.ones((len(a), len(names)))
@@ -157,27 +169,102 @@ def spectrum(
         _shaped(np.column_stack(_given(question)).reshape(-1, len(resolved.at)), shape),
         _shaped(values, shape),
         _shaped(radius, shape),
-        structure(resolved).zeros,
+        rows.zeros,
         codes.reshape(shape),
         _shaped(states, shape),
-        reduced,
+        rows.reduced,
         rate.reshape(shape),
         _shaped(scale, shape),
+        note=rows.note,
     )
-    return proved(found, question, shape) if certify else found
+    asked = np.full(len(a), certify)
+    if escalate:
+        asked |= codes == CODES[Verdict.UNDECIDED]
+    return proved(found, rows, asked, shape, escalated=not certify) if asked.any() else found
 
 
-def proved(found: Spectrum, question: Problem, shape: tuple[int, ...]) -> Spectrum:
-    """A spectrum with every verdict and eigenvalue replaced by a proved one.
+class Rows:
+    """The members asked for, and how many zero eigenvalues are left out of all their spectra.
+
+    Parameters
+    ----------
+    question
+        The question.
+    a, q, u
+        Family parameters, parameters and unknowns of each member, shapes (N, ·).
+    exact
+        Whether a count that is not proved for the whole family is proved at each member; if not,
+        what is left out is zero within its rounding.
+    """
+
+    def __init__(self, question: Problem, a: Floats, q: Floats, u: Floats, *, exact: bool) -> None:
+        from .certify import structural_zeros
+        from .multiplicity import certain
+
+        self.question, self.u = question, u
+        family = question.family
+        self.zeros = structure(family).zeros
+        self.certain = question.exact is not None or certain(family)
+        """Whether that number is proved at every member of the family."""
+        self._members: dict[int, Member] = {}
+        if not self.certain and exact:
+            self.zeros = min(structural_zeros(self.member(row)) for row in range(len(a)))
+        self.reduced = reduce(family, a, q, u, question.roundings, self.zeros)
+        if not self.certain and not exact and (self.reduced.supported < self.zeros).any():
+            self.zeros = int(self.reduced.supported.min())
+            self.reduced = reduce(family, a, q, u, question.roundings, self.zeros)
+
+    @property
+    def note(self) -> str:
+        """A sentence on zeros that typical members have and these have not, or nothing."""
+        usual = structure(self.question.family).zeros
+        if self.zeros == usual:
+            return ""
+        return (
+            f"{usual} eigenvalue{'s' * (usual != 1)} vanish{'es' * (usual == 1)} at typical "
+            f"members of {self.question.family.name}, but only {self.zeros} here"
+        )
+
+    def values(self, row: int) -> dict[str, float]:
+        """The numbers of one member by name."""
+        count = len(self.u)
+        return {
+            n: float(v) if np.ndim(v) == 0 else float(self._flat(v, count)[row])
+            for n, v in self.question.values.items()
+        }
+
+    def _flat(self, value: Any, count: int) -> Any:
+        shape = np.broadcast_shapes(*(np.shape(v) for v in self.question.values.values()))
+        return np.broadcast_to(value, shape).reshape(count)
+
+    def member(self, row: int) -> Member:
+        """A member of a user's family in exact numbers, made once."""
+        from .certify import member_at
+
+        if row not in self._members:
+            self._members[row] = member_at(self.question, self.values(row), self.u[row])
+        return self._members[row]
+
+
+def proved(
+    found: Spectrum, rows: Rows, asked: NDArray[np.bool_], shape: tuple[int, ...], *,
+    escalated: bool,
+) -> Spectrum:  # fmt: skip
+    """A spectrum with verdicts and eigenvalues replaced by proved ones where that is asked.
 
     Parameters
     ----------
     found
         From double precision; its modes are kept.
-    question
-        The question.
+    rows
+        The members.
+    asked
+        Which of them are certified, shape (N,).
     shape
         Leading shape.
+    escalated
+        Whether nobody asked for a proof: a member whose root is not proved to exist then stays
+        undecided, where it is an error otherwise.
 
     Returns
     -------
@@ -185,22 +272,26 @@ def proved(found: Spectrum, question: Problem, shape: tuple[int, ...]) -> Spectr
     """
     from .certify import certify as one
 
-    values = {n: np.broadcast_to(v, shape).reshape(-1) for n, v in question.values.items()}
     flat = found.eigenvalues.reshape(-1, found.eigenvalues.shape[-1]).copy()
-    radius, error = found.radius.reshape(flat.shape).copy(), np.empty(len(flat))
-    codes, bits = np.empty(len(flat), dtype=np.int8), np.zeros(len(flat), dtype=np.int64)
-    for row in range(len(flat)):
-        certificate = one(question, {n: float(v[row]) for n, v in values.items()})
+    radius = found.radius.reshape(flat.shape).copy()
+    error = np.asarray(found.abscissa_error, dtype=float).reshape(-1).copy()
+    codes, bits = found.codes.reshape(-1).copy(), np.full(len(flat), NOT_ASKED, dtype=np.int64)
+    for row in map(int, np.flatnonzero(asked)):
+        member = rows.member(row) if rows.question.exact is None else None
+        try:
+            certificate = one(rows.question, rows.values(row), zeros=rows.zeros, member=member)
+        except NoMemberError:
+            if not escalated:
+                raise
+            continue
         codes[row], bits[row] = certificate.verdict.code, certificate.bits
-        error[row] = certificate.abscissa_error
         if certificate.eigenvalues:
+            error[row] = certificate.abscissa_error
             flat[row], radius[row] = certificate.eigenvalues, certificate.radius
-        else:  # the budget ended: the discs of double precision stand
-            error[row] = (radius[row] + (flat[row].real - flat[row].real.max())).max()
     return replace(
         found, eigenvalues=flat.reshape(found.eigenvalues.shape),
         radius=radius.reshape(found.radius.shape), codes=codes.reshape(shape),
-        proof=Proof(error.reshape(shape), bits.reshape(shape)),
+        proof=Proof(error.reshape(shape), bits.reshape(shape), escalated),
     )  # fmt: skip
 
 

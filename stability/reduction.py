@@ -41,6 +41,8 @@ class Reduced(NamedTuple):
     """Bound on the error of each entry, shape (N, m, m)."""
     steps: list[Deflation]
     """How to lift a mode back."""
+    supported: NDArray[np.intp]
+    """How many of the removed eigenvalues are zero within their rounding, in order, shape (N,)."""
 
 
 def reduce(
@@ -49,6 +51,7 @@ def reduce(
     q: Floats,
     u: Floats | None = None,
     roundings: Sequence[int] | None = None,
+    zeros: int | None = None,
 ) -> Reduced:
     """Linearise at members and take out the structural zeros.
 
@@ -62,6 +65,8 @@ def reduce(
         Unknowns from `family.solve`, or None.
     roundings
         How many roundings each column of a and q has behind it; none when left out.
+    zeros
+        How many zero eigenvalues are taken out; those of the family's structure when left out.
 
     Returns
     -------
@@ -69,10 +74,13 @@ def reduce(
     """
     u = family.solve(a, q) if u is None else u
     with np.errstate(all="ignore"):  # `eigenvalues` refuses what is not finite
-        return _reduce(family, a, q, u, roundings or [0] * (a.shape[1] + q.shape[1]))
+        count = structure(family).zeros if zeros is None else zeros
+        return _reduce(family, a, q, u, roundings or [0] * (a.shape[1] + q.shape[1]), count)
 
 
-def _reduce(family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence[int]) -> Reduced:
+def _reduce(
+    family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence[int], zeros: int
+) -> Reduced:
     cut = a.shape[1]
     given = [_rounded(a, roundings[:cut]), _rounded(q, roundings[cut:])]
     doubt = _root_error(family, given, u)
@@ -81,11 +89,12 @@ def _reduce(family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence
     graph = family.graph
     matrix, error = tracked_arrays(graph.matrix, arguments, a.shape[:1])[0]
     steps: list[Deflation] = []
-    zeros = structure(family).zeros
+    sound: list[NDArray[np.bool_]] = []
     tangents, doubts = tangent_vectors(family, arguments, a.shape[:1])
     for index in range(min(zeros, tangents.shape[-1])):
         vector, doubt = _push(tangents[..., index], doubts[..., index], steps)
-        matrix, error = _deflate(matrix, error, vector, doubt, steps)
+        matrix, error, within = _deflate(matrix, error, vector, doubt, steps)
+        sound.append(within)
     for _ in range(zeros - min(zeros, tangents.shape[-1])):
         if not np.isfinite(matrix).all():
             break
@@ -94,8 +103,10 @@ def _reduce(family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence
         noise = np.sqrt((error**2).sum(axis=(1, 2))) + 8 * UNIT * sizes[..., 0]
         gap = np.maximum(sizes[..., -2], UNIT * sizes[..., 0])
         doubt = np.minimum(noise / gap, 1.0)[:, None] * np.ones_like(vector)
-        matrix, error = _deflate(matrix, error, vector, doubt, steps)
-    return Reduced(matrix, error, steps)
+        matrix, error, within = _deflate(matrix, error, vector, doubt, steps)
+        sound.append(within)
+    supported = np.cumprod(np.array(sound, dtype=int).reshape(len(sound), len(a)), axis=0)
+    return Reduced(matrix, error, steps, supported.sum(axis=0))
 
 
 def _rounded(block: Floats, roundings: Sequence[int]) -> list[Tracked]:
@@ -153,8 +164,11 @@ def _push(vector: Floats, doubt: Floats, steps: Sequence[Deflation]) -> tuple[Fl
 
 def _deflate(
     matrix: Floats, error: Floats, vector: Floats, doubt: Floats, steps: list[Deflation]
-) -> tuple[Floats, Floats]:
-    """Take out one null vector: B = A[1:, 1:] - m ⊗ A[0, 1:] with the largest entry put first."""
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Take out one null vector: B = A[1:, 1:] - m ⊗ A[0, 1:] with the largest entry put first.
+
+    Returns B, the error of its entries, and whether A v is zero within its rounding.
+    """
     count, size = vector.shape
     pivot = np.abs(vector).argmax(axis=1)
     order = np.tile(np.arange(size), (count, 1))
@@ -183,4 +197,16 @@ def _deflate(
         + UNIT * (size_product + np.abs(reduced))
     )
     steps.append(Deflation(order, m, m_error, row))
-    return reduced, bound
+    return reduced, bound, _vanishes(matrix, error, m, m_error)
+
+
+def _vanishes(matrix: Floats, error: Floats, m: Floats, m_error: Floats) -> NDArray[np.bool_]:
+    """Whether A (1, m) is zero within the rounding of A and m."""
+    whole = np.concatenate([np.ones((len(m), 1)), m], axis=1)
+    unsure = np.concatenate([np.zeros((len(m), 1)), m_error], axis=1)
+    size = np.abs(matrix)
+    value = np.abs((matrix @ whole[:, :, None])[..., 0])
+    rough = (size @ unsure[:, :, None] + error @ (np.abs(whole) + unsure)[:, :, None])[..., 0]
+    rough += whole.shape[1] * UNIT * (size @ np.abs(whole)[:, :, None])[..., 0]
+    within: NDArray[np.bool_] = (value <= rough).all(axis=1)
+    return within

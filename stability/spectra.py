@@ -24,14 +24,21 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 
+NOT_ASKED = -1
+"""In place of bits where a verdict stands as double precision gave it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """How a certified spectrum was proved."""
+    """How the certified points of a spectrum were proved."""
 
     abscissa_error: Floats
     """Proved bound on the error of the abscissa, shape (…)."""
     bits: NDArray[np.int64]
-    """Precision of the balls that decided each verdict, 0 for rational arithmetic, shape (…)."""
+    """Precision of the balls that decided each verdict, 0 for rational arithmetic, shape (…);
+    `NOT_ASKED` where double precision decided."""
+    escalated: bool = False
+    """Whether only those points were certified that double precision left undecided."""
 
     @property
     def how(self) -> str:
@@ -64,7 +71,8 @@ class Spectrum:
     radius: Floats
     """Error bound of each eigenvalue, shape (…, n): all of them lie in the union of these discs."""
     structural_zeros: int
-    """How many eigenvalues are zero by structure of family and law."""
+    """How many eigenvalues are left out: zero by structure at every point asked, the least number
+    where points differ."""
     codes: NDArray[np.int8]
     """Verdict as flag values (`Verdict.code`), shape (…)."""
     states: Floats
@@ -76,7 +84,9 @@ class Spectrum:
     scale: Floats
     """Unit of each state, shape (…, states)."""
     proof: Proof | None = None
-    """How verdicts and eigenvalues were proved, where they were asked to be."""
+    """How verdicts and eigenvalues were proved, where they were."""
+    note: str = ""
+    """A sentence on structural zeros, where there are fewer here than at typical members."""
 
     def __repr__(self) -> str:
         shape = self.eigenvalues.shape[:-1]
@@ -95,7 +105,7 @@ class Spectrum:
         if self.proof is None:
             value = np.zeros(self.codes.shape, dtype=bool)
         else:
-            value = self.codes != CODES[Verdict.UNDECIDED]
+            value = (self.codes != CODES[Verdict.UNDECIDED]) & (self.proof.bits != NOT_ASKED)
         return bool(value) if value.ndim == 0 else value
 
     @property
@@ -140,14 +150,20 @@ class Spectrum:
         if self.codes.ndim:
             raise ParameterError("reason is for a single spectrum; ask for one point.")
         bound = f"largest real part {self.abscissa:.3g}, error bound {self.abscissa_error:.1g}"
-        if self.family.conservative:
+        if self.family.conservative and not self.certified:
             bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound
-        if self.proof is not None:
+        parts = [bound]
+        if self.proof is not None and self.proof.bits != NOT_ASKED:
             budget = "undecided within the budget of precision" if not self.certified else "proved"
-            return f"{budget} in {self.proof.how}; {bound}"
-        count = self.structural_zeros
-        zeros = f"{count} structural zero{'s' * (count != 1)} removed through null vectors"
-        return f"{bound}; {zeros}" if count else bound
+            parts = [f"{budget} in {self.proof.how}", bound]
+            if self.proof.escalated:
+                parts.insert(0, "double precision left it open")
+        elif self.structural_zeros:
+            count = self.structural_zeros
+            parts.append(
+                f"{count} structural zero{'s' * (count != 1)} removed through null vectors"
+            )
+        return "; ".join([*parts, *filter(None, [self.note])])
 
     @cached_property
     def modes(self) -> Modes:

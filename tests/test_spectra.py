@@ -210,7 +210,11 @@ def test_a_conservative_system_of_four_more_dimensions_goes_the_same_way() -> No
         typical={"a": -1.0, "b": -1.5},
     )  # fmt: skip
     found = st.spectrum(rest, at=[3.0, 1.0, 0.0], a=-1.0, b=-1.0)
-    assert [v.word for v in found.verdict] == ["neutral", "unstable", "undecided"]
+    assert [v.word for v in found.verdict] == ["neutral", "unstable", "unstable"]
+    # λ² = 1 twice: discs in double precision touch, arithmetic over Q decides
+    open_ = st.spectrum(rest, at=[3.0, 1.0, 0.0], a=-1.0, b=-1.0, escalate=False)
+    assert [v.word for v in open_.verdict] == ["neutral", "unstable", "undecided"]
+    assert found.certified.tolist() == [False, False, True]
     with pytest.raises(st.StabilityError, match="not even"):
         damped = st.System(
             "damped", x, p, rhs - 0.1 * ca.vertcat(0, 0, x[2], x[3]),

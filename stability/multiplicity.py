@@ -1,0 +1,342 @@
+"""Eigenvalues that are zero by structure: how many, and whether they are proved zero at a member.
+
+Sampling members finds how many eigenvalues vanish there.  Such a count may fail elsewhere: on
+another branch of steady motions, or where |p| has its other sign.  So a count is proved for the
+whole family, as an identity of expressions; or else at the very member, exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx, fmpq, fmpq_mat, fmpq_poly
+from scipy.sparse.csgraph import connected_components
+
+from .enclosure import ball_unknowns, matrix_polynomial
+from .errors import NoMemberError, StabilityError
+from .exact_fields import EXACT, NotExact, NumberField, characteristic, vanishes
+from .families import Family
+from .function_field import FunctionField
+from .polynomial import precision, structure
+
+ROOT_BITS = 512
+"""Precision at which a root is enclosed before its exact form is looked for."""
+LOCAL_BITS = 1024
+"""Precision at which members next to the one asked for are sampled."""
+OFFSETS = (40, 80, 120)
+"""Their relative distance is 2 to minus these, the first that keeps to the branch."""
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What holds of a family's characteristic polynomial at every member, on every branch."""
+
+    zeros: int
+    """Eigenvalues that are zero identically in parameters and unknowns."""
+    even: bool
+    """Whether the polynomial without these is even in λ identically."""
+
+
+@lru_cache(maxsize=64)
+def identity(family: Family) -> Identity:
+    """What is zero in the characteristic polynomial as an identity of expressions.
+
+    Parameters
+    ----------
+    family
+        The family.
+
+    Returns
+    -------
+    Identity
+        A lower bound: what is too large to be worked out counts as not proved.
+    """
+    field = FunctionField([*family.at, *family.unknown, *family.parameters])
+    cut = len(family.at), len(family.at) + len(family.unknown)
+    symbols = field.symbols
+    tangents = len(_fixed_directions(family, field))
+    try:
+        matrix = _matrix(family, symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :])
+        zeros, even = _zero_pattern(_blocks(matrix))
+    except NotExact:
+        zeros, even = 0, False
+    return Identity(max(zeros, tangents), even)
+
+
+def certain(family: Family) -> bool:
+    """Whether the sampled structure holds at every member, so that no member need be checked.
+
+    Parameters
+    ----------
+    family
+        The family.
+    """
+    sampled = structure(family)
+    if not sampled.zeros and not family.conservative:
+        return True
+    proved = identity(family)
+    return proved.zeros >= sampled.zeros and (proved.even or not family.conservative)
+
+
+def _matrix(
+    family: Family, a: Sequence[Any], u: Sequence[Any], q: Sequence[Any]
+) -> list[list[Any]]:
+    try:
+        return family.graph.matrix.dense(EXACT, [list(a), list(u), list(q)])
+    except (ZeroDivisionError, StabilityError) as error:
+        raise NotExact(str(error)) from None
+
+
+def _blocks(matrix: list[list[Any]]) -> list[list[list[Any]]]:
+    """Diagonal blocks of the block triangular form: their polynomials multiply to the whole."""
+    pattern = np.array([[not vanishes(entry) for entry in row] for row in matrix])
+    _, labels = connected_components(pattern, directed=True, connection="strong")
+    members = [np.flatnonzero(labels == label) for label in np.unique(labels)]
+    return [[[matrix[i][j] for j in some] for i in some] for some in members]
+
+
+def _zero_pattern(blocks: list[list[list[Any]]]) -> tuple[int, bool]:
+    """Zeros of the product of the blocks' polynomials, and whether the rest is even."""
+    zeros, even = 0, True
+    mixed: list[list[Any]] = []
+    for block in blocks:
+        poly = characteristic(block)
+        low = _leading_zeros(poly)
+        zeros += low
+        rest = poly[low:]
+        if not _is_even(rest):
+            mixed.append(rest)
+    if mixed:  # blocks that are not even each may be so together, as (λ - a)(λ + a)
+        product: list[Any] = [1]
+        for poly in mixed:
+            product = _product(product, poly)
+        even = _is_even(product)
+    return zeros, even
+
+
+def _leading_zeros(poly: Sequence[Any]) -> int:
+    return next(i for i, c in enumerate(poly) if not vanishes(c))
+
+
+def _is_even(poly: Sequence[Any]) -> bool:
+    return len(poly) % 2 == 1 and all(vanishes(c) for c in poly[1::2])
+
+
+def _product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
+    out: list[Any] = [0] * (len(p) + len(q) - 1)
+    for i, x in enumerate(p):
+        for j, y in enumerate(q):
+            out[i + j] = out[i + j] + x * y
+    return out
+
+
+def _fixed_directions(family: Family, field: FunctionField) -> list[str]:
+    """Tangents of the family that are null vectors wherever the member is an isolated root.
+
+    The rates that are not solved for must vanish identically; then all of them vanish along the
+    branch, and the chain rule says A·∂x/∂at = 0.
+    """
+    names = [n for n in family.at if n in family.system.states]
+    if not names:
+        return []
+    cut = len(family.at), len(family.at) + len(family.unknown)
+    symbols = field.symbols
+    parts = [symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]]
+    try:
+        rates = family.graph.rates.dense(EXACT, parts)
+    except (NotExact, ZeroDivisionError):
+        return []
+    solved = set() if family.closed else {family.system.index(n) for n in family.equations}
+    open_ = [i for i, (rate,) in enumerate(rates) if i not in solved and not vanishes(rate)]
+    return [] if open_ else names
+
+
+# --- one member ---
+
+
+class Member:
+    """A member at exact parameters: what is zero in its characteristic polynomial, by proof.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q
+        Family parameters and parameters as rationals.
+    near
+        Unknowns to double precision, shape (u,).
+    """
+
+    def __init__(
+        self, family: Family, a: Sequence[Any], q: Sequence[Any], near: Sequence[float]
+    ) -> None:
+        self.family, self.a, self.q = family, list(a), list(q)
+        self.near = None if family.closed or not family.unknown else [float(v) for v in near]
+        self._flags: list[bool] | None = None
+        self.rational: list[Any] | None = None
+        """Coefficients of det(λ - A) over Q, lowest first, where they are rational."""
+        try:
+            self._exact()
+        except NotExact:
+            pass
+
+    def _exact(self) -> None:
+        """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""
+        matrix = _matrix(self.family, self.a, self._unknowns(), self.q)
+        if all(isinstance(entry, (int, fmpq)) for row in matrix for entry in row):
+            self.rational = poly = fmpq_mat(matrix).charpoly().coeffs()
+        else:
+            poly = [1]
+            for block in _blocks(matrix):
+                poly = _product(poly, characteristic(block))
+        self._flags = [vanishes(c) for c in poly]
+
+    def _unknowns(self) -> list[Any]:
+        family = self.family
+        if not family.unknown or family.closed:
+            return [fmpq(*float(v).as_integer_ratio()) for v in family.unknown.values()]
+        with precision(ROOT_BITS):
+            try:
+                box = ball_unknowns(family, self.balls(self.a), self.balls(self.q), self.near)
+            except (NoMemberError, ZeroDivisionError):
+                raise NotExact("no root is proved") from None
+            simple = [_simplest(ball) for ball in box]
+            if None not in simple and self._solves(simple):
+                return simple
+            if len(box) > 1:
+                raise NotExact("several algebraic unknowns")
+            return [self._algebraic(box[0])]
+
+    def _solves(self, u: list[Any]) -> bool:
+        """Whether rationals solve the equations exactly."""
+        try:
+            residual, _ = self.family.graph.residual.run(EXACT, [self.a, u, self.q])
+        except ZeroDivisionError:
+            return False
+        return all(vanishes(r) for r in residual)
+
+    def _algebraic(self, ball: Any) -> Any:
+        """The irreducible polynomial over Q of a single unknown, as a number field."""
+        field = FunctionField(["u"])
+        given = [[field.number(v) for v in some] for some in (self.a, self.q)]
+        residual, _ = self.family.graph.residual.run(EXACT, [given[0], field.symbols, given[1]])
+        terms = residual[0].num.to_dict()
+        if any(any(exponents[1:]) for exponents in terms):
+            raise NotExact("an equation that is not algebraic")
+        coefficients = [fmpq(0)] * (1 + max(int(e[0]) for e in terms))
+        for exponents, coefficient in terms.items():
+            coefficients[int(exponents[0])] = coefficient
+        _, factors = fmpq_poly(coefficients).numer().factor()
+        near = [f for f, _ in factors if _horner(f.coeffs(), ball).contains(0)]
+        if len(near) != 1:
+            raise NotExact("a root that two factors share")
+        return NumberField(fmpq_poly(near[0].coeffs()), ball).generator
+
+    @staticmethod
+    def balls(values: Sequence[Any]) -> list[Any]:
+        """Rationals as balls at the current precision."""
+        return [arb(v) for v in values]
+
+    @property
+    def flags(self) -> list[bool]:
+        """For each coefficient of det(λ - A), lowest first: whether it is proved to be zero."""
+        if self._flags is None:
+            self._flags = self._as_expressions()
+        return self._flags
+
+    def _as_expressions(self) -> list[bool]:
+        """With sines, roots and unknowns as indeterminates."""
+        family = self.family
+        size = len(family.system.states) + 1
+        known = [i < identity(family).zeros for i in range(size)]
+        field = FunctionField([*family.unknown])
+        given = [[field.number(v) for v in some] for some in (self.a, self.q)]
+        try:
+            poly = [1]
+            for block in _blocks(_matrix(family, given[0], field.symbols, given[1])):
+                poly = _product(poly, characteristic(block))
+        except NotExact:
+            return known
+        return [k or vanishes(c) for k, c in zip(known, poly, strict=True)]
+
+    def enclosed(self) -> list[Any]:
+        """Coefficients as balls at the current precision, exactly zero where that is proved.
+
+        Raises
+        ------
+        NoMemberError
+            If no root is proved to exist.
+        """
+        if self.rational is not None:
+            return self.balls(self.rational)
+        a, q = self.balls(self.a), self.balls(self.q)
+        poly = matrix_polynomial(self.family, a, ball_unknowns(self.family, a, q, self.near), q)
+        return [arb(0) if flag else c for flag, c in zip(self.flags, poly, strict=True)]
+
+    def zeros(self) -> int:
+        """Eigenvalues that are zero at this member, by proof: a lower bound unless all is exact."""
+        return next(i for i, flag in enumerate(self.flags) if not flag)
+
+    def structural(self) -> int:
+        """Eigenvalues that are zero here by proof, and at sampled members next to it too."""
+        count = self.zeros()
+        return min(count, _generic(self.family, self.a, self.q, self.near)) if count else 0
+
+
+def _generic(
+    family: Family, a: Sequence[Any], q: Sequence[Any], near: Sequence[float] | None
+) -> int:
+    """Eigenvalues that vanish at members next to one, on its own branch; 0 if none is reached."""
+    with precision(LOCAL_BITS):
+        for offset in OFFSETS:
+            step = arb(2) ** -offset
+            wide = [arb(v) + arb(0, (abs(arb(v)) + step) * step) for v in (*a, *q)]
+            try:  # one root for the whole neighbourhood: the samples lie on the branch
+                ball_unknowns(family, wide[: len(a)], wide[len(a) :], near)
+                return min(_sampled(family, a, q, near, step, turn) for turn in range(3))
+            except (NoMemberError, ZeroDivisionError):
+                continue
+    return 0
+
+
+def _sampled(
+    family: Family, a: Sequence[Any], q: Sequence[Any], near: Any, step: Any, turn: int
+) -> int:
+    place = []
+    for index, v in enumerate((*a, *q)):
+        factor = arb(3 + 8 * turn + 5 * index).sqrt()
+        share = (factor - factor.floor()) / 2 + arb(1) / 4  # between 1/4 and 3/4
+        if turn == 1 or (turn == 2 and index % 2):  # both sides of a kink such as that of |p|
+            share = -share
+        place.append((arb(v) + share * (abs(arb(v)) + step) * step).mid())
+    some, others = place[: len(a)], place[len(a) :]
+    poly = matrix_polynomial(family, some, ball_unknowns(family, some, others, near), others)
+    return next(i for i, c in enumerate(poly) if not c.contains(0))
+
+
+def _horner(coefficients: Sequence[Any], x: Any) -> Any:
+    value = arb(0)
+    for c in reversed(coefficients):
+        value = value * x + c
+    return value
+
+
+def _simplest(ball: Any) -> Any:
+    """The rational of least denominator in a ball, by continued fractions; None if it is large."""
+    before, here = (0, 1), (1, 0)  # numerators and denominators (p, q) of the convergents
+    rest = ball.mid().fmpq()
+    for _ in range(ctx.prec):
+        whole = int(rest.floor())
+        before, here = here, (whole * here[0] + before[0], whole * here[1] + before[1])
+        found = fmpq(*here)
+        if ball.contains(arb(found)):
+            return found if here[1].bit_length() < ctx.prec // 3 else None
+        rest = rest - whole
+        if rest == 0:
+            return None
+        rest = 1 / rest
+    return None

@@ -1,0 +1,115 @@
+"""Every root of a polynomial as a ball: exactly isolated, or in clusters of a known count."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from flint import acb, acb_poly, arb, ctx, fmpq_poly
+from scipy.sparse.csgraph import connected_components
+
+from .routh import split, squares
+
+Balls = list[Any]
+
+
+def exact_roots(p: Any) -> Balls:
+    """Every root of a polynomial over Q at the current precision, as often as it occurs.
+
+    Parameters
+    ----------
+    p
+        An `fmpq_poly`, not zero.
+
+    Returns
+    -------
+    list of acb
+        A root on the imaginary axis has a real part of exactly zero.
+
+    Examples
+    --------
+    >>> exact_roots(fmpq_poly([4, 0, 1]))
+    [2.00000000000000j, -2.00000000000000j]
+    """
+    zeros, symmetric, rest = split(p)
+    out = [acb(0)] * zeros
+    for square, count in squares(symmetric):
+        out += _both(square) * count
+    if rest.degree() > 0:
+        out += [root for root, count in rest.numer().complex_roots() for _ in range(count)]
+    return out
+
+
+def _both(square: Any) -> Balls:
+    """±√y, exactly real or imaginary where y is real."""
+    if square.imag == 0 and square.real < 0:
+        root = acb(0, (-square.real).sqrt())
+    else:
+        root = acb(square.real.sqrt()) if square.imag == 0 else square.sqrt()
+    return [root, -root]
+
+
+def isolated(coefficients: Balls, even: bool) -> Balls | None:
+    """Roots of a polynomial whose coefficients are balls; None where they are not separated.
+
+    Parameters
+    ----------
+    coefficients
+        Balls, lowest first.
+    even
+        Whether the odd ones are zero.
+    """
+    balls = [arb(c) for c in (coefficients[::2] if even else coefficients)]
+    if balls[-1].contains(0):
+        return None
+    try:
+        found = acb_poly(balls).roots(tol=arb(2) ** (-3 * ctx.prec // 4))
+    except ValueError:
+        return None
+    # an isolated root whose ball meets the real axis is real, since the coefficients are
+    real = [acb(r.real) if r.imag.contains(0) else r for r in found]
+    if even:
+        return [root for square in real for root in _both(square)] if _clear(real) else None
+    upper = [r for r in real if r.imag > 0]
+    return [r for r in real if r.imag == 0] + [w for r in upper for w in (r, r.conjugate())]
+
+
+def _clear(squares: Balls) -> bool:
+    return not any(y.contains(0) for y in squares)
+
+
+def clustered(coefficients: Sequence[Any]) -> Balls:
+    """Balls that hold the roots of a monic polynomial, also where some coincide.
+
+    The polynomial at the midpoints has its roots exactly isolated.  A root of any polynomial within
+    the balls is no further than ρ from one of these, with ρⁿ the largest change of the value; each
+    cluster of overlapping discs holds as many roots as discs.
+
+    Parameters
+    ----------
+    coefficients
+        Balls, lowest first, the last one exactly 1.
+
+    Returns
+    -------
+    list of acb
+
+    Source: continuity of roots, A. M. Ostrowski, Solution of Equations in Euclidean and Banach
+    Spaces, 3rd ed. (1973), appendix A.
+    """
+    degree = len(coefficients) - 1
+    middle = fmpq_poly([c.mid().fmpq() for c in coefficients])
+    roots = exact_roots(middle)
+    bound = 1 + max(abs(c).abs_upper() for c in coefficients)  # Cauchy: no root is larger
+    change = arb(0)
+    for power, c in enumerate(coefficients):
+        change += c.rad() * bound**power
+    reach = change.root(degree).abs_upper() if change > 0 else arb(0)
+    touching = np.array([[not abs(r - s) > 2 * reach for s in roots] for r in roots])
+    _, labels = connected_components(touching, directed=False)
+    out = []
+    for root, label in zip(roots, labels, strict=True):
+        wide = (2 * int((labels == label).sum()) * reach).abs_upper()
+        out.append(acb(root.real + arb(0, wide), root.imag + arb(0, wide)) if reach != 0 else root)
+    return out
