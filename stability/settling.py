@@ -1,27 +1,23 @@
-"""Whether a motion has settled on a family: a distance, and a Lyapunov function that proves it.
+"""Whether a motion has settled on a family: a distance, and a proof that it converges.
 
-Near a family member the deviation e (five numbers that vanish on the family) obeys
-ė = A e + N(e).  Where A is stable, V = eᵀPe with AᵀP + PA = -1 falls on the ball |e| ≤ ρ if
-2 |P| H ρ < 1, H the largest norm of the second derivatives of ė, sampled on that ball (the 2 is
-a margin for what lies between the samples).  A state counts as settled if that holds on the ball
-around its level set of V, and its distance is below the asked one.  Passing slowly by an unstable
-member is not settling: A has no P.
-A stable rolling of a slipping disk drifts (`stability.drift`) and so is never settled on.
-tests/test_settling.py runs launches on from where they were called settled.
+Near a family member the deviation e is five numbers that vanish on the family.  A state counts as
+settled if its distance is below the asked one and `stability.attraction` proves, in ball
+arithmetic, that the motion from there on converges to one member.  Passing slowly by an unstable
+member is not settling: nothing attracts there.  A stable rolling of a slipping disk drifts
+(`stability.drift`) and so is never settled on.  tests/test_settling.py runs launches on from where
+they were called settled.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
+from .attraction import attraction
 from .contact import MOTION_LAWS
-from .equations import disk_system
 from .flow import Floats
 
 FAMILIES = ("spinning", "tumbling", "rolling")
@@ -40,7 +36,7 @@ class Nearest:
     settled: bool
     """Whether the state counts as settled."""
     reach: float
-    """Radius of the ball on which the Lyapunov function falls; 0 where there is none."""
+    """Size of the box across the family in which convergence is proved; 0 where it is not."""
     evidence: str
     """One sentence."""
 
@@ -76,7 +72,11 @@ def _parts(six: Any, k: float, maths: Any) -> dict[str, tuple[Any, tuple[Any, ..
     """For each family its parameter and the five deviations, with NumPy or with `math`."""
     theta, theta_dot, phi_dot, omega3, vx, vy = six
     lean = theta - math.pi / 2
-    rate = maths.copysign(1 / maths.sqrt(k * maths.sin(theta)), phi_dot)
+    sine = maths.sin(theta)
+    # at θ = 0 and beyond, where no disk stands, tumbling is infinitely far
+    with np.errstate(divide="ignore"):
+        size = 1 / np.sqrt(k * np.maximum(sine, 0.0)) if maths is np else _rate(k * sine)
+    rate = maths.copysign(size, phi_dot)
     return {
         "spinning": (phi_dot, (lean, theta_dot, omega3, vx, vy)),
         "tumbling": (theta, (theta_dot, phi_dot - rate, omega3, vx, vy)),
@@ -84,35 +84,16 @@ def _parts(six: Any, k: float, maths: Any) -> dict[str, tuple[Any, tuple[Any, ..
     }
 
 
+def _rate(square: float) -> float:
+    """One over the root; infinite where there is none."""
+    return 1 / math.sqrt(square) if square > 0 else math.inf
+
+
 def _closest(six: Floats, k: float) -> tuple[str, float, float]:
     """Family, parameter and distance of the nearest member, for one state."""
     parts = _parts(six.tolist(), k, math)
     distance, family = min((math.hypot(*e), name) for name, (_, e) in parts.items())
     return family, parts[family][0], distance
-
-
-@lru_cache(maxsize=16)
-def _transverse(law: str, family: str) -> ca.Function:
-    """(at, sign, p, e) → A at the member, and the second derivatives of ė at the deviation e."""
-    system = disk_system(law)
-    at, sign, e = ca.SX.sym("at"), ca.SX.sym("sign"), ca.SX.sym("e", 5)
-    half = math.pi / 2
-    rate = sign / ca.sqrt(system.p[0] * ca.sin(at))
-    if family == "spinning":
-        x = ca.vertcat(half + e[0], e[1], at, e[2:5])
-    elif family == "rolling":
-        x = ca.vertcat(half + e[0], e[1], e[2], at, e[3:5])
-    else:
-        x = ca.vertcat(at, e[0], rate + e[1], e[2:5])
-    rates = ca.substitute(system.rhs, system.x, x)
-    own = {"spinning": [0, 1, 3, 4, 5], "rolling": [0, 1, 2, 4, 5], "tumbling": [1, 2, 3, 4, 5]}
-    rate_of_e = rates[own[family]]
-    if family == "tumbling":  # the member moves along with theta
-        rate_of_e[1] -= ca.jacobian(rate, at) * rates[0]
-    jacobian = ca.jacobian(rate_of_e, e)
-    second = ca.jacobian(ca.vec(jacobian), e)
-    linear = ca.substitute(ca.densify(jacobian), e, ca.SX.zeros(5))
-    return ca.Function("transverse", [at, sign, system.p, e], [linear, ca.densify(second)])
 
 
 def nearest(six: Floats, law: str, p: Floats, within: float) -> Nearest:
@@ -146,48 +127,27 @@ def nearest(six: Floats, law: str, p: Floats, within: float) -> Nearest:
     if family == "rolling":
         why = "rolling with slip drifts on its centre manifold (stability.drift): not settled"
         return Nearest(family, at, distance, False, 0.0, why)
-    e = deviation(six, float(p[0]), family)[1]
-    reach, inside = _reach(law, family, at, math.copysign(1.0, six[2]), p, e)
-    if reach == 0.0:
-        why = f"{distance:.3g} from {family} at {at:.6g}, which is not asymptotically stable"
-    elif not inside:
-        why = f"{distance:.3g} from {family} at {at:.6g}, too far for its Lyapunov function"
-    else:
+    sign = math.copysign(1.0, six[2])
+    y, e = _balls(six, float(p[0]), family, sign)
+    found = attraction(law, family, p, sign, y, e)
+    if found is None:
         why = (
-            f"{distance:.3g} from {family} at {at:.6g}; a Lyapunov function falls on a "
-            f"ball of radius {reach:.3g}"
+            f"{distance:.3g} from {family} at {at:.6g}; convergence to it is not proved from there"
         )
-    return Nearest(family, at, distance, inside, reach, why)
+        return Nearest(family, at, distance, False, 0.0, why)
+    why = (
+        f"{distance:.3g} from {family} at {at:.6g}; proved in ball arithmetic: from there on the "
+        f"motion converges to {family} at {found.limit:.6g} within {found.error:.2g}, its "
+        f"deviation falling at the rate {found.rate:.3g} at least"
+    )
+    return Nearest(family, at, distance, True, found.reach, why)
 
 
-def _reach(
-    law: str, family: str, at: float, sign: float, p: Floats, e: Floats
-) -> tuple[float, bool]:
-    """Radius of the ball around the level set of V through e, and whether V falls on it."""
-    from scipy.linalg import solve_continuous_lyapunov
+def _balls(six: Floats, k: float, family: str, sign: float) -> tuple[Any, list[Any]]:
+    """The family's parameter and the deviation, as balls that hold what the doubles mean."""
+    from flint import arb
 
-    transverse = _transverse(law, family)
-    a = np.array(transverse(at, sign, p, np.zeros(5))[0])
-    with np.errstate(all="ignore"):
-        try:
-            matrix = solve_continuous_lyapunov(a.T, -np.eye(5))
-        except (ValueError, np.linalg.LinAlgError):
-            return 0.0, False
-    matrix = (matrix + matrix.T) / 2
-    residual = np.abs(a.T @ matrix + matrix @ a + np.eye(5)).max()
-    levels = np.linalg.eigvalsh(matrix) if np.isfinite(matrix).all() else np.array([-1.0])
-    if not (residual < 0.1 and levels[0] > 0):
-        return 0.0, False
-    radius = math.sqrt(float(e @ matrix @ e) / levels[0])
-    points = radius * _directions()
-    second = np.array(transverse(at, sign, p, points.T)[1])
-    largest = max(np.linalg.norm(block) for block in np.split(second, len(points), axis=1))
-    return radius, bool(2 * levels[-1] * largest * radius < 1)
-
-
-@lru_cache(maxsize=1)
-def _directions() -> Floats:
-    """The centre, and points of the unit sphere: both ends of each axis and a fixed scatter."""
-    scatter = np.random.default_rng(5).normal(size=(32, 5))
-    scatter /= np.linalg.norm(scatter, axis=1, keepdims=True)
-    return np.vstack([np.zeros((1, 5)), np.eye(5), -np.eye(5), scatter])
+    theta, theta_dot, phi_dot, omega3, vx, vy = (arb(v) for v in six.tolist())
+    if family == "spinning":
+        return phi_dot, [theta - arb.pi() / 2, theta_dot, omega3, vx, vy]
+    return theta, [theta_dot, phi_dot - sign / (k * theta.sin()).sqrt(), omega3, vx, vy]

@@ -24,6 +24,8 @@ CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os
 """Threads that a batch takes when none are stated."""
 FINEST = 1e-16
 """Smallest tolerance that is passed on."""
+NEWTON, SHIFT = 3, 1e-3
+"""Steps by which an event is put on its guard's zero, and the longest of them [√(R/g)]."""
 
 
 @cache
@@ -159,10 +161,27 @@ def _end(leg: Leg, outcome: Any, time: float, state: Floats, states: Floats) -> 
     event = int(outcome) > -(2**32) - 1
     if np.isfinite(state).all() and math.isfinite(time):
         if event:
-            return End(guard_at(leg.flow, leg.p, state), time, state)
+            return _on_guard(leg, time, state)
         return End(UNRESOLVED, time, state, f"heyoka stopped: {outcome}")
     good = int(np.isfinite(states).all(axis=1).sum()) - 1  # the start is one of them
     return End(UNRESOLVED, float(leg.times[good]), states[good], f"heyoka stopped: {outcome}")
+
+
+def _on_guard(leg: Leg, time: float, state: Floats) -> End:
+    """The end at an event, moved along the motion to where its guard is zero.
+
+    At a loose tolerance the event lies on the step's polynomial, beside the guard's zero.
+    """
+    kind = guard_at(leg.flow, leg.p, state)
+    index = list(leg.flow.guards).index(kind)
+    rates = leg.flow.quick.rates
+    for _ in range(NEWTON):
+        value, rate = (float(part[index]) for part in leg.flow.margins(state, leg.p))
+        step = -value / rate if rate < 0 else 0.0
+        if not abs(step) < SHIFT:  # not a crossing that straightens out
+            break
+        time, state = time + step, state + step * rates(leg.p, state)
+    return End(kind, time, state)
 
 
 class _Stop:
@@ -280,7 +299,8 @@ def _read(ta: Any, legs: list[Leg], states: Floats, stop: _Stop) -> list[Path]:
         mine, end = states[:, :, lane], None
         if lane in stop.ends:
             when, where = stop.ends[lane]
-            end = End(guard_at(leg.flow, leg.p, where), when, where)
+            end = _on_guard(leg, when, where)
+            when = end.time
             mine = mine[: np.searchsorted(leg.times, when)]
         paths.append(_sound(leg, Path(mine, end, int(steps))))
     return paths

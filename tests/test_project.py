@@ -19,7 +19,8 @@ CORE = (
     "problem", "query", "grid", "files", "boundary", "curves", "cells", "maps", "exact", "certify",
     "kernels", "factoring", "growth", "tiles", "boxes", "stream", "derivation", "hurwitz",
     "decomposition", "formulas", "slowflow", "passage", "lines", "flow", "route", "taylor",
-    "stepping", "sundials", "integrators", "rest", "sticking", "outcome", "settling", "launches",
+    "stepping", "sundials", "integrators", "rest", "sticking", "outcome", "settling", "attraction",
+    "painleve", "launches",
     "shadow", "motion", "trajectory", "records",
 )  # fmt: skip
 
