@@ -23,7 +23,7 @@ _HOME = {
     "query": ("spectrum",),
     "spectra": ("Spectrum",),
     "verdict": ("Verdict", "Nonlinear"),
-    "boundary": ("BoundaryPoint", "Crossing"),
+    "crossings": ("BoundaryPoint", "Crossing", "Boundaries", "Unresolved"),
     "maps": ("stability_map", "boundaries"),
     "files": ("read_map", "write_map"),
     "stream": ("stream_map",),
@@ -36,7 +36,7 @@ _HOME = {
     "outcome": ("Outcome",),
     "records": ("read_motion", "write_motion"),
     "compare.report": ("report",),
-    "errors": ("StabilityError",),
+    "errors": ("StabilityError", "StabilityWarning"),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
@@ -45,8 +45,6 @@ __all__ = sorted(_WHERE)  # noqa: PLE0605
 if TYPE_CHECKING:
     from .algebra import UPRIGHT as UPRIGHT
     from .animation import animate as animate
-    from .boundary import BoundaryPoint as BoundaryPoint
-    from .boundary import Crossing as Crossing
     from .compare.report import report as report
     from .contact import Coulomb as Coulomb
     from .contact import LinearViscous as LinearViscous
@@ -56,10 +54,15 @@ if TYPE_CHECKING:
     from .contact import Viscous as Viscous
     from .continuation import Branch as Branch
     from .continuation import branch as branch
+    from .crossings import Boundaries as Boundaries
+    from .crossings import BoundaryPoint as BoundaryPoint
+    from .crossings import Crossing as Crossing
+    from .crossings import Unresolved as Unresolved
     from .disk import REAL_DISKS as REAL_DISKS
     from .disk import Disk as Disk
     from .equations import disk_system as disk_system
     from .errors import StabilityError as StabilityError
+    from .errors import StabilityWarning as StabilityWarning
     from .exact import Exact as Exact
     from .exact import exact_polynomial as exact_polynomial
     from .families import Family as Family

@@ -25,8 +25,8 @@ from typing import Any
 import numpy as np
 
 from . import __version__
-from .boundary import Crossing
 from .contact import Rough, Smooth, Viscous
+from .crossings import Crossing
 from .curves import KINDS
 from .dataset import LIBRARIES, LONG_NAMES
 from .disk import Disk

@@ -8,9 +8,7 @@ different verdicts at its two ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from enum import Enum
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,8 +17,9 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from .certify import ball_sine
+from .crossings import BoundaryPoint, Crossing
 from .enclosure import ball_unknowns, matrix_polynomial
-from .errors import NoMemberError, ParameterError
+from .errors import NoMemberError
 from .polynomial import (
     characteristic,
     frequency,
@@ -38,37 +37,6 @@ BITS = 128
 """Working precision of the first attempt."""
 MOST_BITS = 1024
 """Precision at which a sign that is still open counts as zero."""
-
-
-class Crossing(Enum):
-    """What crosses at a boundary; the value of each member is the sentence a user reads."""
-
-    STATIC = "static boundary: a real eigenvalue (or λ² of a conservative law) passes through zero"
-    FLUTTER = "flutter boundary: a pair of eigenvalues crosses the imaginary axis"
-    TOUCHING = (
-        "boundary without a sign change of either determinant: found by bisection of verdicts"
-    )
-
-    @property
-    def word(self) -> str:
-        """One lower-case word."""
-        return self.name.lower()
-
-
-@dataclass(frozen=True)
-class BoundaryPoint:
-    """One point at which the verdict changes along an axis."""
-
-    value: float
-    """Where, in the user's unit of the axis."""
-    error: float
-    """Half-width of the proved bracket, same unit: the verdicts at value ± error differ."""
-    crossing: Crossing
-    """What crosses."""
-    frequency: float
-    """|Im λ| of the crossing pair, in the user's unit of rate; 0 at a static boundary."""
-    stable_below: bool
-    """Whether the stable (or neutral) side has the smaller value."""
 
 
 class Line:
@@ -203,7 +171,7 @@ def refine(line: Line, low: float, high: float) -> BoundaryPoint | None:
         return None
     for end, sign in zip((low, high), signs, strict=True):
         if not sign:
-            return _bracket(line, end, _kind_at(line, end))
+            return at_point(line, end)
     point = _crossing(line, low, high)
     if point is not None:
         return point
@@ -233,94 +201,73 @@ def _zero(f: Callable[[float], float], low: float, high: float) -> float:
 
 
 def _bracket(line: Line, root: float, crossing: Crossing) -> BoundaryPoint | None:
-    """The narrowest bracket about a root, of a few tried, whose verdicts are proved to differ."""
-    width = 2 * np.spacing(abs(root)) if root else 1e-300
-    while width <= 1e-6 * max(abs(root), 1e-3):
-        below, above = line.sign(root - width), line.sign(root + width)
+    found = bracket(line.sign, root)
+    if found is None:
+        return None
+    return BoundaryPoint(root, found[0], crossing, crossing_rate(line, root, crossing), found[1])
+
+
+def bracket(
+    sign: Callable[[float], int], root: float, room: float = np.inf
+) -> tuple[float, bool] | None:
+    """The narrowest bracket about a root, of a few tried, whose verdicts are proved to differ.
+
+    Parameters
+    ----------
+    sign
+        The proved verdict at a value of the axis: 1, -1, or 0 where none is proved.
+    root
+        The value.
+    room
+        How far away the next root is.
+
+    Returns
+    -------
+    width, stable_below
+        Half-width, and whether the stable side is below; or None.
+    """
+    width = float(np.spacing(abs(root))) if root else 1e-300
+    while width <= min(1e-6 * max(abs(root), 1e-3), 0.9 * room):
+        below, above = sign(root - width), sign(root + width)
         if below and above and below != above:
-            return BoundaryPoint(
-                root, float(width), crossing, _frequency(line, root, crossing), below > 0
-            )
-        width *= 4
+            return width, below > 0
+        width *= 2 if root else 1024
     return None
 
 
-def _frequency(line: Line, root: float, crossing: Crossing) -> float:
+def crossing_rate(line: Line, root: float, crossing: Crossing) -> float:
+    """|Im λ| of what crosses, in the user's unit of rate; 0 at a static boundary.
+
+    Parameters
+    ----------
+    line
+        The line.
+    root
+        Value of its axis.
+    crossing
+        What crosses.
+    """
     if crossing is Crossing.STATIC:
         return 0.0
-    zeros = structure(line.problem.family).zeros
+    family = line.problem.family
     with precision(BITS):
-        value = frequency(line.coefficients(root, BITS)[zeros:])
+        coefficients = line.coefficients(root, BITS)[structure(family).zeros :]
+    value = frequency(coefficients, even=family.conservative)
     *_, rate, _ = line.problem.arrays(line.fixed | {line.axis: root})
     return value * float(rate[0])
 
 
-def _kind_at(line: Line, value: float) -> Crossing:
-    """Which of the two determinants vanishes at a point that lies on the boundary."""
-    with precision(MOST_BITS):
-        p = line.polynomial(value, MOST_BITS)
-        return Crossing.STATIC if p[0].contains(0) else Crossing.FLUTTER
-
-
-def along(
-    problem: Problem, axis: str, low: float, high: float, *, points: int = 201, log: bool = False
-) -> list[BoundaryPoint]:
-    """Every change of verdict that a scan along one axis sees, each refined and proved.
+def at_point(line: Line, value: float) -> BoundaryPoint | None:
+    """The boundary at a point where no verdict is proved, if the verdicts beside it differ.
 
     Parameters
     ----------
-    problem
-        The question, with a value for everything but the axis.
-    axis
-        Name of the axis.
-    low, high
-        Its interval.
-    points
-        Points of the scan; two changes between neighbours go unseen.
-    log
-        Whether the scan is even in the logarithm.
-
-    Returns
-    -------
-    list of BoundaryPoint
-        In increasing order.
-
-    Raises
-    ------
-    ParameterError
-        If the interval is empty.
-
-    Examples
-    --------
-    >>> from stability.problem import disk_problem
-    >>> from stability.contact import Rough
-    >>> from stability.disk import Disk
-    >>> [b] = along(disk_problem("rolling", Disk(), Rough()), "at", 0.1, 2.0)
-    >>> b.value**2, b.crossing.word
-    (0.3333333333333333, 'static')
+    line
+        The line.
+    value
+        Value of its axis.
     """
-    if points < 2 or not low < high:
-        raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
-    grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
-    fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
-    return list(_changes(Line(problem, axis, fixed), grid))
-
-
-def _changes(line: Line, grid: Floats) -> Iterator[BoundaryPoint]:
-    signs = [line.sign(float(v)) for v in grid]
-    index = 0
-    while index + 1 < len(grid):
-        here, following = signs[index], signs[index + 1]
-        if following == 0 and index + 2 < len(grid):  # a grid point on the boundary itself
-            span, step = (index, index + 2), 2
-        else:
-            span, step = (index, index + 1), 1
-        if signs[span[1]] != here and here and signs[span[1]]:
-            middle = float(grid[index + 1]) if step == 2 else None
-            if middle is not None:
-                point = _bracket(line, middle, _kind_at(line, middle))
-            else:
-                point = refine(line, float(grid[span[0]]), float(grid[span[1]]))
-            if point is not None:
-                yield point
-        index += step
+    with precision(MOST_BITS):  # which of the two determinants vanishes there
+        p = line.polynomial(value, MOST_BITS)
+        crossing = Crossing.STATIC if p[0].contains(0) else Crossing.FLUTTER
+    return _bracket(line, value, crossing)

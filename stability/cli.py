@@ -8,6 +8,7 @@ import json
 import os
 import re
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Any, NoReturn
@@ -15,7 +16,7 @@ from typing import Any, NoReturn
 from . import __version__
 from .cli_compare import add_arguments as add_compare
 from .cli_motion import add_arguments
-from .errors import ParameterError, StabilityError, one_line, shown
+from .errors import ParameterError, StabilityError, StabilityWarning, one_line, shown
 
 FAMILY_HELP = "rolling, spinning, tumbling, or circling (rough disk)"
 CONTACTS = "smooth, viscous, linear-viscous, rough"
@@ -38,6 +39,23 @@ def _say(sentence: str) -> None:
     """A message on standard error, if there is one."""
     if sys.stderr is not None:
         print(f"stability: {one_line(sentence)}", file=sys.stderr)
+
+
+@contextmanager
+def _warnings() -> Iterator[None]:
+    """The package's own warnings as one line each on standard error."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", StabilityWarning)
+        plainly = warnings.showwarning
+
+        def show(message: Any, category: Any, *rest: Any, **more: Any) -> None:
+            if issubclass(category, StabilityWarning):
+                _say(f"note: {message}")
+            else:
+                plainly(message, category, *rest, **more)
+
+        warnings.showwarning = show
+        yield
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -66,7 +84,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         run: Callable[[argparse.Namespace], None] = options.run
-        run(options)
+        with _warnings():
+            run(options)
         sys.stdout.flush()
     except StabilityError as error:
         _say(str(error))

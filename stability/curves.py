@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .boundary import BoundaryPoint, Crossing, Line, refine
+from .boundary import Line, refine
+from .crossings import BoundaryPoint, Crossing
 from .grid import Grid
 from .problem import Problem
 from .verdict import CODES, Verdict

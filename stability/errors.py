@@ -49,6 +49,19 @@ class FileError(StabilityError):
     """A file that cannot be read or written, or that would be overwritten."""
 
 
+class StabilityWarning(UserWarning):
+    """A result that holds, but says less than was asked: what it leaves open is in the message.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import stability as st
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", st.StabilityWarning)  # to have it silent
+    ...     found = st.boundaries("rolling", axis=("at", 0.1, 1, 9), contact=st.Smooth())
+    """
+
+
 def one_line(text: str, longest: int = LONGEST) -> str:
     r"""A text as one printable line, its middle left out where it is too long.
 

@@ -17,30 +17,38 @@ tests/test_hopf.py compares with an independent derivation and with simulations.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
+from flint import acb, acb_mat, arb, arb_mat
 from numpy.typing import NDArray
 
-from .algebra import Program
-from .boundary import Crossing, along
+from .algebra import Program, Upright, balls
 from .checks import checked
 from .contact import Contact
 from .disk import Disk
-from .errors import ParameterError, shown
+from .enclosure import ball_unknowns
+from .errors import ParameterError, StabilityError, shown
 from .exact import exact_polynomial
-from .families import Family, columns
+from .families import Family
+from .polynomial import precision
 from .problem import Problem, disk_problem
-from .reduction import tangent_vectors
+from .search import Mark, search
 
 Floats = NDArray[np.float64]
+Balls = list[Any]
 
-SCAN = {"spinning": (1e-2, 1e3), "tumbling": (1e-4, np.pi / 2)}
-"""Where boundaries are looked for along each family, dimensionless."""
+LINES = ("spinning", "tumbling")
+"""Families whose flutter boundaries these are."""
+BITS = 256
+"""Working precision of the first attempt."""
+MOST_BITS = 2048
+"""Where raising it ends: the point is then degenerate."""
 
 
 class HopfKind(Enum):
@@ -126,6 +134,9 @@ def hopf(
 ) -> list[HopfPoint]:
     """Every flutter boundary along a line of steady motions, with its type.
 
+    The search is complete: every real root of the conditions over Q is isolated, along all of the
+    line (phi_dot > 0; theta between 0 and upright, beyond which it is mirrored).
+
     Parameters
     ----------
     family
@@ -135,7 +146,7 @@ def hopf(
     disk
         The body, one number each; the uniform disk with m = R = g = 1 when left out.
     points
-        Of the scan along the line; two boundaries between neighbours go unseen.
+        Of a scan that older versions made; it has no effect.
 
     Returns
     -------
@@ -157,7 +168,7 @@ def hopf(
     ...                                              disk=Disk(k=0.375))]
     [('elliptic', True), ('hyperbolic', False)]
     """
-    if not isinstance(family, str) or family not in SCAN:
+    if not isinstance(family, str) or family not in LINES:
         raise ParameterError(
             f"family is {shown(family)}; spinning and tumbling have such boundaries (rolling "
             "passes its own slowly, see drift)."
@@ -172,26 +183,37 @@ def hopf(
         if np.ndim(value):
             raise ParameterError(f"{name} is an array; give one number.")
     unit = 1.0 if family == "tumbling" else float(np.asarray(body.rate))
-    low, high = (v * unit if family == "spinning" else v for v in SCAN[family])
-    found = along(question, "at", low, high, points=points, log=True)
-    return [
-        _point(question, float(p.value), p.frequency, p.stable_below, unit)
-        for p in found
-        if p.crossing is Crossing.FLUTTER
-    ]
+    found: dict[int, HopfPoint] = {}
+    bits = BITS
+    while bits <= MOST_BITS:  # until the signs that make the type are proved
+        with precision(bits):
+            marks = _flutter(question, bits)
+            for index, mark in enumerate(marks):
+                if index not in found or found[index].kind is HopfKind.DEGENERATE:
+                    found[index] = _point(question, mark, unit)
+        if all(p.kind is not HopfKind.DEGENERATE for p in found.values()):
+            break
+        bits *= 2
+    return list(found.values())
 
 
-def _point(
-    question: Problem, at: float, frequency: float, stable_below: bool, unit: float
-) -> HopfPoint:
-    values = dict(question.values) | {"at": at}
-    a, q, _, _ = question.arrays(values)
-    crossing, push, mode, error = normal_form(question.family, a[0], q[0])
-    clear = abs(crossing) > error[0] and abs(push) > error[1]
+def _flutter(question: Problem, bits: int) -> list[Mark]:
+    """The flutter boundaries along the whole line, in balls."""
+    marks = search(question, "at", None, None, bits).marks
+    end = arb.pi() / 2 if question.family.name == "tumbling" else arb("inf")
+    return [m for m in marks if m.kind == "flutter" and m.below != m.above and 0 < m.value < end]
+
+
+def _point(question: Problem, mark: Mark, unit: float) -> HopfPoint:
+    given = {n: arb(float(v)) for n, v in question.values.items()} | {"at": mark.value}
+    a, q, rate = question.reduce(given, lambda v: v.sqrt())
+    form = normal_form(question.family, a, q)
+    crossing, push = (float(v.mid()) for v in (form.crossing, form.push))
+    clear = not form.crossing.contains(0) and not form.push.contains(0)
     kind = HopfKind.ELLIPTIC if crossing * push < 0 else HopfKind.HYPERBOLIC
     return HopfPoint(
-        at, kind if clear else HopfKind.DEGENERATE, stable_below, frequency, crossing, push, mode,
-        unit,
+        float(mark.value.mid()), kind if clear else HopfKind.DEGENERATE, mark.below > 0,
+        float((form.frequency * rate).mid()), crossing, push, form.mode, unit,
     )  # fmt: skip
 
 
@@ -205,7 +227,20 @@ def _second(family: Family) -> Program:
     return Program(ca.Function("second", [system.x, system.p, u, v], [twice]))
 
 
-def normal_form(family: Family, a: Floats, q: Floats) -> tuple[float, float, Any, Floats]:
+class NormalForm(NamedTuple):
+    """Coefficients of a Hopf bifurcation without parameters, in balls that hold the exact ones."""
+
+    crossing: Any
+    """Re μ' per unit of the family parameter."""
+    push: Any
+    """c for the mode of unit length."""
+    frequency: Any
+    """|Im λ| of the pair."""
+    mode: Any
+    """The mode, complex, of unit length, its largest entry real; doubles."""
+
+
+def normal_form(family: Family, a: Sequence[Any], q: Sequence[Any]) -> NormalForm:
     """Coefficients of the Hopf bifurcation without parameters at a member.
 
     Parameters
@@ -213,43 +248,74 @@ def normal_form(family: Family, a: Floats, q: Floats) -> tuple[float, float, Any
     family
         One of the disk's families, with one tangent.
     a, q
-        Family parameter and parameters, dimensionless, shapes (1,) and (m,).
+        Family parameter and parameters, dimensionless: doubles, taken as exact, or balls.
 
     Returns
     -------
-    crossing, push, mode, error
-        Re μ' per unit of the family parameter, c for the mode of unit length, the mode, and
-        estimates of the rounding error of the two.
+    NormalForm
+        At the working precision.
+
+    Raises
+    ------
+    StabilityError
+        If two eigenvalues there coincide, as far as the working precision sees.
     """
     program = _second(family)
-    state = family.member(a, q)
-    matrix = family.system.linearise(state, q)
+    a, q = ([arb(v) for v in values] for values in (a, q))
+    u = ball_unknowns(family, a, q)
+    known = dict(zip((*family.at, *family.unknown), (*a, *u), strict=True))
+    held = {n: arb.pi() / 2 if isinstance(v, Upright) else arb(v) for n, v in family.held.items()}
+    state = [(known | held)[n] for n in family.system.states]
+    matrix = acb_mat(arb_mat(family.graph.matrix.dense(balls(), [a, u, q])))
+    try:
+        values, left, right = matrix.eig(left=True, right=True)
+    except ValueError:
+        raise StabilityError(
+            f"two eigenvalues of {family.name} at {float(a[0]):.10g} coincide; no normal form."
+        ) from None
+    size = len(values)
+    zero = min(range(size), key=lambda i: float(abs(values[i]).mid()))
+    upper = [i for i in range(size) if values[i].imag > 0]
+    pair = min(upper, key=lambda i: abs(float(values[i].real.mid())))
 
-    def second(u: Any, v: Any) -> Any:
-        parts = [
-            program.arrays([list(state), list(q), list(x), list(y)], ())[0][:, 0]
-            for x, y in ((u.real, v.real), (u.imag, v.imag), (u.real, v.imag), (u.imag, v.real))
-        ]
-        return parts[0] - parts[1] + 1j * (parts[2] + parts[3])
+    def second(x: Balls, y: Balls) -> Balls:
+        out = []
+        for p, r in ((x, y), (x, [-acb(0, 1) * v for v in y])):  # its real part twice
+            parts = [
+                program.run(balls(), [state, q, [v.real for v in s], [v.real for v in t]])[0]
+                for s, t in ((p, r), ([acb(0, 1) * v for v in p], [acb(0, 1) * v for v in r]))
+            ]
+            out.append([s - t for s, t in zip(*parts, strict=True)])
+        return [acb(s, t) for s, t in zip(*out, strict=True)]
 
-    u = family.solve(a[None, :], q[None, :])
-    inputs = [columns(a[None, :]), columns(u), columns(q[None, :])]
-    tangent = tangent_vectors(family, inputs, (1,))[0][0, :, 0].astype(complex)
-    values, right = np.linalg.eig(matrix)
-    left = np.linalg.inv(right)  # rows are left eigenvectors, scaled to the right ones
-    zero = int(np.abs(values).argmin())
-    pair = int(np.where(values.imag > 0, np.abs(values.real), np.inf).argmin())
-    mode = right[:, pair] / np.linalg.norm(right[:, pair])
-    along_line = left[zero] / (left[zero] @ tangent)
-    moved = second(mode, mode.conj())
-    push = complex(along_line @ moved)
-    turned = second(tangent, right[:, pair])
-    speed = complex(left[pair] @ turned)
-    condition = np.linalg.cond(right) * np.finfo(float).eps * 64
-    error = condition * np.array(
-        [np.abs(left[pair]) @ np.abs(turned), np.abs(along_line) @ np.abs(moved)]
+    tangent = [acb(v) for v in _tangent(family, a, u, q)]
+    mode = [right[i, pair] for i in range(size)]
+    biggest = max(mode, key=lambda v: float(abs(v).mid()))
+    length = sum((abs(v) ** 2 for v in mode), arb(0)).sqrt()
+    mode = [v / length * abs(biggest) / biggest for v in mode]
+    across, beside = ([left[i, j] for j in range(size)] for i in (zero, pair))
+    push = _dot(across, second(mode, [v.conjugate() for v in mode])) / _dot(across, tangent)
+    speed = _dot(beside, second(tangent, mode)) / _dot(beside, mode)
+    plain = np.array([complex(float(v.real.mid()), float(v.imag.mid())) for v in mode])
+    return NormalForm(speed.real, push.real, values[pair].imag, plain)
+
+
+def _dot(x: Balls, y: Balls) -> Any:
+    return sum((s * t for s, t in zip(x, y, strict=True)), acb(0))
+
+
+def _tangent(family: Family, a: Balls, u: Balls, q: Balls) -> Balls:
+    """The line's direction in the state, by the implicit function theorem."""
+    by_a, by_u, _, r_u, r_a = (
+        family.graph.tangent.dense(balls(), [a, u, q], output) for output in range(5)
     )
-    return speed.real, push.real, mode, error
+    if not u or family.closed:
+        return [row[0] for row in by_a]
+    turn = arb_mat(r_u).solve(arb_mat(r_a))
+    return [
+        row[0] - sum((c * turn[j, 0] for j, c in enumerate(by)), arb(0))
+        for row, by in zip(by_a, by_u, strict=True)
+    ]
 
 
 def exact_side(family: str, law: str) -> Any:

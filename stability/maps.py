@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .boundary import BoundaryPoint, along
 from .boxes import prove_boxes
 from .cells import Cells, Parts
+from .changes import along
 from .contact import LAWS, Contact, LinearViscous, Viscous
+from .crossings import Boundaries
 from .curves import trace
 from .disk import Disk
 from .errors import NameUnknownError, ParameterError, shown
@@ -159,39 +160,52 @@ def boundaries(
     contact: Contact | None = None,
     at: ArrayLike | None = None,
     **parameters: ArrayLike,
-) -> list[BoundaryPoint]:
+) -> Boundaries:
     """Every change of verdict along one axis, proved, with what crosses there.
+
+    For the disk, and for a user's family whose graph is rational in the axis, every real root of
+    every condition is isolated exactly, so that the result is complete.  Any other family is
+    scanned; the result then says what it could not exclude, and a `StabilityWarning` repeats it.
 
     Parameters
     ----------
     family, disk, contact, at, **parameters
         As for `stability_map`, everything but the axis a single number.
     axis
-        (name, low, high, n) or (name, low, high, n, "log"); n is the number of points of the scan,
-        between two of which a pair of changes goes unseen, as does one exactly at an end.
+        (name, low, high, n) or (name, low, high, n, "log"); both ends belong to it.  n is the
+        number of points of the scan, where there is one.
 
     Returns
     -------
-    list of BoundaryPoint
-        In increasing order.
+    Boundaries
+        A sequence of `BoundaryPoint` in increasing order, with `.complete` (whether these are
+        proved to be all) and `.unresolved` (pieces of the axis, each with a reason).
 
     Raises
     ------
     StabilityError
         One sentence that says what is wrong and what is accepted.
 
-    Source: published thresholds in tests/test_published.py.
+    Warns
+    -----
+    StabilityWarning
+        If the search was not complete.
+
+    Source: published thresholds in tests/test_published.py; all roots counted by another route in
+    tests/test_boundaries.py.
 
     Examples
     --------
     >>> import stability as st
-    >>> [b] = st.boundaries("spinning", axis=("at", 0.1, 5, 99), contact=st.Smooth())
-    >>> b.value, b.crossing.word
-    (2.0, 'static')
+    >>> found = st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97))
+    >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
+    ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
     """
     grid = Grid.of(axis, "axis")
     question = prepare(family, (grid,), disk, contact, at, dict(parameters))
-    return along(question, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
+    found = along(question, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
+    found.warn(grid.name)
+    return found
 
 
 def prepare(

@@ -20,7 +20,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from .boundary import Crossing
+from .crossings import Crossing
 from .curves import KINDS
 from .dataset import LONG_NAMES
 from .verdict import CODES, Verdict

@@ -10,7 +10,7 @@ from functools import lru_cache
 from threading import RLock
 from typing import Any
 
-from flint import acb_poly, arb, arb_mat, ctx
+from flint import arb, arb_mat, ctx, fmpq_poly
 
 from .enclosure import ball_unknowns, matrix_polynomial
 from .errors import StabilityError
@@ -243,19 +243,45 @@ def hurwitz_determinant(polynomial: Sequence[Any]) -> Any:
     return arb_mat(size, size, [entry(i, j) for i in range(size) for j in range(size)]).det()
 
 
-def frequency(polynomial: Sequence[Any]) -> float:
+def frequency(polynomial: Sequence[Any], *, even: bool = False) -> float:
     """Frequency of the pair on (or next to) the imaginary axis, from the polynomial.
 
     Parameters
     ----------
     polynomial
         Coefficients as balls, lowest first, of a polynomial with a pair near the axis.
+    even
+        Whether it is q(λ²) with two squares that meet; every pair is on the axis then, and asked is
+        the one that meets another.
 
     Returns
     -------
     float
-        |Im λ| of the root nearest the imaginary axis among those that are not real; 0 if all are.
+        |Im λ| of the root nearest the imaginary axis among those that are not real, or of the two
+        nearest to each other; nan if all are real.
+
+    Examples
+    --------
+    >>> frequency([arb(4), arb(0), arb(1)]), frequency([arb(c) for c in (9, 0, 6, 0, 1)], even=True)
+    (2.0, 1.7320508075688772)
     """
-    roots = acb_poly([c.mid() for c in polynomial]).roots(tol=arb(2) ** -80)
-    pairs = [(abs(float(r.real)), abs(float(r.imag))) for r in roots if not r.imag.contains(0)]
-    return min(pairs)[1] if pairs else math.nan
+    # over Q, where roots of any multiplicity are isolated
+    exact = [c.mid().fmpq() for c in map(arb, polynomial)]
+    with precision(SAMPLE_BITS):
+        if even:
+            return _meeting(fmpq_poly(exact[::2]))
+        roots = [r for r, _ in fmpq_poly(exact).numer().complex_roots() if r.imag != 0]
+        off = [(abs(float((r.real / r.imag).mid())), abs(float(r.imag.mid()))) for r in roots]
+    return min(off)[1] if off else math.nan
+
+
+def _meeting(squares: Any) -> float:
+    """√-y where two roots y of a polynomial are nearest to each other."""
+    roots = [r for r, count in squares.numer().complex_roots() for _ in range(count)]
+    best = (math.inf, math.nan)
+    for i, y in enumerate(roots):
+        for z in roots[:i]:
+            middle = float(((y + z) / 2).real.mid())
+            if middle < 0:
+                best = min(best, (float(abs(y - z).mid()) / -middle, math.sqrt(-middle)))
+    return best[1]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .beyond import DRIFT_NOTES, HOPF_NOTES, drift_rows, hopf_rows
-from .boundary import along
+from .changes import along
 from .contact import LAWS, Contact, LinearViscous, Viscous
 from .disk import Disk
 from .errors import NameUnknownError, shown
@@ -34,8 +34,6 @@ TABLES = {
 """What each table holds."""
 SCAN = {"rolling": (0.02, 50.0), "spinning": (0.02, 50.0), "tumbling": (1e-3, np.pi / 2)}
 """Dimensionless interval of `at` in which boundaries are looked for."""
-POINTS = 301
-"""Points of that scan, even in the logarithm (tumbling: even)."""
 
 
 @dataclass(frozen=True)
@@ -232,7 +230,9 @@ def _scan(name: str, disk: Disk, contact: Contact) -> list[Any]:
     low, high = SCAN[name]
     unit = 1.0 if name == "tumbling" else float(disk.rate)
     question = disk_problem(name, disk, contact)
-    return along(question, "at", low * unit, high * unit, points=POINTS, log=name != "tumbling")
+    found = along(question, "at", low * unit, high * unit)
+    found.warn("at")
+    return list(found)
 
 
 def _rows(name: str, disk: Disk, contact: Contact) -> list[ConditionRow]:
@@ -333,9 +333,9 @@ def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:
         "",
         f"at: omega3 (rolling), phi_dot (spinning) in {unit}, theta (tumbling) in rad; "
         f"frequency in {unit}.",
-        f"Scanned: {', '.join(f'{n} {a:g}…{b:.4g}' for n, (a, b) in SCAN.items())} "
-        "(dimensionless), a pair of changes between two of "
-        f"{POINTS} points goes unseen; each place is a bracket proved in ball arithmetic.",
+        f"Searched: {', '.join(f'{n} {a:g}…{b:.4g}' for n, (a, b) in SCAN.items())} "
+        "(dimensionless), completely: every real root of the conditions over Q is isolated; each "
+        "place is a bracket proved in ball arithmetic.",
     ]
     return "\n".join(head + _aligned(cells) + foot)
 

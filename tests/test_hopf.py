@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import boundary_oracle as oracle
+import mpmath
 import numpy as np
 import pytest
 from reference import beyond
@@ -9,6 +11,7 @@ from simulation import simulate
 
 import stability as st
 from stability.lines import HopfKind, exact_side, hopf, normal_form
+from stability.polynomial import precision
 
 POINTS = beyond()["hopf"]
 
@@ -17,11 +20,13 @@ POINTS = beyond()["hopf"]
 def test_the_normal_form_is_that_of_an_independent_derivation(entry: dict[str, Any]) -> None:
     family = st.disk_family(entry["family"], "viscous")
     at = np.array([float(entry["boundary_str"])])
-    crossing, push, mode, error = normal_form(family, at, np.array([entry["k"], entry["mu"]]))
+    with precision(256):
+        form = normal_form(family, [at[0]], [entry["k"], entry["mu"]])
+    crossing, push, mode = float(form.crossing.mid()), float(form.push.mid()), form.mode
     assert crossing == pytest.approx(entry["re_mu_prime"], rel=1e-6, abs=1e-10)
     assert push == pytest.approx(entry["c"], rel=1e-7)
+    assert float(form.crossing.rad()) <= 1e-60 and float(form.push.rad()) <= 1e-60
     assert np.linalg.norm(mode) == pytest.approx(1)
-    assert abs(crossing - entry["re_mu_prime"]) <= error[0] + 1e-6 * abs(crossing)
     # c by energy: dE/dy c = -2 mu |slip of the mode|², which needs no second derivative
     slope = {"spinning": entry["k"] * at[0], "tumbling": 1.5 * np.cos(at[0])}[entry["family"]]
     by_energy = -2 * entry["mu"] * (np.abs(mode[4:]) ** 2).sum() / slope
@@ -50,6 +55,101 @@ def test_spinning_is_elliptic_wherever_it_flutters() -> None:
             assert (found.kind, found.stable_below) == (HopfKind.ELLIPTIC, True)
         for mu in (0.9 * low**0.5, 1.1 * high**0.5):
             assert hopf("spinning", disk=st.Disk(k=k), contact=st.Viscous(mu)) == []
+
+
+def test_spinnings_boundary_is_found_however_near_it_is_to_the_static_one() -> None:
+    """At mu = 1 it reaches phi_dot = 2 (k = 1/4: M2 = 1); Sturm on Kane's polynomial."""
+    body = {"k": 0.25, "mass": 1.0, "radius": 1.0, "gravity": 1.0}
+    for mu in (0.99, 1 - 1e-4, 1 - 1e-9, float(np.nextafter(1.0, 0))):
+        [found] = hopf("spinning", contact=st.Viscous(mu))
+        static, truth = oracle.changes("spinning", "viscous", "at", 0.05, 1e4, body | {"mu": mu})
+        assert abs(static.value - 2) < 1e-30 < abs(truth.value - 2)
+        assert abs(found.at - truth.value) <= np.spacing(found.at)
+        assert (found.kind, found.stable_below) == (HopfKind.ELLIPTIC, True)
+    assert hopf("spinning", contact=st.Viscous(0.99))[0].at == 2.014224033564628
+    assert hopf("spinning", contact=st.Viscous(1.0)) == []
+
+
+def quintic(family: str, k: Any, m: Any, x: Any) -> list[Any]:
+    """Coefficients by powers of σ = λ/mu at z = at² or s = sinθ."""
+    z, s = (x, 1) if family == "spinning" else (1, x)
+    return [
+        mpmath.fsum(c * k**a * m**b * z**e * s**f for c, a, b, e, f in terms)
+        for terms in oracle.polynomials()[f"{family} viscous"]
+    ]
+
+
+@pytest.mark.parametrize(
+    ("family", "k", "mu", "at", "crossing"),
+    [
+        ("tumbling", 0.5, 0.02, 0.0011999991360014308, -1.92e-12),
+        ("tumbling", 0.5, 0.005, 7.4999999789e-05, None),
+        ("tumbling", 0.5, 1e-4, None, None),
+        ("tumbling", 0.375, 0.9, None, None),
+        ("spinning", 0.25, 0.99, 2.014224033564628, None),
+        ("spinning", 0.02, 0.29, None, None),
+    ],
+)
+def test_the_pairs_speed_has_the_sign_and_size_of_kanes_quintic(
+    family: str, k: float, mu: float, at: float | None, crossing: float | None
+) -> None:
+    """Re dλ/dat = -Re (∂χ/∂at)/(∂χ/∂λ) in 60 digits, whatever double precision sees of it."""
+    points = hopf(family, disk=st.Disk(k=k), contact=st.Viscous(mu))
+    if at is not None:
+        assert [p.at for p in points] == [pytest.approx(at, rel=1e-10)]
+    with mpmath.workdps(60):
+        for point in points:
+            place = mpmath.sin if family == "tumbling" else lambda v: v * v
+
+            def chi(lam: Any, where: Any, place: Any = place) -> Any:
+                a = quintic(family, mpmath.mpf(k), mpmath.mpf(mu) ** 2, place(where))
+                return mpmath.polyval(a[::-1], lam / mpmath.mpf(mu))
+
+            where = mpmath.mpf(point.at)
+            root = mpmath.findroot(
+                lambda v, f=chi, w=where: f(v, w), 1j * point.frequency, tol=1e-70
+            )
+            assert abs(root.real) <= 1e-14 * abs(root)
+            step = where * mpmath.mpf(10) ** -20
+            slope = (chi(root, where + step) - chi(root, where - step)) / (2 * step)
+            h = root * mpmath.mpf(10) ** -20
+            turn = (chi(root + h, where) - chi(root - h, where)) / (2 * h)
+            truth = -(slope / turn).real
+            assert point.crossing == pytest.approx(float(truth), rel=1e-9)
+            assert point.kind is not HopfKind.DEGENERATE
+            assert (point.crossing > 0) == point.stable_below
+            assert (point.kind is HopfKind.ELLIPTIC) == (point.crossing > 0)
+    if crossing is not None:
+        assert points[0].crossing == pytest.approx(crossing, rel=1e-5)
+
+
+def test_tumblings_boundaries_are_those_of_the_closed_form() -> None:
+    """A N² + B N + C with N = M sinθ and x = cos²θ: stable for every mu, or below M_b(θ).
+
+    The number of hopf points is that of crossings of M_b by mu², counted on a fine scan.
+    """
+    rng = np.random.default_rng(3)
+    for k in (0.05, 0.2, 0.27, 0.28, 0.32, 0.335, 0.4, 0.45, 0.49, 0.5):
+        theta = np.concatenate([np.geomspace(1e-7, 0.01, 4000), np.linspace(0.01, 1.5707, 40000)])
+        x = np.cos(theta) ** 2
+        a = (
+            (2 * k + 1) ** 2
+            * (k * (4 * k + 3) + (2 * k + 1) * x)
+            * ((1 - 3 * k) * (1 + 2 * k) * x - k)
+        )
+        b = 4 * k * (2 * k + 1) * (
+            6 * k**2 + k * (8 - 25 * k) * x + (2 - 7 * k + 9 * k**2 - 36 * k**3) * x**2
+        )  # fmt: skip
+        c = 96 * k**3 * x * (k + (1 - 3 * k) * x)
+        root = np.sqrt(np.maximum(b * b - 4 * a * c, 0))
+        with np.errstate(all="ignore"):
+            bound = np.where(a >= 0, np.inf, 2 * c / ((root - b) * np.sin(theta)))
+        for mu2 in (*rng.uniform(0.05, 3, 3), 10 ** rng.uniform(-5, 1)):
+            stable = bound > mu2
+            places = theta[np.flatnonzero(stable[1:] != stable[:-1])]
+            points = hopf("tumbling", disk=st.Disk(k=k), contact=st.Viscous(float(mu2) ** 0.5))
+            assert [p.at for p in points] == pytest.approx(list(places), rel=5e-3, abs=1e-4)
+            assert all(p.kind is not HopfKind.DEGENERATE for p in points)
 
 
 @pytest.mark.parametrize("fold", beyond()["folds"], ids=lambda f: f"k{f['k']}")

@@ -1,0 +1,219 @@
+"""Every change of verdict along one axis: by exact roots where there are any, else by a scan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .boundary import Line, at_point, bracket, crossing_rate, refine
+from .certify import rational
+from .critical import Characteristic
+from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
+from .errors import ParameterError, StabilityError
+from .polynomial import structure
+from .problem import Problem
+from .ratios import NotRationalError
+from .roots import UnclearError
+from .search import Mark, Search, search
+
+Floats = NDArray[np.float64]
+
+EXACT = "every real root of every condition that decides the verdict was isolated exactly"
+SCANNED = "proved verdicts at the points of a scan, refined where neighbours differ"
+CROSSINGS = {"static": Crossing.STATIC, "flutter": Crossing.FLUTTER}
+
+
+def along(
+    problem: Problem, axis: str, low: float, high: float, *, points: int = 201, log: bool = False
+) -> Boundaries:
+    """Every change of verdict along one axis, each as a proved bracket.
+
+    Parameters
+    ----------
+    problem
+        The question, with a value for everything but the axis.
+    axis
+        Name of the axis.
+    low, high
+        Its interval, both ends included.
+    points
+        Points of the scan, where there has to be one: for a user's family whose graph is not
+        rational in the axis.
+    log
+        Whether the scan is even in the logarithm.
+
+    Returns
+    -------
+    Boundaries
+        In increasing order, with what could not be excluded.
+
+    Raises
+    ------
+    ParameterError
+        If the interval is empty.
+
+    Examples
+    --------
+    >>> from stability.problem import disk_problem
+    >>> from stability.contact import Rough
+    >>> from stability.disk import Disk
+    >>> [b] = along(disk_problem("rolling", Disk(), Rough()), "at", 0.1, 2.0)
+    >>> b.value**2, b.crossing.word
+    (0.3333333333333333, 'static')
+    """
+    if points < 2 or not low < high:
+        raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
+    fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
+    line = Line(problem, axis, fixed)
+    try:
+        found = search(problem, axis, low, high)
+    except (NotRationalError, UnclearError):
+        grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
+        grid[0], grid[-1] = low, high
+        return _scanned(line, grid)
+    return located(line, found)
+
+
+# --- by exact roots ---
+
+
+def located(line: Line, found: Search) -> Boundaries:
+    """The changes of verdict among the marks of a search, each as a proved bracket.
+
+    Parameters
+    ----------
+    line
+        The line.
+    found
+        From `search`.
+
+    Returns
+    -------
+    Boundaries
+    """
+    if line.problem.exact is None:
+        structure(line.problem.family)  # refuses a family that is called conservative and is not
+    sign = _proof(line, found)
+    changes = [m for m in found.marks if m.kind != "pole" and m.below != m.above]
+    places = [m.value for m in changes]
+    points: list[BoundaryPoint] = []
+    left = [_pole(line, m) for m in found.marks if m.kind == "pole"]
+    left += [
+        Unresolved(v, v, f"{line.problem.family.name} has no member at this value of {line.axis}.")
+        for v in found.gaps
+    ]
+    for i, mark in enumerate(changes):
+        beside = [p for j, p in enumerate(places) if abs(i - j) == 1]
+        room = min((float(abs(p - mark.value).mid()) for p in beside), default=np.inf)
+        root = float(mark.value.mid())
+        proof = bracket(sign, root, room)
+        if proof is None:
+            ends = float(np.nextafter(root, -np.inf)), float(np.nextafter(root, np.inf))
+            left.append(Unresolved(
+                *ends, "the verdict changes here, but no two doubles beside the change have "
+                "proved verdicts that differ: another change is too near.",
+            ))  # fmt: skip
+            continue
+        crossing = CROSSINGS[mark.kind]
+        rate = _rate(line, found, mark, root, crossing)
+        points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
+    touching = [
+        float(m.value.mid())
+        for m in found.marks
+        if m.kind != "pole" and m.below == m.above == 1 and found.source.dissipative
+    ]
+    left = list(dict.fromkeys(left))
+    return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), EXACT)
+
+
+def _proof(line: Line, found: Search) -> Callable[[float], int]:
+    """The proved verdict at a double: from the graph, by Routh's array or over Q."""
+    source = found.source
+
+    def exactly(value: float) -> int:
+        return 0 if found.angle else source.sign(rational(value))
+
+    def by_graph(value: float) -> int:
+        try:
+            return line.sign(value)
+        except StabilityError:  # beyond the end of what the body can have
+            return 0
+
+    if line.problem.exact is None:
+        return exactly
+    if isinstance(source, Characteristic):  # an eigenvalue stays on the axis: balls cannot see it
+        return lambda value: exactly(value) or by_graph(value)
+    return lambda value: by_graph(value) or exactly(value)
+
+
+def _rate(line: Line, found: Search, mark: Mark, root: float, crossing: Crossing) -> float:
+    if crossing is Crossing.STATIC:
+        return 0.0
+    if line.problem.exact is None and isinstance(found.source, Characteristic):
+        return found.source.frequency(mark.root.mid().fmpq())
+    return crossing_rate(line, root, crossing)
+
+
+def _pole(line: Line, mark: Mark) -> Unresolved:
+    value = float(mark.value.mid())
+    said = "differs on the two sides" if mark.below != mark.above else "is the same on both sides"
+    return Unresolved(
+        value, value,
+        f"the linearisation of {line.problem.family.name} has no value there; the verdict {said}.",
+    )  # fmt: skip
+
+
+# --- by a scan ---
+
+
+def _scanned(line: Line, grid: Floats) -> Boundaries:
+    """Changes between the points of a scan, and everything that it cannot exclude."""
+    values = [float(v) for v in grid]
+    signs = [line.sign(v) for v in values]
+    known = [i for i, s in enumerate(signs) if s]
+    if not known:
+        reason = (
+            f"no verdict is proved at any of the {len(grid)} points of the scan: as far as balls "
+            "of 1024 bits see, eigenvalues stay on the imaginary axis all along."
+        )
+        return Boundaries((), (Unresolved(values[0], values[-1], reason),), how=SCANNED)
+    left: list[Unresolved] = []
+    for end, first in ((0, known[0]), (len(values) - 1, known[-1])):
+        if end != first:
+            low, high = sorted((values[end], values[first]))
+            left.append(Unresolved(low, high, _open(values[end])))
+    points: list[BoundaryPoint] = []
+    for i, j in zip(known[:-1], known[1:], strict=True):
+        point = _between(line, values[i : j + 1], changed=signs[i] != signs[j])
+        if point is not None:
+            points.append(point)
+        elif signs[i] != signs[j]:
+            reason = "the verdicts at the ends differ, but the change could not be bracketed."
+            left.append(Unresolved(values[i], values[j], reason))
+        elif j > i + 1:
+            left.append(Unresolved(values[i], values[j], _open(values[i + 1])))
+    left.append(Unresolved(
+        values[0], values[-1], f"between neighbours of the {len(grid)} points of the scan a pair "
+        "of changes is not excluded.",
+    ))  # fmt: skip
+    return Boundaries(tuple(points), tuple(left), how=SCANNED)
+
+
+def _open(value: float) -> str:
+    return (
+        f"no verdict is proved at {value:.10g}: an eigenvalue lies on the imaginary axis there, or "
+        "too near to it."
+    )
+
+
+def _between(line: Line, values: Sequence[float], *, changed: bool) -> BoundaryPoint | None:
+    """The change between two points of proved verdict, with points of none between them."""
+    if not changed:
+        return None
+    if len(values) == 3:  # a point of the scan on the boundary itself
+        point = at_point(line, values[1])
+        if point is not None:
+            return point
+    return refine(line, values[0], values[-1])

@@ -1,0 +1,159 @@
+"""Real roots, proved, of polynomials along an axis: isolated over Q, or with a sine put in.
+
+Source: F. Johansson, IEEE Trans. Comput. 66 (2017) 1281-1292 (Arb, whose isolation is used).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from flint import acb_poly, arb, ctx, fmpq_poly
+
+from .polynomial import precision
+from .ratios import RING, univariate
+
+BITS = 256
+"""Working precision of the first attempt."""
+MOST_BITS = 16384
+"""Where raising it ends."""
+
+
+class UnclearError(ArithmeticError):
+    """The precision does not separate two numbers."""
+
+
+def complex_roots(p: Any) -> list[Any]:
+    """Isolated roots with multiplicities of an `fmpq_poly`; none of a constant.
+
+    Parameters
+    ----------
+    p
+        The polynomial, not zero.
+    """
+    if p.degree() < 1:
+        return []
+    found: list[Any] = p.numer().complex_roots()
+    return found
+
+
+def specialised(p: Any, x: Any) -> Any:
+    """An element of the ring at one x, as a polynomial in its second variable.
+
+    Parameters
+    ----------
+    p
+        The element.
+    x
+        A rational.
+    """
+    out: dict[int, Any] = {}
+    for (_, j), c in p.subs({"x": x}).terms():
+        out[int(j)] = c
+    return fmpq_poly([out.get(i, 0) for i in range(max(out, default=-1) + 1)])
+
+
+def sign_at(p: Any, x: Any, sine: Callable[[], Any] | None) -> int:
+    """Sign of a polynomial at a rational x and the given sine.
+
+    Parameters
+    ----------
+    p
+        In x and s.
+    x
+        Rational.
+    sine
+        Where s is to be put in; transcendental, so that only what vanishes for every s is zero.
+
+    Raises
+    ------
+    UnclearError
+        If the budget of precision ends.
+    """
+    value = specialised(p, x)
+    if value.degree() < 1:
+        exact = value[0]
+        return int(exact > 0) - int(exact < 0)
+    assert sine is not None
+    bits = BITS
+    while bits <= MOST_BITS:
+        with precision(bits):
+            ball = _horner([arb(c) for c in value.coeffs()], sine())
+            if not ball.contains(0):
+                return 1 if ball > 0 else -1
+        bits *= 2
+    raise UnclearError
+
+
+def _horner(coefficients: Sequence[Any], at: Any) -> Any:
+    total = arb(0)
+    for c in reversed(coefficients):
+        total = total * at + c
+    return total
+
+
+def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> list[Any]:
+    """Every distinct real root in x of some polynomials, in balls that do not overlap.
+
+    Parameters
+    ----------
+    polynomials
+        In x and perhaps s, none zero.
+    sine
+        The s to put in.
+
+    Returns
+    -------
+    list of arb
+        In increasing order, at the working precision.
+
+    Raises
+    ------
+    UnclearError
+        If the working precision does not separate them.
+
+    Examples
+    --------
+    >>> x = RING.gens()[0]
+    >>> [float(r) for r in real_roots([x**2 - 4, (x - 2) ** 2 * (x**2 + 1)], None)]
+    [-2.0, 2.0]
+    """
+    product = RING.constant(1)
+    for p in polynomials:
+        slope = p.derivative("x")
+        if not slope.is_zero():
+            product = product * (p / p.gcd(slope))
+    slope = product.derivative("x")
+    if slope.is_zero():
+        return []
+    product = product / product.gcd(slope)
+    if product.degrees()[1] == 0:
+        found = [r.real for r, _ in univariate(product).numer().complex_roots() if r.imag == 0]
+    else:
+        assert sine is not None
+        found = _ball_roots(product, sine())
+    found.sort(key=lambda r: r.mid())
+    if any(not low < high for low, high in zip(found[:-1], found[1:], strict=True)):
+        raise UnclearError
+    return found
+
+
+def _ball_roots(product: Any, sine: Any) -> list[Any]:
+    """Real roots of a squarefree polynomial whose coefficients are polynomials in the sine."""
+    rows: dict[int, list[Any]] = {}
+    for (i, j), c in product.terms():
+        row = rows.setdefault(int(i), [])
+        row += [arb(0)] * (int(j) + 1 - len(row))
+        row[int(j)] = arb(c)
+    coefficients = [_horner(rows.get(i, []), sine) for i in range(max(rows) + 1)]
+    if coefficients[-1].contains(0):
+        raise UnclearError
+    try:
+        roots = acb_poly(coefficients).roots(tol=arb(2) ** (-ctx.prec // 2))
+    except ValueError:
+        raise UnclearError from None
+    real = [r for r in roots if r.imag.contains(0)]
+    for r in real:  # its conjugate is a root, in no other ball: then it is the same
+        if any(r.conjugate().overlaps(other) for other in roots if other is not r):
+            raise UnclearError
+    return [r.real for r in real]
