@@ -9,7 +9,6 @@ from importlib import resources
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from .checks import positive
@@ -108,10 +107,7 @@ def animate(
         frames = max(2, round(rate * length))
         fine = resample(motion, np.linspace(first, last, (frames - 1) * FINE + 1))
         scene = Scene(fine, dataset, (last - first) / length)
-        try:
-            (write_gif if suffix == ".gif" else write_mp4)(beside, scene, rate, report)
-        finally:
-            plt.close(scene.figure)
+        (write_gif if suffix == ".gif" else write_mp4)(beside, scene, rate, report)
     return FilePath(path)
 
 

@@ -268,13 +268,10 @@ def _stream(options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any
 
 
 def _draw(dataset: Any, target: Any) -> None:
-    import matplotlib.pyplot as plt
-
     from .plots import diagram
 
     figure = diagram(dataset, title=str(dataset.attrs["title"]).split(":")[0])
     figure.savefig(target, dpi=300)
-    plt.close(figure)
 
 
 def _atlas(options: argparse.Namespace) -> None:

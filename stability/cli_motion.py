@@ -134,14 +134,11 @@ def _draw(
     from .files import whole
 
     if "plot" in targets:
-        import matplotlib.pyplot as plt
-
         from .pictures import motion_figure
 
         beside = stack.enter_context(whole(targets["plot"], overwrite=options.force))
         figure = motion_figure(dataset)
         figure.savefig(beside, dpi=300)
-        plt.close(figure)
     if "film" in targets:
         from .animation import animate
 

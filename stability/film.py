@@ -11,13 +11,12 @@ from importlib import import_module
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, cast
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.animation import FFMpegWriter
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from PIL import Image
@@ -108,7 +107,8 @@ class Scene:
         self.motion, self.seen = motion, geometry(motion)
         self.frames = (len(motion["time"]) - 1) // FINE + 1
         self.unit, self.inner = unit_of(dataset, "time"), inner_radius(dataset)
-        self.figure = plt.figure(figsize=SIZE, dpi=DPI, facecolor="white")
+        self.figure = Figure(figsize=SIZE, dpi=DPI, facecolor="white")
+        FigureCanvasAgg(self.figure)
         self.axes = self.figure.add_axes((0, 0, 1, 1))
         self.axes.axis("off")
         self._aim(float(motion["phi"][0]) + ASIDE)
@@ -262,7 +262,7 @@ def write_mp4(path: FilePath, scene: Scene, rate: float, report: Report) -> None
     options = ["-pix_fmt", "yuv420p", "-movflags", "+faststart"]
     writer = FFMpegWriter(fps=speed, codec="libx264", extra_args=options)
     try:
-        with plt.rc_context({"animation.ffmpeg_path": program}):
+        with rc_context({"animation.ffmpeg_path": program}):
             with writer.saving(scene.figure, str(path), DPI):
                 for _ in scene.play(report):
                     writer.grab_frame()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
@@ -48,11 +48,9 @@ def locus(
     order = spectrum.tracked()
     values = np.take_along_axis(spectrum.eigenvalues, order, axis=-1)
     share = np.take_along_axis(spectrum.modes.participation, order[..., None], axis=1)
-    with plt.rc_context(STYLE):
-        figure, (top, bottom) = plt.subplots(
-            2, 1, sharex=True, figsize=(COLUMN, 3.6), layout="constrained",
-            gridspec_kw={"height_ratios": [1.25, 1]},
-        )  # fmt: skip
+    with rc_context(STYLE):
+        figure = Figure(figsize=(COLUMN, 3.6), layout="constrained")
+        top, bottom = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [1.25, 1]})
         spacing(figure, h_pad=0.02, w_pad=0.02)
         top.axhspan(0, 1e9, facecolor="#fdebdc", zorder=0)
         top.axhline(0, color="0.3", linewidth=0.6)

@@ -7,11 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
@@ -109,12 +106,12 @@ def diagram(
     >>> round(float(figure.get_figwidth()), 2)
     3.39
     """
-    with plt.rc_context(STYLE):
+    with rc_context(STYLE):
         heights = [s for s, strip in ((0.075, above), (1.0, True), (0.075, below)) if strip]
-        figure, panels = plt.subplots(
-            len(heights), 1, sharex=True, figsize=(COLUMN, 3.05), squeeze=False,
+        figure = Figure(figsize=(COLUMN, 3.05), layout="constrained")
+        panels = figure.subplots(
+            len(heights), 1, sharex=True, squeeze=False,
             gridspec_kw={"height_ratios": heights, "hspace": 0.05},
-            layout="constrained",
         )  # fmt: skip
         spacing(figure, hspace=0.02, h_pad=0.02, w_pad=0.02)
         rows = [row[0] for row in panels]
@@ -307,7 +304,7 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> None:
 
 
 def save(figure: Figure, stem: Path) -> list[Path]:
-    """Write a figure as PNG and PDF, and close it.
+    """Write a figure as PNG and PDF.
 
     Parameters
     ----------
@@ -329,5 +326,4 @@ def save(figure: Figure, stem: Path) -> list[Path]:
             # no creation date, so that the same map gives the same file
             meta = {"CreationDate": None} if path.suffix == ".pdf" else None
             figure.savefig(beside, dpi=300, metadata=meta)
-    plt.close(figure)
     return paths

@@ -1,9 +1,10 @@
 """The truth of a small linearisation by exact arithmetic; nothing here comes from the package.
 
-A CasADi graph is read instruction by instruction with dual numbers over the rationals (python-flint's
-`fmpq`), or over Arb's balls where a value is irrational.  The characteristic polynomial gives the
-eigenvalues twice: by a Sturm chain on the imaginary axis (how many lie on either side and on it),
-and by Arb's isolated roots (where they lie).  The two counts are compared at each use.
+A CasADi graph is read instruction by instruction with dual numbers over the rationals
+(python-flint's `fmpq`), or over Arb's balls where a value is irrational.  The characteristic
+polynomial gives the eigenvalues twice: by a Sturm chain on the imaginary axis (how many lie on
+either side and on it), and by Arb's isolated roots (where they lie).  The two counts are compared
+at each use.
 """
 
 from __future__ import annotations
@@ -123,7 +124,9 @@ def _nothing(value: Any) -> bool:
 
 
 def _add(a: Dual, b: Dual, sign: int = 1) -> Dual:
-    return Dual(a.value + sign * b.value, [s + sign * t for s, t in zip(a.slope, b.slope, strict=True)])
+    return Dual(
+        a.value + sign * b.value, [s + sign * t for s, t in zip(a.slope, b.slope, strict=True)]
+    )
 
 
 def _mul(a: Dual, b: Dual) -> Dual:
@@ -164,7 +167,7 @@ def _choose(ring: Any, a: Dual, b: Dual, sign: int) -> Dual:
     return a if side >= 0 else b
 
 
-def _step(ring: Any, a: Dual, value: Any) -> Dual:
+def _step(a: Dual, value: Any) -> Dual:
     return Dual(value, [ZERO] * len(a.slope))
 
 
@@ -208,7 +211,7 @@ def _root(ring: Any, a: Dual) -> Dual:
     if side == 0:
         if not a.flat:
             raise Kink
-        return _step(ring, a, ring.number(0.0))
+        return _step(a, ring.number(0.0))
     r = ring.call("sqrt", a.value)
     return a.map(r, ring.number(0.5) / r)
 
@@ -216,21 +219,21 @@ def _root(ring: Any, a: Dual) -> Dual:
 def _pieces(ring: Any, op: int, a: Dual) -> Dual:
     side = ring.sign(a.value)
     if op == ca.OP_NOT:
-        return _step(ring, a, ring.number(float(side == 0)))
+        return _step(a, ring.number(float(side == 0)))
     if op == ca.OP_FLOOR or op == ca.OP_CEIL:
         down = ring.floor(a.value)
         if ring.sign(a.value - down) == 0 and not a.flat:
             raise Kink
-        return _step(ring, a, down if op == ca.OP_FLOOR else -ring.floor(-a.value))
+        return _step(a, down if op == ca.OP_FLOOR else -ring.floor(-a.value))
     if op not in (ca.OP_FABS, ca.OP_SIGN):
         raise NotImplementedError(op)
     if side == 0 and not a.flat:
         raise Kink
-    return a.map(a.value * side, side) if op == ca.OP_FABS else _step(ring, a, ring.number(side))
+    return a.map(a.value * side, side) if op == ca.OP_FABS else _step(a, ring.number(side))
 
 
 def _truth(ring: Any, value: bool, a: Dual) -> Dual:
-    return _step(ring, a, ring.number(float(value)))
+    return _step(a, ring.number(float(value)))
 
 
 def _binary(ring: Any, op: int, a: Dual, b: Dual) -> Dual:
@@ -250,7 +253,7 @@ def _binary(ring: Any, op: int, a: Dual, b: Dual) -> Dual:
         case ca.OP_FMAX:
             return _choose(ring, a, b, 1)
         case ca.OP_IF_ELSE_ZERO:
-            return b if ring.sign(a.value) else _step(ring, a, ring.number(0.0))
+            return b if ring.sign(a.value) else _step(a, ring.number(0.0))
         case ca.OP_AND:
             return _truth(ring, bool(ring.sign(a.value) and ring.sign(b.value)), a)
         case ca.OP_OR:

@@ -49,8 +49,9 @@ class Finding:
 
     def __str__(self) -> str:
         return (
-            f"{self.kind} {self.seed} certify={self.certify} asked={self.asked}: said {self.verdict}"
-            f" (zeros {self.zeros}), truth {self.truth}; {self.wrong}; {self.reason}"
+            f"{self.kind} {self.seed} certify={self.certify} asked={self.asked}: "
+            f"said {self.verdict} (zeros {self.zeros}), truth {self.truth}; "
+            f"{self.wrong}; {self.reason}"
         )
 
 
@@ -159,7 +160,7 @@ class Oracle:
         return roots, zeros
 
     def ball_truth(self, x: Sequence[Any], q: Sequence[Any]) -> Truth:
-        """Irrational members and entries: the plan's eigenvalues, held against the graph's polynomial."""
+        """Irrational entries: the plan's eigenvalues, held against the graph's polynomial."""
         ring = Balls()
         out = self.rates(ring, x, q)
         matrix = arb_mat([[arb(s) for s in d.slope] for d in out])
@@ -175,7 +176,9 @@ class Oracle:
             assert acb(poly[i]).overlaps(product[i]), (self.case.kind, self.case.seed, i)
         return Truth(roots, zeros, steady=steady)
 
-    def nearest(self, asked: dict[str, float], found: Sequence[float]) -> list[tuple[list[Any], dict[str, Any]]]:
+    def nearest(
+        self, asked: dict[str, float], found: Sequence[float]
+    ) -> list[tuple[list[Any], dict[str, Any]]]:
         """The exact members that the reported states may mean."""
         values = {k: exact(v) for k, v in asked.items()}
         try:
@@ -191,8 +194,18 @@ class Oracle:
         alone = tight if sum(g < 1e-5 for g in gaps) == len(tight) else close
         return [(m, values) for m in alone]
 
+    def rests(self, asked: dict[str, float], found: Sequence[float]) -> bool:
+        """Whether rates nearly vanish at reported states that no planned member explains."""
+
+        def largest() -> float:
+            x = [arb(exact(v)) for v in found]
+            q = [arb(exact(asked[name])) for name in self.parameters]
+            return max(abs(middle(d.value)) for d in self.rates(Balls(), x, q))
+
+        return at_bits(BITS, largest) < 1e-9
+
     def generic(self, x: Sequence[Any], asked: dict[str, Any]) -> int | None:
-        """Zeros that stay when the point moves a little along its branch; None if it depends where."""
+        """Zeros that stay when the point moves a little; None if it depends where to."""
         chance = random.Random(f"{self.case.kind} {self.case.seed}")
         counts = set()
         for sign in (-1, 1):
@@ -204,7 +217,9 @@ class Oracle:
                 members = self.members(Rationals(), moved)
             except Irrational:
                 members = at_bits(BITS, lambda m=moved: self.members(Balls(), m))
-            gaps = [max(abs(middle(a) - middle(b)) for a, b in zip(m, x, strict=True)) for m in members]
+            gaps = [
+                max(abs(middle(a) - middle(b)) for a, b in zip(m, x, strict=True)) for m in members
+            ]
             near = [m for m, g in zip(members, gaps, strict=True) if g < 1e-12]
             if not near:
                 return None
@@ -257,7 +272,10 @@ def enclosed(roots: Sequence[acb], discs: np.ndarray, radii: np.ndarray) -> str:
         for root in roots:
             for i in range(n):
                 centre = acb(exact(discs[i].real), exact(discs[i].imag))
-                if not abs(root - centre) > arb(exact(radii[i])) * (1 + arb(2) ** -45) + arb(2) ** -1080:
+                if (
+                    not abs(root - centre)
+                    > arb(exact(radii[i])) * (1 + arb(2) ** -45) + arb(2) ** -1080
+                ):
                     held[group[i]] += 1
                     break
             else:
@@ -270,7 +288,9 @@ def enclosed(roots: Sequence[acb], discs: np.ndarray, radii: np.ndarray) -> str:
     return at_bits(400, place)
 
 
-def accept(oracle: Oracle, member: Sequence[Any], asked: dict[str, Any], claim: Any) -> tuple[str, str]:
+def accept(
+    oracle: Oracle, member: Sequence[Any], asked: dict[str, Any], claim: Any
+) -> tuple[str, str]:
     """(truth in a word, what is wrong with the claim): verdict, zeros, eigenvalues, radius."""
     verdict, zeros, eigenvalues, radius = claim
     try:
@@ -303,7 +323,9 @@ def accept(oracle: Oracle, member: Sequence[Any], asked: dict[str, Any], claim: 
 def judge(case: Case, certify: bool, asked: Sequence[dict[str, float]]) -> list[Finding]:
     """Everything that one call says, against the truth."""
 
-    def finding(i: int, verdict: str, truth: str, wrong: str = "", reason: str = "", z: int = -1) -> Finding:
+    def finding(
+        i: int, verdict: str, truth: str, wrong: str = "", reason: str = "", z: int = -1
+    ) -> Finding:
         point_ = [asked[i]] if i >= 0 else list(asked)
         return Finding(case.kind, case.seed, point_, certify, verdict, truth, wrong, reason, z)
 
@@ -330,12 +352,16 @@ def judge(case: Case, certify: bool, asked: Sequence[dict[str, float]]) -> list[
             for member, exactly in oracle.nearest(asked[i], states[i])
         ]
         if not answers:
-            wrong = "" if word == "undecided" else f"no member at {states[i]}"
-            answers = [("no member", wrong)]
+            steady = word == "undecided" or oracle.rests(asked[i], states[i])
+            answers = [("elsewhere", "" if steady else f"no member at {states[i]}")]
         truth, wrong = next((a for a in answers if not a[1]), answers[0])
         if not wrong and certify and word != "undecided" and not proved[i]:
             wrong = "decided, asked for a proof, and not certified"
-        if not wrong and ways[i] == "ASYMPTOTIC" and (word != "stable" or s.structural_zeros > case.lines):
+        if (
+            not wrong
+            and ways[i] == "ASYMPTOTIC"
+            and (word != "stable" or s.structural_zeros > case.lines)
+        ):
             wrong = "asymptotic, with zeros that are no tangents"
         if not wrong and (ways[i] == "UNSTABLE") != (word == "unstable"):
             wrong = f"nonlinear {ways[i]} beside {word}"

@@ -2,8 +2,8 @@
 
 A plan is a block-triangular matrix J of expressions in the parameters, whose eigenvalues are known
 one by one, carried by a similarity of integer polynomials with determinant one.  The system is
-d(x - x*)/dt = S J S⁻¹ (x - x*) + terms of higher order.  Truth is what `exact_oracle` reads from the
-CasADi graph that the package is given; the plan's own eigenvalues are compared with it.
+d(x - x*)/dt = S J S⁻¹ (x - x*) + terms of higher order.  Truth is what `exact_oracle` reads from
+the CasADi graph that the package is given; the plan's own eigenvalues are compared with it.
 """
 
 from __future__ import annotations
@@ -422,7 +422,7 @@ def kinks(seed: int) -> Case:
 
 
 def folding(seed: int) -> Case:
-    """Constants whose sums or products, rounded once for each step, are not what they are exactly."""
+    """Constants whose sums or products, rounded at each step, are not what they are exactly."""
     draw = Draw(f"folding {seed}")
     p, p0, n = ca.SX.sym("p"), draw.point(), draw.randint(2, 4)
     x = ca.SX.sym("x", n)

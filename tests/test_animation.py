@@ -124,7 +124,6 @@ def test_the_whole_disk_is_in_every_frame(disk: st.Disk, spin: float) -> None:
         assert y0 < y.min() < y.max() < y1
     on_the_plane = (scene.grid, scene.shadow, scene.trail)
     assert scene.body.get_zorder() > max(part.get_zorder() for part in on_the_plane)
-    animation.plt.close(scene.figure)
 
 
 def test_an_mp4_is_made_where_ffmpeg_is(tmp_path: Path) -> None:
@@ -236,4 +235,3 @@ def test_a_film_that_is_stopped_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         animate(launch(), tmp_path / "a.gif", seconds=1, progress=stop)
     assert not list(tmp_path.iterdir())
-    assert not animation.plt.get_fignums()

@@ -107,6 +107,3 @@ def test_figures_use_colours_that_differ_in_lightness_and_mark_growth_without_co
         figure.axes[-1].get_ylabel(),
     ]
     assert all("[" in label for label in labels)
-    import matplotlib.pyplot as plt
-
-    plt.close(figure)
