@@ -22,8 +22,9 @@ class Outcome(Enum):
 
     MOVING = "moving: contact lasted and no motion was settled on; ask for later times to see more"
     SETTLED = (
-        "settled: the state lies so close to an asymptotically stable steady motion that, as proved "
-        "in ball arithmetic, its motion converges to that one or to a neighbour of the same family"
+        "settled: the state lies so close to an asymptotically stable steady motion that its "
+        "motion is proved, in ball arithmetic, to converge to that one or to a neighbour of the "
+        "same family"
     )
     FLAT = "flat: the disk has fallen on its side, where a thin disk's equations of motion end"
     LIFT_OFF = "lift-off: the normal force has reached zero and the disk leaves the plane"

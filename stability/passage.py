@@ -78,7 +78,8 @@ def drift(
     at
         omega3 at the start, shape (…), beyond the threshold [rad/s].
     tilt
-        theta - π/2 at the start, shape (…), small and not zero [rad].
+        theta - π/2 at the start, shape (…), small and not zero [rad]; the largest tilt, on the
+        slow manifold or at the threshold, must stay below π/2.
     disk
         The body; the uniform disk with m = R = g = 1 when left out.
     contact
@@ -94,7 +95,8 @@ def drift(
     Raises
     ------
     ParameterError
-        If the law has no friction, the start is not spectrally stable, or the tilt is zero.
+        If the law has no friction, the start is not spectrally stable, the tilt is zero, or it
+        would reach π/2 on the way, where the disk lies flat.
 
     Source: tests/test_drift.py derives every formula and compares it with simulations.
 
@@ -143,6 +145,13 @@ def _drift(
     spread = (2 * k + 1) * (w**2 - 1 / (2 * k)) - np.log(w * np.sqrt(2 * k))
     time = mu * (2 * k + 1) ** 3 * w**2 / (some * start**2) * spread
     end = start * np.sqrt(some / w**2 / (2 * k + 2))
+    most = np.maximum(start, end)
+    if (most >= np.pi / 2).any():
+        worst = int(np.argmax(most))
+        raise ParameterError(
+            f"tilt is {lean[worst]:g}, and the slow drift would take it to {most[worst]:.3g}, past "
+            "π/2, where the disk lies flat; the drift holds for small tilts: give a smaller one."
+        )
     common = 1 / (mu * w * (2 * k + 1) ** 3)
     rates = common / (w * some) * rate, common * rate**2
     if not all(np.isfinite(v).all() and (v > 0).all() for v in (time / rate, end, *rates)):

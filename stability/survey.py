@@ -119,7 +119,7 @@ def launch(
     tilt
         Angle taken from theta, shape (…) [rad].
     disk
-        The body, for the rate of tumbling; m = R = g = 1 and k = 1/4 when left out.
+        The body; needed for tumbling, whose rate depends on it.
 
     Returns
     -------
@@ -130,6 +130,8 @@ def launch(
     ------
     NameUnknownError
         If there is no such family.
+    ParameterError
+        If tumbling is asked without a disk, or an angle leaves (0, π).
 
     Examples
     --------
@@ -138,6 +140,11 @@ def launch(
     """
     if family not in (*LAUNCHES, "tumbling"):
         raise NameUnknownError(f"family is {shown(family)}; known are rolling, spinning, tumbling.")
+    if disk is None and family == "tumbling":
+        raise ParameterError(
+            "disk is missing; the rate of tumbling depends on the body, as √(g/(k R sinθ)): give "
+            "disk=stability.Disk(...)."
+        )
     body = _body(disk)
     where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
     shapes = where.shape, lean.shape, np.shape(body.k), np.shape(body.rate)
@@ -294,7 +301,10 @@ def _why(
     if verdict is not Verdict.STABLE:
         return "open: exactly on a boundary, where linear theory is silent"
     if nonlinear is Nonlinear.DRIFTS:
-        crossing = float(drift(at=at, tilt=tilt, disk=body, contact=contact).time)
+        try:
+            crossing = float(drift(at=at, tilt=tilt, disk=body, contact=contact).time)
+        except ParameterError:  # on its way the tilt would reach flat
+            return "differs: the tilt is too large for the slow drift that linear theory leaves"
         if crossing > end:
             if stayed:
                 return f"agrees: it drifts, and would cross its threshold at {crossing:.3g}"

@@ -171,6 +171,8 @@ def test_scales_are_carried() -> None:
         ({"at": 1.0}, "not beyond the threshold"),
         ({"tilt": 0.0}, "tilt is 0"),
         ({"tilt": 2.0}, "small angle"),
+        ({"tilt": 1.5}, "past π/2"),
+        ({"tilt": 1.5, "launch": False, "at": 5.0}, "past π/2"),
         ({"contact": st.Rough()}, "law with friction"),
         ({"contact": None}, "law with friction"),
         ({"tilt": float("nan")}, "tilt is nan"),

@@ -200,7 +200,7 @@ def test_settings_of_the_wrong_kind_get_a_sentence() -> None:
     for call in (
         lambda: st.launch("rolling", at=[1, 2], tilt=[1, 2, 3]),
         lambda: st.launch("rolling", at=1.0, disk=3),  # type: ignore[arg-type]
-        lambda: st.launch("tumbling", at=1.0, tilt=2.0),
+        lambda: st.launch("tumbling", at=1.0, tilt=2.0, disk=st.Disk()),
     ):
         with pytest.raises(st.StabilityError):
             call()

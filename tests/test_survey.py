@@ -81,10 +81,25 @@ def test_the_text_is_headed_recomputed_and_says_where_contact_is_lost() -> None:
     ]
 
 
+def test_tumbling_is_launched_at_its_own_disks_rate_or_not_at_all() -> None:
+    # without a disk it once took k = 1/4: 2.888 for a hoop's 2.042
+    with pytest.raises(st.StabilityError, match="disk is missing"):
+        launch("tumbling", at=0.5)
+    hoop = launch("tumbling", at=0.5, disk=st.Disk.hoop(), tilt=0.0)
+    assert hoop[2] == pytest.approx((0.5 * math.sin(0.5)) ** -0.5, rel=1e-15)
+    run = st.simulate(st.Disk.hoop(), st.Viscous(0.3), hoop, 5.0)
+    assert float(run.theta[-1]) == pytest.approx(0.5, abs=1e-9)
+
+
+def test_a_table_with_a_tilt_too_large_for_the_drift_says_so() -> None:
+    rows = launch_rows(launches=("rolling",), k=(0.25,), mu=(0.3,), at=(1.8,), tilt=1.5, time=20.0)
+    assert "too large for the slow drift" in rows[0].why
+
+
 def test_launches_refuse_what_they_do_not_know() -> None:
     for call in (
         lambda: launch("circling", at=1.0),
-        lambda: launch("tumbling", at=4.0),
+        lambda: launch("tumbling", at=4.0, disk=st.Disk()),
         lambda: launch("rolling", at=math.nan),
         lambda: launch_rows(law="rough", k=(0.25,), mu=(0.3,), at=(1.0,)),
     ):
