@@ -149,6 +149,9 @@ class Program:
     ----------
     function
         An SX `casadi.Function`; an MX one is expanded.
+    constants
+        Values of the entries of a last input that is not given again: numbers that the graph kept
+        as symbols, so that CasADi rounds no sum or product of two of them.
 
     Raises
     ------
@@ -163,7 +166,8 @@ class Program:
     [[0.25], [np.float64(0.8414709848078965)]]
     """
 
-    def __init__(self, function: ca.Function) -> None:
+    def __init__(self, function: ca.Function, constants: Sequence[float] | None = None) -> None:
+        self._given = constants
         function = function if function.is_a("SXFunction") else function.expand()
         self.name: str = function.name()
         self.shapes = tuple(function.size_out(i) for i in range(function.n_out()))
@@ -183,6 +187,7 @@ class Program:
     def _source(self, function: ca.Function) -> str:
         """The instructions as the source of one straight Python function: no loop, no look-ups."""
         lines = [f"    o{i} = [0] * {len(places)}" for i, places in enumerate(self.places)]
+        last = function.n_in() - 1
         for index in range(function.n_instructions()):
             code = function.instruction_id(index)
             source = function.instruction_input(index)
@@ -190,6 +195,9 @@ class Program:
             if code == ca.OP_CONST:
                 lines.append(f"    w{target[0]} = c[{len(self._constants)}]")
                 self._constants.append(function.instruction_constant(index))
+            elif code == ca.OP_INPUT and self._given is not None and source[0] == last:
+                lines.append(f"    w{target[0]} = c[{len(self._constants)}]")
+                self._constants.append(float(self._given[source[1]]))
             elif code == ca.OP_INPUT:
                 lines.append(f"    w{target[0]} = a[{source[0]}][{source[1]}]")
             elif code == ca.OP_OUTPUT:

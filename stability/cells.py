@@ -300,11 +300,12 @@ class Cells:
 
     def _work(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
         family = self.question.family
-        reduced = reduce(family, a, q, u, self.question.roundings)
+        watch = not self._certain
+        reduced = reduce(family, a, q, u, self.question.roundings, watch=watch)
         even = family.conservative and self._certain
         values, radius = eigenvalues(reduced, even=even)
         codes = decide(values, radius, even=even)
-        if not self._certain:
+        if watch:
             self._restore(values, radius, codes, (a, q, u), reduced.supported)
         lead = values[:, -1]
         chunk: Chunk = {

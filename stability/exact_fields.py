@@ -77,7 +77,7 @@ def _fabs(x: Any) -> Any:
     return abs(fmpq(x))
 
 
-_AT = {
+RATIONAL_AT = {
     "sin": (0, 0), "cos": (0, 1), "tan": (0, 0), "exp": (0, 1), "log": (1, 0), "asin": (0, 0),
     "acos": (1, 0), "atan": (0, 0), "sinh": (0, 0), "cosh": (0, 1), "tanh": (0, 0),
 }  # fmt: skip
@@ -85,7 +85,7 @@ _AT = {
 
 
 def _function(name: str) -> Callable[[Any], Any]:
-    here = _at(*_AT[name])
+    here = _at(*RATIONAL_AT[name])
 
     def apply(x: Any) -> Any:
         return x.function(name) if hasattr(x, "field") else here(x)
@@ -95,7 +95,7 @@ def _function(name: str) -> Callable[[Any], Any]:
 
 EXACT = Algebra(
     "exact", constant,
-    {name: _function(name) for name in _AT} | {"sqrt": _sqrt, "fabs": _fabs, "pow": _power},
+    {name: _function(name) for name in RATIONAL_AT} | {"sqrt": _sqrt, "fabs": _fabs, "pow": _power},
 )  # fmt: skip
 """Rationals, and elements of the fields below: one algebra, since constants are rational in all."""
 

@@ -9,7 +9,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from .algebra import Program, Upright, casadi_algebra
+from .algebra import Algebra, Program, Upright, casadi_algebra
+from .exact_fields import RATIONAL_AT
 from .system import System
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
@@ -32,6 +33,62 @@ class Frame:
     """States whose rates must vanish."""
 
 
+class Constants:
+    """The numbers of a graph as symbols, so that CasADi folds none but zeros.
+
+    CasADi works out a sum, product or sine of two numbers in double precision when it builds an
+    expression.  A graph that is read in exact arithmetic must not hold such rounded numbers.
+    """
+
+    def __init__(self) -> None:
+        self._symbols: dict[float, ca.SX] = {}
+
+    def __call__(self, value: float) -> ca.SX:
+        """The number as a symbol; an exact zero stays one, since it folds without rounding."""
+        if value == 0:
+            return ca.SX(0)
+        return self._symbols.setdefault(float(value), ca.SX.sym(f"c{len(self._symbols)}"))
+
+    @property
+    def column(self) -> ca.SX:
+        """All symbols so far."""
+        return ca.vertcat(*self._symbols.values()) if self._symbols else ca.SX(0, 1)
+
+    @property
+    def values(self) -> list[float]:
+        """Their values, in the same order."""
+        return list(self._symbols)
+
+    def algebra(self) -> Algebra:
+        """CasADi's own expressions with these constants."""
+        plain = casadi_algebra()
+
+        def kept(name: str) -> Any:
+            def apply(x: Any) -> Any:
+                known = isinstance(x, ca.SX) and x.is_constant()
+                if known and float(x) != RATIONAL_AT.get(name, (float(x), 0))[0]:
+                    x = ca.SX.sym("folded") if np.isnan(float(x)) else self._kept(float(x))
+                return plain.functions[name](x)
+
+            return apply
+
+        table = {name: kept(name) for name in plain.functions if name not in ("pow", "fabs")}
+        return Algebra("casadi", self, table | {"pow": self._power, "fabs": ca.fabs})
+
+    def _kept(self, value: float) -> ca.SX:
+        """A number, zero too, as a symbol: acos(0) is not rational."""
+        return self._symbols.setdefault(value, ca.SX.sym(f"c{len(self._symbols)}"))
+
+    def _power(self, x: Any, exponent: Any) -> Any:
+        """A power; a whole or half exponent stays a number, so that its rule is known."""
+        number = next((v for v, s in self._symbols.items() if ca.is_equal(s, exponent)), None)
+        if number is None and exponent.is_constant():
+            number = float(exponent)
+        if number is not None and 2 * number == round(2 * number) and abs(number) < 2**20:
+            return ca.power(x, number)
+        return ca.power(x, exponent)
+
+
 class FamilyGraph:
     """Programs of a family, each with inputs (family parameters, unknowns, parameters).
 
@@ -47,9 +104,11 @@ class FamilyGraph:
         a, u, q = ([ca.SX.sym(n) for n in names] for names in (frame.at, frame.unknown, others))
         self._inputs = [ca.vertcat(*s) if s else ca.SX(0, 1) for s in (a, u, q)]
         self._size = len(u)
+        self._constants = Constants()
         known: dict[str, Any] = dict(zip([*frame.at, *others], [*a, *q], strict=True))
-        known |= {n: v if isinstance(v, Upright) else ca.SX(v) for n, v in frame.held.items()}
-        guessed = known | {n: ca.SX(float(v)) for n, v in frame.unknown.items()}
+        known |= {n: v if isinstance(v, Upright) else self._constants(v)
+                  for n, v in frame.held.items()}  # fmt: skip
+        guessed = known | {n: self._constants(v) for n, v in frame.unknown.items()}
         table = known | dict(zip(frame.unknown, u, strict=True))
         rows = [system.index(n) for n in frame.equations]
 
@@ -66,14 +125,21 @@ class FamilyGraph:
         self._conditions(table)
 
     def _program(self, name: str, *outputs: Any) -> Program:
-        return Program(ca.Function(name, self._inputs, list(outputs)))
+        inputs = [*self._inputs, self._constants.column]
+        return Program(ca.Function(name, inputs, list(outputs)), self._constants.values)
 
     def _read(self, values: Mapping[str, Any]) -> tuple[ca.SX, ca.SX]:
-        """Rates and Jacobian with these values in place of the symbols, folded by CasADi."""
+        """Rates and Jacobian with these values in place of the symbols, zeros folded."""
         system = self._system
-        graph = Program(ca.Function("graph", [system.x, system.p], [system.rhs, system.jacobian]))
+        algebra = self._constants.algebra()
+        bare = Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
+        entries = [ca.vertsplit(s) if s.numel() else [] for s in (system.x, system.p)]
+        rhs = ca.vertcat(*bare.run(algebra, entries)[0])
+        slopes_of = ca.jacobian(rhs, system.x)  # with the constants as symbols: nothing is rounded
+        numbers = self._constants.column
+        graph = Program(ca.Function("graph", [system.x, system.p, numbers], [rhs, slopes_of]))
         arguments = [[values[n] for n in names] for names in (system.states, system.parameters)]
-        rates, slopes = graph.run(casadi_algebra(), arguments)
+        rates, slopes = graph.run(algebra, [*arguments, ca.vertsplit(numbers)])
         n = len(system.states)
         f, jac = ca.SX(n, 1), ca.SX(n, n)
         for (i, _), value in zip(graph.places[0], rates, strict=True):
@@ -86,7 +152,7 @@ class FamilyGraph:
     def _numbers(values: Mapping[str, Any], names: Sequence[str]) -> ca.SX:
         """Values as a column, the right angle as the double nearest to it."""
         column = [values[n] for n in names]
-        column = [ca.SX(np.pi / 2) if isinstance(v, Upright) else v for v in column]
+        column = [ca.SX(np.pi / 2) if isinstance(v, Upright) else ca.SX(v) for v in column]
         return ca.vertcat(*column) if column else ca.SX(0, 1)
 
     def _equations(self, residual: ca.SX, state: ca.SX) -> None:
@@ -104,7 +170,9 @@ class FamilyGraph:
         self.used = [i for i in range(given.numel()) if ca.depends_on(residual, given[i])]
         """Which of (family parameters, parameters) the equations depend on."""
         if self._size:
-            problem = ca.Function("residual", [u, given], [residual])
+            numbers = ca.DM(self._constants.values)
+            plain = ca.substitute(residual, self._constants.column, numbers)
+            problem = ca.Function("residual", [u, given], [plain])
             self.finder = ca.rootfinder("root", "fast_newton", problem, FINDER)
 
     def _conditions(self, table: Mapping[str, Any]) -> None:

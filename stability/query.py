@@ -209,8 +209,9 @@ class Rows:
         self._members: dict[int, Member] = {}
         if not self.certain and exact:
             self.zeros = min(structural_zeros(self.member(row)) for row in range(len(a)))
-        self.reduced = reduce(family, a, q, u, question.roundings, self.zeros)
-        if not self.certain and not exact and (self.reduced.supported < self.zeros).any():
+        watch = not self.certain and not exact
+        self.reduced = reduce(family, a, q, u, question.roundings, self.zeros, watch)
+        if watch and (self.reduced.supported < self.zeros).any():
             self.zeros = int(self.reduced.supported.min())
             self.reduced = reduce(family, a, q, u, question.roundings, self.zeros)
 

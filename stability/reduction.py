@@ -52,6 +52,7 @@ def reduce(
     u: Floats | None = None,
     roundings: Sequence[int] | None = None,
     zeros: int | None = None,
+    watch: bool = False,
 ) -> Reduced:
     """Linearise at members and take out the structural zeros.
 
@@ -67,6 +68,8 @@ def reduce(
         How many roundings each column of a and q has behind it; none when left out.
     zeros
         How many zero eigenvalues are taken out; those of the family's structure when left out.
+    watch
+        Whether each is held against its rounding; if not, all count as supported.
 
     Returns
     -------
@@ -75,12 +78,15 @@ def reduce(
     u = family.solve(a, q) if u is None else u
     with np.errstate(all="ignore"):  # `eigenvalues` refuses what is not finite
         count = structure(family).zeros if zeros is None else zeros
-        return _reduce(family, a, q, u, roundings or [0] * (a.shape[1] + q.shape[1]), count)
+        given = roundings or [0] * (a.shape[1] + q.shape[1])
+        return _reduce(family, (a, q, u), given, count, watch)
 
 
 def _reduce(
-    family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence[int], zeros: int
-) -> Reduced:
+    family: Family, place: tuple[Floats, Floats, Floats], roundings: Sequence[int], zeros: int,
+    watch: bool,
+) -> Reduced:  # fmt: skip
+    a, q, u = place
     cut = a.shape[1]
     given = [_rounded(a, roundings[:cut]), _rounded(q, roundings[cut:])]
     doubt = _root_error(family, given, u)
@@ -93,20 +99,27 @@ def _reduce(
     tangents, doubts = tangent_vectors(family, arguments, a.shape[:1])
     for index in range(min(zeros, tangents.shape[-1])):
         vector, doubt = _push(tangents[..., index], doubts[..., index], steps)
-        matrix, error, within = _deflate(matrix, error, vector, doubt, steps)
+        matrix, error, within = _deflate(matrix, error, vector, doubt, steps, watch)
         sound.append(within)
     for _ in range(zeros - min(zeros, tangents.shape[-1])):
         if not np.isfinite(matrix).all():
             break
-        _, sizes, right = np.linalg.svd(matrix)
-        vector = right[..., -1, :]
-        noise = np.sqrt((error**2).sum(axis=(1, 2))) + 8 * UNIT * sizes[..., 0]
-        gap = np.maximum(sizes[..., -2], UNIT * sizes[..., 0])
-        doubt = np.minimum(noise / gap, 1.0)[:, None] * np.ones_like(vector)
-        matrix, error, within = _deflate(matrix, error, vector, doubt, steps)
+        vector, doubt = _null_vector(matrix, error)
+        matrix, error, within = _deflate(matrix, error, vector, doubt, steps, watch)
         sound.append(within)
     supported = np.cumprod(np.array(sound, dtype=int).reshape(len(sound), len(a)), axis=0)
     return Reduced(matrix, error, steps, supported.sum(axis=0))
+
+
+def _null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
+    """Right singular vector of the least singular value, and a bound on its error."""
+    _, sizes, right = np.linalg.svd(matrix)
+    vector: Floats = right[..., -1, :]
+    if matrix.shape[-1] == 1:  # the one direction there is
+        return vector, np.zeros_like(vector)
+    noise = np.sqrt((error**2).sum(axis=(1, 2))) + 8 * UNIT * sizes[..., 0]
+    gap = np.maximum(sizes[..., -2], UNIT * sizes[..., 0])
+    return vector, np.minimum(noise / gap, 1.0)[:, None] * np.ones_like(vector)
 
 
 def _rounded(block: Floats, roundings: Sequence[int]) -> list[Tracked]:
@@ -114,14 +127,22 @@ def _rounded(block: Floats, roundings: Sequence[int]) -> list[Tracked]:
 
 
 def _root_error(family: Family, given: list[list[Tracked]], u: Floats) -> Floats:
-    """Bound on the error of the solved unknowns: residual's rounding through the inverse slope."""
+    """Bound on the error of the solved unknowns, by Krawczyk's test to first order.
+
+    The residual goes through the inverse slope; where the slope changes too much within that reach,
+    as next to a double root, nothing bounds the error.
+    """
     if not u.shape[1] or family.closed:
         return np.zeros_like(u)
-    arguments = [given[0], _rounded(u, [0] * u.shape[1]), given[1]]
-    residual, slope = tracked_arrays(family.graph.residual, arguments, u.shape[:1])
+    exact = [Tracked(c, np.zeros_like(c)) for c in u.T]
+    residual, slope = tracked_arrays(family.graph.residual, [given[0], exact, given[1]], (len(u),))
     size = np.abs(residual[0]) + residual[1]
-    error: Floats = (np.abs(np.linalg.inv(slope[0])) @ size)[..., 0]
-    return error + 2 * UNIT * np.abs(u)
+    inverse = np.abs(np.linalg.inv(slope[0]))
+    reach: Floats = 2 * (inverse @ size)[..., 0] + 2 * UNIT * np.abs(u)
+    wide = [Tracked(c, e) for c, e in zip(u.T, reach.T, strict=True)]
+    _, over = tracked_arrays(family.graph.residual, [given[0], wide, given[1]], (len(u),))
+    drift = (inverse @ over[1]).sum(axis=-1).max(axis=-1)
+    return np.where((drift < 0.5)[:, None], reach, np.inf)
 
 
 def tangent_vectors(
@@ -163,8 +184,9 @@ def _push(vector: Floats, doubt: Floats, steps: Sequence[Deflation]) -> tuple[Fl
 
 
 def _deflate(
-    matrix: Floats, error: Floats, vector: Floats, doubt: Floats, steps: list[Deflation]
-) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    matrix: Floats, error: Floats, vector: Floats, doubt: Floats, steps: list[Deflation],
+    watch: bool,
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:  # fmt: skip
     """Take out one null vector: B = A[1:, 1:] - m ⊗ A[0, 1:] with the largest entry put first.
 
     Returns B, the error of its entries, and whether A v is zero within its rounding.
@@ -197,7 +219,8 @@ def _deflate(
         + UNIT * (size_product + np.abs(reduced))
     )
     steps.append(Deflation(order, m, m_error, row))
-    return reduced, bound, _vanishes(matrix, error, m, m_error)
+    within = _vanishes(matrix, error, m, m_error) if watch else np.ones(count, dtype=bool)
+    return reduced, bound, within
 
 
 def _vanishes(matrix: Floats, error: Floats, m: Floats, m_error: Floats) -> NDArray[np.bool_]:

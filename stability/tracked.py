@@ -1,8 +1,8 @@
 """Double-precision arrays that carry a bound on their own rounding error.
 
 Running error analysis (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM
-2002, Section 3.3): each operation adds its own rounding to what it inherits.  Bounds are kept in
-absolute terms, to first order, with a factor that covers the higher orders.
+2002, Section 3.3): each operation adds its own rounding to what it inherits.  Bounds are absolute
+and hold to every order, as those of an interval do: an error may be larger than its value.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 
 UNIT = 2.0**-53
 """Unit roundoff of a double."""
+TINY = 2.0**-1074
+"""Least double: what a product or quotient that underflows may lose."""
 
 
 class Tracked:
@@ -67,57 +69,120 @@ class Tracked:
         return Tracked(-self.value, self.error)
 
     def __mul__(self, other: Any) -> Tracked:
-        value, error = self._pair(other)
+        if not isinstance(other, Tracked):
+            total = self.value * other
+            return Tracked(total, abs(other) * self.error + (UNIT * np.abs(total) + TINY))
+        value, error = other.value, other.error
         total = self.value * value
-        size = np.abs(total)
-        return Tracked(total, np.abs(self.value) * error + np.abs(value) * self.error + UNIT * size)
+        passed = np.abs(self.value) * error + (np.abs(value) + error) * self.error
+        return Tracked(total, passed + UNIT * np.abs(total) + TINY)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Tracked:
-        value, error = self._pair(other)
+        if not isinstance(other, Tracked):
+            total = self.value / other
+            return Tracked(total, self.error / abs(other) + (UNIT * np.abs(total) + TINY))
+        value, error = other.value, other.error
         total = self.value / value
         size = np.abs(total)
-        return Tracked(total, (self.error + size * error) / np.abs(value) + UNIT * size)
+        least = np.abs(value) - error
+        passed = (self.error + size * error) / np.where(least > 0, least, 0.0)
+        return Tracked(total, passed + UNIT * size + TINY)
 
     def __rtruediv__(self, other: Any) -> Tracked:
         return Tracked(other, 0.0) / self
 
     def __pow__(self, power: Any) -> Tracked:
-        exponent = power.value if isinstance(power, Tracked) else power
+        exponent, unsure = (
+            (power.value, power.error) if isinstance(power, Tracked) else (power, 0.0)
+        )
         total = self.value**exponent
-        slope = exponent * self.value ** (exponent - 1)
-        return Tracked(total, np.abs(slope) * self.error + 4 * UNIT * np.abs(total))
+        size = np.abs(self.value)
+        low, high = size - self.error, size + self.error
+        # |x|^y is monotone in |x|; across zero it has a bound for y ≥ 0 only, and only whole powers
+        ends = [np.abs(np.maximum(end, 0.0) ** exponent - np.abs(total)) for end in (low, high)]
+        passed = np.maximum(*ends)
+        passed = np.where(low < 0, np.where(exponent >= 0, 2 * high**exponent, np.inf), passed)
+        if np.any(unsure):
+            reach = np.maximum(np.abs(np.log(np.maximum(low, 0.0))), np.abs(np.log(high)))
+            passed = passed + (np.abs(total) + passed) * np.expm1(unsure * reach)
+        return Tracked(total, passed + 4 * UNIT * np.abs(total) + TINY)
 
 
-def _elementary(function: Any, slope: Any) -> Any:
+class Constant(float):
+    """A number of a graph: exact, and so is none of its sums and products with another."""
+
+    def _with(self, other: Any, operation: Any) -> Any:
+        if isinstance(other, Constant):
+            return operation(Tracked(np.float64(self), 0.0), other)
+        return NotImplemented
+
+    def __add__(self, other: Any) -> Any:
+        return self._with(other, Tracked.__add__)
+
+    def __sub__(self, other: Any) -> Any:
+        return self._with(other, Tracked.__sub__)
+
+    def __mul__(self, other: Any) -> Any:
+        return self._with(other, Tracked.__mul__)
+
+    def __truediv__(self, other: Any) -> Any:
+        return self._with(other, Tracked.__truediv__)
+
+    def __rtruediv__(self, other: Any) -> Any:  # the graph's own 1 / x
+        return Tracked(np.float64(other), 0.0) / self
+
+    def __neg__(self) -> Constant:
+        return Constant(-float(self))
+
+
+def _elementary(function: Any, change: Any) -> Any:
+    """A function with the most that it changes within an error: change(|x|, error, |value|)."""
+
     def apply(x: Any) -> Any:
         if not isinstance(x, Tracked):
             return Tracked(function(x), UNIT * 2 * np.abs(function(x)))
         total = function(x.value)
-        return Tracked(total, np.abs(slope(x.value, total)) * x.error + 2 * UNIT * np.abs(total))
+        size = np.abs(total)
+        return Tracked(total, change(x.value, x.error, size) + 2 * UNIT * size)
 
     return apply
 
 
+def _low(x: Any, e: Any) -> Any:
+    """The least modulus within an error."""
+    return np.maximum(np.abs(x) - e, 0.0)
+
+
+def _arc(x: Any, e: Any, _: Any) -> Any:
+    room = 1 - (np.abs(x) + e) ** 2
+    return e / np.sqrt(np.where(room > 0, room, 0.0))
+
+
+def _tan(x: Any) -> Any:
+    functions = TRACKED.functions
+    return functions["sin"](x) / functions["cos"](x)
+
+
 TRACKED = Algebra(
     "tracked",
-    lambda constant: constant,
+    lambda constant: Constant(constant),
     {
-        "sin": _elementary(np.sin, lambda x, _: np.cos(x)),
-        "cos": _elementary(np.cos, lambda x, _: np.sin(x)),
-        "tan": _elementary(np.tan, lambda _, y: 1 + y * y),
-        "sqrt": _elementary(np.sqrt, lambda _, y: 0.5 / y),
-        "exp": _elementary(np.exp, lambda _, y: y),
-        "log": _elementary(np.log, lambda x, _: 1 / x),
-        "asin": _elementary(np.arcsin, lambda x, _: 1 / np.sqrt(1 - x * x)),
-        "acos": _elementary(np.arccos, lambda x, _: 1 / np.sqrt(1 - x * x)),
-        "atan": _elementary(np.arctan, lambda x, _: 1 / (1 + x * x)),
-        "sinh": _elementary(np.sinh, lambda x, _: np.cosh(x)),
-        "cosh": _elementary(np.cosh, lambda x, _: np.sinh(x)),
-        "tanh": _elementary(np.tanh, lambda _, y: 1 - y * y),
-        "fabs": _elementary(np.abs, lambda x, _: np.sign(x)),
-        "pow": lambda x, y: x**y,
+        "sin": _elementary(np.sin, lambda x, e, _: np.minimum(np.abs(np.cos(x)) + e, 1.0) * e),
+        "cos": _elementary(np.cos, lambda x, e, _: np.minimum(np.abs(np.sin(x)) + e, 1.0) * e),
+        "tan": _tan,
+        "sqrt": _elementary(np.sqrt, lambda x, e, y: e / (y + np.sqrt(np.maximum(x - e, 0.0)))),
+        "exp": _elementary(np.exp, lambda _, e, y: y * np.expm1(e)),
+        "log": _elementary(np.log, lambda x, e, _: -np.log1p(-np.minimum(e / x, 1.0))),
+        "asin": _elementary(np.arcsin, _arc),
+        "acos": _elementary(np.arccos, _arc),
+        "atan": _elementary(np.arctan, lambda x, e, _: e / (1 + _low(x, e) ** 2)),
+        "sinh": _elementary(np.sinh, lambda x, e, _: np.cosh(np.abs(x) + e) * e),
+        "cosh": _elementary(np.cosh, lambda x, e, _: np.sinh(np.abs(x) + e) * e),
+        "tanh": _elementary(np.tanh, lambda x, e, _: (1 - np.tanh(_low(x, e)) ** 2) * e),
+        "fabs": _elementary(np.abs, lambda _, e, __: e),
+        "pow": lambda x, y: (x if isinstance(x, Tracked) else Tracked(np.float64(x), 0.0)) ** y,
     },
 )
 """The algebra in which a graph tells the rounding error of its own value."""
@@ -141,7 +206,7 @@ def tracked_arrays(
     -------
     list of (value, error)
         For each output, arrays of shape `shape + (rows, columns)`; the error bound is widened by
-        1 % for the orders that running error analysis leaves out.
+        1 % for its own roundings.
     """
     with np.errstate(all="ignore"):
         values = program.run(TRACKED, arguments)
@@ -153,7 +218,10 @@ def tracked_arrays(
         for (row, column), entry in zip(places, entries, strict=True):
             if isinstance(entry, Tracked):
                 value[..., row, column] = entry.value
-                error[..., row, column] = 1.01 * entry.error
+                # nan: 0/0, or the root of what may be negative
+                error[..., row, column] = np.where(
+                    np.isnan(entry.error), np.inf, 1.01 * entry.error
+                )
             else:
                 value[..., row, column] = entry
         results.append((value, error))

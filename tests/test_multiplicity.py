@@ -223,3 +223,107 @@ def test_a_point_left_open_is_certified_by_itself_and_says_so() -> None:
     assert one.reason.startswith("double precision left it open; proved in rational arithmetic")
     with pytest.raises(ParameterError, match="escalate is 1"):
         st.spectrum("rolling", at=1.0, contact=st.Viscous(0.3), escalate=1)
+
+
+@pytest.mark.parametrize(
+    ("terms", "truth"),
+    [
+        ([1.0, 1e-30, -1.0], "1/1000000000000000000000000000000"),
+        ([1e16, 1.0, -1e16], "1"),
+        ([0.1, 0.2, -0.3], None),
+        ([-0.3, -0.1], None),
+    ],
+)
+def test_numbers_of_the_graph_are_taken_as_exact(terms: list[float], truth: str | None) -> None:
+    """CasADi adds the coefficients of Σ c x in doubles when it differentiates; the sum is exact."""
+    from fractions import Fraction
+
+    exact = sum(map(Fraction, terms), Fraction(0))
+    assert truth is None or abs(exact - Fraction(truth)) < Fraction(1, 10**46)
+
+    def rates(x, p):
+        total = 0
+        for c in terms:
+            total = total + c * x[0]
+        return total, -p * x[1]
+
+    rest = st.Family(_system("sum", "yz", rates), "rest", at=("p",), held={"y": 0.0, "z": 0.0})
+    wanted = Verdict.UNSTABLE if exact > 0 else Verdict.STABLE
+    for way in WAYS:
+        found = st.spectrum(rest, at=1.0, **way)
+        open_ = (Verdict.UNDECIDED,) if way == {"escalate": False} else ()
+        assert found.verdict in (wanted, *open_)
+        gaps = [abs(Fraction(v.real) - exact) for v in found.eigenvalues]
+        best = int(np.argmin([float(g) for g in gaps]))
+        assert gaps[best] <= Fraction(float(found.radius[best]))
+
+
+def test_a_held_value_is_not_rounded_into_the_graph() -> None:
+    """sin(1)² + cos(1)² - 1 is zero; in doubles, folded, it need not be."""
+
+    def rates(x, p):
+        return 0 * p, (ca.sin(x[0]) ** 2 + ca.cos(x[0]) ** 2 - 1 - p) * x[1]
+
+    system = _system("held", "yz", rates)
+    rest = st.Family(system, "rest", at=("p",), held={"y": 1.1, "z": 0.0})
+    found = st.spectrum(rest, at=1e-40, certify=True)
+    assert found.verdict is Verdict.STABLE
+    assert found.eigenvalues[-1].real == pytest.approx(-1e-40, rel=1e-12)
+
+
+def test_the_error_of_a_root_reaches_the_discs_next_to_a_double_root() -> None:
+    system = _system("fold", "yz", lambda x, p: (-(x[0] - 1) * (x[0] - 1 - p), (x[0] - 1) * x[1]))
+    branch = st.Family(
+        system, "fold", at=("p",), held={"z": 0.0}, unknown={"y": 1.3}, equations=("y",)
+    )
+    for way in ({}, {"escalate": False}):
+        found = st.spectrum(branch, at=0.0, **way)  # truth: both eigenvalues are zero
+        assert found.verdict is Verdict.UNDECIDED
+        assert (np.abs(found.eigenvalues) <= found.radius).all()
+
+
+def test_a_spectrum_without_eigenvalues_is_refused() -> None:
+    system = _system(
+        "empty", "yz",
+        lambda x, p: (((p + 0.5) * (p + 0.5) - p * p - p - 0.25) * x[0],
+                      ((p - 1) * (p + 1) - (p * p - 1)) * x[1]),
+    )  # fmt: skip
+    rest = st.Family(system, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
+    for way in WAYS:
+        with pytest.raises(DomainError, match="every eigenvalue is zero by structure"):
+            st.spectrum(rest, at=1.0, **way)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_an_even_polynomial_that_is_not_even_elsewhere_is_not_taken_as_even(way) -> None:
+    system = _system("half", "yvz", lambda x, p: (x[1], -x[0], (ca.fabs(p) - p) * x[2]))
+    rest = st.Family(system, "rest", at=("p",), held=dict.fromkeys("yvz", 0.0), conservative=True)
+    assert not certain(rest)
+    found = st.spectrum(rest, at=-1.0, **way)
+    assert found.verdict is Verdict.UNSTABLE
+    assert found.abscissa == pytest.approx(2.0)
+    if way != {"escalate": False}:
+        assert st.spectrum(rest, at=1.0, **way).verdict is Verdict.NEUTRAL
+
+
+@pytest.mark.parametrize("name", ["sin", "cos", "tan", "exp", "log", "sqrt", "asin", "acos",
+                                  "atan", "sinh", "cosh", "tanh", "fabs"])  # fmt: skip
+def test_errors_hold_to_every_order(name: str) -> None:
+    """The value at any point within the error is within the stated error of the value."""
+    import mpmath
+
+    from stability.tracked import TRACKED, Tracked
+
+    rng = np.random.default_rng(11)
+    x = rng.uniform(0.05, 0.9, 200)
+    e = x * 10.0 ** rng.uniform(-17, 0.05, 200)
+    with np.errstate(all="ignore"):
+        found = TRACKED.functions[name](Tracked(x, e))
+    function = getattr(mpmath, {"log": "ln"}.get(name, name))
+    for i in range(200):
+        for share in (-1.0, -0.5, 1.0):
+            exact = function(mpmath.mpf(x[i]) + share * mpmath.mpf(e[i]))
+            if isinstance(exact, mpmath.mpc) or not mpmath.isfinite(exact):
+                assert not found.error[i] < 1e300
+                continue
+            assert not abs(exact - mpmath.mpf(float(found.value[i]))) > found.error[i] * 1.01
