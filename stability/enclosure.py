@@ -66,6 +66,22 @@ def ball_unknowns(
     if rough is None:
         point = ([float(v.mid()) for v in a], [float(v.mid()) for v in q])
         rough = family.solve(*(np.array([part]).reshape(1, -1) for part in point))[0]
+    found = _krawczyk(family, a, q, rough)
+    if found is None:
+        raise NoMemberError(
+            f"{family.name} at {listing(family.at, [float(v) for v in a])}: no root is proved "
+            f"within {ctx.prec} bits; the point may be singular."
+        )
+    return found
+
+
+def _krawczyk(
+    family: Family, a: Sequence[Any], q: Sequence[Any], rough: Sequence[float]
+) -> list[Any] | None:
+    """The test around a rough root: in a box of its own size first, then in one of size 1.
+
+    A root at 0 has no size of its own.
+    """
     size = len(rough)
     x = arb_mat(size, 1, [arb(float(v)) for v in rough])
     half = arb(2) ** (-ctx.prec // 2)
@@ -76,19 +92,18 @@ def ball_unknowns(
         if all(abs(shift[i, 0]) <= half * abs(x[i, 0]) for i in range(size)):
             break
         x = (x - shift).mid()
-    spread = [
-        3 * shift[i, 0].abs_upper() + abs(x[i, 0]) * arb(2) ** (16 - ctx.prec) for i in range(size)
-    ]
-    box = arb_mat(size, 1, [x[i, 0] + arb(0, spread[i].abs_upper()) for i in range(size)])
-    _, slope = _residual(family, a, box, q)
     one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
-    image = x - shift + (one - inverse * slope) * (box - x)
-    if not all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
-        raise NoMemberError(
-            f"{family.name} at {listing(family.at, [float(v) for v in a])}: no root is proved "
-            f"within {ctx.prec} bits; the point may be singular."
-        )
-    return [image[i, 0] for i in range(size)]
+    for least in (0, 1):
+        spread = [
+            3 * shift[i, 0].abs_upper() + (least + abs(x[i, 0])) * arb(2) ** (16 - ctx.prec)
+            for i in range(size)
+        ]
+        box = arb_mat(size, 1, [x[i, 0] + arb(0, spread[i].abs_upper()) for i in range(size)])
+        _, slope = _residual(family, a, box, q)
+        image = x - shift + (one - inverse * slope) * (box - x)
+        if all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
+            return [image[i, 0] for i in range(size)]
+    return None
 
 
 def _residual(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any]:

@@ -15,12 +15,17 @@ from .algebra import Upright
 from .checks import checked
 from .errors import NameUnknownError, NoMemberError, ParameterError, shown
 from .graph import FamilyGraph, Frame
+from .steadiness import rate_noise, step_noise
 from .system import System
 
 Floats = NDArray[np.float64]
 
 STEP = 1e-11
 """A root is accepted where a further Newton step moves it by less than this, relatively."""
+NOISE = 1e-6
+"""Or by rounding alone, where that is less than this, relative to 1 or the root."""
+UNKNOWN = 1e-10
+"""Rates that count as zero, in units of the linearisation, where their rounding has no bound."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,7 +305,13 @@ class Family:
         u = np.array(finder(start.T, np.hstack([a, q]).T)).T.reshape(len(a), -1)
         step = self._newton_step(a, u, q)
         size = np.maximum(np.abs(u), 1e-300)
-        good = (np.isfinite(u) & (np.abs(step) <= STEP * np.maximum(size, 1e-8))).all(axis=1)
+        close = np.abs(step) <= STEP * np.maximum(size, 1e-8)
+        if (
+            not close.all()
+        ):  # a root at 0 is met within the rounding of its equation, not relatively
+            noise = step_noise(self.graph, a, u, q)
+            close |= (np.abs(step) <= 2 * noise) & (noise <= NOISE * np.maximum(size, 1.0))
+        good = (np.isfinite(u) & close).all(axis=1)
         for index, name in enumerate(self.unknown):
             if name in self.positive:
                 good &= u[:, index] > 0
@@ -332,19 +343,26 @@ class Family:
         arguments = [columns(a), columns(u), columns(q)]
         rates = self.graph.rates.arrays(arguments, a.shape[:1])[0][..., 0]
         with np.errstate(all="ignore"):
-            size = np.abs(self.matrix(a, u, q)).max(axis=(1, 2))
+            matrix = self.matrix(a, u, q)
+            size = np.abs(matrix).max(axis=(1, 2))
             scale = 1 + size * (1 + np.abs(u).max(axis=1, initial=0))
         if not (np.isfinite(rates).all() and np.isfinite(scale).all()):
             raise NoMemberError(
                 f"{self.name}: the rates overflow double precision; give values nearer to 1."
             )
-        bad = ~(np.abs(rates).max(axis=1) <= 1e-10 * scale)
-        if bad.any():
-            row = int(np.argmax(bad))
+        if not rates.any():
+            return
+        bound = rate_noise(self.graph, a, u, q, self.states(a, u, q), matrix)
+        bound = np.where(np.isfinite(bound), bound, UNKNOWN * scale[:, None])
+        over = ~(np.abs(rates) <= bound)
+        if over.any():
+            row = int(np.argmax(over.any(axis=1)))
+            which = int(np.argmax(np.where(over[row], np.abs(rates[row]), -1.0)))
             raise NoMemberError(
                 f"{self.name} at {listing(self.at, a[row])} is not steady: "
-                f"{self.system.states[int(np.argmax(np.abs(rates[row])))]} still changes at "
-                f"{np.abs(rates[row]).max():.3g}; add its rate to the family's equations."
+                f"{self.system.states[which]} still changes at {abs(rates[row, which]):.3g}, and "
+                f"rounding accounts for {bound[row, which]:.1g} of that at most; add its rate to "
+                "the family's equations, or give what is held to all its digits."
             )
 
     # --- inputs ---

@@ -14,7 +14,7 @@ import stability
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "stability"
 CORE = (
-    "errors", "disk", "contact", "algebra", "tracked", "system", "equations", "graph", "families",
+    "errors", "disk", "contact", "algebra", "tracked", "system", "equations", "graph", "families", "steadiness",
     "continuation", "steady", "enclosure", "polynomial", "verdict", "reduction", "modes", "spectra",
     "problem", "query", "grid", "files", "boundary", "curves", "cells", "maps", "exact", "certify",
     "kernels", "factoring", "growth", "tiles", "boxes", "stream", "derivation", "hurwitz",
