@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .checks import positive
+from .checks import callback, positive
 from .errors import FileError, ParameterError, shown
 from .files import check_target, whole
 from .film import FINE, Scene, caption_of, inner_radius, unit_of, write_gif, write_mp4
@@ -82,8 +82,7 @@ def animate(
     ...     animate(run, FilePath(folder) / "fall.html").name
     'fall.html'
     """
-    if progress is not None and not callable(progress):
-        raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
+    callback(progress)
     motion = _single(dataset)
     check_target(path, overwrite=overwrite)
     suffix = FilePath(path).suffix.lower()

@@ -25,12 +25,13 @@ from typing import Any
 import numpy as np
 
 from . import __version__
+from .checks import whole_number
 from .contact import Rough, Smooth, Viscous
 from .crossings import Crossing
 from .curves import KINDS
 from .dataset import LIBRARIES, LONG_NAMES
 from .disk import Disk
-from .errors import FileError, ParameterError, shown
+from .errors import FileError
 from .files import check_folder, deaf
 from .maps import boundaries, stability_map
 from .query import spectrum
@@ -43,6 +44,8 @@ BODIES: dict[str, tuple[Callable[[], Disk], str, str]] = {
     "hoop": (Disk.hoop, "hoop", "k = 1/2"),
 }
 """The bodies of the atlas: disk, name, inertia."""
+FINEST = 4000
+"""Most points along the axis of a family."""
 RANGES = {"rolling": (0.02, 3.0), "spinning": (0.02, 5.0), "tumbling": (0.02, math.pi / 2)}
 """Interval of `at`, dimensionless."""
 FRICTION = (0.01, 100.0)
@@ -118,10 +121,9 @@ def atlas(
     ParameterError
         If the resolution is below 8.
     """
-    if isinstance(resolution, bool) or not isinstance(resolution, int) or resolution < 8:
-        raise ParameterError(
-            f"resolution is {shown(resolution)}; a whole number of at least 8 is needed."
-        )
+    resolution = whole_number(
+        "resolution", resolution, 8, FINEST, "`stability map --verdict-only` draws finer ones"
+    )
     target = Path(out)
     taken = f"{target} exists and is not empty; choose another, or use --force."
     check_folder(target, "" if force else taken)

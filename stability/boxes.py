@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import NoMemberError, ParameterError, shown
+from .checks import whole_number
+from .errors import NoMemberError
 from .exact import Exact, Polynomial
 from .grid import Grid
 from .problem import Problem
@@ -101,10 +102,7 @@ def prove_boxes(
     >>> round(boxes.proved, 2), sorted(set(boxes.codes.tolist()))
     (0.99, [0, 1, 2])
     """
-    if isinstance(levels, bool) or not isinstance(levels, int) or not 0 <= levels <= MOST_LEVELS:
-        raise ParameterError(
-            f"levels is {shown(levels)}; a whole number from 0 to {MOST_LEVELS} is needed."
-        )
+    levels = whole_number("levels", levels, 0, MOST_LEVELS)
     judge = BoxConditions(question) if question.exact is not None else _WideBalls(question)
     edges = [_edges(axis, levels) for axis in axes]
     i = j = np.zeros(1, dtype=np.int64)

@@ -2,16 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from typing import Any, TypeVar
+from collections.abc import Callable, Collection
+from enum import Enum, EnumMeta
+from functools import wraps
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import NameUnknownError, ParameterError, shown
+from .errors import NameUnknownError, ParameterError, StabilityError, shown
 
 Number = float | NDArray[np.float64]
+MOST_WORKERS = 1024
+"""Most threads or processes that may be asked for."""
 Kind = TypeVar("Kind")
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+class _ByText(EnumMeta):
+    """Members are looked up by their text alone; anything else need not even be comparable."""
+
+    def __call__(cls, value: Any) -> Any:  # type: ignore[override]
+        if not isinstance(value, (str, cls)):
+            cls._missing_(value)  # type: ignore[attr-defined]
+        return super().__call__(value)
+
+
+class Sentences(Enum, metaclass=_ByText):
+    """An enumeration whose values are sentences; an unknown one is refused with the known words."""
+
+    @classmethod
+    def _missing_(cls, value: object) -> NoReturn:
+        names = ", ".join(f"{cls.__name__}.{name}" for name in cls.__members__)
+        raise NameUnknownError(f"{shown(value)} is no {cls.__name__}; known are {names}.")
 
 
 def checked(name: str, value: ArrayLike) -> Number:
@@ -42,7 +65,7 @@ def checked(name: str, value: ArrayLike) -> Number:
     if type(value) is float:  # by far the most frequent
         array = np.asarray(value)
     else:
-        array = _numbers(name, value)
+        array = real_numbers(name, value)
     if array.size == 0:
         raise ParameterError(f"{name} is an empty array; at least one number is needed.")
     bad = ~np.isfinite(array)
@@ -55,8 +78,20 @@ def checked(name: str, value: ArrayLike) -> Number:
     return array
 
 
-def _numbers(name: str, value: Any) -> NDArray[np.float64]:
-    """Real numbers as doubles, infinite and NaN among them, or a refusal."""
+def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
+    """Real numbers as doubles, infinite and NaN among them, or a refusal.
+
+    Parameters
+    ----------
+    name
+        What they are called in the message.
+    value
+        A number or an array of numbers, any shape.
+
+    Returns
+    -------
+    ndarray
+    """
     try:
         if value is None or isinstance(value, (str, bytes)):
             raise TypeError
@@ -158,7 +193,7 @@ def rows(name: str, value: Any, names: Collection[str]) -> NDArray[np.float64]:
     >>> rows("x", [0.5, 0.0], ("angle", "rate")).shape
     (2,)
     """
-    array = _numbers(name, value)
+    array = real_numbers(name, value)
     if array.ndim == 0 or array.shape[-1] != len(names):
         raise ParameterError(
             f"{name} has shape {array.shape}; its last axis must hold {len(names)} values"
@@ -193,6 +228,37 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
         raise ParameterError(
             f"the arrays do not broadcast: their shapes are {listed}; make them fit."
         ) from None
+
+
+def arithmetic(remedy: str) -> Callable[[Method], Method]:
+    """Wrap a formula over any number type: what that type cannot do is refused in a sentence.
+
+    Parameters
+    ----------
+    remedy
+        What the formula takes.
+
+    Returns
+    -------
+    function
+        A decorator of methods.
+    """
+
+    def wrap(method: Method) -> Method:
+        @wraps(method)
+        def formula(self: Any, *values: Any, **named: Any) -> Any:
+            try:
+                with np.errstate(divide="raise", invalid="raise", over="ignore"):
+                    return method(self, *values, **named)
+            except StabilityError:
+                raise
+            except Exception as error:  # the numbers' own code runs here, which may raise anything
+                given = ", ".join(map(shown, (*values, *named.values())))
+                raise ParameterError(f"{given}: {type(error).__name__}; {remedy}.") from None
+
+        return formula  # type: ignore[return-value]
+
+    return wrap
 
 
 def flag(name: str, value: Any) -> bool:

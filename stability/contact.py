@@ -5,13 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import Number, positive
+from .checks import Number, arithmetic, broadcast, instance, known, positive
 from .disk import Disk
 from .errors import NameUnknownError, ParameterError, shown
 
 ZERO_MU = "friction must be positive (without friction the law is Smooth(), `--contact smooth`)"
+
+OVER_ANY_NUMBER = arithmetic(
+    "give a slip of two numbers that is not zero under dry friction, the normal force and mu, all "
+    "of one number type"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +48,7 @@ class Contact:
         values = {n: getattr(self, n, None) for n in ("mu", "c")}
         return {n: v for n, v in values.items() if v is not None}
 
+    @OVER_ANY_NUMBER
     def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """Horizontal contact force over m g, for the slip over √(gR) and the normal force over m g.
 
@@ -56,6 +63,7 @@ class Contact:
         """
         raise NameUnknownError(f"the contact law {type(self).__name__} states no force.")
 
+    @OVER_ANY_NUMBER
     def power(self, slip: Any, normal: Any, mu: Any) -> Any:
         """Power that the law dissipates [m g √(gR)]; arguments as in `force`."""
         force = self.force(slip, normal, mu)
@@ -76,6 +84,7 @@ class Smooth(Contact):
     conservative: ClassVar[bool] = True
     slips: ClassVar[bool] = False
 
+    @OVER_ANY_NUMBER
     def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """Zero."""
         return [0, 0]
@@ -111,6 +120,7 @@ class Viscous(Contact):
     def __post_init__(self) -> None:
         object.__setattr__(self, "mu", positive("mu", self.mu, ZERO_MU))
 
+    @OVER_ANY_NUMBER
     def force(self, slip: Any, normal: Any, mu: Any) -> Any:
         """Against the slip, in proportion to it and to the normal force."""
         return [-mu * normal * slip[0], -mu * normal * slip[1]]
@@ -150,7 +160,8 @@ class LinearViscous(Contact):
     def __post_init__(self) -> None:
         if (self.c is None) == (self.mu is None):
             raise ParameterError(
-                f"LinearViscous has c = {self.c} and mu = {self.mu}; give exactly one of them."
+                f"LinearViscous has c = {shown(self.c)} and mu = {shown(self.mu)}; give exactly "
+                "one of them."
             )
         name = "c" if self.mu is None else "mu"
         object.__setattr__(self, name, positive(name, getattr(self, name), ZERO_MU))
@@ -172,8 +183,12 @@ class LinearViscous(Contact):
         0.3
         """
         coefficient: Number = positive("mu", mu, ZERO_MU)
-        return cls(coefficient * disk.force)
+        force = instance("disk", disk, Disk, "give a stability.Disk").force
+        broadcast(mu=np.shape(coefficient), disk=np.shape(force))
+        with np.errstate(over="ignore", under="ignore"):  # what overflows is refused
+            return cls(coefficient * force)
 
+    @OVER_ANY_NUMBER
     def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """Against the slip, in proportion to it."""
         return [-mu * slip[0], -mu * slip[1]]
@@ -193,6 +208,7 @@ class Rough(Contact):
     conservative: ClassVar[bool] = True
     slips: ClassVar[bool] = False
 
+    @OVER_ANY_NUMBER
     def power(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """Zero: no slip, no loss."""
         return 0
@@ -231,6 +247,7 @@ class Coulomb(Contact):
     def __post_init__(self) -> None:
         object.__setattr__(self, "mu", positive("mu", self.mu, ZERO_MU))
 
+    @OVER_ANY_NUMBER
     def force(self, slip: Any, normal: Any, mu: Any) -> Any:
         """Against the slip, mu times the normal force; not defined at rest."""
         size = (slip[0] * slip[0] + slip[1] * slip[1]) ** 0.5
@@ -270,6 +287,7 @@ class RegularisedCoulomb(Contact):
         object.__setattr__(self, "mu", positive("mu", self.mu, ZERO_MU))
         object.__setattr__(self, "epsilon", positive("epsilon", self.epsilon))
 
+    @OVER_ANY_NUMBER
     def force(self, slip: Any, normal: Any, mu: Any) -> Any:
         """Against the slip; mu stands for the pair (mu, epsilon)."""
         coefficient, epsilon = mu
@@ -321,19 +339,16 @@ def law_named(
     >>> law_named("viscous", 0.3).mu
     0.3
     """
-    if epsilon is not None and name != RegularisedCoulomb.name:
-        raise ParameterError(
-            f"epsilon is given but the {name} law has none; it goes with coulomb-regularised."
-        )
-    if name in MOTION_LAWS and name not in LAWS and not motion:
+    if not motion and isinstance(name, str) and name in MOTION_LAWS and name not in LAWS:
         raise NameUnknownError(
             f"contact is {shown(name)}, dry friction, which has no linearisation of its own; "
             "inside the friction cone it is `rough`."
         )
-    known = MOTION_LAWS if motion else LAWS
-    if name not in known:
-        raise NameUnknownError(f"contact is {shown(name)}; known are {', '.join(known)}.")
-    law = known[name]
+    law = (MOTION_LAWS if motion else LAWS)[known("contact", name, MOTION_LAWS if motion else LAWS)]
+    if epsilon is not None and name != RegularisedCoulomb.name:
+        raise ParameterError(
+            f"epsilon is given but the {name} law has none; it goes with coulomb-regularised."
+        )
     if law.coefficient is None:
         if mu is not None:
             raise ParameterError(

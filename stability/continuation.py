@@ -8,9 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import checked
-from .errors import NoMemberError, ParameterError, shown
+from .checks import instance, one_number, rows, whole_number
+from .errors import NoMemberError, ParameterError
 from .families import Family, Floats, columns
+
+MOST_POINTS = 100_000
+"""Most members of a branch, each of which is solved for."""
 
 
 class Branch(NamedTuple):
@@ -67,20 +70,15 @@ def branch(
     >>> run.complete, float(run.state[0, 2].round(6))
     (True, 2.00251)
     """
-    if not isinstance(family, Family):
-        raise ParameterError(f"family is {shown(family)}; give a stability.Family.")
-    if isinstance(points, bool) or not isinstance(points, int):
-        raise ParameterError(f"points is {shown(points)}; a whole number is needed.")
-    for what, given, names in (
-        ("parameters", parameters, family.parameters), ("fixed", fixed, family.at[1:]),
-    ):  # fmt: skip
-        if np.size(given) != len(names) or (np.size(given) and np.ndim(checked(what, given)) != 1):
-            raise ParameterError(f"{what} must hold {len(names)} values ({', '.join(names)}).")
-    if points < 2:
-        raise ParameterError(f"points is {points}; a branch needs at least 2.")
-    lo, hi = float(checked("start", start)), float(checked("stop", stop))
-    rest = np.asarray(fixed, dtype=float)
-    q = np.atleast_2d(np.asarray(parameters, dtype=float))
+    instance("family", family, Family, "give a stability.Family")
+    points = whole_number("points", points, 2, MOST_POINTS, "follow a longer branch in pieces")
+    lo, hi = one_number("start", start), one_number("stop", stop)
+    rest = rows("fixed", fixed, family.at[1:])
+    q = rows("parameters", parameters, family.parameters)
+    for what, given in (("fixed", rest), ("parameters", q)):
+        if given.ndim != 1:
+            raise ParameterError(f"{what} has shape {given.shape}; give one axis of numbers.")
+    q = q[None, :]
     values: list[float] = []
     unknowns: list[Floats] = []
     here = lo

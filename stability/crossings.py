@@ -5,13 +5,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from typing import Any, NamedTuple, overload
 
+from .checks import Sentences
 from .errors import StabilityWarning
 
 
-class Crossing(Enum):
+class Crossing(Sentences):
     """What crosses at a boundary; the value of each member is the sentence a user reads."""
 
     STATIC = "static boundary: a real eigenvalue (or λ² of a conservative law) passes through zero"

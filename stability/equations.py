@@ -14,7 +14,9 @@ from typing import Any
 
 import casadi as ca
 
+from .checks import flag, known
 from .contact import MOTION_LAWS, Contact, Coulomb, RegularisedCoulomb
+from .errors import ParameterError
 from .system import Condition, System
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
@@ -29,7 +31,6 @@ UNITS = {
 """SI unit of each state, parameter and observable."""
 
 
-@lru_cache(maxsize=16)
 def disk_system(law: str, *, slip_states: bool | None = None, direction: bool = False) -> System:
     """The disk under a contact law as a `System`; dimensionless, built once for each law.
 
@@ -60,6 +61,20 @@ def disk_system(law: str, *, slip_states: bool | None = None, direction: bool = 
     >>> float(system.observe(upright, [0.25, 0.3])["normal_force"])
     1.0
     """
+    known("law", law, MOTION_LAWS)
+    if slip_states is not None:
+        slip_states = flag("slip_states", slip_states)
+        if slip_states != MOTION_LAWS[law].slips and law != "smooth":
+            raise ParameterError(
+                f"slip_states is {slip_states}; the {law} law leaves no choice, leave it out."
+            )
+    if flag("direction", direction) and law != "coulomb":
+        raise ParameterError(f"direction goes with the coulomb law, not with {law}; leave it out.")
+    return _disk_system(str(law), slip_states, direction=bool(direction))
+
+
+@lru_cache(maxsize=16)
+def _disk_system(law: str, slip_states: bool | None, *, direction: bool) -> System:
     contact = MOTION_LAWS[law]
     slips = contact.slips if slip_states is None else slip_states
     names = STATES if slips else STATES[:4]

@@ -13,8 +13,9 @@ from functools import cached_property, lru_cache
 from importlib.resources import files
 from typing import Any
 
+from .checks import arithmetic
 from .contact import Contact
-from .errors import NameUnknownError, shown
+from .errors import NameUnknownError, ParameterError, shown
 
 DATA = "exact.json"
 """The file of derived polynomials, in stability/data."""
@@ -161,6 +162,7 @@ class Exact:
     conditions: tuple[tuple[str, Polynomial], ...]
     """(kind, polynomial): all positive means stable (or neutral), some negative unstable."""
 
+    @arithmetic("give numbers of one type")
     def coefficients(self, values: Sequence[Any]) -> list[list[Any]]:
         """Coefficients of each factor at a point, lowest power of σ first.
 
@@ -173,6 +175,11 @@ class Exact:
         -------
         list of list
         """
+        if isinstance(values, (str, bytes)) or len(values) != len(self.variables):
+            raise ParameterError(
+                f"values is {shown(values)}; give one number for each of "
+                f"{', '.join(self.variables)}."
+            )
         return [[c(*values) for c in factor] for factor in self.factors]
 
 
@@ -205,9 +212,15 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     """
     name = law.name if isinstance(law, Contact) else law
     known = _catalogue()
+    if not isinstance(family, str) or not isinstance(name, str):
+        bad = name if isinstance(family, str) else family
+        raise NameUnknownError(f"{shown(bad)} is no name; give a family and a law by their names.")
     key = f"{family} {name}"
     if key not in known:
-        raise NameUnknownError(f"{shown(key)} has no polynomial; known are {', '.join(known)}.")
+        raise NameUnknownError(
+            f"{shown(key)} has no polynomial; there is one for rolling, spinning and tumbling "
+            "under each law of spectra, and for circling under rough."
+        )
     return known[key]
 
 

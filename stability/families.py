@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .algebra import Upright
-from .checks import checked
+from .checks import broadcast, instance, rows
 from .errors import NameUnknownError, NoMemberError, ParameterError, shown
 from .graph import FamilyGraph, Frame
 from .steadiness import rate_noise, step_noise
 from .system import System
+from .system_checks import check_family, tables
 
 Floats = NDArray[np.float64]
 
@@ -103,6 +104,8 @@ class Family:
     """Whether a slow flow on the centre manifold carries a stable member to its threshold."""
 
     def __post_init__(self) -> None:
+        instance("system", self.system, System, "give a stability.System")
+        check_family(self)
         for name in (*self.held, *self.unknown, *self.equations):
             self.system.index(name)
         for name in self.at:
@@ -194,6 +197,7 @@ class Family:
         DomainError
             If the equations have no meaning there.
         """
+        a, u, q = tables(self, a, q, u)
         states = self.states(a, u, q)
         self.system.check(states, self._system_parameters(a, q))
         self._require_steady(a, u, q)
@@ -212,6 +216,7 @@ class Family:
         ndarray
             Shape (N, n, n).
         """
+        a, u, q = tables(self, a, q, u)
         out: Floats = self.graph.matrix.arrays([columns(a), columns(u), columns(q)], a.shape[:1])[0]
         return out
 
@@ -228,6 +233,7 @@ class Family:
         ndarray
             Shape (N, n, t) with t = `tangents`.
         """
+        a, u, q = tables(self, a, q, u)
         arguments = [columns(a), columns(u), columns(q)]
         by_a, by_u, _, r_u, r_a = self.graph.tangent.arrays(arguments, a.shape[:1])
         keep = [i for i, name in enumerate(self.at) if name in self.system.states]
@@ -256,17 +262,23 @@ class Family:
         NoMemberError
             Where the root-finder does not converge to an admissible root.
         """
-        names = list(self.unknown)
+        unknowns = list(self.unknown)
+        a, _, q = tables(self, a, q)
         self._check_before(a, q)
-        if not names or (self.closed and guess is None):
+        if not unknowns or (self.closed and guess is None):
             return np.tile(np.array(list(self.unknown.values()), dtype=float), (len(a), 1))
-        start = np.array(list(self.unknown.values())) if guess is None else np.asarray(guess, float)
-        start = np.broadcast_to(start, (len(a), len(names)))
+        start = np.array(list(self.unknown.values()))
+        if guess is not None:
+            start = rows("guess", guess, unknowns).reshape(-1, len(unknowns))
+            if len(start) not in (1, len(a)):
+                raise ParameterError(f"guess has {len(start)} rows for {len(a)} members.")
+        start = np.broadcast_to(start, (len(a), len(unknowns)))
         # What the equations do not depend on need not be solved again (mu, for the disk).
         used = self.graph.used
-        columns = np.hstack([a, q])[:, used]
-        rows, inverse = np.unique(np.hstack([columns, start]), axis=0, return_inverse=True)
-        first = np.zeros(len(rows), dtype=int)
+        distinct, inverse = np.unique(
+            np.hstack([np.hstack([a, q])[:, used], start]), axis=0, return_inverse=True
+        )
+        first = np.zeros(len(distinct), dtype=int)
         first[inverse.ravel()] = np.arange(len(a))
         found = self._root(a[first], q[first], start[first])
         return found[inverse.ravel()]
@@ -284,7 +296,8 @@ class Family:
         ndarray
             Shape (N, n).
         """
-        arguments = [columns(a), columns(u.reshape(len(a), -1)), columns(q)]
+        a, u, q = tables(self, a, q, u)
+        arguments = [columns(a), columns(u), columns(q)]
         out: Floats = self.graph.state.arrays(arguments, a.shape[:1])[0][..., 0]
         return out
 
@@ -370,15 +383,9 @@ class Family:
     def _inputs(
         self, at: ArrayLike, parameters: ArrayLike
     ) -> tuple[Floats, Floats, tuple[int, ...]]:
-        a = np.asarray(checked("at", at), dtype=float)
-        q = np.asarray(parameters, dtype=float)
-        for what, array, names in (("at", a, self.at), ("parameters", q, self.parameters)):
-            if array.ndim == 0 or array.shape[-1] != len(names):
-                raise ParameterError(
-                    f"{what} has shape {array.shape}; its last axis must hold {len(names)} values "
-                    f"({', '.join(names)})."
-                )
-        shape = np.broadcast_shapes(a.shape[:-1], q.shape[:-1])
+        a = rows("at", at, self.at)
+        q = rows("parameters", parameters, self.parameters)
+        shape = broadcast(at=a.shape[:-1], parameters=q.shape[:-1])
         count = math.prod(shape)
         a = np.broadcast_to(a, (*shape, len(self.at))).reshape(count, len(self.at))
         q = np.broadcast_to(q, (*shape, len(self.parameters))).reshape(count, len(self.parameters))

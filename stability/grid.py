@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .checks import checked
+from .checks import one_number
 from .errors import ParameterError, shown
 
 Floats = NDArray[np.float64]
@@ -35,7 +35,7 @@ class Grid:
     """Whether they are even in the logarithm."""
 
     @classmethod
-    def of(cls, axis: Sequence[Any], which: str) -> Grid:
+    def of(cls, axis: Sequence[Any], which: str, most: int = MOST_POINTS) -> Grid:
         """An axis from (name, low, high, n) or (name, low, high, n, "log").
 
         Parameters
@@ -44,6 +44,8 @@ class Grid:
             The tuple.
         which
             `x` or `y`, for messages.
+        most
+            Most points.
 
         Raises
         ------
@@ -62,18 +64,17 @@ class Grid:
         name, low, high, count, *rest = axis
         if not isinstance(name, str):
             raise ParameterError(f"{which} axis name is {shown(name)}; give a string such as 'at'.")
-        if rest and rest[0] not in ("log", "linear"):
+        if rest and not (isinstance(rest[0], str) and rest[0] in ("log", "linear")):
             raise ParameterError(f"{which} spacing is {shown(rest[0])}; give 'linear' or 'log'.")
         low, high = (
-            checked(f"the {what} end of the {which} axis {name}", value)
+            one_number(f"the {what} end of the {which} axis {name}", value)
             for what, value in (("low", low), ("high", high))
         )
-        if not isinstance(low, float) or not isinstance(high, float):
-            raise ParameterError(f"{which} axis {name} has an array for an end; give numbers.")
-        if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 2:
+        integer = isinstance(count, (int, np.integer)) and not isinstance(count, bool)
+        if not integer or count < 2:
             raise ParameterError(
-                f"{which} axis {name} has {shown(count)} points; a whole number of at least 2 is "
-                "needed."
+                f"{which} axis {shown(name)} has {shown(count)} points; a whole number of at "
+                "least 2 is needed."
             )
         if not low < high:
             raise ParameterError(
@@ -85,8 +86,10 @@ class Grid:
             raise ParameterError(
                 f"{which} axis {name} starts at {low:g}; a logarithmic axis starts above zero."
             )
-        if count > MOST_POINTS:
-            raise ParameterError(f"{which} axis {name} has {count} points; at most {MOST_POINTS}.")
+        if count > most:
+            raise ParameterError(
+                f"{which} axis {name} has {shown(count)} points; take at most {most}."
+            )
         grid = cls(name, low, high, int(count), log)
         with np.errstate(all="ignore"):
             apart = np.diff(grid.values)

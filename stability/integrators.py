@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from . import stepping, sundials, taylor
-from .errors import NameUnknownError, ParameterError, shown
+from .checks import known
+from .errors import ParameterError
 from .flow import Floats
 from .route import UNRESOLVED, Integrate, Leg, Path
 
@@ -67,14 +68,9 @@ def check_method(method: str) -> str:
     >>> check_method("lsoda")
     'lsoda'
     """
-    if not isinstance(method, str):
-        raise NameUnknownError(
-            f"method is {shown(method)}; give auto or a name: {', '.join(METHODS)}."
-        )
+    known("method", method, ("auto", *METHODS))
     if method == "auto":
-        return method
-    if method not in METHODS:
-        raise NameUnknownError(f"method is {shown(method)}; known are auto, {', '.join(METHODS)}.")
+        return "auto"
     if method == HEYOKA and not taylor.available():
         raise ParameterError(
             "method is 'heyoka', which is not installed; install stability[heyoka], or take "

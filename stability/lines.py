@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -29,7 +28,7 @@ from flint import acb, acb_mat, arb, arb_mat
 from numpy.typing import NDArray
 
 from .algebra import Program, Upright, balls
-from .checks import checked
+from .checks import Sentences, checked, instance, whole_number
 from .contact import Contact
 from .disk import Disk
 from .enclosure import ball_unknowns
@@ -49,9 +48,11 @@ BITS = 256
 """Working precision of the first attempt."""
 MOST_BITS = 2048
 """Where raising it ends: the point is then degenerate."""
+MOST_POINTS = 100_000
+"""Most points of the search."""
 
 
-class HopfKind(Enum):
+class HopfKind(Sentences):
     """What a motion beside the boundary does; the value is the sentence a user reads."""
 
     ELLIPTIC = (
@@ -175,9 +176,8 @@ def hopf(
         )
     if not isinstance(contact, Contact) or type(contact).coefficient is None:
         raise ParameterError(f"contact is {shown(contact)}; a law with friction is needed.")
-    if isinstance(points, bool) or not isinstance(points, (int, np.integer)) or points < 2:
-        raise ParameterError(f"points is {shown(points)}; a whole number of at least 2 is needed.")
-    body = Disk() if disk is None else disk
+    points = whole_number("points", points, 2, MOST_POINTS, "the search takes time for each")
+    body = Disk() if disk is None else instance("disk", disk, Disk, "give a stability.Disk")
     question = disk_problem(family, body, contact, 1.0)
     for name, value in question.values.items():
         if np.ndim(value):

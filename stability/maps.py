@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .boxes import prove_boxes
+from .boxes import MOST_LEVELS, prove_boxes
 from .cells import Cells, Parts
 from .changes import along
+from .checks import MOST_WORKERS, callback, flag, whole_number
 from .contact import LAWS, Contact, LinearViscous, Viscous
 from .crossings import Boundaries
 from .curves import trace
@@ -28,6 +29,11 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 Axis = tuple[str, float, float, int] | tuple[str, float, float, int, str]
+
+MOST_CELLS = 100_000_000
+"""Largest map in memory."""
+MOST_SCAN = 1_000_000
+"""Most points of a scan for boundaries along an axis."""
 
 RESERVED = ("abscissa", "abscissa_error", "frequency", "verdict", "eigenvalues", "mode",
             "complex_part", "box", "end")  # fmt: skip
@@ -108,12 +114,19 @@ def stability_map(
     >>> m.abscissa.dims, m.abscissa.shape
     (('mu', 'at'), (5, 7))
     """
-    if not isinstance(certify, bool):
-        raise ParameterError(f"certify is {shown(certify)}; give True or False.")
+    certify, boundaries = flag("certify", certify), flag("boundaries", boundaries)
+    modes = flag("modes", modes)
     if levels is not None and not certify:
         raise ParameterError("levels goes with certify=True; leave it out or certify.")
+    if levels is not None:
+        levels = whole_number("levels", levels, 0, MOST_LEVELS)
     check_run(workers, progress)
     axes = Grid.of(x, "x"), Grid.of(y, "y")
+    if (total := axes[0].count * axes[1].count) > MOST_CELLS:
+        raise ParameterError(
+            f"the map has {total:.3g} cells, at most {MOST_CELLS:.0e} are kept in memory; take "
+            "fewer points, or stream_map (`--verdict-only`), which writes a file."
+        )
     question = prepare(family, axes, disk, contact, at, parameters)
     cells = Cells(question, axes, modes)
     parts = Parts(checkpoint, cells.key()) if checkpoint is not None else None
@@ -144,12 +157,9 @@ def check_run(workers: Any, progress: Any) -> None:
     ParameterError
         With the value.
     """
-    if workers is not None and (not isinstance(workers, int) or workers < 1):
-        raise ParameterError(
-            f"workers is {shown(workers)}; a whole number of at least 1 is needed."
-        )
-    if progress is not None and not callable(progress):
-        raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
+    if workers is not None:
+        whole_number("workers", workers, most=MOST_WORKERS)
+    callback(progress)
 
 
 def boundaries(
@@ -201,7 +211,7 @@ def boundaries(
     >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
     ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
     """
-    grid = Grid.of(axis, "axis")
+    grid = Grid.of(axis, "axis", most=MOST_SCAN)
     question = prepare(family, (grid,), disk, contact, at, dict(parameters))
     found = along(question, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     found.warn(grid.name)
@@ -304,7 +314,7 @@ def _law(contact: Any, axes: Sequence[Grid]) -> Contact:
         contact = Viscous
     if isinstance(contact, Contact):
         return contact
-    if contact not in LAWS.values():
+    if not isinstance(contact, type) or contact not in LAWS.values():
         raise NameUnknownError(f"contact is {shown(contact)}; known are {', '.join(LAWS)}.")
     law: type[Contact] = contact
     if law.coefficient is None:

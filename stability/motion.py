@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import checked
+from .checks import MOST_WORKERS, callback, flag, one_number, whole_number
 from .contact import Contact
 from .disk import Disk
-from .errors import ParameterError, shown
+from .errors import ParameterError
 from .flow import CASADI, FLAT, LIFT_OFF, NO_CONTACT, Floats, flow
 from .integrators import FINEST, Choice, check_method, explicit, run
 from .launches import Launches, gather
@@ -156,8 +156,7 @@ def simulate(
     """
     from .trajectory import assemble
 
-    if progress is not None and not callable(progress):
-        raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
+    callback(progress)
     settings = Settings(
         check_method(method), tolerance, pose, flat, settle, max_steps, workers, check
     )
@@ -192,12 +191,9 @@ class Settings:
     def refuse(self) -> None:
         """Refuse what is out of range, in one sentence."""
         for name in ("tolerance", "flat", "settle"):
-            value = checked(name, getattr(self, name))
-            if not isinstance(value, float):
-                raise ParameterError(f"{name} has shape {np.shape(value)}; give one number.")
+            one_number(name, getattr(self, name))
         for name in ("pose", "check"):
-            if not isinstance(getattr(self, name), (bool, np.bool_)):
-                raise ParameterError(f"{name} is {shown(getattr(self, name))}; give True or False.")
+            flag(name, getattr(self, name))
         if not TIGHTEST <= self.tolerance <= LOOSEST:
             raise ParameterError(
                 f"tolerance is {self.tolerance:g}; give one from {TIGHTEST:g} to {LOOSEST:g}."
@@ -210,8 +206,7 @@ class Settings:
             value = getattr(self, name)
             if name == "workers" and value is None:
                 continue
-            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
-                raise ParameterError(f"{name} is {shown(value)}; give a whole number above 0.")
+            whole_number(name, value, most=MOST_WORKERS if name == "workers" else None)
 
 
 def _not_flat(launches: Launches, settings: Settings) -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from enum import Enum
-
+from .checks import Sentences
 from .flow import FLAT, LIFT_OFF, NO_CONTACT
 from .route import UNRESOLVED
 from .sticking import NON_UNIQUE
 
 
-class Outcome(Enum):
+class Outcome(Sentences):
     """How a run ended; exactly one of these, each with its time and evidence.
 
     Examples

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .checks import checked
+from .checks import checked, flag
 from .contact import Contact
 from .disk import Disk
 from .errors import ParameterError, shown
@@ -112,8 +112,7 @@ def drift(
             f"contact is {shown(contact)}; drift needs a law with friction: Viscous(mu) or "
             "LinearViscous(c)."
         )
-    if not isinstance(launch, bool):
-        raise ParameterError(f"launch is {shown(launch)}; give True or False.")
+    launch = flag("launch", launch)
     if at is None:
         raise ParameterError("at is missing; it is omega3 at the start.")
     question = disk_problem("rolling", Disk() if disk is None else disk, contact, at)

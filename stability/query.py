@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .checks import flag
 from .contact import Contact
 from .disk import Disk
 from .errors import DomainError, NoMemberError, ParameterError, shown
@@ -140,9 +141,7 @@ def spectrum(
     """
     if at is None and lean is None:
         raise ParameterError("at is missing; it names the member of the family.")
-    for what, flag in (("certify", certify), ("escalate", escalate)):
-        if not isinstance(flag, bool):
-            raise ParameterError(f"{what} is {shown(flag)}; give True or False.")
+    certify, escalate = flag("certify", certify), flag("escalate", escalate)
     question = problem(family, at, disk, contact, dict(parameters), lean)
     a, q, rate, shape = question.arrays(question.values)
     resolved = question.family

@@ -5,9 +5,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 from .algebra import UPRIGHT, Upright
+from .checks import known
 from .contact import LAWS
 from .equations import disk_system
-from .errors import NameUnknownError, shown
+from .errors import NameUnknownError
 from .families import Family
 
 FAMILIES = ("rolling", "spinning", "tumbling", "circling")
@@ -22,7 +23,6 @@ AT = {
 """What names a member of each family."""
 
 
-@lru_cache(maxsize=32)
 def disk_family(name: str, law: str) -> Family:
     """One of the disk's families under a contact law; dimensionless, built once.
 
@@ -54,15 +54,18 @@ def disk_family(name: str, law: str) -> Family:
     >>> disk_family("tumbling", "viscous").member([math.pi / 6], [0.5, 1.0]).round(12)[2]
     np.float64(2.0)
     """
-    if name not in FAMILIES:
-        raise NameUnknownError(f"family is {shown(name)}; known are {', '.join(FAMILIES)}.")
-    if law not in LAWS:
-        raise NameUnknownError(f"contact is {shown(law)}; known are {', '.join(LAWS)}.")
+    known("family", name, FAMILIES)
+    known("contact", law, LAWS)
     if name == "circling" and law != "rough":
         raise NameUnknownError(
             f"circling is a family of the rough disk; under the {law} law the contact would slip "
             "(steady motions there are rolling, spinning and tumbling)."
         )
+    return _disk_family(str(name), str(law))
+
+
+@lru_cache(maxsize=32)
+def _disk_family(name: str, law: str) -> Family:
     system = disk_system(law)
     rest: dict[str, float | Upright] = {"theta_dot": 0.0}
     if LAWS[law].slips:

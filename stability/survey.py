@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .beyond import law_of
-from .checks import checked, positive
+from .checks import checked, known, positive
 from .contact import Contact
 from .disk import Disk
 from .errors import NameUnknownError, ParameterError, shown
@@ -138,8 +138,7 @@ def launch(
     >>> launch("rolling", at=1.2, tilt=0.1).round(3).tolist()
     [1.471, 0.0, 0.0, 1.2, 0.0, 0.0]
     """
-    if family not in (*LAUNCHES, "tumbling"):
-        raise NameUnknownError(f"family is {shown(family)}; known are rolling, spinning, tumbling.")
+    known("family", family, (*LAUNCHES, "tumbling"))
     if disk is None and family == "tumbling":
         raise ParameterError(
             "disk is missing; the rate of tumbling depends on the body, as √(g/(k R sinθ)): give "

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .algebra import Program
-from .errors import DomainError, NameUnknownError, ParameterError, shown
+from .checks import broadcast, instance, known, real_numbers, rows
+from .errors import DomainError, ParameterError, shown
+from .system_checks import check_implicit, check_system, expression, mapping, names
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,9 +26,23 @@ class Condition:
     sentence: str
     """The reason, as it is shown to the user, with `{value}` where the number goes."""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "value", expression("value of a condition", self.value, 1, 1))
+        sentence = instance("sentence of a condition", self.sentence, str, "give a string")
+        try:
+            sentence.format(value=1.0)
+        except (LookupError, ValueError, AttributeError, TypeError):
+            raise ParameterError(
+                f"sentence of a condition is {shown(sentence)}; the only thing in braces is "
+                "{value}, with a format for numbers."
+            ) from None
+
     def refusal(self, value: float) -> str:
         """The reason with its value, one sentence."""
-        return self.sentence.format(value=value) + "."
+        number = real_numbers("value", value)
+        if number.size != 1:
+            raise ParameterError(f"value has shape {number.shape}; give one number.")
+        return self.sentence.format(value=float(number.item())) + "."
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,35 +111,17 @@ class System:
     """Names of the implicit form's unknowns: accelerations and contact forces."""
 
     def __post_init__(self) -> None:
-        for what in ("x", "p", "rhs"):
-            value = getattr(self, what)
-            if not isinstance(value, ca.SX):
-                raise ParameterError(
-                    f"{what} is a {type(value).__name__}; give a CasADi SX expression."
-                )
-        for what in ("states", "parameters"):
-            value = getattr(self, what)
-            if isinstance(value, str) or not isinstance(value, (tuple, list)):
-                raise ParameterError(f"{what} is {shown(value)}; give a tuple of names.")
-            object.__setattr__(self, what, tuple(value))
-        for what, symbols, names in (("x", self.x, self.states), ("p", self.p, self.parameters)):
-            if symbols.numel() != len(names) or len(set(names)) != len(names):
-                raise ParameterError(
-                    f"{what} has {symbols.numel()} entries but the names are {list(names)}; "
-                    "give each entry one name of its own."
-                )
-        if self.rhs.numel() != self.x.numel():
+        for what in ("states", "parameters", "unknowns"):
+            object.__setattr__(self, what, names(what, getattr(self, what)))
+        for what in ("observables", "units"):
+            object.__setattr__(self, what, mapping(what, getattr(self, what)))
+        given = self.conditions
+        if not isinstance(given, (tuple, list)) or not all(isinstance(c, Condition) for c in given):
             raise ParameterError(
-                f"rhs has {self.rhs.numel()} entries for {self.x.numel()} states; give one each."
+                f"conditions is {shown(given)}; give a tuple of stability.Condition."
             )
-        known = ca.vertcat(self.x, self.p)
-        for name, expression in {"rhs": self.rhs, **self.observables}.items():
-            free = [s for s in ca.symvar(ca.SX(expression)) if not ca.depends_on(known, s)]
-            if free:
-                raise ParameterError(
-                    f"{name} contains the symbol {free[0]}, which is neither a state nor a "
-                    "parameter; list it in x or p."
-                )
+        object.__setattr__(self, "conditions", tuple(given))
+        check_system(self)
 
     @classmethod
     def from_mass_matrix(
@@ -138,7 +136,7 @@ class System:
         rates: Mapping[str, Any],
         pivots: Sequence[tuple[int, int]] | None = None,
         observables: Any = None,
-        **names: Any,
+        **others: Any,
     ) -> System:
         """A system from mass · u = forcing, where u holds accelerations and constraint forces.
 
@@ -157,7 +155,7 @@ class System:
             meaning; natural order when left out.
         observables
             Function (solution by name, pivot values) → mapping of expressions, or None.
-        **names
+        **others
             `states`, `parameters`, `conditions`, `units` as in the constructor.
 
         Returns
@@ -172,18 +170,24 @@ class System:
         >>> s.rates([1.0, 0.0], [4.0])
         array([ 0.  , -0.25])
         """
-        order = pivots or [(i, i) for i in range(len(unknowns))]
-        solution, values = eliminate(mass, forcing, order)
-        solved = dict(zip(unknowns, solution, strict=True))
-        states: tuple[str, ...] = names["states"]
-        rhs = ca.vertcat(*[rates[s] if s in rates else solved[f"d_{s}"] for s in states])
+        sought = names("unknowns", unknowns)
+        given = {n: expression(f"rate of {n}", e, 1, 1) for n, e in mapping("rates", rates).items()}
+        matrix = expression("mass", mass, len(sought), len(sought))
+        right = expression("forcing", forcing, len(sought), 1)
+        states = others.get("states", ())
+        order = check_implicit(matrix, sought, given, pivots, states)
+        solution, values = eliminate(matrix, right, order)
+        solved = dict(zip(sought, solution, strict=True))
+        rhs = ca.vertcat(*[given[s] if s in given else solved[f"d_{s}"] for s in states])
+        if observables is not None and not callable(observables):
+            raise ParameterError(f"observables is {shown(observables)}; give a function or None.")
         extra = observables(solved, values) if observables else {}
-        conditions = names.pop("conditions", ())
+        conditions = others.pop("conditions", ())
         if callable(conditions):
             conditions = conditions(extra)
         return cls(
-            name, x, p, rhs, observables=extra, conditions=conditions,
-            mass=mass, forcing=forcing, unknowns=tuple(unknowns), **names,
+            name, x, p, ca.SX(rhs), observables=extra, conditions=conditions,
+            mass=matrix, forcing=right, unknowns=sought, **others,
         )  # fmt: skip
 
     @cached_property
@@ -212,16 +216,8 @@ class System:
         return Program(ca.Function("conditions", [self.x, self.p], values))
 
     def _arguments(self, x: ArrayLike, p: ArrayLike) -> tuple[list[Any], tuple[int, ...]]:
-        xs, ps = np.asarray(x, dtype=float), np.asarray(p, dtype=float)
-        for what, array, names in (("x", xs, self.states), ("p", ps, self.parameters)):
-            if array.ndim == 0 or array.shape[-1] != len(names):
-                raise ParameterError(
-                    f"{what} has shape {array.shape}; its last axis must hold {len(names)} values "
-                    f"({', '.join(names)})."
-                )
-            if not np.isfinite(array).all():
-                raise ParameterError(f"{what} holds NaN or infinite numbers; give finite ones.")
-        shape = np.broadcast_shapes(xs.shape[:-1], ps.shape[:-1])
+        xs, ps = rows("x", x, self.states), rows("p", p, self.parameters)
+        shape = broadcast(x=xs.shape[:-1], p=ps.shape[:-1])
         arguments = [list(np.moveaxis(xs, -1, 0)), list(np.moveaxis(ps, -1, 0))]
         return arguments, shape
 
@@ -266,7 +262,7 @@ class System:
             Where the equations have no meaning.
         """
         self.check(x, p)
-        return np.asarray(self._program.arrays(*self._arguments(x, p))[0][..., 0])
+        return self._finite(self._program.arrays(*self._arguments(x, p))[0])[..., 0]
 
     def linearise(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.float64]:
         """The Jacobian ∂f/∂x by automatic differentiation at any state.
@@ -287,7 +283,7 @@ class System:
             Where the equations have no meaning.
         """
         self.check(x, p)
-        return np.asarray(self._jacobian_program.arrays(*self._arguments(x, p))[0])
+        return self._finite(self._jacobian_program.arrays(*self._arguments(x, p))[0])
 
     def observe(self, x: ArrayLike, p: ArrayLike) -> dict[str, NDArray[np.float64]]:
         """Every observable at a state.
@@ -308,11 +304,20 @@ class System:
             Where the equations have no meaning.
         """
         self.check(x, p)
-        values = self._program.arrays(*self._arguments(x, p))[1:]
+        values = map(self._finite, self._program.arrays(*self._arguments(x, p))[1:])
         return {
             name: value[..., 0, 0] if value.shape[-2:] == (1, 1) else value[..., 0]
             for name, value in zip(self.observables, values, strict=True)
         }
+
+    def _finite(self, values: Any) -> NDArray[np.float64]:
+        array: NDArray[np.float64] = np.asarray(values)
+        if not np.isfinite(array).all():
+            raise DomainError(
+                f"{self.name}: a value is not finite there, or overflows double precision; give "
+                "another state, with values nearer to 1."
+            )
+        return array
 
     def index(self, state: str) -> int:
         """Position of a state by name.
@@ -327,9 +332,7 @@ class System:
         NameUnknownError
             If there is no such state.
         """
-        if state not in self.states:
-            raise NameUnknownError(f"state is {shown(state)}; known are {', '.join(self.states)}.")
-        return self.states.index(state)
+        return self.states.index(known("state", state, self.states))
 
 
 def eliminate(

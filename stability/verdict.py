@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from enum import Enum
+from .checks import Sentences
 
 
-class Verdict(Enum):
+class Verdict(Sentences):
     """The spectral verdict, on the eigenvalues that are not zero by structure.
 
     The value of each member is the sentence a user reads.
@@ -57,7 +57,7 @@ BY_CODE = {code: verdict for verdict, code in CODES.items()}
 """Verdict of each flag value."""
 
 
-class Nonlinear(Enum):
+class Nonlinear(Sentences):
     """What the motion itself does; the value of each member is the sentence a user reads.
 
     Examples

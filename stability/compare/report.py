@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import FileError, NameUnknownError, ParameterError, shown
+from ..checks import MOST_WORKERS, callback, flag, whole_number
+from ..errors import FileError, NameUnknownError, shown
 from ..files import check_folder, whole
 from . import catalogue, motion_data, spectral, spectral_data, works
 from .bench import Task, run
@@ -115,6 +116,7 @@ def report(
     from .page import write
 
     wanted = _checked(parts, workers, progress)
+    force = flag("force", force)
     folder = _folder(out, force)
     journal = Journal(folder)
     plan = {name: PARTS[name]() for name in wanted}
@@ -154,11 +156,9 @@ def _checked(parts: Any, workers: Any, progress: Any) -> list[str]:
     for name in parts:
         if not isinstance(name, str) or name not in PARTS:
             raise NameUnknownError(f"part is {shown(name)}; known are {', '.join(PARTS)}.")
-    whole_number = isinstance(workers, (int, np.integer)) and not isinstance(workers, bool)
-    if workers is not None and not (whole_number and workers > 0):
-        raise ParameterError(f"workers is {shown(workers)}; give a whole number above 0.")
-    if progress is not None and not callable(progress):
-        raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
+    if workers is not None:
+        whole_number("workers", workers, most=MOST_WORKERS)
+    callback(progress)
     return [name for name in PARTS if name in parts]
 
 
