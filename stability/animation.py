@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from .canvas import figure_style  # isort: skip
+
 import json
 import os
 from collections.abc import Callable
@@ -105,8 +107,9 @@ def animate(
             return FilePath(path)
         frames = max(2, round(rate * length))
         fine = resample(motion, np.linspace(first, last, (frames - 1) * FINE + 1))
-        scene = Scene(fine, dataset, (last - first) / length)
-        (write_gif if suffix == ".gif" else write_mp4)(beside, scene, rate, report)
+        with figure_style({}):
+            scene = Scene(fine, dataset, (last - first) / length)
+            (write_gif if suffix == ".gif" else write_mp4)(beside, scene, rate, report)
     return FilePath(path)
 
 

@@ -268,10 +268,11 @@ def _stream(options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any
 
 
 def _draw(dataset: Any, target: Any) -> None:
+    from .canvas import save_figure
     from .plots import diagram
 
     figure = diagram(dataset, title=str(dataset.attrs["title"]).split(":")[0])
-    figure.savefig(target, dpi=300)
+    save_figure(figure, target)
 
 
 def _atlas(options: argparse.Namespace) -> None:

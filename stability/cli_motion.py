@@ -134,11 +134,12 @@ def _draw(
     from .files import whole
 
     if "plot" in targets:
+        from .canvas import save_figure
         from .pictures import motion_figure
 
         beside = stack.enter_context(whole(targets["plot"], overwrite=options.force))
         figure = motion_figure(dataset)
-        figure.savefig(beside, dpi=300)
+        save_figure(figure, beside)
     if "film" in targets:
         from .animation import animate
 

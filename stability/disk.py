@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import Number, checked, known, positive
+from .checks import Number, broadcast, checked, known, positive
 from .errors import ParameterError
 
 
@@ -81,7 +81,7 @@ class Disk:
         >>> Disk.uniform().k
         0.25
         """
-        return cls(k=0.25, **scales)
+        return cls(**_scales(scales, "a uniform disk"), k=0.25)
 
     @classmethod
     def annulus(cls, inner_radius: ArrayLike, **scales: Any) -> Disk:
@@ -104,10 +104,12 @@ class Disk:
         >>> Disk.annulus(0.5).k
         0.3125
         """
-        if "k" in scales:
-            raise ParameterError("k is given, but an annulus has its own; leave it out.")
+        scales = _scales(scales, "an annulus")
         inner = np.asarray(checked("inner_radius", inner_radius))
-        ratio = inner / positive("radius", scales.get("radius", 1.0))
+        radius = np.asarray(positive("radius", scales.get("radius", 1.0)))
+        broadcast(inner_radius=inner.shape, radius=radius.shape)
+        with np.errstate(all="ignore"):  # what overflows is refused below
+            ratio = inner / radius
         if (ratio < 0).any() or (ratio > 1).any():
             bad = np.broadcast_to(inner, ratio.shape)[(ratio < 0) | (ratio > 1)].flat[0]
             raise ParameterError(f"inner_radius is {bad:g}; it must lie between 0 and the radius.")
@@ -127,7 +129,7 @@ class Disk:
         >>> Disk.hoop().k
         0.5
         """
-        return cls(k=0.5, **scales)
+        return cls(**_scales(scales, "a hoop"), k=0.5)
 
     @classmethod
     def named(cls, name: str) -> Disk:
@@ -183,6 +185,15 @@ class Disk:
         if all(isinstance(v, float) for v in scales):
             return scales == (1.0, 1.0, 1.0)
         return all(np.all(np.asarray(v) == 1) for v in scales)
+
+
+def _scales(scales: dict[str, Any], what: str) -> dict[str, Any]:
+    """Mass, radius and gravity as they were given; k and unknown words are refused."""
+    if "k" in scales:
+        raise ParameterError(f"k is given, but {what} has its own; leave it out.")
+    for name in scales:
+        known("keyword", name, ("mass", "radius", "gravity"))
+    return scales
 
 
 def _sqrt(value: Number) -> Number:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from .canvas import STYLE, figure_style  # isort: skip
+
 import math
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from .dataset import LONG_NAMES
-from .plots import COLUMN, STYLE, SYMBOLS, UNITS, power_of_ten, spacing
+from .plots import COLUMN, SYMBOLS, UNITS, power_of_ten, spacing
 from .spectra import Spectrum
 
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
@@ -48,7 +49,7 @@ def locus(
     order = spectrum.tracked()
     values = np.take_along_axis(spectrum.eigenvalues, order, axis=-1)
     share = np.take_along_axis(spectrum.modes.participation, order[..., None], axis=1)
-    with rc_context(STYLE):
+    with figure_style(STYLE):
         figure = Figure(figsize=(COLUMN, 3.6), layout="constrained")
         top, bottom = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [1.25, 1]})
         spacing(figure, h_pad=0.02, w_pad=0.02)

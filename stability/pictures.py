@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from .canvas import STYLE, figure_style  # isort: skip
+
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from .outcome import BY_CODE, Outcome
-from .plots import COLUMN, STYLE, SYMBOLS, UNITS, spacing
+from .plots import COLUMN, SYMBOLS, UNITS, spacing
 from .reading import Motion, one_launch
 
 if TYPE_CHECKING:
@@ -235,7 +237,7 @@ def caption(dataset: xarray.Dataset) -> str:
 
 
 def _drawn(width: float, height: float, draw: Callable[[Any], None]) -> Figure:
-    with matplotlib.rc_context(STYLE):
+    with figure_style(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         spacing(figure, hspace=0.02, wspace=0.03, h_pad=0.02, w_pad=0.03)
         draw(figure)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from .canvas import STYLE, figure_style, save_figure  # isort: skip
+
 import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
@@ -50,12 +51,6 @@ DIVERGING = LinearSegmentedColormap.from_list(
     "decay-growth", ["#08306b", "#4292c6", "#deebf7", "#fdebdc", "#e6703a", "#7f2704"]
 )
 """Colours of the abscissa."""
-STYLE: dict[Any, Any] = {
-    "font.size": 7.5, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
-    "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
-    "hatch.linewidth": 0.35, "hatch.color": "#5a2a0a", "savefig.dpi": 300, "pdf.fonttype": 42,
-    "mathtext.fontset": "dejavusans", "lines.linewidth": 1.3,
-}  # fmt: skip
 LINES = {Crossing.STATIC: "-", Crossing.FLUTTER: (0, (4, 1.6)), Crossing.TOUCHING: ":"}
 SYMMETRIC_FROM = 1e-4
 """Growth rates below this are drawn on a linear scale in a diagram."""
@@ -106,7 +101,7 @@ def diagram(
     >>> round(float(figure.get_figwidth()), 2)
     3.39
     """
-    with rc_context(STYLE):
+    with figure_style(STYLE):
         heights = [s for s, strip in ((0.075, above), (1.0, True), (0.075, below)) if strip]
         figure = Figure(figsize=(COLUMN, 3.05), layout="constrained")
         panels = figure.subplots(
@@ -325,5 +320,5 @@ def save(figure: Figure, stem: Path) -> list[Path]:
         with whole(path, overwrite=True) as beside:
             # no creation date, so that the same map gives the same file
             meta = {"CreationDate": None} if path.suffix == ".pdf" else None
-            figure.savefig(beside, dpi=300, metadata=meta)
+            save_figure(figure, beside, metadata=meta)
     return paths

@@ -376,6 +376,11 @@ def system_problem(
     keys = family.at
     if at is not None:
         given = np.asarray(checked("at", at), dtype=float)
+        if len(keys) > 1 and (given.ndim == 0 or given.shape[-1] != len(keys)):
+            raise ParameterError(
+                f"at has shape {given.shape}; for {family.name} its last axis must hold "
+                f"{len(keys)} values ({', '.join(keys)})."
+            )
         columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
         values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
 

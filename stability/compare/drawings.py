@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from ..canvas import STYLE, figure_style  # isort: skip
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..plots import STYLE
 from . import spectral_data
 from .squares import catalogue_figure, ladder_figure
 from .strips import (
@@ -101,7 +101,7 @@ def spectrum_figure(chart: xarray.Dataset, quantity: str) -> Figure:
     wrong = (mine.wrong > 0).sum("route").values
     strips = [max(2, int(wrong[i : i + 4].max())) for i in range(0, len(wrong), 4)]
     low, high = span([v for k in ("one", "many") for v in mine[k].values.ravel()])
-    with rc_context(STYLE):
+    with figure_style(STYLE):
         listed = (-(-len(names) // 2) + 0.5) * 1.12 * ROW
         figure, panels = page(strips, 1.1 if quantity == "verdict" else 1.5, listed + 0.42)
         for index, panel in enumerate(panels[: mine.sizes["hardness"]]):
@@ -230,7 +230,7 @@ def boundary_figure(chart: xarray.Dataset) -> Figure:
     marks = dict(zip(names, lettered(chart.own.values.tolist()), strict=True))
     spots = [_edge_spot(chart.sel(route=n), marks[n]) for n in names]
     wrong = [s for s in spots if s.note]
-    with rc_context(STYLE):
+    with figure_style(STYLE):
         listed = (-(-len(names) // 2) + 0.5) * 1.12 * ROW
         foot, strip, body = listed + 0.75, ROW * (max(2, len(wrong)) + 0.6), 3.0
         tall = foot + body + 0.03 + strip + 0.2

@@ -326,11 +326,13 @@ def _ladder_figure(cells: Mapping[str, Cell]) -> Figure:
 
 
 def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
+    from ..canvas import save_figure
+
     for plate in one.plates:
         figure = plate.draw()
         for suffix in (".png", ".pdf"):
             with whole(folder / f"{plate.stem}{suffix}", overwrite=True) as beside:
-                figure.savefig(beside, dpi=300)
+                save_figure(figure, beside)
     for name, text in _texts(one, cells).items():
         with whole(folder / name, overwrite=True) as beside:
             beside.write_text(text, encoding="utf-8")

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from ..canvas import STYLE, figure_style  # isort: skip
+
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from numpy.typing import NDArray
 
-from ..plots import STYLE
 from .strips import SMALL, WIDTH, handle
 
 MARKS: dict[str, tuple[str, str, str]] = {
@@ -56,7 +56,7 @@ def catalogue_figure(
     """
     x, y, headings = _columns(own), *_lines(len(rows), groups)
     foot = max(y, default=0) + 0.5
-    with rc_context(STYLE | {"hatch.linewidth": 0.5, "hatch.color": "#606060"}):
+    with figure_style(STYLE | {"hatch.linewidth": 0.5, "hatch.color": "#606060"}):
         names = 0.048 * max(map(len, columns), default=1) + 0.1
         height = 0.116 * (foot + 0.7) + names + 0.35 + (0.2 if title else 0)
         figure = Figure(figsize=(WIDTH, height))
@@ -169,7 +169,7 @@ def ladder_figure(
     """
     y, left = _columns(own), min(0.05 * max(map(len, methods), default=1) + 0.25, 2.6)
     tall = max(y, default=0) + 1.1
-    with rc_context(STYLE | {"hatch.linewidth": 0.7, "hatch.color": "black"}):
+    with figure_style(STYLE | {"hatch.linewidth": 0.7, "hatch.color": "black"}):
         height = 0.175 * tall + 0.72
         figure = Figure(figsize=(WIDTH, height))
         axes = figure.add_axes((left / WIDTH, 0.62 / height, (WIDTH - left - 0.08) / WIDTH,

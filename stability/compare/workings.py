@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from ..canvas import STYLE, figure_style  # isort: skip
+
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..plots import STYLE
 from . import motion_data
 from .front import places
 from .motion_cases import NO_ANSWER
@@ -82,7 +82,7 @@ def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
     """
     looks = _looks(chart)
     low, high = span(chart.seconds.values.ravel())
-    with rc_context(STYLE):
+    with figure_style(STYLE):
         figure, panels = page([3, 3], 1.9, 0.74)
         for panel, which in zip(panels, chart.scene.values.tolist(), strict=False):
             log_axis(panel.main.xaxis, low, high, 1)
@@ -205,7 +205,7 @@ def first_call_figure(chart: xarray.Dataset) -> Figure:
     left, body, height = 0.86, 0.118 * len(names), 2 * 0.118 * len(names) + 1.45
     wide = (WIDTH - left - RIGHT - 3 * BETWEEN) / 4
     low, high = span(np.append(chart.seconds.values, chart["first"].values))
-    with rc_context(STYLE):
+    with figure_style(STYLE):
         figure = Figure(figsize=(WIDTH, height))
         for index, which in enumerate(chart.scene.values.tolist()):
             row, column = divmod(index, 4)
