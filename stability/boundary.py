@@ -16,10 +16,11 @@ from flint import arb, ctx
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from .certify import ball_sine
+from .certify import ball_sine, member_at, of_member, structural_zeros
 from .crossings import BoundaryPoint, Crossing
 from .enclosure import ball_unknowns, matrix_polynomial
 from .errors import NoMemberError
+from .multiplicity import certain
 from .polynomial import (
     characteristic,
     frequency,
@@ -30,6 +31,7 @@ from .polynomial import (
     verdict_polynomial,
 )
 from .problem import Problem
+from .verdict import Verdict
 
 Floats = NDArray[np.float64]
 
@@ -124,6 +126,8 @@ class Line:
 
     def sign(self, value: float) -> int:
         """1: stable or neutral, proved; -1: unstable, proved; 0: on the boundary as far as seen."""
+        if self.problem.exact is None and not certain(self.problem.family):
+            return self._sign_of_member(value)
         bits = BITS
         while bits <= MOST_BITS:
             with precision(bits):
@@ -132,6 +136,15 @@ class Line:
                 return sign
             bits *= 2
         return 0
+
+    def _sign_of_member(self, value: float) -> int:
+        """The same where the zeros left out are proved member by member only."""
+        member = member_at(self.problem, self.fixed | {self.axis: value}, self._near)
+        zeros = structural_zeros(member)
+        found, _ = of_member(member, zeros)
+        if found is Verdict.NEUTRAL:  # all of them on the axis, or one that is just crossing it
+            return int(all(member.flags[zeros + 1 :: 2]) and not member.flags[zeros])
+        return {Verdict.STABLE: 1, Verdict.UNSTABLE: -1}.get(found, 0)
 
     def function(self, crossing: Crossing) -> Callable[[float], float]:
         """The number whose sign changes where something crosses, as a float of the right sign."""

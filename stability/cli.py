@@ -124,7 +124,7 @@ def _spectrum(options: argparse.Namespace) -> None:
         )
     result = spectrum(
         options.family, at=at, lean=options.lean, disk=disk, contact=contact,
-        certify=options.certify,
+        certify=options.certify, escalate=not options.no_escalate,
     )  # fmt: skip
     parameters = {n: float(getattr(disk, n)) for n in ("mass", "radius", "k", "gravity")}
     if options.mu is not None:
@@ -420,6 +420,8 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "--lean", type=float, help="for tumbling, in place of --at: π/2 - theta, 0 is upright"
     )
+    sub.add_argument("--no-escalate", action="store_true",
+                     help="leave undecided what double precision does not decide")  # fmt: skip
     _physics(sub)
 
     sub = command("map", _map, "Verdict and growth rate over two parameters",

@@ -258,7 +258,7 @@ def frequency(polynomial: Sequence[Any], *, even: bool = False) -> float:
     -------
     float
         |Im λ| of the root nearest the imaginary axis among those that are not real, or of the two
-        nearest to each other; nan if all are real.
+        nearest to each other; 0 if all are real.
 
     Examples
     --------
@@ -272,13 +272,13 @@ def frequency(polynomial: Sequence[Any], *, even: bool = False) -> float:
             return _meeting(fmpq_poly(exact[::2]))
         roots = [r for r, _ in fmpq_poly(exact).numer().complex_roots() if r.imag != 0]
         off = [(abs(float((r.real / r.imag).mid())), abs(float(r.imag.mid()))) for r in roots]
-    return min(off)[1] if off else math.nan
+    return min(off)[1] if off else 0.0
 
 
 def _meeting(squares: Any) -> float:
     """√-y where two roots y of a polynomial are nearest to each other."""
     roots = [r for r, count in squares.numer().complex_roots() for _ in range(count)]
-    best = (math.inf, math.nan)
+    best = (math.inf, 0.0)
     for i, y in enumerate(roots):
         for z in roots[:i]:
             middle = float(((y + z) / 2).real.mid())

@@ -327,3 +327,32 @@ def test_errors_hold_to_every_order(name: str) -> None:
                 assert not found.error[i] < 1e300
                 continue
             assert not abs(exact - mpmath.mpf(float(found.value[i]))) > found.error[i] * 1.01
+
+
+def test_the_command_line_can_forbid_it(capsys: pytest.CaptureFixture[str]) -> None:
+    import json
+
+    from stability.cli import main
+
+    words = []
+    for flags in ([], ["--no-escalate"], ["--certify"]):
+        main(["spectrum", "rolling", "--at", repr(2**0.5), "--mu", "0.3", "--json", *flags])
+        record = json.loads(capsys.readouterr().out)
+        words.append((record["verdict"], record["certified"]))
+    assert words == [("stable", True), ("undecided", False), ("stable", True)]
+
+
+def test_boundaries_keep_to_the_zeros_of_each_member() -> None:
+    """|p| - p - 1/2 changes its sign at p = -1/4; for p > 0 it is constant."""
+    system = _system("kink", "yz", lambda x, p: ((ca.fabs(p[0]) - p[0] - p[1]) * x[0], -x[1]), "pq")
+    rest = st.Family(system, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
+    with pytest.warns(st.StabilityWarning):
+        (found,) = st.boundaries(rest, axis=("p", -1, 1, 21), q=0.5)
+    assert abs(found.value + 0.25) <= found.error
+    system = _system("half", "yz", lambda x, p: ((ca.fabs(p) - p) * x[0], -x[1]))
+    rest = st.Family(system, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
+    with pytest.warns(st.StabilityWarning):  # zero all along for p > 0, growing below
+        (found,) = st.boundaries(rest, axis=("p", -1, 1, 20))
+    assert abs(found.value) <= found.error
+    assert not found.stable_below
+    assert found.frequency == 0.0
