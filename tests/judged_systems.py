@@ -315,7 +315,8 @@ def accept(
             return word, f"{zeros} structural zeros, generically {generic}"
         if generic is not None and zeros < generic:
             word += ", fewer zeros"
-            if oracle.case.smooth and len(oracle.branches) < 2 and oracle.implicit is None:
+            alone = oracle.case.smooth and len(oracle.branches) < 2 and oracle.implicit is None
+            if alone and verdict != truth.verdict(generic):
                 return word, f"{zeros} structural zeros, generically {generic}"
     return word, enclosed(truth.all(zeros), eigenvalues, radius)
 
