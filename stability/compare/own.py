@@ -48,9 +48,9 @@ def _arguments(points: Points) -> dict[str, Any]:
 
 
 class Deflated(Route):
-    """`spectrum`: structural zeros removed by null vectors, each eigenvalue in a disc."""
+    """`spectrum`: each eigenvalue in a disc; points that the discs leave open are certified."""
 
-    name, title = "spectrum", "spectrum(): AD Jacobian, deflation, discs about eigenvalues"
+    name, title = "spectrum", "spectrum(): discs about eigenvalues; what they leave open is proved"
     own, default = True, True
     certify: ClassVar[bool] = False
 
