@@ -28,7 +28,10 @@ def exact(entry: dict[str, Any]) -> np.ndarray:
 
 def ask(entry: dict[str, Any], law: Any = None) -> st.Spectrum:
     contact = law or st.Viscous(entry["mu"])
-    return st.spectrum(entry["family"], at=entry["at"], disk=st.Disk(k=entry["k"]), contact=contact)
+    return st.spectrum(
+        entry["family"], at=entry["at"], disk=st.Disk(k=entry["k"]), contact=contact,
+        escalate=False,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("entry", SPECTRA, ids=name)
@@ -164,9 +167,12 @@ def test_verdicts_beside_every_boundary_are_right_or_undecided(
     for side in (-1, 1):
         at = point.value * (1 + side * distances)
         right = Verdict.STABLE if (side < 0) == point.stable_below else Verdict.UNSTABLE
-        codes = st.spectrum(family, at=at, disk=disk, contact=law).codes
-        assert np.isin(codes, [right.code, CODES[Verdict.UNDECIDED]]).all()
-        assert codes[0] == codes[1] == right.code  # a hundredth and a thousandth away: decided
+        plain = st.spectrum(family, at=at, disk=disk, contact=law, escalate=False).codes
+        assert np.isin(plain, [right.code, CODES[Verdict.UNDECIDED]]).all()
+        assert plain[0] == plain[1] == right.code  # a hundredth and a thousandth away: decided
+        found = st.spectrum(family, at=at, disk=disk, contact=law)
+        assert (found.codes == right.code).all()  # what that leaves open is proved
+        assert (found.certified == (plain != right.code)).all()
 
 
 # --- conservative laws ---
@@ -350,7 +356,9 @@ def test_discs_hold_the_truth_up_to_the_branch_point_of_tumbling(k: float, mu: f
     family = st.disk_family("tumbling", "viscous")
     for power in range(2, 17):
         at = float(np.pi / 2 - 10.0**-power)
-        found = st.spectrum("tumbling", at=at, disk=st.Disk(k=k), contact=st.Viscous(mu))
+        found = st.spectrum(
+            "tumbling", at=at, disk=st.Disk(k=k), contact=st.Viscous(mu), escalate=False
+        )
         with mpmath.workdps(60):
             values, _ = mpmath.eig(truth_matrix(family, at, [k, mu]))
             truth = np.array([complex(v) for v in sorted(values, key=abs)[1:]])
