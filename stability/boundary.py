@@ -31,7 +31,7 @@ from .polynomial import (
     verdict_polynomial,
 )
 from .problem import Problem
-from .verdict import Verdict
+from .verdict import Verdict, best
 
 Floats = NDArray[np.float64]
 
@@ -56,6 +56,8 @@ class Line:
 
     def __init__(self, problem: Problem, axis: str, fixed: Mapping[str, float]) -> None:
         self.problem, self.axis, self.fixed = problem, axis, dict(fixed)
+        self.neutral: bool | None = None
+        """Whether neutral members are on the good side; judged one by one where it is None."""
         self._near: list[float] | None = None
         self._solution: tuple[int, list[Any], list[Any]] | None = None
         self._known: dict[tuple[float, int], list[Any]] = {}
@@ -73,7 +75,8 @@ class Line:
             a, q = self.problem.balls(self.fixed | {self.axis: value})
             if not family.unknown or family.closed:
                 return characteristic(family, a, q)
-            for near in (self._near, None):
+            # the disk's member is unique; a user's is the one that the family's guess leads to
+            for near in (self._near, None) if self.problem.exact is not None else (None,):
                 try:
                     return self._solved(a, q, near)
                 except NoMemberError:
@@ -126,25 +129,66 @@ class Line:
 
     def sign(self, value: float) -> int:
         """1: stable or neutral, proved; -1: unstable, proved; 0: on the boundary as far as seen."""
-        if self.problem.exact is None and not certain(self.problem.family):
-            return self._sign_of_member(value)
+        return self.sign_of(*self._proved(value))
+
+    def quick_sign(self, value: float) -> int:
+        """The same to look for a bracket by: structural zeros are zeros as far as balls see."""
+        return self.sign_of(*self.look(value))
+
+    def sign_of(self, found: Verdict, generic: bool) -> int:
+        """A verdict as a sign.
+
+        Parameters
+        ----------
+        found, generic
+            From `look`.
+        """
+        if found is Verdict.NEUTRAL:
+            return int(generic if self.neutral is None else self.neutral)
+        return {Verdict.STABLE: 1, Verdict.UNSTABLE: -1}.get(found, 0)
+
+    def look(self, value: float) -> tuple[Verdict, bool]:
+        """The verdict for `quick_sign`; if neutral, whether neighbours on one side may be so too.
+
+        Parameters
+        ----------
+        value
+            Of the axis.
+        """
+        family = self.problem.family
+        if self.problem.exact is None and not certain(family):
+            with precision(BITS):
+                dropped = self.coefficients(value, BITS)[: structure(family).zeros]
+                if all(c.contains(0) for c in dropped):
+                    sign = hurwitz_sign(self.polynomial(value, BITS))
+                    if sign:
+                        return self._word(sign)
+        return self._proved(value)
+
+    def _proved(self, value: float) -> tuple[Verdict, bool]:
+        own = self.problem.exact is None
+        if own and not certain(self.problem.family):
+            return self._by_member(value)  # which zeros are structural is proved there
         bits = BITS
-        while bits <= MOST_BITS:
+        while bits <= (BITS if own else MOST_BITS):
             with precision(bits):
                 sign = hurwitz_sign(self.polynomial(value, bits))
             if sign:
-                return sign
+                return self._word(sign)
             bits *= 2
-        return 0
+        return self._by_member(value) if own else (Verdict.UNDECIDED, False)
 
-    def _sign_of_member(self, value: float) -> int:
-        """The same where the zeros left out are proved member by member only."""
-        member = member_at(self.problem, self.fixed | {self.axis: value}, self._near)
+    def _word(self, sign: int) -> tuple[Verdict, bool]:
+        even = self.problem.family.conservative
+        return (best(even=even) if sign > 0 else Verdict.UNSTABLE), even
+
+    def _by_member(self, value: float) -> tuple[Verdict, bool]:
+        """The same by every means of `certify`: over Q, in a number field, in balls."""
+        member = member_at(self.problem, self.fixed | {self.axis: value})
         zeros = structural_zeros(member)
         found, _ = of_member(member, zeros)
-        if found is Verdict.NEUTRAL:  # all of them on the axis, or one that is just crossing it
-            return int(all(member.flags[zeros + 1 :: 2]) and not member.flags[zeros])
-        return {Verdict.STABLE: 1, Verdict.UNSTABLE: -1}.get(found, 0)
+        # all eigenvalues on the axis; or else one that is just crossing it
+        return found, all(member.flags[zeros + 1 :: 2]) and not member.flags[zeros]
 
     def function(self, crossing: Crossing) -> Callable[[float], float]:
         """The number whose sign changes where something crosses, as a float of the right sign."""
@@ -179,7 +223,7 @@ def refine(line: Line, low: float, high: float) -> BoundaryPoint | None:
     BoundaryPoint or None
         None if the proved verdicts at the two ends are the same.
     """
-    signs = line.sign(low), line.sign(high)
+    signs = line.quick_sign(low), line.quick_sign(high)
     if signs[0] == signs[1] and signs[0]:
         return None
     for end, sign in zip((low, high), signs, strict=True):
@@ -189,7 +233,7 @@ def refine(line: Line, low: float, high: float) -> BoundaryPoint | None:
     if point is not None:
         return point
     # Both determinants may change an even number of times: find the verdict's change first.
-    root = _zero(lambda v: float(line.sign(v)), low, high)
+    root = _zero(lambda v: float(line.quick_sign(v)), low, high)
     for width in (1e-6, 1e-9, 1e-12):
         near = max(low, root - width * abs(root)), min(high, root + width * abs(root))
         point = _crossing(line, *near)

@@ -168,7 +168,7 @@ def member_at(
     family = question.family
     a, q, _ = question.reduce({n: rational(v) for n, v in values.items()}, _irrational)
     if near is None:
-        rows = [np.array([float(v.p) / float(v.q) for v in part])[None, :] for part in (a, q)]
+        rows = [np.array([float(arb(v)) for v in part])[None, :] for part in (a, q)]
         near = family.solve(*rows)[0]
     return Member(family, a, q, np.asarray(near, dtype=float).tolist())
 

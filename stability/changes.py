@@ -17,11 +17,12 @@ from .problem import Problem
 from .ratios import NotRationalError
 from .roots import UnclearError
 from .search import Mark, Search, search
+from .verdict import Verdict
 
 Floats = NDArray[np.float64]
 
 EXACT = "every real root of every condition that decides the verdict was isolated exactly"
-SCANNED = "proved verdicts at the points of a scan, refined where neighbours differ"
+SCANNED = "verdicts at the points of a scan, refined and proved where neighbours differ"
 CROSSINGS = {"static": Crossing.STATIC, "flutter": Crossing.FLUTTER}
 
 
@@ -171,15 +172,14 @@ def _pole(line: Line, mark: Mark) -> Unresolved:
 def _scanned(line: Line, grid: Floats) -> Boundaries:
     """Changes between the points of a scan, and everything that it cannot exclude."""
     values = [float(v) for v in grid]
-    signs = [line.sign(v) for v in values]
+    signs, left = _signs(line, values)
     known = [i for i, s in enumerate(signs) if s]
     if not known:
         reason = (
-            f"no verdict is proved at any of the {len(grid)} points of the scan: as far as balls "
-            "of 1024 bits see, eigenvalues stay on the imaginary axis all along."
+            f"no verdict is proved at any of the {len(grid)} points of the scan: eigenvalues stay "
+            "on the imaginary axis, or coincide, as far as the budget of precision sees."
         )
         return Boundaries((), (Unresolved(values[0], values[-1], reason),), how=SCANNED)
-    left: list[Unresolved] = []
     for end, first in ((0, known[0]), (len(values) - 1, known[-1])):
         if end != first:
             low, high = sorted((values[end], values[first]))
@@ -201,6 +201,25 @@ def _scanned(line: Line, grid: Floats) -> Boundaries:
     return Boundaries(tuple(points), tuple(left), how=SCANNED)
 
 
+def _signs(line: Line, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
+    """Proved verdicts at the points of a scan, and those at which there is no member."""
+    found: list[tuple[Verdict, bool]] = []
+    left: list[Unresolved] = []
+    errors: list[StabilityError] = []
+    for value in values:
+        try:
+            found.append(line.look(value))
+        except StabilityError as error:
+            found.append((Verdict.UNDECIDED, False))
+            errors.append(error)
+            left.append(Unresolved(value, value, f"no verdict there: {error}"))
+    if len(errors) == len(values):
+        raise errors[0]
+    # neutral beside stable is a point of a boundary; where nothing is stable it is the good verdict
+    line.neutral = all(verdict is not Verdict.STABLE for verdict, _ in found)
+    return [line.sign_of(*pair) for pair in found], left
+
+
 def _open(value: float) -> str:
     return (
         f"no verdict is proved at {value:.10g}: an eigenvalue lies on the imaginary axis there, or "
@@ -212,8 +231,8 @@ def _between(line: Line, values: Sequence[float], *, changed: bool) -> BoundaryP
     """The change between two points of proved verdict, with points of none between them."""
     if not changed:
         return None
-    if len(values) == 3:  # a point of the scan on the boundary itself
-        point = at_point(line, values[1])
-        if point is not None:
-            return point
-    return refine(line, values[0], values[-1])
+    try:
+        point = at_point(line, values[1]) if len(values) == 3 else None  # on the boundary itself
+        return point or refine(line, values[0], values[-1])
+    except StabilityError:  # somewhere between there is no member
+        return None

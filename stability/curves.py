@@ -131,7 +131,7 @@ def _signs(
         xs, ys = axes[0].values, axes[1].values
         for i, j in doubtful:
             line = Line(question, axes[0].name, fixed | {axes[1].name: float(ys[i])})
-            sign[i, j] = line.sign(float(xs[j]))
+            sign[i, j] = line.quick_sign(float(xs[j]))
     # A cell on the boundary itself goes with a stable neighbour, if it has one.
     padded = np.pad(sign, 1, constant_values=-1.0)
     beside = np.max(

@@ -87,7 +87,13 @@ def _krawczyk(
     half = arb(2) ** (-ctx.prec // 2)
     for _ in range(20):  # Newton doubles the digits, and so does the test below: stop halfway
         r, r_u = _residual(family, a, x, q)
-        inverse = r_u.mid().inv().mid()
+        try:
+            inverse = r_u.mid().inv().mid()
+        except ZeroDivisionError:
+            raise NoMemberError(
+                f"{family.name} at {listing(family.at, [float(v) for v in a])}: the equations are "
+                "singular there, so no isolated root is proved."
+            ) from None
         shift = inverse * r
         if all(abs(shift[i, 0]) <= half * abs(x[i, 0]) for i in range(size)):
             break

@@ -22,6 +22,7 @@ from .families import Family
 from .grid import Grid
 from .problem import PHYSICAL, Problem, check_axis, disk_roundings, disk_units
 from .query import problem as make_problem
+from .steady import AT
 
 if TYPE_CHECKING:
     import xarray
@@ -180,7 +181,8 @@ def boundaries(
     Parameters
     ----------
     family, disk, contact, at, **parameters
-        As for `stability_map`, everything but the axis a single number.
+        As for `stability_map`, everything but the axis a single number; where the axis is one of
+        circling's theta and phi_dot, `at` is the other.
     axis
         (name, low, high, n) or (name, low, high, n, "log"); both ends belong to it.  n is the
         number of points of the scan, where there is one.
@@ -245,6 +247,7 @@ def prepare(
         If an axis is unknown, or a value is missing or given twice.
     """
     names = [g.name for g in axes]
+    given = at
     if len(set(names)) < len(names):
         raise ParameterError(f"both axes are {shown(names[0])}; give two different ones.")
     if isinstance(family, Family):
@@ -252,6 +255,7 @@ def prepare(
         known: tuple[str, ...] = (*family.at, *family.parameters)
     else:
         tilted = 0.0 if "lean" in names else None  # the axis takes its place
+        at = _pair(family, names, at)
         question = make_problem(family, at, disk, _law(contact, axes), dict(parameters), tilted)
         keys = ("at",) if len(question.family.at) == 1 else question.family.at
         keys = ("lean",) if tilted is not None else keys
@@ -277,7 +281,7 @@ def prepare(
         check_axis(question, name, values)
     keys = tuple(n for n in known if n in ("at", "lean", *question.family.at))
     for key in keys:
-        if key in question.values and key in names and at is not None:
+        if key in question.values and key in names and at is not None and at is given:
             raise ParameterError(f"{key} is given as a value and as an axis; give it once.")
         if key not in question.values and key not in names:
             raise ParameterError(f"{key} is missing; make it an axis or give its value.")
@@ -301,6 +305,15 @@ def prepare(
         )
     _check_members(question, axis_values)
     return question
+
+
+def _pair(family: Any, names: Sequence[str], at: ArrayLike | None) -> Any:
+    """Both parts of a circling member where one is the axis and `at` is the other."""
+    parts = AT.get(family, ()) if isinstance(family, str) else ()
+    swept = [p for p in parts if p in names]
+    if len(parts) != 2 or len(swept) != 1 or at is None or np.ndim(at):
+        return at
+    return [1.0, at] if swept == [parts[0]] else [at, 1.0]
 
 
 def _law(contact: Any, axes: Sequence[Grid]) -> Contact:

@@ -260,6 +260,17 @@ def test_circling_is_searched_along_any_axis(axis: str) -> None:
     compare("circling", "rough", axis, *ends[axis], given)
 
 
+def test_circlings_other_number_is_given_as_at() -> None:
+    found = st.boundaries("circling", axis=("theta", 0.01, 3.1, 9), at=0.7, contact=st.Rough())
+    body = {"k": 0.25, "mass": 1.0, "radius": 1.0, "gravity": 1.0}
+    wanted = oracle.changes("circling", "rough", "theta", 0.01, 3.1, body | {"phi_dot": 0.7})
+    assert [p.value for p in found] == pytest.approx([float(c.value) for c in wanted], rel=1e-15)
+    assert len(wanted) == 2
+    with pytest.warns(StabilityWarning, match="no member"):
+        across = st.boundaries("circling", axis=("phi_dot", -3, 3, 9), at=0.4, contact=st.Rough())
+    assert not across.complete and across.unresolved[0][:2] == (0.0, 0.0)  # no member at 0
+
+
 # --- what the result is ---
 
 
@@ -443,13 +454,44 @@ def pendulum(**options: Any) -> st.Family:
                      equations=("rate",), typical={"torque": 0.3}, **options)  # fmt: skip
 
 
-def test_an_undamped_family_that_is_scanned_says_that_nothing_was_proved() -> None:
+def test_an_undamped_family_that_is_scanned_is_decided_or_says_so() -> None:
+    """The angle solves g sin x = torque: neutral up to torque = 1, where the two branches meet."""
     with pytest.warns(StabilityWarning, match="not complete"):
         found = st.boundaries(pendulum(), axis=("torque", 0.1, 0.9, 9), g=1.0, c=0.0)
+    assert found == [] and [u.reason[:18] for u in found.unresolved] == ["between neighbours"]
+
+
+def test_a_scan_that_proves_nothing_says_so() -> None:
+    """Two equal pendulums, undamped, coupled by nothing: double pairs that balls cannot part."""
+    x, p = ca.SX.sym("x", 4), ca.SX.sym("p")
+    rhs = (x[1], p - ca.exp(x[0]) + 1, x[3], p - ca.exp(x[2]) + 1)
+    system = st.System("pair", x, p, ca.vertcat(*rhs), states=("a", "b", "c", "d"),
+                       parameters=("p",))  # fmt: skip
+    pair = st.Family(system, "steady", at=("p",), held={"b": 0.0, "d": 0.0},
+                     unknown={"a": 0.3, "c": 0.3}, equations=("b", "d"))  # fmt: skip
+    with pytest.warns(StabilityWarning, match="not complete"):
+        found = st.boundaries(pair, axis=("p", 0.1, 0.9, 9))
     assert found == [] and not found.complete
     [piece] = found.unresolved
     assert (piece.low, piece.high) == (0.1, 0.9)
     assert "no verdict is proved at any of the 9 points" in piece.reason
+
+
+def test_a_member_that_is_missing_within_a_scan_is_stated() -> None:
+    """Y (p - y) = 0, y measured from -1: the branches cross at p = 0, with no isolated root."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    y = x[0] - 1
+    system = st.System("fork", x, p, ca.vertcat(y * (p - y), -x[1]), states=("y", "z"),
+                       parameters=("p",))  # fmt: skip
+    fork = st.Family(system, "steady", at=("p",), held={"z": 0.0}, unknown={"y": 1.3},
+                     equations=("y",))  # fmt: skip
+    with pytest.warns(StabilityWarning):
+        found = st.boundaries(fork, axis=("p", -2, 2, 9))
+    assert any(u.low <= 0 <= u.high and "no verdict" in u.reason for u in found.unresolved)
+    for point in found:
+        sides = [st.spectrum(fork, at=point.value + s * point.error, certify=True).verdict
+                 for s in (-1, 1)]  # fmt: skip
+        assert sides[0] != sides[1]
 
 
 def test_a_scan_states_that_pairs_are_not_excluded_and_warns_once() -> None:

@@ -21,7 +21,7 @@ CORE = (
     "kernels", "factoring", "growth", "tiles", "boxes", "stream", "derivation", "hurwitz",
     "decomposition", "formulas", "slowflow", "passage", "lines", "flow", "route", "taylor",
     "stepping", "sundials", "integrators", "rest", "sticking", "outcome", "settling", "attraction",
-    "painleve", "launches",
+    "painleve", "launches", "crossings", "changes", "critical", "ratios", "roots", "search",
     "shadow", "motion", "trajectory", "records",
 )  # fmt: skip
 
