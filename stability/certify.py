@@ -220,6 +220,8 @@ def of_member(member: Member, zeros: int) -> tuple[Verdict, int]:
         Bits are 0 for rational arithmetic.
     """
     if member.rational is not None:
+        if any(c != 0 for c in member.rational[:zeros]):  # no proof would have led here
+            return Verdict.UNDECIDED, 0
         return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
     return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]))
 

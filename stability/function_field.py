@@ -14,9 +14,9 @@ from .exact_fields import EXACT, NotExact, rational_root
 
 SPARE = 24
 """Indeterminates kept for sines, roots and the like."""
-MOST_TERMS = 600
+MOST_TERMS = 1500
 """Terms of a numerator or denominator at which exact work is given up."""
-MOST_WORK = 400_000
+MOST_WORK = 1_000_000
 """Terms that one calculation may handle before it is given up; a count, so that machines agree."""
 
 
@@ -92,15 +92,18 @@ class Expression:
         return None
 
     def sqrt(self) -> Any:
-        """√(num/den) = √(num · den)/den, with the root an indeterminate."""
+        """The root as an indeterminate whose square is known."""
         plain = self._rational()
         if plain is not None:
             try:
                 return rational_root(plain)
             except NotExact:
                 pass
+        # √(num/den) = r/den with r² = num · den; the sign of r is that of den, so that the root of
+        # num · den itself is another indeterminate
         square = self.field.reduced(self.num * self.den)
-        return self.field.root("sqrt", square) / Expression(self.field, self.den, self.field.one)
+        root = self.field.root(f"sqrt over {self.den}", square)
+        return root / Expression(self.field, self.den, self.field.one)
 
     def fabs(self) -> Any:
         """√(x²): its square is known, its sign is not."""

@@ -7,7 +7,8 @@ whole family, as an identity of expressions; or else at the very member, exactly
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -59,12 +60,27 @@ def identity(family: Family) -> Identity:
     cut = len(family.at), len(family.at) + len(family.unknown)
     symbols = field.symbols
     tangents = len(_fixed_directions(family, field))
-    try:
-        matrix = _matrix(family, symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :])
-        zeros, even = _zero_pattern(_blocks(matrix))
-    except NotExact:
-        zeros, even = 0, False
+    parts = symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]
+    zeros, even = 0, False
+    with suppress(NotExact):
+        zero = _on_the_branch(family, parts)
+        zeros, even = _zero_pattern(_blocks(_matrix(family, *parts), zero), zero)
     return Identity(max(zeros, tangents), even)
+
+
+def _on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[Any], bool]:
+    """Whether an expression vanishes at every member: itself, or as a multiple of the equation."""
+    if family.closed or len(family.unknown) != 1:
+        return vanishes
+    residual, _ = family.graph.residual.run(EXACT, parts)
+    equation = residual[0].num
+
+    def zero(value: Any) -> bool:
+        if vanishes(value) or not hasattr(value, "num"):
+            return bool(vanishes(value))
+        return bool(divmod(value.num, equation)[1] == 0)
+
+    return zero
 
 
 def certain(family: Family) -> bool:
@@ -91,39 +107,37 @@ def _matrix(
         raise NotExact(str(error)) from None
 
 
-def _blocks(matrix: list[list[Any]]) -> list[list[list[Any]]]:
+def _blocks(
+    matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes
+) -> list[list[list[Any]]]:
     """Diagonal blocks of the block triangular form: their polynomials multiply to the whole."""
-    pattern = np.array([[not vanishes(entry) for entry in row] for row in matrix])
+    pattern = np.array([[not zero(entry) for entry in row] for row in matrix])
     _, labels = connected_components(pattern, directed=True, connection="strong")
     members = [np.flatnonzero(labels == label) for label in np.unique(labels)]
     return [[[matrix[i][j] for j in some] for i in some] for some in members]
 
 
-def _zero_pattern(blocks: list[list[list[Any]]]) -> tuple[int, bool]:
+def _zero_pattern(blocks: list[list[list[Any]]], zero: Callable[[Any], bool]) -> tuple[int, bool]:
     """Zeros of the product of the blocks' polynomials, and whether the rest is even."""
     zeros, even = 0, True
     mixed: list[list[Any]] = []
     for block in blocks:
         poly = characteristic(block)
-        low = _leading_zeros(poly)
+        low = next(i for i, c in enumerate(poly) if not zero(c))
         zeros += low
         rest = poly[low:]
-        if not _is_even(rest):
+        if not _is_even(rest, zero):
             mixed.append(rest)
     if mixed:  # blocks that are not even each may be so together, as (λ - a)(λ + a)
         product: list[Any] = [1]
         for poly in mixed:
             product = _product(product, poly)
-        even = _is_even(product)
+        even = _is_even(product, zero)
     return zeros, even
 
 
-def _leading_zeros(poly: Sequence[Any]) -> int:
-    return next(i for i, c in enumerate(poly) if not vanishes(c))
-
-
-def _is_even(poly: Sequence[Any]) -> bool:
-    return len(poly) % 2 == 1 and all(vanishes(c) for c in poly[1::2])
+def _is_even(poly: Sequence[Any], zero: Callable[[Any], bool]) -> bool:
+    return len(poly) % 2 == 1 and all(zero(c) for c in poly[1::2])
 
 
 def _product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
@@ -146,12 +160,13 @@ def _fixed_directions(family: Family, field: FunctionField) -> list[str]:
     cut = len(family.at), len(family.at) + len(family.unknown)
     symbols = field.symbols
     parts = [symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]]
+    solved = set() if family.closed else {family.system.index(n) for n in family.equations}
     try:
+        zero = _on_the_branch(family, parts)
         rates = family.graph.rates.dense(EXACT, parts)
+        open_ = [i for i, (rate,) in enumerate(rates) if i not in solved and not zero(rate)]
     except (NotExact, ZeroDivisionError):
         return []
-    solved = set() if family.closed else {family.system.index(n) for n in family.equations}
-    open_ = [i for i, (rate,) in enumerate(rates) if i not in solved and not vanishes(rate)]
     return [] if open_ else names
 
 
@@ -179,10 +194,8 @@ class Member:
         self._flags: list[bool] | None = None
         self.rational: list[Any] | None = None
         """Coefficients of det(λ - A) over Q, lowest first, where they are rational."""
-        try:
+        with suppress(NotExact):
             self._exact()
-        except NotExact:
-            pass
 
     def _exact(self) -> None:
         """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""

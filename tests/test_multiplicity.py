@@ -92,17 +92,48 @@ def test_a_zero_that_an_algebraic_root_makes_is_proved() -> None:
     branch = st.Family(
         system, "root", at=("p",), held={"z": 0.0}, unknown={"y": 1.0}, equations=("y",)
     )
-    assert identity(branch).zeros == 0
-    assert not certain(branch)
+    assert identity(branch).zeros == 1  # the entry is a multiple of the equation
     for at in (2.0, 4.0, 0.3):
         found = st.spectrum(branch, at=at, certify=True)
         assert (found.structural_zeros, found.verdict) == (1, Verdict.STABLE)
         assert found.eigenvalues[0].real == pytest.approx(-2 * at**0.5, rel=1e-14)
 
 
-def test_a_zero_that_nothing_proves_stays_in_and_leaves_the_verdict_open() -> None:
-    """exp(y) = p makes the second eigenvalue vanish; no algebra says so."""
+def test_a_zero_that_one_of_two_algebraic_branches_makes_is_proved_there() -> None:
+    """On y² = p the second eigenvalue vanishes; on y = 3 it does not."""
+    system = _system(
+        "two", "yz", lambda x, p: ((p - x[0] ** 2) * (3 - x[0]), (x[0] ** 2 - p) * x[1])
+    )
+    for guess, at, zeros, wanted in ((1.4, 2.0, 1, "stable"), (3.1, 2.0, 0, "unstable")):
+        branch = st.Family(
+            system, "two", at=("p",), held={"z": 0.0}, unknown={"y": guess}, equations=("y",),
+            typical={"p": 2.0},
+        )  # fmt: skip
+        found = st.spectrum(branch, at=at, certify=True)
+        assert found.structural_zeros == zeros
+        assert found.verdict.word == wanted
+    start = st.Family(
+        system, "two", at=("p",), held={"z": 0.0}, unknown={"y": 1.4}, equations=("y",)
+    )
+    assert not certain(start)  # neither branch speaks for the other
+
+
+def test_a_zero_that_a_transcendental_equation_makes_is_proved() -> None:
+    """The second eigenvalue is a multiple of the equation, whatever its root is."""
     system = _system("log", "yz", lambda x, p: (p - ca.exp(x[0]), (ca.exp(x[0]) - p) * x[1]))
+    branch = st.Family(
+        system, "log", at=("p",), held={"z": 0.0}, unknown={"y": 0.5}, equations=("y",)
+    )
+    found = st.spectrum(branch, at=2.0, certify=True)
+    assert (found.structural_zeros, found.verdict) == (1, Verdict.STABLE)
+    assert found.eigenvalues[0].real == pytest.approx(-2.0, rel=1e-14)
+
+
+def test_a_zero_that_nothing_proves_stays_in_and_leaves_the_verdict_open() -> None:
+    """exp(y) = p makes exp(2y) - p² vanish; that exp(2y) = exp(y)² is not known."""
+    system = _system(
+        "log", "yz", lambda x, p: (p - ca.exp(x[0]), (ca.exp(2 * x[0]) - p * p) * x[1])
+    )
     branch = st.Family(
         system, "log", at=("p",), held={"z": 0.0}, unknown={"y": 0.5}, equations=("y",)
     )
@@ -142,7 +173,10 @@ def test_expressions_know_the_relations_of_their_functions() -> None:
     assert vanishes(a.function("tan") * cosine - sine)
     assert vanishes((a * a + 2 * a * b + b * b).sqrt() ** 2 - (a + b) ** 2)
     assert not vanishes((a * a).sqrt() - a)  # |a|
-    assert vanishes((a * a).fabs() - a * a) is False  # the sign of a² is not known to it
+    assert not vanishes((a * a).fabs() - a * a)  # the sign of a² is not known to it
+    # √(ab) is not b √(a/b) where both are negative
+    assert not vanishes((a * b).sqrt() - b * (a / b).sqrt())
+    assert vanishes((a / b).sqrt() ** 2 - a / b)
     assert vanishes(a / b * b - a)
     with pytest.raises(NotExact):
         1 / (sine**2 + cosine**2 - 1)
