@@ -36,7 +36,7 @@ peers: $(READY)
 
 # Every polynomial and condition derived anew from the graph, into stability/data/exact.json.
 derive: $(READY)
-	$(BIN)/python -c "from stability.hurwitz import write; write('stability/data/exact.json')"
+	$(BIN)/python -c "from stability.hurwitz import write; write('stability/data/exact.json', 'stability/exact.py')"
 
 lint: $(READY)
 	$(BIN)/ruff check .

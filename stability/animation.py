@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .checks import callback, positive
-from .errors import FileError, ParameterError, shown
-from .files import check_target, whole
+from .errors import ParameterError
+from .files import whole
 from .film import FINE, Scene, caption_of, inner_radius, unit_of, write_gif, write_mp4
 from .outcome import BY_CODE
 from .pose import LINEAR, POSED, resample
 from .reading import events_of
+from .targets import FILMS, check_suffix, check_target
 from .trajectory import FORMAT
 
 if TYPE_CHECKING:
@@ -86,10 +87,8 @@ def animate(
     """
     callback(progress)
     motion = _single(dataset)
+    suffix = check_suffix(path, FILMS).suffix.lower()
     check_target(path, overwrite=overwrite)
-    suffix = FilePath(path).suffix.lower()
-    if suffix not in (".gif", ".mp4", ".html"):
-        raise FileError(f"the file name ends in {shown(suffix)}; give .gif, .mp4 or .html.")
     first, last = motion["time"][[0, -1]]
     length, rate = min(max(last - first, SHORTEST), LONGEST), _number("fps", fps, 100.0)
     if seconds is not None:

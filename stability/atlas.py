@@ -13,9 +13,9 @@ import math
 import multiprocessing
 import os
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -31,12 +31,15 @@ from .crossings import Crossing
 from .curves import KINDS
 from .dataset import LIBRARIES, LONG_NAMES
 from .disk import Disk
-from .errors import FileError
-from .files import check_folder, deaf
+from .errors import FileError, StabilityError
+from .files import deaf, postponed, record
+from .litter import clear, temporary
 from .maps import boundaries, stability_map
 from .query import spectrum
 from .steady import AT
+from .targets import check_folder, path_text, place, refusing
 from .verdict import CODES
+from .workers import follow
 
 BODIES: dict[str, tuple[Callable[[], Disk], str, str]] = {
     "disk": (Disk.uniform, "uniform disk", "k = 1/4"),
@@ -124,9 +127,8 @@ def atlas(
     resolution = whole_number(
         "resolution", resolution, 8, FINEST, "`stability map --verdict-only` draws finer ones"
     )
-    target = Path(out)
-    taken = f"{target} exists and is not empty; choose another, or use --force."
-    check_folder(target, "" if force else taken)
+    taken = f"{path_text(out)} exists and is not empty; choose another, or use --force."
+    target = check_folder(place(out), "" if force else taken)
     with _beside(target) as folder:
         jobs = [(body, family, str(folder), resolution) for body in BODIES for family in RANGES]
         pages: dict[tuple[str, str], Page] = {}
@@ -150,11 +152,11 @@ class _beside:  # noqa: N801  # a context manager that reads as a word
         self.target = target
 
     def __enter__(self) -> Path:
-        try:
-            parent = self.target.resolve().parent
-            self.folder = Path(tempfile.mkdtemp(dir=parent, prefix=f".{self.target.name}-"))
-        except OSError as error:
-            raise FileError(f"{self.target} cannot be written: {error.strerror}.") from None
+        with refusing(self.target):
+            parent = Path(os.path.realpath(self.target)).parent
+            clear(parent, always=True)
+            self.folder = parent / temporary()
+            self.folder.mkdir(0o700)
         return self.folder
 
     def __exit__(self, *_: object) -> None:
@@ -162,16 +164,25 @@ class _beside:  # noqa: N801  # a context manager that reads as a word
 
 
 def _move(folder: Path, target: Path) -> None:
-    try:
-        target.mkdir(exist_ok=True)
-        for path in folder.iterdir():  # all or nothing
-            if (target / path.name).is_dir():
-                raise FileError(f"{target / path.name} is a folder in the way; move it aside.")
-        for path in sorted(folder.iterdir(), key=lambda p: p.name == "index.html"):
-            path.chmod(0o644)
-            path.replace(target / path.name)  # the page last: it never points at what is not there
-    except OSError as error:
-        raise FileError(f"{target} cannot be written: {error.strerror}.") from None
+    """Give the folder its name, or its files theirs where the target holds other files."""
+    mask = os.umask(0)
+    os.umask(mask)
+    with refusing(target), postponed():
+        for path in folder.iterdir():
+            path.chmod(0o666 & ~mask)
+        if not os.path.lexists(target):
+            folder.chmod(0o777 & ~mask)
+            folder.replace(target)  # at once
+        else:
+            target.mkdir(exist_ok=True)
+            for path in folder.iterdir():  # all or nothing
+                if (target / path.name).is_dir():
+                    raise FileError(
+                        f"{path_text(target / path.name)} is a folder in the way; move it aside."
+                    )
+            for path in sorted(folder.iterdir(), key=lambda p: p.name == "index.html"):
+                path.replace(target / path.name)  # the page last: it points at what is there
+        record(target)
 
 
 def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
@@ -180,7 +191,9 @@ def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
             yield _job(*job)
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(workers, len(jobs)), context) as pool:
+    others = set(multiprocessing.active_children())
+    mine = (os.getpid(),)
+    with ProcessPoolExecutor(min(workers, len(jobs)), context, follow, mine) as pool:
         # The longest first.  The workers are born deaf to Ctrl-C: it is for this process to handle.
         with deaf():
             ordered = sorted(jobs, key=lambda j: j[1] != "tumbling")
@@ -188,11 +201,16 @@ def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
         try:
             for future in as_completed(futures):
                 yield future.result()
-        except BaseException:
+        except BaseException as stop:
             pool.shutdown(wait=False, cancel_futures=True)
-            for child in multiprocessing.active_children():
-                child.terminate()
+            for child in set(multiprocessing.active_children()) - others:
+                child.kill()  # it has nothing to put in order
                 child.join()
+            if isinstance(stop, BrokenProcessPool):
+                raise StabilityError(
+                    "a process that draws the atlas was ended from outside; nothing was written. "
+                    "If the memory is short, take a lower resolution or fewer workers."
+                ) from None
             raise
 
 

@@ -11,6 +11,8 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
+from io import BytesIO
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -76,5 +78,8 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) ->
     **options
         As for `savefig`.
     """
+    name, content = Path(path), BytesIO()
+    # in memory: the writer of PDF ends in an error of its own where the disk is full
     with figure_style(STYLE):
-        figure.savefig(path, dpi=300, **options)
+        figure.savefig(content, format=name.suffix[1:].lower(), dpi=300, **options)
+    name.write_bytes(content.getbuffer())

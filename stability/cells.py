@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import io
 import json
 import math
 import zipfile
@@ -9,7 +11,6 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,15 +18,18 @@ from numpy.typing import NDArray
 
 from . import __version__
 from .certify import verdict
+from .checksum import sealed, unsealed
 from .errors import DomainError, FileError, ParameterError, shown
 from .files import whole
 from .grid import Grid
 from .growth import GrowthKernel, steady_memory
+from .litter import clear
 from .multiplicity import certain
 from .polynomial import structure
 from .problem import Problem
 from .reduction import reduce
 from .spectra import decide, eigenvalues
+from .targets import check_folder, path_text, place, refusing
 from .tiles import GridVerdicts
 from .verdict import CODES, Verdict
 
@@ -48,6 +52,8 @@ GRAPH = (
 )
 
 
+LEFT = "left"
+"""In a chunk, beside its arrays: how many of its cells the exact route took over."""
 MOST_CELLS = 10**9
 """Largest map; its arrays take 33 bytes a cell."""
 
@@ -73,29 +79,27 @@ class Parts:
     def __init__(self, folder: str | PathLike[str], key: dict[str, Any]) -> None:
         if not isinstance(folder, (str, PathLike)) or not str(folder):
             raise FileError(f"the checkpoint folder is {shown(folder)}; give the name of a folder.")
-        self.folder = Path(folder)
-        try:
-            self.folder.mkdir(exist_ok=True)
-        except OSError as error:
-            raise FileError(
-                f"the checkpoint folder {folder} cannot be made: {error.strerror}."
-            ) from None
-        note = self.folder / self.NAME
+        self.folder = check_folder(folder)
         wanted = json.dumps(key, sort_keys=True, indent=1)
-        if note.is_file():
-            if note.read_bytes() != wanted.encode():
-                raise FileError(
-                    f"the checkpoint folder {folder} belongs to another map; choose another folder "
-                    "or remove it."
-                )
-        elif any(self.folder.iterdir()):
-            raise FileError(f"the checkpoint folder {folder} holds other files; choose another.")
-        else:
-            with whole(note) as beside:
-                beside.write_text(wanted, encoding="utf-8")
+        self.label = hashlib.sha256(wanted.encode()).hexdigest()
+        note = self.folder / self.NAME
+        words = f"the checkpoint folder {path_text(folder)}"
+        with refusing(words, "used"):
+            self.folder.mkdir(exist_ok=True)
+            if note.is_file():
+                if note.read_bytes() != wanted.encode():
+                    raise FileError(
+                        f"{words} belongs to another map, or is damaged; choose another folder or "
+                        "remove it."
+                    )
+            elif any(self.folder.iterdir()):
+                raise FileError(f"{words} holds other files; choose another.")
+            else:
+                with whole(note, result=False) as beside:
+                    beside.write_text(wanted, encoding="utf-8")
 
     def load(self, start: int) -> Chunk | None:
-        """A finished chunk, or None; a damaged one counts as not there.
+        """A finished chunk, or None; a damaged one, or one of another map, counts as not there.
 
         Parameters
         ----------
@@ -107,12 +111,15 @@ class Parts:
         dict of ndarray or None
         """
         with suppress(OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-            with np.load(self.folder / f"{start}.npz", allow_pickle=False) as stored:
-                return dict(stored)
+            stored = (self.folder / f"{start}.npz").read_bytes()
+            content = unsealed(stored, f"{self.label} {start}")
+            if content is not None:
+                with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+                    return dict(arrays)
         return None
 
     def save(self, start: int, chunk: Chunk) -> None:
-        """Keep a finished chunk.
+        """Keep a finished chunk with its checksum.
 
         Parameters
         ----------
@@ -121,8 +128,10 @@ class Parts:
         chunk
             Its arrays by name.
         """
-        with whole(self.folder / f"{start}.npz", overwrite=True) as beside:
-            np.savez(beside, allow_pickle=False, **chunk)
+        content = io.BytesIO()
+        np.savez(content, allow_pickle=False, **chunk)
+        with whole(self.folder / f"{start}.npz", overwrite=True, result=False) as beside:
+            beside.write_bytes(sealed(content.getbuffer(), f"{self.label} {start}"))
 
 
 def remove_parts(folder: str | PathLike[str]) -> None:
@@ -133,10 +142,11 @@ def remove_parts(folder: str | PathLike[str]) -> None:
     folder
         The checkpoint folder.
     """
-    where = Path(folder)
-    if not (where / Parts.NAME).is_file():
-        return
+    where = place(folder)
     with suppress(OSError):
+        if not (where / Parts.NAME).is_file():
+            return
+        clear(where, always=True)
         for path in where.glob("*.npz"):
             if path.stem.isdigit():
                 path.unlink()
@@ -281,8 +291,8 @@ class Cells:
         values |= {x.name: x.values[None, :], y.name: y.values[rows, None]}
         codes, left = self._verdicts(x.values, y.values[rows])
         growth = self._growth(values)
-        self.handed_on += left + growth.handed_on
         chunk: Chunk = {
+            LEFT: np.array([left + growth.handed_on]),
             "codes": codes.reshape(-1), "abscissa": growth.abscissa, "error": growth.error,
             "frequency": growth.frequency,
         }  # fmt: skip
@@ -346,7 +356,8 @@ class Cells:
         count = min(self.chunk, math.prod(self.shape) - start)
         names = ["codes", "abscissa", "error", "frequency"]
         names += ["values"] if self.values is not None else []
-        return sorted(chunk) == sorted(names) and all(
+        kept = [n for n in chunk if n != LEFT]
+        return sorted(kept) == sorted(names) and all(
             chunk[n].shape == (count, *getattr(self, n).shape[2:])
             and chunk[n].dtype == getattr(self, n).dtype
             for n in names
@@ -355,6 +366,9 @@ class Cells:
     def _place(self, start: int, chunk: Chunk) -> int:
         count = len(chunk["codes"])
         for name, array in chunk.items():
+            if name == LEFT:  # counted here, and so in a map that is resumed too
+                self.handed_on += int(array[0])
+                continue
             whole_array = getattr(self, name)
             flat = whole_array.reshape(-1, *whole_array.shape[2:])
             flat[start : start + count] = array

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import io
-import json
-import os
 import re
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from typing import Any, NoReturn
 
 from . import __version__
 from .cli_compare import add_arguments as add_compare
 from .cli_motion import add_arguments
-from .errors import ParameterError, StabilityError, StabilityWarning, one_line, shown
+from .errors import ParameterError, StabilityError, StabilityWarning, shown
+from .output import HELP, json_text
+from .terminal import check, drop_output, prepare, say, stoppable
 
 FAMILY_HELP = "rolling, spinning, tumbling, or circling (rough disk)"
 CONTACTS = "smooth, viscous, linear-viscous, rough"
@@ -31,14 +30,8 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"^-(\d|\.\d|inf|nan).*$")
 
     def error(self, message: str) -> NoReturn:
-        _say(f"{message.rstrip('.')}; see `{self.prog} --help`.")
+        say(f"{message.rstrip('.')}; see `{self.prog} --help`.")
         raise SystemExit(2)
-
-
-def _say(sentence: str) -> None:
-    """A message on standard error, if there is one."""
-    if sys.stderr is not None:
-        print(f"stability: {one_line(sentence)}", file=sys.stderr)
 
 
 @contextmanager
@@ -50,7 +43,7 @@ def _warnings() -> Iterator[None]:
 
         def show(message: Any, category: Any, *rest: Any, **more: Any) -> None:
             if issubclass(category, StabilityWarning):
-                _say(f"note: {message}")
+                say(f"note: {message}")
             else:
                 plainly(message, category, *rest, **more)
 
@@ -69,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 done, 2 bad input, 130 interrupted.
+        0 done, 2 bad input, 130 interrupted (143 by SIGTERM, 129 by SIGHUP).
 
     Examples
     --------
@@ -77,30 +70,50 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rolling, viscous contact, at omega3 = 1.8, k = 0.25, mu = 0.3
     verdict     stable: ...
     """
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):  # a terminal that lacks √ shows its code instead
-            stream.reconfigure(errors="backslashreplace")
-    parser = _parser()
-    options = parser.parse_args(arguments)
+    if not prepare():
+        say("standard output is closed; lead it somewhere, if only to /dev/null.")
+        return 2
+    with stoppable() as stop:
+        try:
+            _run(arguments)
+            stop.check()
+        except BaseException as reason:
+            # a library that is interrupted may raise what it likes: an import fails, a solver stops
+            if stop.number or isinstance(reason, KeyboardInterrupt):
+                told = str(reason) if isinstance(reason, KeyboardInterrupt) else ""
+                say(f"{told or stop.sentence}.")
+                return stop.code
+            return _code(reason)
+    return 0
+
+
+def _run(arguments: Sequence[str] | None) -> None:
     try:
+        options = _parser().parse_args(arguments)
         run: Callable[[argparse.Namespace], None] = options.run
         with _warnings():
             run(options)
+    except SystemExit:  # after --help
         sys.stdout.flush()
-    except StabilityError as error:
-        _say(str(error))
-        return 2
-    except KeyboardInterrupt as stop:
-        _say(f"{str(stop) or 'interrupted; nothing was written'}.")
-        return 130
-    except BrokenPipeError:  # the reader of our output has left, which is its right
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise
+    sys.stdout.flush()
+
+
+def _code(reason: BaseException) -> int:
+    """Say what went wrong; the exit code."""
+    if isinstance(reason, StabilityError):
+        say(str(reason))
+    elif isinstance(reason, BrokenPipeError):  # the reader of our output has left, as it may
+        drop_output()
         return 0
-    except OSError as error:
-        _say(f"the output cannot be written: {error.strerror}.")
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 2
-    return 0
+    elif isinstance(reason, OSError):
+        drop_output()
+        say(f"the output cannot be written: {reason.strerror or reason}.")
+    elif isinstance(reason, MemoryError):
+        say("there is too little memory for this; ask for fewer points.")
+    else:
+        raise reason
+    return 2
 
 
 # --- commands ---
@@ -139,9 +152,9 @@ def _spectrum(options: argparse.Namespace) -> None:
         "abscissa": result.abscissa + 0.0,
         "verdict": result.verdict.word,
         "nonlinear": result.nonlinear.word,
-        "abscissa_error": _finite(result.abscissa_error),
+        "abscissa_error": result.abscissa_error,
         "certified": result.certified,
-        "radius": [_finite(r) for r in result.radius],
+        "radius": list(result.radius),
         "modes": list(result.modes.labels),
         "reason": result.reason,
         "unit": "√(g/R)" if disk.dimensionless else "1/s",
@@ -149,7 +162,7 @@ def _spectrum(options: argparse.Namespace) -> None:
     if options.lean is not None:
         record["lean"] = options.lean
     if options.json:
-        print(json.dumps(record, indent=2))
+        print(json_text(record))
         return
     if at is None:
         where = [f"lean = {options.lean:g}"]
@@ -170,12 +183,11 @@ def _spectrum(options: argparse.Namespace) -> None:
 
 
 def _map(options: argparse.Namespace) -> None:
-    from pathlib import Path
-
     from .cells import remove_parts
     from .contact import LAWS, law_named
-    from .files import check_target, whole, write_map
+    from .files import named, together, whole, write_map
     from .maps import stability_map
+    from .targets import NETCDF, check_suffix, check_target, path_text
 
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
     swept = {x[0], y[0]}
@@ -190,7 +202,8 @@ def _map(options: argparse.Namespace) -> None:
         contact = LAWS[options.contact]
     else:
         contact = law_named(options.contact, options.mu)
-    targets = [Path(check_target(options.out, overwrite=options.force))]
+    out = check_suffix(options.out, NETCDF, "--out")
+    targets = [check_target(out, overwrite=options.force)]
     if options.plot is not None:
         targets.append(_picture(options.plot, options.force))
         if targets[0].resolve() == targets[1].resolve():
@@ -199,26 +212,26 @@ def _map(options: argparse.Namespace) -> None:
     if options.verdict_only:
         _stream(options, x, y, disk, contact, at)
         return
-    with _bar("cells") as progress:
-        try:
+    try:
+        with _bar("cells") as progress:
             dataset = stability_map(
                 options.family, x=x, y=y, disk=disk, contact=contact, at=at,
                 certify=options.certify, levels=options.levels, modes=options.modes,
                 progress=progress,
                 checkpoint=options.checkpoint,
             )  # fmt: skip
-        except KeyboardInterrupt:
-            if options.checkpoint is None:
-                raise
-            raise KeyboardInterrupt(
-                f"interrupted; finished cells are kept in {options.checkpoint}: give the same "
-                "command again to go on"
-            ) from None
-    with ExitStack() as both:  # both files are whole before either has its name
-        if options.plot:
-            picture = both.enter_context(whole(targets[1], overwrite=options.force))
-            _draw(dataset, picture)
-        write_map(dataset, targets[0], overwrite=options.force)
+        with together():
+            if options.plot:
+                with whole(targets[1], overwrite=options.force) as picture:
+                    _draw(dataset, picture)
+            write_map(dataset, targets[0], overwrite=options.force)
+    except KeyboardInterrupt:
+        if options.checkpoint is None or targets[0] in named():
+            raise
+        raise KeyboardInterrupt(
+            f"interrupted; finished cells are kept in {path_text(options.checkpoint)}: give the "
+            "same command again to go on"
+        ) from None
     if options.checkpoint is not None:
         remove_parts(options.checkpoint)
     from .verdict import CODES
@@ -235,7 +248,7 @@ def _map(options: argparse.Namespace) -> None:
         record["certified"] = True
         record["proved_area"] = float(dataset.attrs["box_proved"])
     if options.json:
-        print(json.dumps(record, indent=2))
+        print(json_text(record))
         return
     cells = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
     proved = f"; {dataset.attrs['box_comment']}" if options.certify else ""
@@ -262,7 +275,7 @@ def _stream(options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any
     with read_map(path, lazy=True) as dataset:
         record = {"out": str(path), "cells": dataset.verdict.size, "method": dataset.method}
     if options.json:
-        print(json.dumps(record, indent=2))
+        print(json_text(record))
     else:
         print(f"{path}: {record['cells']} verdicts; {record['method']}")
 
@@ -283,7 +296,7 @@ def _atlas(options: argparse.Namespace) -> None:
             options.out, resolution=options.resolution, force=options.force, progress=progress
         )
     if options.json:
-        print(json.dumps(summary(page), indent=2))
+        print(json_text(summary(page)))
     else:
         print(f"open {page}")
 
@@ -332,7 +345,7 @@ def _table(options: argparse.Namespace) -> None:
         }
         if formulas:
             body["formulas"] = [asdict(f) for f in formulas]
-        print(json.dumps(body, indent=2, default=str))
+        print(json_text(body))
         return
     disk = settings.get("disk")
     if formulas:
@@ -410,7 +423,7 @@ def _parser() -> argparse.ArgumentParser:
             name, help=what, description=f"{what}.", epilog=f"example: {example}"
         )
         sub.set_defaults(run=run)
-        sub.add_argument("--json", action="store_true", help="print one JSON object")
+        sub.add_argument("--json", action="store_true", help=HELP)
         return sub
 
     sub = command("spectrum", _spectrum, "Eigenvalues and verdict of one steady motion",
@@ -549,16 +562,9 @@ def _axis(text: str, which: str) -> Any:
 
 
 def _picture(path: str, force: bool) -> Any:
-    from .files import check_target
+    from .targets import PICTURES, check_suffix, check_target
 
-    target = check_target(path, overwrite=force)
-    if target.suffix.lower() not in (".png", ".pdf", ".svg"):
-        raise ParameterError(f"--plot is {shown(path)}; the name must end in .png, .pdf or .svg.")
-    return target
-
-
-def _finite(value: float) -> float | None:
-    return value if value < float("inf") else None
+    return check_target(check_suffix(path, PICTURES, "--plot"), overwrite=force)
 
 
 @contextmanager
@@ -572,6 +578,7 @@ def _bar(unit: str) -> Iterator[Callable[[int, int], None]]:
     bar = tqdm(total=None, unit=f" {unit}", delay=1, disable=None, leave=False, file=sys.stderr)
 
     def update(done: int, total: int) -> None:
+        check()
         if bar.total != total:
             bar.reset(total)
         bar.update(done - bar.n)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from .errors import NameUnknownError, ParameterError, shown
+from .output import json_text
 
 CHARTS = ("spectrum", "motion")
 """What can be charted."""
@@ -65,7 +65,7 @@ def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
         )
     found = summary(page.parent, parts)
     if options.json:
-        print(json.dumps(found, indent=2))
+        print(json_text(found))
         return
     for line in lines(found):
         print(line)

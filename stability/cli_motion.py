@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from .errors import ParameterError, shown
+from .output import json_text
 
 CONTACTS = "viscous, linear-viscous, smooth, rough, coulomb, coulomb-regularised"
 STATE_OPTIONS = ("theta", "theta-dot", "phi-dot", "omega3", "slip-x", "slip-y")
 MOST = 10_000_000
 """Samples of a run at most."""
-FILMS = (".gif", ".mp4", ".html")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -76,6 +74,7 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
 
     from .contact import law_named
     from .equations import STATES
+    from .files import together
     from .motion import simulate
     from .records import write_motion
 
@@ -98,8 +97,8 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
         disk, contact, start, times, method=options.method, tolerance=options.tolerance, pose=pose,
         check=not options.no_check,
     )  # fmt: skip
-    with ExitStack() as all_whole:  # every file is whole before any of them has its name
-        _draw(options, dataset, targets, all_whole, bar)
+    with together():
+        _draw(options, dataset, targets, bar)
         if options.out is not None:
             write_motion(dataset, targets["out"], overwrite=options.force)
     _report(options, dataset, disk, targets)
@@ -107,18 +106,15 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
 
 def _targets(options: argparse.Namespace) -> dict[str, Path]:
     """The files to write, checked before anything is computed."""
-    from .files import check_target
+    from .targets import FILMS, NETCDF, PICTURES, check_suffix, check_target
 
-    kinds = {"plot": (".png", ".pdf", ".svg"), "film": FILMS}
+    kinds = {"out": NETCDF, "plot": PICTURES, "film": FILMS}
     targets: dict[str, Path] = {}
     for name in ("out", "plot", "film"):
         path = getattr(options, name)
         if path is None:
             continue
-        target = check_target(path, overwrite=options.force)
-        if name in kinds and target.suffix.lower() not in kinds[name]:
-            listed = ", ".join(kinds[name][:-1]) + f" or {kinds[name][-1]}"
-            raise ParameterError(f"--{name} is {shown(path)}; the name must end in {listed}.")
+        target = check_target(check_suffix(path, kinds[name], f"--{name}"), overwrite=options.force)
         if target.resolve() in [t.resolve() for t in targets.values()]:
             raise ParameterError(
                 f"--{name} is {shown(path)}, which another file has; give two names."
@@ -128,18 +124,16 @@ def _targets(options: argparse.Namespace) -> dict[str, Path]:
 
 
 def _draw(
-    options: argparse.Namespace, dataset: Any, targets: dict[str, Path], stack: ExitStack,
-    bar: Callable[[str], Any],
-) -> None:  # fmt: skip
+    options: argparse.Namespace, dataset: Any, targets: dict[str, Path], bar: Callable[[str], Any]
+) -> None:
     from .files import whole
 
     if "plot" in targets:
         from .canvas import save_figure
         from .pictures import motion_figure
 
-        beside = stack.enter_context(whole(targets["plot"], overwrite=options.force))
-        figure = motion_figure(dataset)
-        save_figure(figure, beside)
+        with whole(targets["plot"], overwrite=options.force) as beside:
+            save_figure(motion_figure(dataset), beside)
     if "film" in targets:
         from .animation import animate
 
@@ -151,8 +145,7 @@ def _errors(dataset: Any) -> dict[str, float | None]:
     """Estimated errors of the end; None where nothing is known of them."""
     if "final_error" not in dataset:
         return {"final_error": None, "end_time_error": None}
-    values = {n: float(dataset[n]) for n in ("final_error", "end_time_error")}
-    return {n: v if v < float("inf") else None for n, v in values.items()}
+    return {n: float(dataset[n]) for n in ("final_error", "end_time_error")}
 
 
 def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[str, Path]) -> None:
@@ -186,7 +179,7 @@ def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[
         "files": {name: str(path) for name, path in targets.items()},
     }
     if options.json:
-        print(json.dumps(record, indent=2))
+        print(json_text(record))
         return
     unit = "" if disk.dimensionless else " s"
     print(f"outcome   {outcome.value}")
@@ -195,7 +188,7 @@ def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[
     print("final     " + ", ".join(f"{name} = {value:.9g}" for name, value in final.items()))
     for event in record["events"]:
         print(f"event     {event['kind']} at {event['time']:.9g}{unit}")
-    if record["final_error"] is not None:
+    if record["final_error"] is not None and record["final_error"] < float("inf"):
         print(f"error     of the final state: {record['final_error']:.1e}, estimated")
     print(f"energy    audited to {record['energy_error']:.1e} of the initial energy")
     print(f"method    {record['method']}, {record['steps']} steps: {record['method_reason']}")

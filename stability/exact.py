@@ -6,6 +6,7 @@ without SymPy, to be evaluated over any number type: exact rationals, balls, int
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,10 +16,16 @@ from typing import Any
 
 from .checks import arithmetic
 from .contact import Contact
-from .errors import NameUnknownError, ParameterError, shown
+from .errors import NameUnknownError, ParameterError, StabilityError, shown
 
 DATA = "exact.json"
 """The file of derived polynomials, in stability/data."""
+DIGEST = "13cbc6693b5921509637dbee67bd95e4f7aa3cab5fbb9a47e71c0404c7a505bf"
+"""SHA-256 of that file, written by `make derive`; another content is refused."""
+
+
+MOST = 1000
+"""Largest exponent."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +44,16 @@ class Polynomial:
     """Names."""
     terms: tuple[tuple[int, tuple[int, ...]], ...]
     """(coefficient, exponents) of each monomial."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is no polynomial over Z: the terms become the source of a function."""
+        for c, e in self.terms:
+            whole = type(c) is int and all(type(p) is int and 0 <= p <= MOST for p in e)
+            if not whole or len(e) != len(self.variables):
+                raise ParameterError(
+                    f"a term is {shown((c, e))}; give an integer and {len(self.variables)} "
+                    f"exponents from 0 to {MOST}."
+                )
 
     def __call__(self, *values: Any) -> Any:
         """The value, by nested Horner schemes, the last variable outermost."""
@@ -226,8 +243,29 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
 
 @lru_cache(maxsize=1)
 def _catalogue() -> dict[str, Exact]:
-    text = (files("stability") / "data" / DATA).read_text(encoding="utf-8")
-    return {key: _read(key, record) for key, record in json.loads(text)["cases"].items()}
+    content = (files("stability") / "data" / DATA).read_bytes()
+    if digest(content) != DIGEST:
+        raise StabilityError(
+            f"stability/data/{DATA} is not the file that was derived with this version; it is "
+            "damaged or was edited. Install the package again, or derive it (make derive)."
+        )
+    cases = json.loads(content)["cases"]
+    return {key: _read(key, record) for key, record in cases.items()}
+
+
+def digest(content: bytes) -> str:
+    """SHA-256 of the file of polynomials, the same for every kind of line end.
+
+    Parameters
+    ----------
+    content
+        The file.
+
+    Returns
+    -------
+    str
+    """
+    return hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
 
 
 def _read(key: str, record: Mapping[str, Any]) -> Exact:

@@ -1,105 +1,110 @@
-"""Files that are whole or not there: written beside, then renamed; NetCDF out and in."""
+"""Files that are whole or not there: written under a temporary name, then renamed together."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import signal
-import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import FileError, shown
+from .litter import clear, temporary
+from .targets import NETCDF, check_suffix, check_target, path_text, refusing
 
 if TYPE_CHECKING:
     import xarray
 
-ENGINE = "h5netcdf"
 PARTS = "complex_part"
 """Dimension that holds the real and imaginary part of complex data in a file."""
+STOPS = tuple(getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, n))
+"""Signals that ask a command to stop."""
 
 
-def _path(path: str | os.PathLike[str]) -> Path:
-    try:
-        return Path(path)
-    except TypeError:
-        raise FileError(f"the file name is {shown(path)}; give a string or a path.") from None
+@dataclass(frozen=True)
+class _Ready:
+    """A file that is whole under its temporary name."""
+
+    beside: Path
+    """Where it is."""
+    target: Path
+    """Where it is to be."""
+    overwrite: bool
+    """Whether it may replace a file."""
+    result: bool
+    """Whether it is a result, and not only kept for a later run."""
+
+    def keep(self) -> Path | None:
+        """A second name for the file that is replaced, until all are named."""
+        if not self.overwrite or not self.target.exists():
+            return None
+        kept = self.target.parent / temporary()
+        try:
+            os.link(self.target, kept)
+        except OSError:  # a file system without hard links
+            shutil.copy2(self.target, kept)
+        return kept
+
+    def name(self) -> None:
+        """Give the file its name unless another has taken it meanwhile."""
+        if self.overwrite:
+            self.beside.replace(self.target)
+            return
+        try:
+            os.link(self.beside, self.target)
+        except FileExistsError:
+            raise FileError(
+                f"{path_text(self.target)} exists by now; choose another name."
+            ) from None
+        except OSError:  # a file system without hard links
+            self.beside.replace(self.target)
+
+    def take_back(self, kept: Path | None) -> None:
+        """Undo the naming."""
+        with suppress(OSError):
+            if kept is None:
+                self.target.unlink()
+            else:
+                kept.replace(self.target)
 
 
-def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """A path that can be written, or a sentence why not; nothing is created.
+_waiting: ContextVar[list[_Ready]] = ContextVar("files that wait for their names")
+_named: list[Path] = []
 
-    Parameters
-    ----------
-    path
-        The file to write.
-    overwrite
-        Whether an existing file may be replaced.
+
+def named() -> list[Path]:
+    """The files and folders that this process has written so far, in order.
 
     Returns
     -------
-    Path
-
-    Raises
-    ------
-    FileError
-        If it exists, is a folder, or its folder is missing or not writable.
+    list of Path
     """
-    target = _path(path)
-    try:
-        if target.is_symlink():  # write where it points, and leave the link
-            target = target.resolve()
-        there = target.exists()
-    except ValueError:
-        raise FileError(f"{shown(str(target))} is no file name; leave out NUL.") from None
-    except OSError as error:
-        raise FileError(f"{str(target)[:60]} cannot be written: {error.strerror}.") from None
-    if target.is_dir():
-        raise FileError(f"{target} is a folder; give the name of a file.")
-    if there and not target.is_file():
-        raise FileError(f"{target} is not a regular file; give the name of one.")
-    if there and not overwrite:
-        raise FileError(
-            f"{target} exists; choose another name, or replace it with --force (overwrite=True)."
-        )
-    folder = target.parent
-    if not folder.is_dir():
-        raise FileError(f"the folder {folder} does not exist; create it first.")
-    if not os.access(folder, os.W_OK):
-        raise FileError(f"the folder {folder} is not writable; choose another place.")
-    return target
+    return list(_named)
 
 
-def check_folder(target: Path, taken: str = "") -> None:
-    """See that a folder can be made or written into; nothing is created.
+def record(path: Path) -> None:
+    """Add a file or folder to those that this process has written.
 
     Parameters
     ----------
-    target
-        The folder.
-    taken
-        The sentence for a folder that holds something already; none where that is no matter.
-
-    Raises
-    ------
-    FileError
-        If it is a file, is taken, or its place is missing or not writable.
+    path
+        Its name.
     """
-    if target.exists() and not target.is_dir():
-        raise FileError(f"{target} is a file; give the name of a folder.")
-    if taken and target.is_dir() and any(target.iterdir()):
-        raise FileError(taken)
-    if not target.parent.is_dir():
-        raise FileError(f"the folder {target.parent} does not exist; create it first.")
-    if not os.access(target if target.is_dir() else target.parent, os.W_OK):
-        raise FileError(f"{target} cannot be written: its folder is not writable.")
+    _named.append(path)
 
 
 @contextmanager
-def whole(path: str | os.PathLike[str], *, overwrite: bool = False) -> Iterator[Path]:
-    """A temporary name beside the target; renamed to it if all goes well, removed otherwise.
+def whole(
+    path: str | os.PathLike[str], *, overwrite: bool = False, result: bool = True
+) -> Iterator[Path]:
+    """A temporary name in the target's folder; renamed if all goes well, removed otherwise.
+
+    Within `together` it is renamed with the others at the end.
 
     Parameters
     ----------
@@ -107,6 +112,8 @@ def whole(path: str | os.PathLike[str], *, overwrite: bool = False) -> Iterator[
         The file to write.
     overwrite
         Whether an existing file may be replaced.
+    result
+        Whether it is a result, and not only kept for a later run.
 
     Yields
     ------
@@ -128,51 +135,123 @@ def whole(path: str | os.PathLike[str], *, overwrite: bool = False) -> Iterator[
     'all of it'
     """
     target = check_target(path, overwrite=overwrite)
-    try:
-        handle, name = tempfile.mkstemp(
-            dir=target.parent, prefix=f".{target.stem}-", suffix=target.suffix
-        )
-        os.close(handle)
-    except OSError as error:
-        raise FileError(f"{target} cannot be written: {error.strerror}.") from None
-    beside = Path(name)
+    clear(target.parent)
+    ready = _Ready(target.parent / temporary(target.suffix), target, overwrite, result)
+    group = _waiting.get(None)
     mask = os.umask(0)
     os.umask(mask)
     try:
-        yield beside
-        beside.chmod(0o666 & ~mask)
-        if overwrite:
-            beside.replace(target)
-        else:
-            _name(beside, target)
-    except OSError as error:
-        raise FileError(f"{target} cannot be written: {error.strerror or error}.") from None
+        with refusing(target):
+            os.close(os.open(ready.beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
+            yield ready.beside
+            ready.beside.chmod(0o666 & ~mask)
+            if group is None:
+                _name([ready])
+            else:
+                group.append(ready)
     finally:
-        with suppress(FileNotFoundError):
-            beside.unlink()
+        if group is None or ready not in group:
+            with suppress(FileNotFoundError):
+                ready.beside.unlink()
 
 
-def _name(beside: Path, target: Path) -> None:
-    """Give the file its name unless another has taken it meanwhile."""
+@contextmanager
+def together() -> Iterator[None]:
+    """Files that are all there or none: each `whole` inside waits for its name until the end.
+
+    Raises
+    ------
+    FileError
+        If a file cannot get its name; then those that had it lose it, and what they replaced is
+        back.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with together():
+    ...         for name in ("a.txt", "b.txt"):
+    ...             with whole(Path(folder) / name) as file:
+    ...                 _ = file.write_text(name)
+    ...         early = (Path(folder) / "a.txt").exists()
+    ...     early, sorted(os.listdir(folder))
+    (False, ['a.txt', 'b.txt'])
+    """
+    if _waiting.get(None) is not None:  # part of a larger group
+        yield
+        return
+    group: list[_Ready] = []
+    token = _waiting.set(group)
     try:
-        os.link(beside, target)
-    except FileExistsError:
-        raise FileError(f"{target} exists by now; choose another name.") from None
-    except OSError:  # a file system without hard links
-        beside.replace(target)
+        yield
+        _name(group)
+    finally:
+        _waiting.reset(token)
+        for ready in group:
+            with suppress(FileNotFoundError):
+                ready.beside.unlink()
+
+
+def _name(group: list[_Ready]) -> None:
+    """Give every file its name, or none; a signal to stop waits until it is done."""
+    done: list[tuple[_Ready, Path | None]] = []
+    with postponed():
+        try:
+            for ready in group:
+                kept = None
+                try:
+                    with refusing(ready.target):
+                        kept = ready.keep() if len(group) > 1 else None
+                        ready.name()
+                except BaseException:  # it still is what it was
+                    if kept is not None:
+                        kept.unlink()
+                    raise
+                done.append((ready, kept))
+        except BaseException:
+            for ready, kept in reversed(done):
+                ready.take_back(kept)
+            raise
+        for ready, kept in done:
+            if ready.result:
+                _named.append(ready.target)
+            if kept is not None:
+                with suppress(OSError):
+                    kept.unlink()
+
+
+@contextmanager
+def postponed() -> Iterator[None]:
+    """Let signals to stop wait for the end of a short piece of work."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[int] = []
+    before = {n: signal.getsignal(n) for n in STOPS}
+    # a handler that is not Python's, or that ignores, stays as it is
+    held = {n: h for n, h in before.items() if callable(h) or h is signal.SIG_DFL}
+    try:
+        for number in held:
+            signal.signal(number, lambda n, _: came.append(n))
+        yield
+    finally:
+        for number, handler in held.items():
+            signal.signal(number, handler)
+        if came:
+            signal.raise_signal(came[0])
 
 
 def write_map(
     dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
 ) -> Path:
-    """Write a map to NetCDF-4; complex variables keep their names.
+    """Write a map to NetCDF-4 with a checksum; complex variables keep their names.
 
     Parameters
     ----------
     dataset
         From `stability_map`.
     path
-        File to write.
+        File to write; `.nc` or another ending of NetCDF.
     overwrite
         Whether an existing file may be replaced.
 
@@ -198,8 +277,11 @@ def write_map(
     import numpy as np
     import xarray
 
+    from .netcdf import packed
+
     if not isinstance(dataset, xarray.Dataset):
         raise FileError(f"dataset is {shown(dataset)}; give what stability_map returns.")
+    check_suffix(path, NETCDF)
     encoded: xarray.Dataset = dataset.copy()
     for name, variable in dataset.variables.items():
         if np.iscomplexobj(variable.values):
@@ -211,12 +293,14 @@ def write_map(
     }
     # into memory first: a disk that fills up while HDF5 writes to it takes the process down
     with whole(path, overwrite=overwrite) as beside:
-        beside.write_bytes(encoded.to_netcdf(engine="h5netcdf", encoding=compress))
+        beside.write_bytes(packed(encoded, compress))
     return Path(path)
 
 
 def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:
-    """Read a map that `write_map` or `stream_map` wrote.
+    """Read a map that `write_map` or `stream_map` wrote, its checksum first.
+
+    Files of version 0.4.0 and before have none: damage to their numbers may go unnoticed.
 
     Parameters
     ----------
@@ -233,11 +317,12 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     Raises
     ------
     FileError
-        If there is no such file, or it is not a NetCDF file, or not one of ours.
+        If there is no such file, or it is damaged, not a NetCDF file, or not one of ours.
     """
     import xarray
 
     from .dataset import FORMAT
+    from .netcdf import opened
 
     dataset = opened(path, FORMAT, "a map", lazy=lazy)
     for name, variable in list(dataset.variables.items()):
@@ -245,58 +330,6 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
             values = variable.values[..., 0] + 1j * variable.values[..., 1]
             attributes = {k: v for k, v in variable.attrs.items() if k != "complex"}
             dataset[name] = xarray.Variable(variable.dims[:-1], values, attributes)
-    return dataset
-
-
-def opened(
-    path: str | os.PathLike[str], form: str, what: str, *, lazy: bool = False
-) -> xarray.Dataset:
-    """A NetCDF file of ours as a dataset, or a sentence why not.
-
-    Parameters
-    ----------
-    path
-        File to read.
-    form
-        What its attribute `format` must be.
-    what
-        What it should hold, in words.
-    lazy
-        Whether to leave the data in the file.
-
-    Returns
-    -------
-    xarray.Dataset
-
-    Raises
-    ------
-    FileError
-        If there is no such file, or it is not a NetCDF file, or not of that format.
-    """
-    import xarray
-
-    source = _path(path)
-    try:
-        there = source.is_file()
-    except OSError as error:
-        raise FileError(f"{str(source)[:60]} cannot be read: {error.strerror}.") from None
-    if not there:
-        raise FileError(f"{source} is not a file; give {what} written by stability.")
-    try:
-        if lazy:
-            dataset = xarray.open_dataset(source, engine=ENGINE)
-        else:
-            with xarray.open_dataset(source, engine=ENGINE) as file:
-                dataset = file.load()
-    except (OSError, ValueError, KeyError, RuntimeError, TypeError) as error:
-        raise FileError(
-            f"{source} cannot be read as NetCDF ({str(error).splitlines()[0][:80]}); it may be "
-            "damaged or of another format."
-        ) from None
-    marker = "outcome" if what == "a motion" else "verdict"
-    if str(dataset.attrs.get("format")) != form or marker not in dataset.variables:
-        dataset.close()
-        raise FileError(f"{source} is a NetCDF file but not {what} written by stability.")
     return dataset
 
 

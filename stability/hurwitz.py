@@ -12,16 +12,19 @@ Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV §§ 6, 13; tes
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path as FilePath
 from typing import Any
 
 import sympy
 
 from .contact import LAWS
 from .derivation import LAM, SIN, Derived, K, derive
-from .errors import StabilityError
-from .files import whole
+from .errors import FileError, StabilityError
+from .exact import digest
+from .files import together, whole
 from .steady import FAMILIES
 
 Expr = Any
@@ -273,16 +276,29 @@ def _terms(expression: Expr, variables: Sequence[sympy.Symbol]) -> list[list[int
     return [[int(c), *map(int, powers)] for powers, c in poly.terms()]
 
 
-def write(path: str) -> None:
+def write(path: str, source: str | None = None) -> None:
     """Derive everything and write it, one case to a line.
 
     Parameters
     ----------
     path
         The file.
+    source
+        Source of `stability.exact`, in which the digest of the file is to stand; none where the
+        file is not the package's.
     """
     found = catalogue()
     lines = [f"{json.dumps(key)}: {json.dumps(case)}" for key, case in found["cases"].items()]
     body = ",\n".join(lines)
-    with whole(path, overwrite=True) as beside:
-        beside.write_text(f'{{"format": 1, "cases": {{\n{body}\n}}}}\n', encoding="utf-8")
+    content = f'{{"format": 1, "cases": {{\n{body}\n}}}}\n'.encode()
+    with together():
+        with whole(path, overwrite=True) as beside:
+            beside.write_bytes(content)
+        if source is not None:
+            text = FilePath(source).read_text(encoding="utf-8")
+            line = f'DIGEST = "{digest(content)}"'
+            text, count = re.subn(r'^DIGEST = "[0-9a-f]+"$', line, text, flags=re.MULTILINE)
+            if count != 1:
+                raise FileError(f"{source} has {count} lines for the digest; one is needed.")
+            with whole(source, overwrite=True) as beside:
+                beside.write_text(text, encoding="utf-8")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def write_motion(
     dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
 ) -> FilePath:
-    """Write a motion to NetCDF-4.
+    """Write a motion to NetCDF-4 with a checksum.
 
     Parameters
     ----------
@@ -53,11 +53,14 @@ def write_motion(
     import xarray
 
     from .files import whole
+    from .netcdf import packed
+    from .targets import NETCDF, check_suffix
 
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise FileError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
+    check_suffix(path, NETCDF)
     with whole(path, overwrite=overwrite) as beside:
-        beside.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+        beside.write_bytes(packed(dataset))
     return FilePath(path)
 
 
@@ -77,9 +80,9 @@ def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
     Raises
     ------
     FileError
-        If there is no such file, or it is not a NetCDF file, or not one of ours.
+        If there is no such file, or it is damaged, not a NetCDF file, or not one of ours.
     """
-    from .files import opened
+    from .netcdf import opened
 
     return opened(path, FORMAT, "a motion")
 

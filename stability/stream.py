@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+import io
 import math
 import os
 import shutil
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .checksum import ATTRIBUTE, STATEMENT, seal
 from .contact import Contact
 from .dataset import axis_attributes, provenance
 from .disk import Disk
 from .errors import FileError, ParameterError
-from .files import check_target, whole
+from .files import whole
 from .grid import Grid
 from .growth import steady_memory
 from .maps import Axis, check_run, prepare
+from .targets import NETCDF, check_suffix, check_target, path_text
 from .tiles import GridVerdicts
 from .verdict import CODES
 
@@ -104,23 +108,90 @@ def stream_map(
         raise ParameterError(
             f"the map has {total:.3g} cells; at most {MOST_CELLS:.0e} are streamed."
         )
-    target = check_target(out, overwrite=overwrite)
+    target = check_target(check_suffix(out, NETCDF), overwrite=overwrite)
     free = shutil.disk_usage(target.parent).free
     if free < total + 2**24:
         raise FileError(
-            f"{target} may need {total / 2**20:.0f} MiB, and {free / 2**20:.0f} MiB are free there."
+            f"{path_text(target)} may need {total / 2**20:.0f} MiB, and {free / 2**20:.0f} MiB are "
+            "free there."
         )
     steady_memory()
     verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
     with whole(target, overwrite=overwrite) as beside:
-        file, variable = _created(beside, question, axes)
-        with file:
-            left = _fill(variable, verdicts, axes, workers or 1, progress)
-            file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
+        with _Sink(beside) as sink:
+            file, variable = _created(sink, question, axes)
+            with file:
+                left = _fill(variable, sink, verdicts, axes, workers or 1, progress)
+                file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
+                file.attrs[ATTRIBUTE] = STATEMENT
+            sink.check()
+        seal(beside)
     return Path(out)
 
 
-def _created(path: Path, question: Any, axes: tuple[Grid, Grid]) -> tuple[Any, Any]:
+class _Sink(io.RawIOBase):
+    """A file that HDF5 writes to and that never fails: a failure is told by `check`.
+
+    HDF5 takes the process down when it closes a file that it could not write.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("r+b", buffering=0)
+        self._error: OSError | None = None
+
+    def check(self) -> None:
+        """Raise what went wrong, if something has."""
+        if self._error is not None:
+            raise self._error
+
+    def readable(self) -> bool:
+        return True
+
+    def writable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+    def truncate(self, size: int | None = None) -> int:
+        with self._kept():
+            self._file.truncate(size)
+        return size or 0
+
+    def readinto(self, buffer: Any) -> int:
+        view = memoryview(buffer).cast("B")
+        got = self._file.readinto(view) or 0
+        view[got:] = bytes(len(view) - got)  # what could not be written
+        return len(view)
+
+    def write(self, data: Any) -> int:
+        view = memoryview(data).cast("B")
+        count = len(view)
+        with self._kept():
+            while len(view) and self._error is None:
+                view = view[self._file.write(view) or 0 :]
+        return count
+
+    def close(self) -> None:
+        with self._kept():
+            self._file.close()
+        super().close()
+
+    @contextmanager
+    def _kept(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self._error = self._error or error
+
+
+def _created(path: _Sink, question: Any, axes: tuple[Grid, Grid]) -> tuple[Any, Any]:
     import h5netcdf
 
     file = h5netcdf.File(path, "w")
@@ -147,7 +218,7 @@ def _rows(axes: tuple[Grid, Grid]) -> int:
 
 
 def _fill(
-    variable: Any, verdicts: GridVerdicts, axes: tuple[Grid, Grid], workers: int,
+    variable: Any, sink: _Sink, verdicts: GridVerdicts, axes: tuple[Grid, Grid], workers: int,
     progress: Progress | None,
 ) -> int:  # fmt: skip
     """Bands in order, a few in flight; returns how many cells went to exact arithmetic."""
@@ -163,6 +234,7 @@ def _fill(
         first, future = pending.popleft()
         codes, open_cells = future.result()
         variable[first : first + len(codes), :] = codes
+        sink.check()
         if progress:
             progress(min((first + step) * axes[0].count, total), total)
         return open_cells

@@ -111,7 +111,7 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("no workers", lambda: chart(workers=0), "workers is 0"),
     ("array in a map", lambda: chart(disk=st.Disk(k=[0.2, 0.3])), "k is an array"),
     ("at as value and axis", lambda: chart(at=1.0), "give it once"),
-    ("checkpoint elsewhere", lambda: chart(checkpoint="/nowhere/at/all"), "cannot be made"),
+    ("checkpoint elsewhere", lambda: chart(checkpoint="/nowhere/at/all"), "does not exist"),
     ("not a path", lambda: st.read_map(3), "give a string or a path"),
     ("not a dataset", lambda: st.write_map(3, "x.nc"), "what stability_map returns"),
     ("system of numbers", lambda: st.System("x", 1, 2, 3, states=("a",)), "CasADi SX"),

@@ -266,7 +266,7 @@ def test_bad_questions_get_one_sentence(
         ({"--x": "k:0.1:0.5:5"}, "at is missing"),
         ({"--contact": "rough"}, "known for rolling are at, k, mass, radius, gravity"),
         ({"--plot": "map.txt"}, "must end in .png"),
-        ({"--out": "map.png", "--plot": "map.png"}, "give two files"),
+        ({"--out": "map.png", "--plot": "map.png"}, "must end in .nc"),
         ({"--out": "."}, "is a folder"),
         ({"--out": "nowhere/map.nc"}, "does not exist"),
         ({"--levels": "99", "--certify": None}, "levels is 99"),

@@ -20,6 +20,7 @@ from typing import Any
 
 from ..errors import StabilityError
 from ..files import deaf
+from ..workers import follow
 from .journal import CRASHED, DONE, LATE, REFUSED, Cell, Journal
 
 START = 120.0
@@ -226,6 +227,7 @@ def _work(pipe: Connection) -> None:
     import warnings
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    follow(os.getppid())
     pipe.send("ready")
     warnings.simplefilter("ignore")  # what a route warns of is counted as its error
 

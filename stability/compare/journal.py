@@ -16,6 +16,8 @@ from typing import Any
 from .. import __version__
 from ..errors import FileError
 from ..files import whole
+from ..litter import clear
+from ..targets import path_text, refusing
 
 MARK = "fingerprint"
 """The first word of a journal."""
@@ -69,37 +71,50 @@ class Journal:
         head = json.dumps({MARK: fingerprint()})
         try:
             folder.mkdir(exist_ok=True)
+            clear(folder, always=True)
             there = self.path.is_symlink() or self.path.exists()
             if there and not is_journal(self.path):
-                raise FileError(f"{self.path} is not a journal of ours; choose another folder.")
-            text = self.path.read_text(encoding="utf-8") if there else ""
+                raise FileError(
+                    f"{path_text(self.path)} is not a journal of ours; choose another folder."
+                )
+            text = self.path.read_text(encoding="utf-8", errors="replace") if there else ""
             lines = text.splitlines()
             if lines and lines[0] == head:  # otherwise other sources, versions or machine
                 self._read(lines[1:])
             kept = "".join(_line(cell) for cell in self.cells.values())
             if text != f"{head}\n{kept}":  # a line cut short, or cells that no longer hold
-                with whole(self.path, overwrite=True) as beside:
+                with whole(self.path, overwrite=True, result=False) as beside:
                     beside.write_text(f"{head}\n{kept}", encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            what = getattr(error, "strerror", None) or "it is not text"
-            raise FileError(f"{self.path} cannot be used: {what}.") from None
+        except OSError as error:
+            raise FileError(
+                f"{path_text(self.path)} cannot be used: {error.strerror or error}."
+            ) from None
 
     def _read(self, lines: list[str]) -> None:
         for line in lines:
+            body, _, digest = line.rpartition("\t")
+            if digest != _digest(body):  # cut short or damaged: the cell is done again
+                continue
             with contextlib.suppress(ValueError, TypeError, RecursionError):
-                cell = Cell(**json.loads(line))
+                cell = Cell(**json.loads(body))
                 if isinstance(cell.key, str) and cell.status in ENDS:
                     self.cells[cell.key] = cell
 
     def add(self, cell: Cell) -> None:
         """Keep a cell, at once."""
         self.cells[cell.key] = cell
-        with self.path.open("a", encoding="utf-8") as handle:
+        with refusing(self.path), self.path.open("a", encoding="utf-8") as handle:
             handle.write(_line(cell))
 
 
 def _line(cell: Cell) -> str:
-    return json.dumps(vars(cell)) + "\n"
+    """A cell as JSON, a tab, and the beginning of the checksum of that."""
+    body = json.dumps(vars(cell))
+    return f"{body}\t{_digest(body)}\n"
+
+
+def _digest(body: str) -> str:
+    return hashlib.sha256(body.encode()).hexdigest()[:16]
 
 
 def is_journal(path: Path) -> bool:

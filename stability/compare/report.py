@@ -16,7 +16,9 @@ import numpy as np
 
 from ..checks import MOST_WORKERS, callback, flag, whole_number
 from ..errors import FileError, NameUnknownError, shown
-from ..files import check_folder, whole
+from ..files import together, whole
+from ..netcdf import packed
+from ..targets import check_folder, path_text, place, refusing
 from . import catalogue, motion_data, spectral, spectral_data, works
 from .bench import Task, run
 from .classes import classes
@@ -132,14 +134,15 @@ def report(
         before += sum(map(len, groups))
     try:
         ready = [part(name, journal.cells) for name in PARTS if _whole(name, journal)]
-        for one in ready:
-            if one.name in wanted or not all((folder / name).exists() for name in one.data):
-                _write(folder, one, journal.cells)
-        return write(folder, ready)
+        with together():
+            for one in ready:
+                if one.name in wanted or not all((folder / name).exists() for name in one.data):
+                    _write(folder, one, journal.cells)
+            return write(folder, ready)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
-            f"interrupted; every cell is kept in {folder}: give the same command again to have "
-            "what is missing drawn"
+            f"interrupted; every cell is kept in {path_text(folder)}: give the same command again "
+            "to have what is missing drawn"
         ) from None
     except FileError:
         raise
@@ -163,17 +166,15 @@ def _checked(parts: Any, workers: Any, progress: Any) -> list[str]:
 
 
 def _folder(out: Any, force: bool) -> Path:
-    try:
-        target = Path(out)
-        if "\0" in str(target):
-            raise ValueError
+    target = place(out)
+    with refusing(target, "used"):
         ours = is_journal(target / JOURNAL)
-    except (TypeError, ValueError, OSError):
-        raise FileError(f"out is {shown(out)}; give the name of a folder.") from None
-    taken = f"{target} holds other files; choose another folder, or use --force."
+    taken = f"{path_text(target)} holds other files; choose another folder, or use --force."
     check_folder(target, "" if ours or force else taken)
     if (target / "index.html").is_dir():
-        raise FileError(f"{target / 'index.html'} is a folder in the way; move it aside.")
+        raise FileError(
+            f"{path_text(target / 'index.html')} is a folder in the way; move it aside."
+        )
     return target
 
 
@@ -338,7 +339,7 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
             beside.write_text(text, encoding="utf-8")
     if one.name != FAILURES:
         with whole(folder / f"{one.name}.nc", overwrite=True) as beside:
-            beside.write_bytes(one.chart.to_netcdf(engine="h5netcdf"))
+            beside.write_bytes(packed(one.chart))
 
 
 def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:

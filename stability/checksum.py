@@ -1,0 +1,109 @@
+"""Checksums of files: a last line that is checked before anything else of the file is read."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+
+MARK = b"\nstability sha256 "
+"""Beginning of the last line."""
+LENGTH = len(MARK) + 64 + 1
+"""Bytes of the last line with its mark."""
+ATTRIBUTE = "checksum"
+"""Attribute of a NetCDF file that says that there must be such a line."""
+STATEMENT = "sha256 of what stands before the last line of the file"
+"""Its value."""
+BLOCK = 2**20
+
+
+def sealed(content: bytes | memoryview, label: str = "") -> bytes:
+    """Content with its checksum behind it.
+
+    Parameters
+    ----------
+    content
+        What is to be protected.
+    label
+        What it is of, which goes into the checksum: another file's content does not pass.
+
+    Returns
+    -------
+    bytes
+
+    Examples
+    --------
+    >>> unsealed(sealed(b"abc", "a"), "a"), unsealed(sealed(b"abc", "a"), "b")
+    (b'abc', None)
+    """
+    digest = hashlib.sha256(label.encode() + bytes(1))
+    digest.update(content)
+    return bytes(content) + _line(digest.hexdigest())
+
+
+def unsealed(content: bytes, label: str = "") -> bytes | None:
+    """Content without its checksum, or None where it is missing or wrong.
+
+    Parameters
+    ----------
+    content
+        From `sealed`.
+    label
+        As there.
+
+    Returns
+    -------
+    bytes or None
+    """
+    body = content[:-LENGTH]
+    return body if len(content) >= LENGTH and sealed(body, label) == content else None
+
+
+def seal(path: Path) -> None:
+    """Append its checksum to a file.
+
+    Parameters
+    ----------
+    path
+        The file, which has none yet.
+    """
+    digest = _digest(path, path.stat().st_size)
+    with path.open("ab") as handle:
+        handle.write(_line(digest))
+
+
+def intact(path: Path) -> bool | None:
+    """Whether a file is as it was written; None where it has no checksum.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    bool or None
+    """
+    size = path.stat().st_size
+    if size < LENGTH:
+        return None
+    with path.open("rb") as handle:
+        handle.seek(-LENGTH, os.SEEK_END)
+        line = handle.read(LENGTH)
+    if not line.startswith(MARK):
+        return None
+    return line == _line(_digest(path, size - LENGTH))
+
+
+def _line(digest: str) -> bytes:
+    return MARK + digest.encode() + b"\n"
+
+
+def _digest(path: Path, size: int) -> str:
+    """Of the first bytes of a file, without a label."""
+    digest = hashlib.sha256(bytes(1))
+    with path.open("rb") as handle:
+        while size > 0 and (block := handle.read(min(size, BLOCK))):
+            digest.update(block)
+            size -= len(block)
+    return digest.hexdigest()

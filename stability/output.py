@@ -1,0 +1,63 @@
+"""JSON that any reader takes: one encoding of numbers without bound for every command."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+HELP = "print one JSON object; null stands for a number without bound, or one that is not known"
+"""What --json does."""
+
+
+def strict(value: Any) -> Any:
+    """A value in the types of JSON; a number that is not finite is None.
+
+    Parameters
+    ----------
+    value
+        Numbers, texts, NumPy scalars and arrays, mappings and sequences of these.
+
+    Returns
+    -------
+    object
+
+    Examples
+    --------
+    >>> strict({"mu": [0.5, float("inf")]})
+    {'mu': [0.5, None]}
+    """
+    if value is None or isinstance(value, (str, bool, int)):
+        return value
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(key): strict(one) for key, one in value.items()}
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [strict(one) for one in value]
+    if hasattr(value, "tolist"):  # of NumPy
+        return strict(value.tolist())
+    return str(value)
+
+
+def json_text(record: Any) -> str:
+    """A record as strict JSON.
+
+    Parameters
+    ----------
+    record
+        What is to be printed.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(json_text({"mu_high": float("inf")}))
+    {
+      "mu_high": null
+    }
+    """
+    return json.dumps(strict(record), indent=2, allow_nan=False)

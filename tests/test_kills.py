@@ -1,0 +1,131 @@
+"""Commands that are killed leave no processes, and no files once another command has run there."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from kills import COMMANDS, LATEST, SIGNALS, delays, kill, next_run, readable
+
+import stability as st
+from stability.files import together, whole
+from stability.litter import clear, temporary
+
+SEED = int(os.environ.get("STABILITY_SEED", "20261121"))
+LINUX = pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+
+
+def test_files_of_ended_processes_are_removed_and_others_stay(tmp_path: Path) -> None:
+    code = "import sys; from stability.litter import temporary; print(temporary('.nc'))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    dead, mine = tmp_path / done.stdout.strip(), tmp_path / temporary(".nc")
+    folder = tmp_path / done.stdout.strip().removesuffix(".nc")
+    dead.touch()
+    mine.touch()
+    folder.mkdir()
+    (folder / "figure.png").touch()
+    host = mine.name.split("-")[1]
+    foreign = tmp_path / mine.name.replace(host, "0123abcd")  # of a machine that shares the disk
+    old = tmp_path / mine.name.replace(host, "0123abce")
+    later = tmp_path / mine.name.replace(f"-{os.getpid()}-", f"-{os.getpid()}-1")  # number reused
+    others = [tmp_path / n for n in (".stability-", ".stability-rc", ".hidden", "a.nc")]
+    for path in (foreign, old, later, *others):
+        path.touch()
+    os.utime(old, (time.time() - 8 * 86400,) * 2)
+    clear(tmp_path, always=True)
+    assert {p.name for p in tmp_path.iterdir()} == {p.name for p in (mine, foreign, *others)}
+
+
+def test_a_command_removes_what_a_killed_one_left(tmp_path: Path) -> None:
+    code = (
+        "import os, signal, sys; from stability.files import whole\n"
+        "with whole(sys.argv[1]) as file:\n"
+        "    file.write_text('half'); os.kill(os.getpid(), signal.SIGKILL)"
+    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path / "m.nc")], check=False)
+    assert len(list(tmp_path.iterdir())) == 1
+    next_run(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_several_files_are_all_there_or_none(tmp_path: Path) -> None:
+    (tmp_path / "b").write_text("before")
+    with pytest.raises(st.StabilityError, match="exists by now"), together():
+        for name in ("a", "b", "c"):
+            with whole(tmp_path / name, overwrite=name == "b") as file:
+                file.write_text("after")
+        (tmp_path / "c").write_text("another's")
+    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {
+        "b": "before", "c": "another's"
+    }  # fmt: skip
+    with pytest.raises(KeyboardInterrupt), together():
+        for name in ("a", "b"):
+            with whole(tmp_path / name, overwrite=True) as file:
+                file.write_text("after")
+        raise KeyboardInterrupt
+    assert not (tmp_path / "a").exists()
+    assert (tmp_path / "b").read_text() == "before"
+
+
+def test_a_signal_waits_until_every_file_has_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    replace = Path.replace
+
+    def interrupted(self: Path, target: Path) -> Path:
+        signal.raise_signal(signal.SIGINT)
+        return replace(self, target)
+
+    monkeypatch.setattr(Path, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt), together():
+        for name in ("a", "b"):
+            with whole(tmp_path / name, overwrite=True) as file:
+                file.write_text("after")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b"]
+
+
+@LINUX
+@pytest.mark.parametrize(
+    ("name", "number", "delay"),
+    [
+        ("map", signal.SIGTERM, 2.5),
+        ("simulate", signal.SIGHUP, 3.0),
+        ("atlas", signal.SIGKILL, 6.0),
+    ],
+)
+def test_a_killed_command_leaves_nothing(
+    name: str, number: int, delay: float, tmp_path: Path
+) -> None:
+    found = kill(name, number, delay, tmp_path)
+    assert (found.orphans, found.litter, found.partial) == ([], [], [])
+    assert "Traceback" not in found.errors
+    next_run(tmp_path)
+
+
+@LINUX
+@pytest.mark.long
+@pytest.mark.parametrize("name", list(COMMANDS))
+def test_a_hundred_kills(name: str, tmp_path: Path) -> None:
+    """Kills at random moments, by every signal in turn, of the process or of its whole group."""
+    count = int(os.environ.get("STABILITY_KILLS", "100"))
+    tally: Counter[str] = Counter()
+    slowest = 0.0
+    bad = []
+    for i, delay in enumerate(delays(SEED, count, COMMANDS[name].span)):
+        folder = tmp_path / str(i)
+        folder.mkdir()
+        number = SIGNALS[i % len(SIGNALS)]
+        group = i % 3 == 0
+        found = kill(name, number, delay, folder, group=group)
+        readable(folder)
+        slowest = max(slowest, 0.0 if found.whole else found.took)
+        tally["done before" if found.whole else f"{signal.Signals(number).name}"] += 1
+        if found.orphans or found.litter or found.partial or "Traceback" in found.errors:
+            bad.append((i, delay, found))
+    print(f"{name}: {dict(tally)}, slowest end {slowest:.1f} s, bad {bad}")
+    assert not bad
+    assert slowest < LATEST
