@@ -170,6 +170,8 @@ class System:
         >>> s.rates([1.0, 0.0], [4.0])
         array([ 0.  , -0.25])
         """
+        for word in others:
+            known("keyword", word, ("states", "parameters", "conditions", "units"))
         sought = names("unknowns", unknowns)
         given = {n: expression(f"rate of {n}", e, 1, 1) for n, e in mapping("rates", rates).items()}
         matrix = expression("mass", mass, len(sought), len(sought))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .algebra import Upright
-from .checks import flag, instance, known, one_number, rows
+from .checks import checked, flag, instance, known, one_number, rows
 from .errors import NameUnknownError, ParameterError, shown
 
 if TYPE_CHECKING:
@@ -39,10 +39,9 @@ def expression(what: str, value: Any, rows: int | None = None, columns: int | No
     if isinstance(value, ca.SX):
         found = value
     else:
-        try:
-            if isinstance(value, (str, bytes, bool)):
-                raise TypeError
-            found = ca.SX(value)
+        try:  # as doubles first: some types of NumPy take CasADi's process down
+            found = ca.SX(ca.DM(np.asarray(checked(what, value.full() if isinstance(value, ca.DM)
+                                                   else value))))  # fmt: skip
         except Exception:  # CasADi raises several classes of its own
             raise ParameterError(
                 f"{what} is {shown(value)}; give a CasADi SX expression."
