@@ -112,6 +112,7 @@ def _records(worker: subprocess.Popen[bytes]) -> Iterator[dict[str, object]]:
                 worker.kill()
                 break
     worker.wait()
+    worker.stdout.close()
 
 
 def _work(kind: str, seed: str, first: int, last: int, *, quiet: bool) -> None:
