@@ -174,12 +174,26 @@ def spectrum(
         rows.reduced,
         rate.reshape(shape),
         _shaped(scale, shape),
+        grows=_grows(rows, a, q, u, shape),
         note=rows.note,
     )
     asked = np.full(len(a), certify)
     if escalate:
         asked |= codes == CODES[Verdict.UNDECIDED]
     return proved(found, rows, asked, shape, escalated=not certify) if asked.any() else found
+
+
+def _grows(
+    rows: Rows, a: Floats, q: Floats, u: Floats, shape: tuple[int, ...]
+) -> NDArray[np.bool_] | None:
+    """Where structural zeros that no tangent of the family explains are not semisimple."""
+    from .jordan import grows
+
+    question = rows.question
+    family = question.family
+    if rows.zeros == family.tangents or question.law is not None:
+        return None
+    return grows(family, a, q, u, rows.zeros, question.roundings).reshape(shape)
 
 
 class Rows:

@@ -87,11 +87,7 @@ def _reduce(
     watch: bool,
 ) -> Reduced:  # fmt: skip
     a, q, u = place
-    cut = a.shape[1]
-    given = [_rounded(a, roundings[:cut]), _rounded(q, roundings[cut:])]
-    doubt = _root_error(family, given, u)
-    solved = [Tracked(c, e) for c, e in zip(u.T, doubt.T, strict=True)]
-    arguments = [given[0], solved, given[1]]
+    arguments = _arguments(family, a, q, u, roundings)
     graph = family.graph
     matrix, error = tracked_arrays(graph.matrix, arguments, a.shape[:1])[0]
     steps: list[Deflation] = []
@@ -120,6 +116,35 @@ def _null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
     noise = np.sqrt((error**2).sum(axis=(1, 2))) + 8 * UNIT * sizes[..., 0]
     gap = np.maximum(sizes[..., -2], UNIT * sizes[..., 0])
     return vector, np.minimum(noise / gap, 1.0)[:, None] * np.ones_like(vector)
+
+
+def _arguments(
+    family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence[int]
+) -> list[list[Tracked]]:
+    """Family parameters, unknowns and parameters, each with its error."""
+    cut = a.shape[1]
+    given = [_rounded(a, roundings[:cut]), _rounded(q, roundings[cut:])]
+    doubt = _root_error(family, given, u)
+    return [given[0], [Tracked(c, e) for c, e in zip(u.T, doubt.T, strict=True)], given[1]]
+
+
+def tracked_matrix(
+    family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence[int] | None
+) -> tuple[Floats, Floats]:
+    """The linearisation at members, and a bound on the error of each entry.
+
+    Parameters
+    ----------
+    family, a, q, u, roundings
+        As for `reduce`.
+
+    Returns
+    -------
+    matrix, error
+        Shape (N, n, n) each.
+    """
+    arguments = _arguments(family, a, q, u, roundings or [0] * (a.shape[1] + q.shape[1]))
+    return tracked_arrays(family.graph.matrix, arguments, a.shape[:1])[0]
 
 
 def _rounded(block: Floats, roundings: Sequence[int]) -> list[Tracked]:

@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 
+GROWS = -2
+"""In place of a verdict's flag value where structural zeros are not semisimple."""
 NOT_ASKED = -1
 """In place of bits where a verdict stands as double precision gave it."""
 
@@ -85,6 +87,9 @@ class Spectrum:
     """Unit of each state, shape (…, states)."""
     proof: Proof | None = None
     """How verdicts and eigenvalues were proved, where they were."""
+    grows: NDArray[np.bool_] | None = None
+    """Where the structural zeros are proved not to be semisimple, shape (…); None where every
+    one of them is a tangent of the family."""
     note: str = ""
     """A sentence on structural zeros, where there are fewer here than at typical members."""
 
@@ -142,6 +147,11 @@ class Spectrum:
             np.abs(self.eigenvalues) <= self.radius
         ).any(axis=-1)
         codes = np.where(on_zero, CODES[Verdict.UNDECIDED], self.codes)
+        if self.grows is not None:
+            table[GROWS] = Nonlinear.GROWS
+            known = np.isin(codes, [c for c, told in table.items() if told is Nonlinear.OPEN])
+            asked = known & (self.codes != CODES[Verdict.UNDECIDED])
+            codes = np.where(self.grows & asked, GROWS, codes)
         return _members(np.asarray(codes), table)
 
     @property

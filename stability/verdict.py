@@ -77,6 +77,10 @@ class Nonlinear(Sentences):
     )
     BY_INTEGRALS = "stable by integrals: first integrals keep a disturbed motion near the family"
     UNSTABLE = "unstable: some disturbance grows exponentially"
+    GROWS = (
+        "grows like t in the linear flow: more eigenvalues vanish by structure than there are null "
+        "vectors (proved: rank A > n - structural zeros); only higher orders could hold the motion"
+    )
     OPEN = "open: the spectrum does not decide; higher orders do"
 
     @property

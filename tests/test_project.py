@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "stability"
 CORE = (
     "errors", "disk", "contact", "algebra", "tracked", "system", "equations", "graph", "families",
-    "steadiness", "exact_fields", "function_field", "multiplicity", "routh", "root_balls",
+    "steadiness", "jordan", "exact_fields", "function_field", "multiplicity", "routh", "root_balls",
     "continuation", "steady", "enclosure", "polynomial", "verdict", "reduction", "modes", "spectra",
     "problem", "query", "grid", "files", "boundary", "curves", "cells", "maps", "exact", "certify",
     "kernels", "factoring", "growth", "tiles", "boxes", "stream", "derivation", "hurwitz",
