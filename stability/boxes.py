@@ -173,7 +173,7 @@ class BoxConditions:
                 values[name] = (name, low, high)
             else:
                 inside = (low <= 0) & (high >= 0)
-                if name == "phi_dot":  # circling, which has no member there
+                if name == "phi_dot":  # circling and precession, which have no member there
                     upright |= inside
                 least = np.where(inside, 0.0, np.minimum(np.abs(low), np.abs(high)))
                 values[name] = Interval(least, np.maximum(np.abs(low), np.abs(high)))

@@ -17,7 +17,7 @@ from .errors import ParameterError, StabilityError, StabilityWarning, shown
 from .output import HELP, json_text
 from .terminal import check, drop_output, prepare, say, stoppable
 
-FAMILY_HELP = "rolling, spinning, tumbling, or circling (rough disk)"
+FAMILY_HELP = "rolling, spinning, tumbling, circling (rough disk) or precession (smooth disk)"
 CONTACTS = "smooth, viscous, linear-viscous, rough"
 
 
@@ -429,7 +429,9 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("spectrum", _spectrum, "Eigenvalues and verdict of one steady motion",
                   "stability spectrum tumbling --at 0.5 --mu 0.3 --json")  # fmt: skip
     sub.add_argument("family", metavar="FAMILY", help=FAMILY_HELP)
-    sub.add_argument("--at", help="omega3, phi_dot, or theta; for circling THETA,PHI_DOT")
+    sub.add_argument(
+        "--at", help="omega3, phi_dot, or theta; for circling and precession THETA,PHI_DOT"
+    )
     sub.add_argument(
         "--lean", type=float, help="for tumbling, in place of --at: π/2 - theta, 0 is upright"
     )

@@ -24,8 +24,9 @@ VARIABLES = {
     "spinning": (K, M, SQUARE),
     "tumbling": (K, M, SIN),
     "circling": (K, SQUARE, SIN),
+    "precession": (K, SQUARE, SIN),
 }
-"""What the coefficients depend on: k, M = mu*², and z = at*² or s = sinθ (both for circling)."""
+"""What the coefficients depend on: k, M = mu*², and z = at*² or s = sinθ (or both)."""
 TRIG = sympy.Poly(SIN**2 + COS**2 - 1, COS)
 
 

@@ -20,7 +20,7 @@ from .errors import NameUnknownError, ParameterError, StabilityError, shown
 
 DATA = "exact.json"
 """The file of derived polynomials, in stability/data."""
-DIGEST = "13cbc6693b5921509637dbee67bd95e4f7aa3cab5fbb9a47e71c0404c7a505bf"
+DIGEST = "d60731b19cd4d14caabd9d683c1229d5ee419c736590ce8994c1b54211caac27"
 """SHA-256 of that file, written by `make derive`; another content is refused."""
 
 
@@ -169,7 +169,8 @@ class Exact:
     law: str
     """Name of the contact law."""
     variables: tuple[str, ...]
-    """k, then M = mu*² (laws with mu), then z = at*² or s = sinθ (both for circling)."""
+    """k, then M = mu*² (laws with mu), then z = at*² or s = sinθ (both for circling and
+    precession, z = φ̇*²)."""
     zeros: int
     """Structural zeros."""
     even: bool
@@ -206,7 +207,7 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     Parameters
     ----------
     family
-        rolling, spinning, tumbling, or circling (rough).
+        rolling, spinning, tumbling, circling (rough) or precession (smooth).
     law
         A contact law or its name.
 
@@ -236,7 +237,7 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     if key not in known:
         raise NameUnknownError(
             f"{shown(key)} has no polynomial; there is one for rolling, spinning and tumbling "
-            "under each law of spectra, and for circling under rough."
+            "under each law of spectra, for circling under rough and for precession under smooth."
         )
     return known[key]
 

@@ -20,10 +20,12 @@ from .derivation import LAM, MU, SQUARE, Derived, M
 from .errors import ParameterError, shown
 from .exact import Exact, Polynomial, exact_polynomial
 from .hurwitz import conditions, decisive
+from .steady import FAMILIES, ONLY
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""
-AT = {"rolling": "omega3", "spinning": "phi_dot", "tumbling": "theta", "circling": "phi_dot"}
+AT = {"rolling": "omega3", "spinning": "phi_dot", "tumbling": "theta", "circling": "phi_dot",
+      "precession": "phi_dot"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -323,8 +325,7 @@ def cases(laws: Sequence[str]) -> list[tuple[str, str]]:
     laws
         Contact laws.
     """
-    return [(f, law) for law in laws for f in ("rolling", "spinning", "tumbling", "circling")
-            if f != "circling" or law == "rough"]  # fmt: skip
+    return [(f, law) for law in laws for f in FAMILIES if ONLY.get(f, law) == law]
 
 
 def rows(

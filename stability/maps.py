@@ -66,8 +66,8 @@ def stability_map(
         Name of a disk's family, or a `Family`.
     x, y
         Axes as (name, low, high, n) or (name, low, high, n, "log"): any two of `at`, `k`, `mu`,
-        `mass`, `radius`, `gravity`; `lean` for tumbling, `theta`, `phi_dot` for circling; for a
-        `Family`, its own names.
+        `mass`, `radius`, `gravity`; `lean` for tumbling, `theta`, `phi_dot` for circling and
+        precession; for a `Family`, its own names.
     disk, contact, at
         The rest, as for `spectrum`.  An axis takes the place of the value given here; where `mu` is
         an axis, contact may be left out (viscous) or be the class of a law.

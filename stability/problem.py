@@ -140,7 +140,9 @@ class Problem:
         turn = next((n for n in ("phi_dot", "at") if n in v), None)
         if turn and "z" in self.exact.variables:
             if turn == "phi_dot" and np.any(np.equal(v[turn], 0)):
-                raise NoMemberError("circling has no member at phi_dot = 0; give another phi_dot.")
+                raise NoMemberError(
+                    f"{self.family.name} has no member at phi_dot = 0; give another phi_dot."
+                )
             found["z"] = v[turn] * v[turn] * length
         if "s" in self.exact.variables:
             named = dict(v) if "theta" in v or "lean" in v else dict(v) | {"theta": v["at"]}
@@ -179,12 +181,12 @@ def disk_problem(
     Parameters
     ----------
     family
-        rolling, spinning, tumbling, or circling (rough).
+        rolling, spinning, tumbling, circling (rough) or precession (smooth).
     disk, contact
         The body and the law; their fields may be arrays.
     at
-        Family parameter; for circling the pair (theta, phi_dot) along the last axis.  None where
-        it is an axis to come.
+        Family parameter; for circling and precession the pair (theta, phi_dot) along the last
+        axis.  None where it is an axis to come.
     lean
         In place of theta for tumbling: π/2 - theta [rad], exactly upright at 0.
 

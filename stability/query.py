@@ -97,11 +97,12 @@ def spectrum(
     Parameters
     ----------
     family
-        `rolling`, `spinning`, `tumbling`, for the rough disk `circling`; or a `Family`.
+        `rolling`, `spinning`, `tumbling`, for the rough disk `circling`, for the smooth one
+        `precession`; or a `Family`.
     at
         What names the member: omega3 (rolling), phi_dot (spinning) [rad/s], theta (tumbling)
-        [rad], the pair (theta, phi_dot) along the last axis (circling).  Arrays broadcast with the
-        fields of disk and contact.
+        [rad], the pair (theta, phi_dot) along the last axis (circling, precession).  Arrays
+        broadcast with the fields of disk and contact.
     lean
         In place of `at` for tumbling: π/2 - theta [rad], which is exactly upright at 0; no double
         theta is.

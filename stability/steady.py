@@ -1,4 +1,4 @@
-"""The disk's steady motions: rolling, spinning, tumbling, and the rough disk's circling."""
+"""The disk's steady motions: rolling, spinning, tumbling, circling (rough), precession (smooth)."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from .equations import disk_system
 from .errors import NameUnknownError
 from .families import Family
 
-FAMILIES = ("rolling", "spinning", "tumbling", "circling")
-"""Names of the disk's families; `circling` is the rough disk's alone."""
+ONLY = {"circling": "rough", "precession": "smooth"}
+"""The law of each family of one law alone; both have two parameters."""
+FAMILIES = ("rolling", "spinning", "tumbling", *ONLY)
+"""Names of the disk's families."""
 
 AT = {
     "rolling": ("omega3",),
     "spinning": ("phi_dot",),
     "tumbling": ("theta",),
     "circling": ("theta", "phi_dot"),
+    "precession": ("theta", "phi_dot"),
 }
 """What names a member of each family."""
 
@@ -27,7 +30,7 @@ def disk_family(name: str, law: str) -> Family:
     """One of the disk's families under a contact law; dimensionless, built once.
 
     In each the rate of theta_dot is the equation to solve: for phi_dot (rolling, tumbling) or
-    omega3 (spinning, circling).  Rolling and spinning turn out to solve it identically.
+    omega3 (spinning, circling, precession).  Rolling and spinning turn out to solve it identically.
 
     Parameters
     ----------
@@ -56,10 +59,11 @@ def disk_family(name: str, law: str) -> Family:
     """
     known("family", name, FAMILIES)
     known("contact", law, LAWS)
-    if name == "circling" and law != "rough":
+    if ONLY.get(name, law) != law:
+        others = [n for n in FAMILIES if ONLY.get(n, law) == law]
         raise NameUnknownError(
-            f"circling is a family of the rough disk; under the {law} law the contact would slip "
-            "(steady motions there are rolling, spinning and tumbling)."
+            f"{name} is a family of the {ONLY[name]} disk; steady motions under the {law} law are "
+            f"{', '.join(others[:-1])} and {others[-1]}."
         )
     return _disk_family(str(name), str(law))
 
@@ -75,6 +79,7 @@ def _disk_family(name: str, law: str) -> Family:
         "spinning": ({"theta": UPRIGHT}, {"omega3": 0.0}),
         "tumbling": ({"omega3": 0.0}, {"phi_dot": 1.0}),
         "circling": ({}, {"omega3": 0.0}),
+        "precession": ({}, {"omega3": 0.0}),
     }
     held, unknown = given[name]
     return Family(

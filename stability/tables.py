@@ -16,7 +16,7 @@ from .disk import Disk
 from .errors import NameUnknownError, shown
 from .polynomial import structure
 from .problem import disk_problem
-from .steady import AT, FAMILIES, disk_family
+from .steady import AT, FAMILIES, ONLY, disk_family
 from .survey import NOTES as LAUNCH_NOTES
 from .survey import contact_lines, launch_rows
 
@@ -59,6 +59,7 @@ MOTION = {
     "spinning": "upright, turning about its vertical diameter on the spot",
     "tumbling": "inclined, its centre at rest, axial angular velocity zero",
     "circling": "inclined, its contact point running round a circle without slip",
+    "precession": "inclined, its centre at rest or in uniform straight motion, without friction",
 }
 
 
@@ -84,7 +85,7 @@ def condition(name: str) -> str:
 
     from .algebra import sympy_algebra
 
-    law = "rough" if name == "circling" else "viscous"
+    law = ONLY.get(name, "viscous")
     family = disk_family(name, law)
     if family.closed:
         return f"none: every {family.at[0]}"
@@ -118,11 +119,11 @@ def families() -> list[FamilyRow]:
     Examples
     --------
     >>> [row.family for row in families()]
-    ['rolling', 'spinning', 'tumbling', 'circling']
+    ['rolling', 'spinning', 'tumbling', 'circling', 'precession']
     """
     rows = []
     for name in FAMILIES:
-        laws = ["rough"] if name == "circling" else list(LAWS)
+        laws = [ONLY[name]] if name in ONLY else list(LAWS)
         zeros = {law: structure(disk_family(name, law)).zeros for law in laws}
         thresholds: dict[str, list[float]] = {}
         if name in SCAN:

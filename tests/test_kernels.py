@@ -403,14 +403,15 @@ def test_levels_out_of_range_are_refused(levels: Any) -> None:
 
 
 @pytest.mark.parametrize("law", [None, st.LinearViscous(0.4), st.Rough(), st.Smooth()])
-@pytest.mark.parametrize("family", [*FAMILIES, "circling"])
+@pytest.mark.parametrize("family", [*FAMILIES, "circling", "precession"])
 def test_a_line_has_one_polynomial_by_both_routes(family: str, law: Any) -> None:
     from stability.boundary import Line
     from stability.polynomial import precision
 
-    if family == "circling" and not isinstance(law, st.Rough):
+    only = {"circling": st.Rough, "precession": st.Smooth}.get(family)
+    if only is not None and not isinstance(law, only):
         return
-    at = (0.9, 0.7) if family == "circling" else 0.9
+    at = (0.9, 0.7) if only is not None else 0.9
     asked = disk_problem(family, st.Disk(k=0.3), law or st.Viscous(0.6), at)
     line = Line(asked, "k", {n: float(v) for n, v in asked.values.items()})
     with precision(128):
