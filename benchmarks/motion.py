@@ -207,7 +207,7 @@ def stiff() -> None:
             def ask(method: str, mu: float, tolerance: float, kept: dict[str, Any]) -> None:
                 kept[method] = st.simulate(
                     st.Disk(), st.Viscous(mu), LAUNCH, GRID, method=method, tolerance=tolerance,
-                    max_steps=10**8, check=False,
+                    max_steps=10**8, max_seconds=1e4, check=False,
                 )  # fmt: skip
 
             fine = "heyoka" if taylor.available() and mu <= 3000 else "cvodes"

@@ -48,6 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="auto, heyoka, dop853, lsoda, radau, bdf, cvodes, idas")  # fmt: skip
     parser.add_argument("--tolerance", type=float, default=1e-9, metavar="E",
                         help="error allowed in a step (default 1e-9)")  # fmt: skip
+    parser.add_argument("--max-seconds", type=float, default=10.0, metavar="S",
+                        help="computing time after which it gives up (default 10)")  # fmt: skip
     parser.add_argument("--no-check", action="store_true",
                         help="do not run each launch again beside itself, which tells the error "
                         "of its end: faster")  # fmt: skip
@@ -95,7 +97,7 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
     pose = options.pose or options.film is not None or options.plot is not None
     dataset = simulate(
         disk, contact, start, times, method=options.method, tolerance=options.tolerance, pose=pose,
-        check=not options.no_check,
+        check=not options.no_check, max_seconds=options.max_seconds,
     )  # fmt: skip
     with together():
         _draw(options, dataset, targets, bar)

@@ -28,6 +28,8 @@ ROUGHEST = 1e8
 """Largest dimensionless friction."""
 LONGEST, BRIEFEST = 1e12, 1e-200
 """Range of the last time, dimensionless."""
+MOST_LAUNCHES, MOST_SAMPLES = 1_000_000, 20_000_000
+"""Launches of one call, and launches times the times asked, at most: all are held in memory."""
 POINTS = 201
 """Samples of a run for which only a last time is given."""
 
@@ -108,7 +110,7 @@ def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Lau
         "force": disk.force, "length": disk.radius,
     }  # fmt: skip
     flat = {n: _flat(v, shape) for n, v in (fields | scales).items()}
-    count = math.prod(shape)
+    count = _count(shape, when)
     starts = np.broadcast_to(six, (*shape, 6)).reshape(count, 6).copy()
     if not disk.dimensionless:
         starts[:, 1:4] *= flat["time"][..., None] if flat["time"].ndim else flat["time"]
@@ -125,6 +127,21 @@ def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Lau
         contact.name, shape, starts, p, when, {n: flat[n] for n in fields},
         {n: flat[n] for n in scales}, disk.dimensionless, energies,
     )  # fmt: skip
+
+
+def _count(shape: tuple[int, ...], when: Floats) -> int:
+    """The number of launches, refused where no memory would hold their samples."""
+    count = math.prod(shape)
+    if count == 0:
+        raise ParameterError(
+            f"start and the parameters have shape {shape}: give a launch at least."
+        )
+    if count > MOST_LAUNCHES or count * len(when) > MOST_SAMPLES:
+        raise ParameterError(
+            f"{count} launches at {len(when)} times are asked; give at most {MOST_LAUNCHES} "
+            f"launches and {MOST_SAMPLES} samples in all, and call again for more."
+        )
+    return count
 
 
 def _parameters(contact: Contact, v: Mapping[str, Floats]) -> dict[str, Floats]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import MOST_WORKERS, callback, flag, one_number, whole_number
+from .checks import callback
 from .contact import Contact
 from .disk import Disk
 from .errors import ParameterError
@@ -20,6 +21,7 @@ from .launches import Launches, gather
 from .outcome import OF_END, Outcome
 from .painleve import OPEN_END, closer
 from .route import UNRESOLVED, End, Leg, Path
+from .settings import TIGHTEST, Settings
 from .settling import Nearest, deviation, nearest
 from .shadow import COMPARED, SIGNS, Doubt, doubts
 from .sticking import SLIDING, DryPath, Transition
@@ -36,8 +38,8 @@ GUARDS = {
 """What each guard is, in words."""
 TOGETHER = 1e-6
 """D at which a zero of gn D is taken for one of both."""
-LOOSEST, TIGHTEST = 1e-2, 1e-16
-"""Range of `tolerance`."""
+CHUNK = 4096
+"""Launches that are run and checked together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +86,7 @@ def simulate(
     flat: float = 1e-6,
     settle: float = 1e-3,
     max_steps: int = 1_000_000,
+    max_seconds: float = 10.0,
     check: bool = True,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -118,6 +121,9 @@ def simulate(
         Largest distance from a steady motion, dimensionless, at which it can count as settled on.
     max_steps
         Steps after which a run gives up.
+    max_seconds
+        Computing time of one launch after which its run gives up [s]; the same again for each of
+        its neighbours.  Other work on the machine does not count.
     check
         Whether each launch is run a second time, a little off and less finely, which tells the
         error of its final state; a launch whose neighbour ends otherwise is *undetermined*.
@@ -158,55 +164,13 @@ def simulate(
 
     callback(progress)
     settings = Settings(
-        check_method(method), tolerance, pose, flat, settle, max_steps, workers, check
+        check_method(method), tolerance, pose, flat, settle, max_steps, workers, check, max_seconds
     )
     settings.refuse()
     with CASADI:  # calls from several threads take turns; a batch uses threads of its own
         launches = gather(disk, contact, start, times)
         _not_flat(launches, settings)
         return assemble(launches, settings, results(launches, settings, progress))
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How a run is made; fields as the keywords of `simulate`."""
-
-    method: str
-    """Integrator."""
-    tolerance: float
-    """Error allowed in a step."""
-    pose: bool
-    """Whether the pose is carried along."""
-    flat: float
-    """Angle that counts as flat [rad]."""
-    settle: float
-    """Largest distance that can count as settled."""
-    max_steps: int
-    """Steps after which a run gives up."""
-    workers: int | None
-    """Threads."""
-    check: bool = True
-    """Whether each launch has a shadow."""
-
-    def refuse(self) -> None:
-        """Refuse what is out of range, in one sentence."""
-        for name in ("tolerance", "flat", "settle"):
-            one_number(name, getattr(self, name))
-        for name in ("pose", "check"):
-            flag(name, getattr(self, name))
-        if not TIGHTEST <= self.tolerance <= LOOSEST:
-            raise ParameterError(
-                f"tolerance is {self.tolerance:g}; give one from {TIGHTEST:g} to {LOOSEST:g}."
-            )
-        if not 0 < self.flat <= 0.1:
-            raise ParameterError(f"flat is {self.flat:g}; give an angle above 0 up to 0.1 rad.")
-        if not 0 <= self.settle <= 0.1:
-            raise ParameterError(f"settle is {self.settle:g}; give a distance from 0 to 0.1.")
-        for name in ("max_steps", "workers"):
-            value = getattr(self, name)
-            if name == "workers" and value is None:
-                continue
-            whole_number(name, value, most=MOST_WORKERS if name == "workers" else None)
 
 
 def _not_flat(launches: Launches, settings: Settings) -> None:
@@ -239,14 +203,32 @@ def results(
     list of Result
         In the order of the launches.
     """
-    legs = _legs(launches, settings)
+    legs, found = _legs(launches, settings), []
+    for first in range(0, len(legs), CHUNK):  # the neighbours of all would fill the memory
+        some = slice(first, first + CHUNK)
+        told = None if progress is None else partial(_later, progress, first, len(legs))
+        found += _checked(legs[some], launches.starts[some], launches, settings, told)
+    return found
+
+
+def _later(
+    progress: Callable[[int, int], None], before: int, total: int, done: int, _: int
+) -> None:
+    progress(before + done, total)
+
+
+def _checked(
+    legs: Sequence[Leg], starts: Floats, launches: Launches, settings: Settings,
+    progress: Callable[[int, int], None] | None,
+) -> list[Result]:  # fmt: skip
+    """Run some launches, and their neighbours."""
     found = _run(legs, launches, settings, [settings.method] * len(legs), progress)
     if not settings.check:
         return found
 
     def rerun(which: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
         shadows = [
-            _shadow(legs[i], launches.starts[i], tolerance, size)
+            _shadow(legs[i], starts[i], tolerance, size)
             for i, tolerance, size in zip(which, tolerances.tolist(), off.tolist(), strict=True)
         ]
         return _run(shadows, launches, settings, [found[i].choice.method for i in which], None)
@@ -267,7 +249,7 @@ def _legs(launches: Launches, settings: Settings) -> list[Leg]:
         Leg(
             which, np.append(p, sine), y,
             times / float(clock[i]) if shared is None else shared,
-            _finer(settings.tolerance, y), settings.max_steps,
+            _finer(settings.tolerance, y), settings.max_steps, settings.max_seconds,
         )
         for i, (p, y) in enumerate(zip(launches.p, which.pack(launches.starts), strict=True))
     ]  # fmt: skip

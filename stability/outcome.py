@@ -37,7 +37,7 @@ class Outcome(Sentences):
     )
     UNRESOLVED = (
         "unresolved: the integrator gave up and what came after is not shown; ask for another "
-        "method, a larger max_steps or tolerance"
+        "method, a larger max_steps, max_seconds or tolerance"
     )
     UNDETERMINED = (
         "undetermined: neighbours within the tolerance end differently; ask for a finer tolerance "

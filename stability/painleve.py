@@ -202,7 +202,8 @@ def closer(leg: Leg, path: Path) -> tuple[Path, str] | None:
 
 def _stretched(leg: Leg, which: Flow, start: Floats, times: Floats) -> Path:
     """A motion in stretched time, sampled at plain times up to the last of them."""
-    run = Leg(which, leg.p, start, np.array([0.0, STRETCHED]), FINEST, leg.max_steps)
+    span = np.array([0.0, STRETCHED])
+    run = Leg(which, leg.p, start, span, FINEST, leg.max_steps, leg.seconds)
     return integrate_scipy(run, method="lsoda", clock=times)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -18,6 +20,8 @@ LARGE = 1e3
 """Friction from which the slip is resolved more finely."""
 RESOLVED = 0.01
 """mu times the slip that is always resolved."""
+LOOSE = 1e-2
+"""Tolerance at which that is so; it falls with its fourth root."""
 UNRESOLVED = "unresolved"
 """The kind of an end at which an integrator gave up."""
 
@@ -38,6 +42,8 @@ class Leg:
     """Local error allowed in a step, relative and absolute."""
     max_steps: int
     """Steps after which the run gives up."""
+    seconds: float = math.inf
+    """Computing time of the thread after which it gives up [s]."""
 
     @property
     def absolute(self) -> float:
@@ -45,7 +51,11 @@ class Leg:
         names = self.flow.system.parameters
         mu = float(self.p[names.index("mu")]) if VISCOUS in self.flow.system.name else 0.0
         # where D vanishes mu times the slip is of order one: an error that large is no motion
-        return min(self.tolerance * min(1.0, LARGE / max(mu, LARGE)), RESOLVED / max(mu, 1.0))
+        share = math.sqrt(
+            math.sqrt(min(1.0, self.tolerance / LOOSE))
+        )  # a finer neighbour has a finer one too
+        bound = RESOLVED * share / max(mu, 1.0)
+        return min(self.tolerance * min(1.0, LARGE / max(mu, LARGE)), bound)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +82,46 @@ class Path:
     """Where it ended early, or None."""
     steps: int
     """Steps taken, or evaluations where the library counts no steps."""
+
+
+class Budget:
+    """The computing time that a run has left, counted for the thread that made the budget.
+
+    Other work on the machine takes nothing from it.  As a callback it is asked at every step, and
+    is false once the time is spent.
+
+    Parameters
+    ----------
+    seconds
+        What the run may take [s].
+
+    Examples
+    --------
+    >>> Budget(60.0).spent, Budget(0.0).spent
+    (False, True)
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds, self.end = seconds, time.thread_time() + seconds
+
+    @property
+    def left(self) -> float:
+        """Seconds that are left."""
+        return self.end - time.thread_time()
+
+    @property
+    def spent(self) -> bool:
+        """Whether nothing is left."""
+        return self.left <= 0
+
+    @property
+    def message(self) -> str:
+        """What ended the run."""
+        return f"more than {self.seconds:g} s of computing"
+
+    def __call__(self, _integrator: object) -> bool:
+        """Whether to go on."""
+        return not self.spent
 
 
 Integrate = Callable[[Leg], Path]

@@ -1,11 +1,17 @@
-"""How far a motion is determined: each launch is run again, twice, a little off and less finely.
+"""How far a motion is determined: each launch is run again, more finely and a little off.
 
-Two shadows start on either side of the launch, its nonzero numbers off by the tolerance (zeros
-stay, so that a motion in a plane of symmetry keeps its plane), with another tolerance.  Where all
-stay close, their distance, scaled down by the ratio of the tolerances, estimates the error.  Where
-they part, two more are as fine as the launch itself; if one of these ends otherwise, the launch's
-outcome is not determined at its tolerance, and is not given.  This is evidence, not proof: a border
-between outcomes that runs along the line of the three starts is not seen.
+The first neighbour is finer than the launch, by a factor that depends on the method: its distance
+is the launch's own error, measured.  It starts off by the tolerance on one side (zeros stay, so
+that a motion in a plane of symmetry keeps its plane).  The second is a thousand times looser, and
+off on the other side by as much: its distance, scaled down, shows how errors grow, and whether a
+border between outcomes is near.  The stated error is the larger of the two, with a factor on each,
+and the unit roundoff of every step, times the largest growth between any two times.
+
+Where the launch's error is larger than the looser neighbour's explains, finer ones follow until two
+agree.  Where neighbours part or end otherwise, one more is as fine as the first, on the other side;
+if one of these ends otherwise, the launch's outcome is not determined at its tolerance, and is not
+given.  This is evidence, not proof: a border between outcomes that runs along the line of the
+starts, within the error of the finer neighbour, is not seen.
 """
 
 from __future__ import annotations
@@ -22,28 +28,40 @@ from .outcome import Outcome
 if TYPE_CHECKING:
     from .motion import Result
 
+FINER = {"heyoka": 1e-2}
+"""The finer neighbour's tolerance over that of the launch, by method; others `FINE`."""
+FINE = 1e-1
+"""That of a method whose cost rises faster as the tolerance falls."""
+COARSE = 1e-2
+"""The neighbours' tolerance over that of a launch that is itself coarse."""
 LOOSER = 1e3
-"""The first shadow's tolerance over that of the launch, up to `LOOSEST`."""
+"""The looser neighbour's tolerance over that of the launch, up to `LOOSEST`."""
 LOOSEST = 1e-6
 """Where no scaling holds any more, and a stiff motion is lost: a launch that is asked less than ten
-times as finely has a finer shadow instead."""
-FINER = 1e-2
-"""That shadow's tolerance over that of the launch."""
+times as finely is coarse, and has three finer neighbours instead."""
 ROUNDING = 1e-15
-"""Below this an error no longer falls with the tolerance."""
-MARGIN = 10.0
+"""Relative change of a start below which it is lost in rounding."""
+MEASURED = 3.0
+"""Factor on the distance from the finer neighbour, which has an error of its own."""
+MARGIN = 5.0
 """Factor on a scaled distance, since an error falls a little more slowly than the tolerance."""
+PER_STEP = 2.0 * np.finfo(float).eps
+"""Rounding of one step, relative to 1 or the state's size."""
 CLOSE = 0.03
 """Distance of states up to which the scaling is trusted."""
 NOTHING = 0.3
 """Estimate from which on nothing is known of the final state: its error is without bound then."""
 APART = 1e-2
 """Relative difference of the times of an early end that makes it another end."""
+AGREED = 1 / 3
+"""Distance of two finer neighbours, over the launch's from the finest, at which they agree."""
+TURNS = 4
+"""Finer neighbours that follow at most where two do not agree."""
 LASTING = (Outcome.MOVING, Outcome.SETTLED)
 SIGNS = np.array([1.0, -0.83, 0.71, -0.91, 0.77, 0.87])
 """Direction of the start's change: fixed, and of no symmetry."""
 COMPARED = 17
-"""Times at which two shadows are compared."""
+"""Times at which two neighbours are compared."""
 
 Rerun = Callable[[Sequence[int], Floats, Floats], "list[Result]"]
 """Runs launches (by number) again from starts off by a relative size, at tolerances."""
@@ -51,7 +69,7 @@ Rerun = Callable[[Sequence[int], Floats, Floats], "list[Result]"]
 
 @dataclass(frozen=True)
 class Doubt:
-    """What a shadow says of a launch."""
+    """What the neighbours say of a launch."""
 
     final_error: float
     """Estimated error of the final state: the largest, each over 1 or the state's own size."""
@@ -61,8 +79,12 @@ class Doubt:
     """How the launch's neighbour ends, where it ends otherwise; then the outcome is open."""
 
 
+Pair = tuple["Result", "Result"]
+"""Two neighbours of a launch."""
+
+
 def doubts(found: Sequence[Result], finest: Sequence[float], rerun: Rerun) -> list[Doubt | None]:
-    """Judge each launch by its shadows.
+    """Judge each launch by its neighbours.
 
     Parameters
     ----------
@@ -86,59 +108,170 @@ def doubts(found: Sequence[Result], finest: Sequence[float], rerun: Rerun) -> li
     True
     """
     out: list[Doubt | None] = [None] * len(found)
-    asked = np.array([r.tolerance for r in found])
-    where = [i for i, r in enumerate(found) if r.outcome is not Outcome.UNRESOLVED]
-    looser = 10 * asked <= LOOSEST
-    coarse = np.minimum(LOOSER * asked, LOOSEST)
-    shadow = np.maximum(np.where(looser, coarse, FINER * asked), finest)
-    own = np.maximum(asked, ROUNDING)  # what rounds away is no change of a start
-    scale = np.where(looser, MARGIN * own / shadow, 2.0)
-    off = np.where(looser, shadow, own)
-    again: list[int] = []
-    for i, pair in zip(where, _pairs(rerun, where, shadow[where], off[where]), strict=True):
-        doubt, spread = _judged(found[i], pair)
-        if doubt.contrary or not max(doubt.final_error, doubt.time_error, spread) <= CLOSE:
-            again.append(i)
-        else:
-            out[i] = Doubt(doubt.final_error * scale[i], doubt.time_error * scale[i])
-    if again:
-        fine = np.maximum(asked / 10, finest)[again]
-        for i, pair in zip(again, _pairs(rerun, again, fine, own[again]), strict=True):
-            doubt, spread = _judged(found[i], pair)
-            # where neighbours part on the way, that they meet at the end is chance
-            size = 2 * max(doubt.final_error, spread if spread > CLOSE else 0.0)
-            bound = size if size < NOTHING else np.inf
-            out[i] = Doubt(bound, 2 * doubt.time_error, doubt.contrary)
+    for judge, coarse in ((_of_fine, False), (_of_coarse, True)):
+        which = [
+            i for i, r in enumerate(found)
+            if r.outcome is not Outcome.UNRESOLVED and (10 * r.tolerance > LOOSEST) == coarse
+        ]  # fmt: skip
+        if which:
+            limits = np.array([finest[i] for i in which])
+            judged = judge([found[i] for i in which], limits, _of(which, rerun))
+            for i, doubt in zip(which, judged, strict=True):
+                out[i] = doubt
     return out
 
 
-def _pairs(
-    rerun: Rerun, which: Sequence[int], tolerances: Floats, off: Floats
-) -> list[tuple[Result, Result]]:
-    """Both shadows of each launch."""
-    return list(
-        zip(rerun(which, tolerances, off), rerun(which, tolerances, -off), strict=True)
-    )  # fmt: skip
+def _of(which: Sequence[int], rerun: Rerun) -> Rerun:
+    """Rerun for some launches, counted among themselves."""
+
+    def call(some: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
+        return rerun([which[j] for j in some], tolerances, off) if len(some) else []
+
+    return call
 
 
-def _judged(one: Result, pair: tuple[Result, Result]) -> tuple[Doubt, float]:
-    """Distances of the ends, the contrary if there is one, and the spread of the shadows."""
-    if any(other.outcome is Outcome.UNRESOLVED for other in pair):
-        # where the launch itself lasted, its neighbour has met something that it has not
-        return Doubt(np.inf, np.inf, _contrary(one, pair) if one.outcome in LASTING else ""), np.inf
-    final = max(_distance(one.final, other.final) for other in pair)
-    late = max(abs(one.time - other.time) for other in pair)
-    unlike = [other for other in pair if not _alike(one, other)]
-    count = min(len(other.path.states) for other in pair)
-    spread = _distance(pair[0].path.states[:count], pair[1].path.states[:count]) / 2
-    return Doubt(final, late, _contrary(one, unlike) if unlike else ""), spread
+def _of_fine(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Doubt]:
+    """One finer neighbour on one side, one looser on the other, and more where in doubt."""
+    every = range(len(ones))
+    asked = np.array([r.tolerance for r in ones])
+    own, loose = np.maximum(asked, ROUNDING), np.minimum(LOOSER * asked, LOOSEST)
+    tight = np.maximum(asked * [FINER.get(r.choice.method, FINE) for r in ones], limits)
+    # where nothing finer is to be had, the distance of a looser one is above the launch's own error
+    tight = np.where(tight < asked / 2, tight, 10 * asked)
+    finer = rerun(every, tight, own)
+    failed = [j for j in every if finer[j].outcome is Outcome.UNRESOLVED and tight[j] < asked[j]]
+    tight[failed] = 10 * asked[failed]
+    for j, result in zip(failed, rerun(failed, tight[failed], own[failed]), strict=True):
+        finer[j] = result
+    pairs = list(zip(finer, rerun(every, loose, -loose), strict=True))
+    out = [
+        _estimate(one, pair, float(size), MARGIN * float(mine / size))
+        for one, pair, size, mine in zip(ones, pairs, loose, own, strict=True)
+    ]
+    unsure = [
+        j for j in every
+        if tight[j] < asked[j] and not _converges(ones[j], pairs[j], float(asked[j] / loose[j]))
+    ]  # fmt: skip
+    parted = [j for j in every if not _close(ones[j], pairs[j])]
+    others = rerun(parted, tight[parted], -own[parted])
+    for j, other in zip(parted, others, strict=True):
+        out[j] = _pinched(ones[j], [pairs[j][0], other])
+    unsure = [j for j in unsure if not out[j].contrary and np.isfinite(out[j].final_error)]
+    return _settled(ones, [p[0] for p in pairs], out, unsure, tight, limits, rerun)
+
+
+def _of_coarse(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Doubt]:
+    """Three finer neighbours: the launch itself, and one on each side."""
+    every = range(len(ones))
+    asked = np.array([r.tolerance for r in ones])
+    tight = np.maximum(COARSE * asked, limits)
+    three = [rerun(every, tight, off) for off in (0 * asked, asked, -asked)]
+    return [_pinched(one, others) for one, *others in zip(ones, *three, strict=True)]
+
+
+def _estimate(one: Result, pair: Pair, off: float, scale: float) -> Doubt:
+    """The error from a finer neighbour, and from one that is looser and off by a relative size."""
+    finer, looser = (_distances(one, other) for other in pair)
+    growth = max(_growth(*pair), looser[0] / off)
+    rounding = PER_STEP * one.path.steps
+    return Doubt(
+        max(MEASURED * finer[0], scale * looser[0]) + rounding * growth,
+        max(MEASURED * finer[1], scale * looser[1]) + rounding * (looser[1] / off + one.time),
+        _contrary(one, [pair[0]]),
+    )
+
+
+def _pinched(one: Result, others: Sequence[Result]) -> Doubt:
+    """The error from neighbours that are all finer, wherever they lie."""
+    contrary = _contrary(one, others)
+    if any(other.outcome is Outcome.UNRESOLVED for other in others):
+        return Doubt(np.inf, np.inf, contrary)
+    final, late = np.max([_distances(one, other) for other in others], axis=0)
+    # where neighbours part on the way, that they meet at the end is chance
+    apart = _spread(others[-2], others[-1])
+    size = MEASURED * max(final, apart if apart > CLOSE else 0.0)
+    size += PER_STEP * one.path.steps * _growth(others[-2], others[-1])
+    return Doubt(float(size if size < NOTHING else np.inf), float(MEASURED * late), contrary)
+
+
+def _close(one: Result, pair: Pair) -> bool:
+    """Whether a launch and its neighbours stay together and end alike."""
+    if not all(_alike(one, other) for other in pair):
+        return False
+    far = max(max(_distances(one, other)) for other in pair)
+    return max(far, _spread(*pair)) <= CLOSE
+
+
+def _converges(one: Result, pair: Pair, ratio: float) -> bool:
+    """Whether the distance falls with the tolerance, at least like its root."""
+    near, between = _distances(one, pair[0]), _distances(*pair)
+    floor = 1e3 * PER_STEP * max(1.0, one.time)
+    return all(a <= max(np.sqrt(ratio) * b, floor) for a, b in zip(near, between, strict=True))
+
+
+def _settled(
+    ones: Sequence[Result], finer: list[Result], out: list[Doubt], unsure: list[int],
+    tight: Floats, limits: Floats, rerun: Rerun,
+) -> list[Doubt]:  # fmt: skip
+    """The estimates, with finer neighbours for unsure launches until two of them agree."""
+    for _ in range(TURNS):
+        unsure = [j for j in unsure if tight[j] > limits[j]]
+        tight[unsure] = np.maximum(tight[unsure] / 10, limits[unsure])
+        more = rerun(unsure, tight[unsure], np.zeros(len(unsure)))
+        left = []
+        for j, result in zip(unsure, more, strict=True):
+            one, before = ones[j], out[j]
+            if result.outcome is Outcome.UNRESOLVED:
+                continue
+            new, between = _distances(one, result), _distances(finer[j], result)
+            size = max(before.final_error, MEASURED * new[0])
+            late = max(before.time_error, MEASURED * new[1])
+            out[j] = Doubt(size if size < NOTHING else np.inf, late, _contrary(one, [result]))
+            finer[j] = result
+            if any(b > AGREED * n for b, n in zip(between, new, strict=True)):
+                left.append(j)
+        unsure = left
+    for j in unsure:  # no two agree: all that is known is how far they scatter
+        out[j] = Doubt(MEASURED * out[j].final_error, MEASURED * out[j].time_error, out[j].contrary)
+    return out
+
+
+def _distances(one: Result, other: Result) -> tuple[float, float]:
+    """Distance of the final states, and of the times of the end."""
+    if Outcome.UNRESOLVED in (one.outcome, other.outcome):
+        return np.inf, np.inf
+    return _distance(one.final, other.final), abs(one.time - other.time)
+
+
+def _gaps(one: Result, other: Result) -> Floats:
+    """Distances of two neighbours at the times at which both were still running."""
+    count = min(len(one.path.states), len(other.path.states))
+    return _each(one.path.states[:count], other.path.states[:count])
+
+
+def _spread(one: Result, other: Result) -> float:
+    """Half the largest distance of two neighbours on the way."""
+    return float(_gaps(one, other).max()) / 2
+
+
+def _growth(one: Result, other: Result) -> float:
+    """Largest ratio of the distance of two neighbours at the end to one before, and at least 1."""
+    gaps = _gaps(one, other)
+    last = max(gaps[-1], min(_distance(one.final, other.final), 1.0))
+    least = gaps[gaps > 0]
+    return max(1.0, float(last / least.min())) if least.size else 1.0
+
+
+def _each(a: Floats, b: Floats) -> Floats:
+    """Largest difference of the six states of each pair, over 1 or the state's own size."""
+    n = min(a.shape[-1], 6)
+    a, b = a[..., :n], b[..., :n]
+    found: Floats = (np.abs(a - b) / np.maximum(1.0, np.abs(a))).max(axis=-1)
+    return found
 
 
 def _distance(a: Floats, b: Floats) -> float:
-    """Largest difference of states, each over 1 or its own size."""
-    n = min(a.shape[-1], 6)
-    a, b = a[..., :n], b[..., :n]
-    return float((np.abs(a - b) / np.maximum(1.0, np.abs(a))).max())
+    return float(_each(a, b).max())
 
 
 def _alike(one: Result, other: Result) -> bool:
@@ -149,7 +282,13 @@ def _alike(one: Result, other: Result) -> bool:
 
 
 def _contrary(one: Result, others: Sequence[Result]) -> str:
-    other = next((o for o in others if o.outcome is Outcome.UNRESOLVED), others[0])
+    """How a neighbour ends that ends otherwise; empty where none does."""
+    unlike = [other for other in others if not _alike(one, other)]
+    lost = [other for other in unlike if other.outcome is Outcome.UNRESOLVED]
+    # a neighbour that gives up has met something that a launch that lasted has not
+    if not unlike or (lost and one.outcome not in LASTING):
+        return ""
+    other = (lost or unlike)[0]
 
     def told(result: Result) -> str:
         if result.outcome is Outcome.SETTLED:

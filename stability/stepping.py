@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .flow import Evaluator
-from .route import UNRESOLVED, End, Floats, Leg, Path
+from .route import UNRESOLVED, Budget, End, Floats, Leg, Path
 
 FINEST = 100 * np.finfo(float).eps
 """Smallest relative tolerance that SciPy accepts."""
@@ -20,13 +20,19 @@ ULPS = 4 * np.finfo(float).eps
 """Relative accuracy to which an event is located."""
 STIFF = ("lsoda", "radau", "bdf")
 """Those that use the Jacobian, which is automatic."""
+LOOKS = 1.0
+"""Looks at the guards in a unit of time, over the fastest angular velocity: a longer step has some
+within."""
+MOST_LOOKS = 1000
+"""And at most."""
 
 
 def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
     """Run one leg with a SciPy solver and locate the first guard that reaches zero.
 
-    After each step the guards and their rates are evaluated at its end.  A sign change, or a
-    lowest point within the step, is resolved on the solver's dense output.
+    After each step the guards and their rates are evaluated at its end, and within it where it is
+    long for the motion's pace.  A sign change, or a lowest point, is resolved on the solver's dense
+    output.
 
     Parameters
     ----------
@@ -48,7 +54,7 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
     options: dict[str, Any] = {"rtol": max(leg.tolerance, FINEST), "atol": leg.absolute}
     if method in STIFF:
         options["jac"] = run.jacobian
-    samples = _Samples(leg, clock)
+    samples, budget = _Samples(leg, clock), Budget(leg.seconds)
     steps, last = 0, float(leg.times[-1])
     if len(leg.times) == 1:
         return Path(leg.start[None], None, 0)
@@ -62,9 +68,9 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
         while solver.status == "running" and not samples.done:
             message = solver.step() if steps < leg.max_steps else None
             steps += 1
-            too_many = steps > leg.max_steps
+            too_many = steps > leg.max_steps or budget.spent
             if too_many or solver.status == "failed" or not np.isfinite(solver.y).all():
-                many = f"more than {leg.max_steps} steps"
+                many = budget.message if budget.spent else f"more than {leg.max_steps} steps"
                 why = message or (many if too_many else "the state is not finite")
                 return Path(samples.kept, End(UNRESOLVED, time, good, why), steps - too_many)
             after = run.watch(solver.y)
@@ -132,17 +138,24 @@ def _first_zero(
 ) -> tuple[float, str] | None:
     """The first zero of a guard within the last step, and the guard's name."""
     step = solver.t - solver.t_old
+    pace = max(1.0, *np.abs(solver.y[1:4])) if run.paced else 0.0
+    parts = int(min(max(1.0, np.ceil(LOOKS * step * pace)), MOST_LOOKS))
+    times = np.linspace(solver.t_old, solver.t, parts + 1)
+    dense: Any = solver.dense_output() if parts > 1 else None
+    seen = [before, *(run.watch(dense(t)) for t in times[1:-1]), after]
     found: list[tuple[float, str]] = []
-    dense = None
-    for i, name in enumerate(run.flow.guards):
-        g1 = after[0][i]
-        d0, d1 = step * before[1][i], step * after[1][i]
-        if g1 > 0 and not (d0 < 0 < d1):  # positive at the end, and no lowest point within
-            continue
-        dense = dense or solver.dense_output()
-        zero = _locate(partial(_value, run, dense, i), solver.t_old, solver.t)
-        if zero is not None:
-            found.append((zero, name))
+    for low, high, one, two in zip(times, times[1:], seen, seen[1:], strict=False):
+        for i, name in enumerate(run.flow.guards):
+            # positive at the end, and no lowest point within
+            if two[0][i] > 0 and not (one[1][i] < 0 < two[1][i]):
+                continue
+            if dense is None:
+                dense = solver.dense_output()
+            zero = _locate(partial(_value, run, dense, i), float(low), float(high))
+            if zero is not None:
+                found.append((zero, name))
+        if found:
+            break
     return min(found, default=None)
 
 

@@ -30,7 +30,7 @@ from .equations import disk_system
 from .flow import CONE, FLAT, LIFT_OFF, NO_CONTACT, POSE, Flow, _pose_rates, flow
 from .integrators import METHODS, explicit
 from .rest import continuations, polish, slip_acceleration, sticking_force
-from .route import UNRESOLVED, End, Floats, Leg, Path
+from .route import UNRESOLVED, Budget, End, Floats, Leg, Path
 from .stepping import integrate as integrate_scipy
 
 NEAR = 1e-3
@@ -174,6 +174,7 @@ class _Dry:
         self.modes: list[int] = []
         self.transitions: list[Transition] = []
         self.steps = 0
+        self.budget = Budget(leg.seconds)
         self.onset = 0.0  # stretched time for which the slip has hardly begun, and is stiff
         self.end: End | None = None
 
@@ -187,6 +188,8 @@ class _Dry:
                 self._stop(UNRESOLVED, f"more than {TRANSITIONS} transitions")
             elif self.steps > self.leg.max_steps:
                 self._stop(UNRESOLVED, f"more than {self.leg.max_steps} steps")
+            elif self.budget.spent:
+                self._stop(UNRESOLVED, self.budget.message)
             elif mode == STICKING:
                 mode = self._stick()
             elif math.hypot(self.y[4], self.y[5]) <= NEAR:
@@ -265,7 +268,12 @@ class _Dry:
     def _polar_leg(self, state: Floats, span: Floats) -> Leg:
         tolerance = max(self.leg.tolerance / 10, 1e-14)
         which = polar_flow(pose=self.pose)
-        return Leg(which, self.leg.p, state, span, tolerance, self.leg.max_steps)
+        return self._leg(which, state, span, tolerance)
+
+    def _leg(self, which: Flow, start: Floats, times: Floats, tolerance: float) -> Leg:
+        """A leg with the computing time that is left."""
+        most, left = self.leg.max_steps, self.budget.left
+        return Leg(which, self.leg.p, start, times, tolerance, most, left)
 
     def _setting_in(self, state: Floats) -> Path:
         """The first part of an onset, which is stiff: the direction adjusts at once.
@@ -364,9 +372,8 @@ class _Dry:
         before, when, span = self.y.copy(), self.time, self._brief(ONSET)
         due = self.times[len(self.rows) :]
         due = due[due < when + span]
-        leg = Leg(held_flow(pose=self.pose), self.leg.p, np.delete(before, [4, 5]),
-                  np.concatenate([[when], due[due > when], [when + span]]), 1e-13,
-                  self.leg.max_steps)  # fmt: skip
+        grid = np.concatenate([[when], due[due > when], [when + span]])
+        leg = self._leg(held_flow(pose=self.pose), np.delete(before, [4, 5]), grid, 1e-13)
         stuck = np.insert(METHODS["dop853"](leg).states, [4, 4], 0.0, axis=-1)
         after = stuck[-1]
         angle = polish(after[:4], self.k, self.mu, angle)
@@ -412,7 +419,7 @@ class _Dry:
         """Run a flow over the samples that are left; the guard that ended it, or None."""
         rest = self.times[len(self.rows) :]
         times = np.concatenate([[self.time], rest])
-        leg = Leg(which, self.leg.p, start, times, self.leg.tolerance, self.leg.max_steps)
+        leg = self._leg(which, start, times, self.leg.tolerance)
         auto = self.method == "auto"
         path = METHODS[explicit() if auto else self.method](leg)
         if auto and path.end is not None and path.end.kind == UNRESOLVED:
@@ -425,7 +432,7 @@ class _Dry:
             return None
         self.time, self.y = path.end.time, back(path.end.state).copy()
         if path.end.kind == UNRESOLVED:
-            self._stop(UNRESOLVED, path.end.message)
+            self._stop(UNRESOLVED, self.budget.message if self.budget.spent else path.end.message)
         return path.end.kind
 
     def _sample(self, y: Floats, mode: int) -> None:

@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 
 from .flow import Flow
-from .route import UNRESOLVED, End, Floats, Leg, Path
+from .route import UNRESOLVED, Budget, End, Floats, Leg, Path
 
 FILL = 200
 """Intervals at which the guards are checked at least."""
@@ -27,8 +27,9 @@ EARLY, EARLY_LOOKS = 1e-6, 25
 """Looks within the first of these intervals: from this part of it on, evenly in the logarithm."""
 FINEST = 1e-15
 """Smallest tolerance that is passed on."""
-STEPS = 5_000
-"""Steps within one interval of the grid after which the library gives up."""
+STEPS, ALL_STEPS, LEAST_STEPS = 5_000, 2_000_000, 100
+"""Steps within one interval of the grid after which the library gives up; on a grid of many, their
+share of all, since the library cannot be stopped on the way; and at least."""
 ZERO = 1e-6
 """What a guard may be off zero at an event."""
 SHORTEST = 1e-10
@@ -71,7 +72,7 @@ def _run(leg: Leg, plugin: str, start: Floats, times: Floats) -> tuple[Floats, i
     fractions = (times[1:] - times[0]) / span
     fractions[-1] = 1.0
     tolerance = max(leg.tolerance, FINEST), max(leg.absolute, FINEST * 1e-3)
-    most = min(STEPS, leg.max_steps)
+    most = min(STEPS, leg.max_steps, max(LEAST_STEPS, ALL_STEPS // len(times)))
     run, guess = _integrator(leg.flow, plugin, tolerance, most, fractions.tobytes())
     given = {"x0": start, "p": np.append(leg.p, span)}
     if guess is not None:
@@ -192,10 +193,13 @@ def _march(leg: Leg, plugin: str, grid: Floats, start: Floats) -> tuple[Floats, 
     rows: list[Floats] = []
     end: End | None = None
     state, time, steps = start, float(grid[0]), 0
-    shortest = SHORTEST * float(leg.times[-1] - leg.times[0])
+    shortest, budget = SHORTEST * float(leg.times[-1] - leg.times[0]), Budget(leg.seconds)
     for target in grid[1:]:
         piece = float(target) - time
         while time < target:
+            if budget.spent:
+                end = End(UNRESOLVED, time, state, budget.message)
+                return np.array(rows).reshape(-1, len(start)), end, steps
             piece = min(piece, float(target) - time)
             full = piece == float(target) - time
             fine = np.linspace(time, float(target) if full else time + piece, 9)

@@ -8,7 +8,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from threading import Lock
 from typing import Any
@@ -18,7 +18,7 @@ import numpy as np
 
 from .algebra import Algebra, Program
 from .flow import NO_CONTACT, Flow
-from .route import UNRESOLVED, VISCOUS, End, Floats, Leg, Path, guard_at
+from .route import UNRESOLVED, VISCOUS, Budget, End, Floats, Leg, Path, guard_at
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 """Threads that a batch takes when none are stated."""
@@ -26,6 +26,8 @@ FINEST = 1e-16
 """Smallest tolerance that is passed on."""
 NEWTON, SHIFT = 3, 1e-3
 """Steps by which an event is put on its guard's zero, and the longest of them [√(R/g)]."""
+QUIET = 20_000
+"""Steps before the computing time is looked at: to ask at each step costs a tenth."""
 
 
 @cache
@@ -134,10 +136,19 @@ def integrate(leg: Leg) -> Path:
     ta.pars[:] = leg.p
     ta.time = leg.times[0]
     ta.reset_cooldowns()
-    outcome, _, _, steps, _, states = ta.propagate_grid(leg.times, max_steps=leg.max_steps)
+    budget = Budget(leg.seconds)
+    quiet = min(QUIET, leg.max_steps)
+    outcome, _, _, steps, _, states = ta.propagate_grid(leg.times, max_steps=quiet)
+    if outcome == hy.taylor_outcome.step_limit and leg.max_steps > quiet:
+        left = np.append(ta.time, leg.times[len(states) :])
+        most = leg.max_steps - quiet
+        outcome, _, _, more, _, rest = ta.propagate_grid(left, max_steps=most, callback=budget)
+        steps, states = steps + more, np.vstack([states, rest[1:]])
     end = None
     if outcome != hy.taylor_outcome.time_limit:
         end = _end(leg, outcome, float(ta.time), ta.state.copy(), np.asarray(states))
+        if outcome == hy.taylor_outcome.cb_stop:
+            end = replace(end, message=budget.message)
         states = states[: max(1, int(np.searchsorted(leg.times, end.time)))]
     held.give(ta)
     return _sound(leg, Path(np.asarray(states), end, int(steps)))
@@ -272,16 +283,27 @@ _ASKING = Lock()
 
 def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     """One batch; lanes that have no launch repeat the last one."""
+    import heyoka as hy
+
     width = ta.batch_size
     filled = legs + legs[-1:] * (width - len(legs))
-    ta.state[:] = np.column_stack([leg.start for leg in filled])
-    ta.pars[:] = np.column_stack([leg.p for leg in filled])
-    ta.set_time([float(leg.times[0]) for leg in filled])
-    ta.reset_cooldowns()
     stop: _Stop = ta.t_events[0].callback
-    stop.ends.clear()
     grid = np.column_stack([leg.times for leg in filled])
-    _, states = ta.propagate_grid(grid, max_steps=max(leg.max_steps for leg in legs))
+
+    def propagate(**options: Any) -> Floats:
+        ta.state[:] = np.column_stack([leg.start for leg in filled])
+        ta.pars[:] = np.column_stack([leg.p for leg in filled])
+        ta.set_time([float(leg.times[0]) for leg in filled])
+        ta.reset_cooldowns()
+        stop.ends.clear()
+        found: Floats = ta.propagate_grid(grid, **options)[1]
+        return found
+
+    most = max(leg.max_steps for leg in legs)
+    states = propagate(max_steps=min(QUIET, most))
+    limited = any(r[0] == hy.taylor_outcome.step_limit for r in ta.propagate_res)
+    if limited and most > QUIET:  # begun again, now with an eye on the time
+        states = propagate(max_steps=most, callback=Budget(legs[0].seconds * len(legs)))
     with _ASKING:
         return _read(ta, legs, states, stop)
 

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     import xarray
 
     from .launches import Launches
-    from .motion import Result, Settings
+    from .motion import Result
+    from .settings import Settings
 
 FORMAT = "stability trajectory 1"
 """Marks a file as one of ours."""

@@ -39,7 +39,7 @@ METHODS = ("auto", "heyoka", "dop853", "lsoda", "radau", "bdf", "cvodes", "idas"
 WEIGHTS = (0.58, 0.1, 0.08, 0.06, 0.02, 0.02, 0.12, 0.02)
 ENDS = ("lift-off", "flat", "no-contact")
 LASTING = ("moving", "settled")
-EVALUATIONS = 4_000_000
+EVALUATIONS = 400_000
 """Evaluations after which the reference gives a launch up."""
 
 
@@ -156,9 +156,10 @@ def distance(a: Any, b: Any) -> float:
 
 def random_launch(seed: int, number: int) -> Launch:
     """A launch that `simulate` takes, the same for the same seed and number."""
+    # one law for a hundred launches, since heyoka compiles for each
+    law = str(np.random.default_rng([seed, number // 100, 1]).choice(LAWS, p=SHARES))
     rng = np.random.default_rng([seed, number])
     while True:
-        law = str(rng.choice(LAWS, p=SHARES))
         stiff = law.startswith("stiff")
         mu = 10.0 ** (rng.uniform(2, 5) if stiff else rng.uniform(-2, 1.5))
         epsilon = 10.0 ** rng.uniform(-5, -1)
@@ -171,15 +172,19 @@ def random_launch(seed: int, number: int) -> Launch:
         if law == "rough":
             start[4:] = 0
         last = 10.0 ** (rng.uniform(-0.5, 1.0) if stiff else rng.uniform(-0.3, 1.5))
-        digits = rng.uniform(2, 13.5) if rng.random() < 0.6 else 9.0
-        if rng.random() < 0.05:
-            digits = rng.uniform(13.5, 16)
+        # whole decades, since heyoka compiles for each tolerance
+        digits = int(rng.integers(2, 17)) if rng.random() < 0.6 else 9
         launch = Launch(
             number, law, k, float(mu), float(epsilon), [float(v) for v in start], float(last),
-            float(10.0**-digits), str(rng.choice(METHODS, p=WEIGHTS)), int(rng.choice([1, 11, 201])),
+            10.0**-digits, str(rng.choice(METHODS, p=WEIGHTS)), int(rng.choice([1, 11, 201])),
         )  # fmt: skip
-        if launch.method in ("dop853", "heyoka") and stiff and mu * last > 3e4:
+        fast = max(1.0, *(abs(v) for v in start[1:4])) * last
+        if launch.method in ("dop853", "heyoka") and stiff and mu * last > 1e4:
             continue  # an explicit method takes minutes
+        if launch.method in ("radau", "bdf") and (digits > 8 or fast > 10):
+            continue
+        if launch.method in ("dop853", "lsoda") and fast > 60:
+            continue
         try:
             gather(st.Disk(k=k), launch.contact(), launch.start, last)
         except st.StabilityError:
@@ -199,10 +204,11 @@ def judged(launch: Launch, truth: Truth) -> dict[str, Any]:
     outcome = BY_CODE[int(run.outcome)].word
     final = np.array([np.longdouble(run[name].values[-1]) for name in STATES])
     found: dict[str, Any] = {
-        **asdict(launch), "outcome": outcome, "truth": truth.outcome, "used": str(run.method.values),
+        **asdict(launch), "outcome": outcome, "truth": truth.outcome,
+        "used": str(run.method.values),
         "truth_error": truth.error, "seconds": took, "end": float(run.end_time),
-        "true_end": float(truth.time), "stated": float(run.final_error),
-        "stated_time": float(run.end_time_error), "steps": int(run.steps),
+        "true_end": float(truth.time), "stated": float(run.get("final_error", math.inf)),
+        "stated_time": float(run.get("end_time_error", math.inf)), "steps": int(run.steps),
         "evidence": str(run.evidence.values),
     }  # fmt: skip
     found["error"] = distance(truth.state, final)
@@ -269,15 +275,18 @@ def summary(found: list[dict[str, Any]]) -> str:
     ])  # fmt: skip
     if factors.size:
         at = [0, 0.1, 1, 10, 50, 90, 99]
-        text = ", ".join(f"{p:g} %: {v:.3g}" for p, v in zip(at, np.percentile(factors, at), strict=True))
+        text = ", ".join(
+            f"{p:g} %: {v:.3g}" for p, v in zip(at, np.percentile(factors, at), strict=True)
+        )
         lines.append(f"stated over true error, {factors.size} lasting: {text}")
     for bad in found:
         if bad["verdict"] in ("wrong", "below"):
             lines.append(
                 f"  {bad['verdict']} {bad['number']} {bad['law']} mu {bad['mu']:.3g} "
-                f"{bad['method']}/{bad['used']} tolerance {bad['tolerance']:.2g}: {bad['outcome']}, "
-                f"truth {bad['truth']} at {bad['true_end']:.9g}; error {bad['error']:.2e} stated "
-                f"{bad['stated']:.2e}, late {bad['late']:.1e} stated {bad['stated_time']:.1e}, "
+                f"{bad['method']}/{bad['used']} tolerance {bad['tolerance']:.2g}: "
+                f"{bad['outcome']}, truth {bad['truth']} at {bad['true_end']:.9g}; "
+                f"error {bad['error']:.2e} stated {bad['stated']:.2e}, "
+                f"late {bad['late']:.1e} stated {bad['stated_time']:.1e}, "
                 f"truth known to {bad['truth_error']:.0e}"
             )
     return "\n".join(lines)

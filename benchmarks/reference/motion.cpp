@@ -12,7 +12,7 @@
 //
 // Standard input, one launch a line:
 //     law k mu eps flat T stages digits start(6) evaluations      law: smooth viscous linear rough regularised
-// Standard output: outcome time state(6) gn D steps   outcome: moving lift-off flat stuck
+// Standard output: outcome time state(6) gn D steps   outcome: moving lift-off flat stuck exhausted
 //
 //     g++ -O2 -std=gnu++17 motion.cpp -o motion -lquadmath           (long double)
 //     g++ -O2 -std=gnu++17 -DQUAD motion.cpp -o motion4 -lquadmath   (quadruple)
@@ -357,10 +357,10 @@ struct Run {
             jacobian(y, J);
             Real norm = 0;
             for (int i = 0; i < DIM * DIM; i++) norm = size(J[i]) > norm ? size(J[i]) : norm;
-            bool stiff = norm * h > 3;
+            bool stiff = norm * h > 1;
             if (steps == 0) have_guess = false;
             bool fine = stages(y, h, K, Z, J, stiff);
-            if (!fine && have_guess) have_guess = false, fine = stages(y, h, K, Z, J, stiff);
+            if (!fine) have_guess = false, fine = stages(y, h, K, Z, J, true);
             Real error = fine ? tail(y, h, K) : Real(1e30);
             Real allowed = goal + 50 * EPS * norm * h;  // rounding of the rates
             if (!(error <= allowed)) {
@@ -384,16 +384,20 @@ struct Run {
                 have_guess = false;
                 for (int turn = 0; turn < 200 && high - low > 4 * EPS * (time + high); turn++) {
                     Real middle = (low + high) / 2;
-                    bool ok = stages(y, middle, K, Z, J, norm * middle > 3);
+                    if (!(stages(y, middle, K, Z, J, stiff) || stages(y, middle, K, Z, J, true))) {
+                        which = 2;  // no convergence: the zero is not known
+                        break;
+                    }
                     Real point[DIM];
                     for (int d = 0; d < DIM; d++) point[d] = y[d] + Z[(s - 1) * DIM + d];
                     disk.rates(point, dy, g);
-                    if (ok && g[which] > 0) low = middle; else high = middle;
+                    if (g[which] > 0) low = middle; else high = middle;
                 }
-                stages(y, high, K, Z, J, norm * high > 3);
+                if (!stages(y, high, K, Z, J, stiff)) stages(y, high, K, Z, J, true);
                 for (int d = 0; d < DIM; d++) y[d] += Z[(s - 1) * DIM + d];
                 time += high;
-                outcome = which ? "flat" : "lift-off";
+                disk.rates(y, dy, g);  // gn D and D may vanish together, gn staying positive
+                outcome = which == 2 ? "exhausted" : which ? "flat" : g[3] < Real(1e-6) ? "stuck" : "lift-off";
                 break;
             }
             for (int d = 0; d < DIM; d++) y[d] += Z[(s - 1) * DIM + d];

@@ -1,0 +1,117 @@
+"""What ends a motion that takes too long, and guards that are looked at within long steps."""
+
+import dataclasses
+import math
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import stability as st
+from stability.flow import flow
+from stability.integrators import METHODS
+from stability.launches import MOST_LAUNCHES, MOST_SAMPLES
+from stability.motion import CHUNK
+from stability.outcome import BY_CODE
+from stability.route import Budget, Leg
+
+FAST = {"theta": 1.4, "omega3": -3.6e7}
+
+
+def word(run: Any) -> str:
+    return BY_CODE[int(run.outcome)].word
+
+
+@pytest.mark.parametrize("method", ["heyoka", "dop853", "lsoda", "cvodes"])
+def test_a_run_ends_when_its_computing_time_is_spent(method: str) -> None:
+    run = st.simulate(st.Disk(), st.Viscous(0.3), FAST, 10.0, method=method, max_seconds=0.2)
+    assert word(run) == "unresolved"
+    assert "more than 0.2 s of computing" in str(run.evidence.values)
+    assert "max_seconds" in run.attrs["outcome_sentence"]
+    assert float(run.end_time) < 10
+
+
+def test_dry_friction_has_a_budget_too() -> None:
+    start = {"theta": 1.4, "omega3": 1e4, "slip_x": 0.5}
+    run = st.simulate(st.Disk(), st.Coulomb(0.1), start, 1e3, method="dop853", max_seconds=0.2)
+    assert word(run) == "unresolved"
+    assert "more than 0.2 s of computing" in str(run.evidence.values)
+
+
+def test_a_budget_is_of_the_thread_and_of_no_other() -> None:
+    budget = Budget(1e6)
+    assert budget(None)
+    assert 0 < budget.left <= 1e6
+    assert not Budget(0.0)(None)
+
+
+@pytest.mark.parametrize("seconds", [0, -1.0, math.inf, math.nan, 1e9, "long", [1.0, 2.0]])
+def test_a_budget_is_refused_in_one_sentence(seconds: Any) -> None:
+    with pytest.raises(st.StabilityError, match="max_seconds"):
+        st.simulate(st.Disk(), st.Rough(), {"theta": 1.2}, 1.0, max_seconds=seconds)
+
+
+def test_a_long_run_of_heyoka_is_the_same_on_both_sides_of_its_first_part(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from stability import taylor
+
+    pytest.importorskip("heyoka")
+    times = np.linspace(0, 50, 41)
+    start = {"theta": 1.4, "phi_dot": 0.3, "omega3": 1.3, "slip_x": 0.1}
+    plain = st.simulate(st.Disk(), st.Viscous(0.3), start, times, method="heyoka")
+    monkeypatch.setattr(taylor, "QUIET", 57)
+    parted = st.simulate(st.Disk(), st.Viscous(0.3), start, times, method="heyoka")
+    assert int(parted.steps) > 57
+    assert parted.sizes["time"] == 41
+    assert np.abs(parted.theta - plain.theta).max() < 1e-8
+    few = st.simulate(st.Disk(), st.Viscous(0.3), start, times, method="heyoka", max_steps=60)
+    assert word(few) == "unresolved"
+    six = np.array([1.4, 0, 0.3, 1.3, 0.1, 0]) + np.linspace(0, 0.01, 5)[:, None]
+    many = st.simulate(st.Disk(), st.Viscous(0.3), six, times, method="heyoka")
+    assert np.abs(many.theta[0] - plain.theta).max() < 1e-8
+
+
+@pytest.mark.parametrize("method", ["dop853", "lsoda"])
+def test_a_guard_that_dips_within_a_long_step_is_seen(method: str) -> None:
+    # upright spinning is exact, so a loose run takes it in long steps; the guard is below zero
+    # for 0.09 of each turn
+    spin = flow("smooth", pose=True)
+    phi = spin.x[7] * 1024.0
+    watched = dataclasses.replace(spin, guards={"dip": 0.999 + ca.cos(2 * phi)})
+    start = watched.pack(np.array([math.pi / 2, 0, 3.0, 0, 0, 0]))
+    leg = Leg(watched, np.array([0.25, 1e-6]), start, np.array([0.0, 10.0]), 1e-2, 10**6)
+    path = METHODS[method](leg)
+    assert path.end is not None
+    first = (math.pi - math.acos(0.999)) / 2 / 3.0
+    assert path.end.time == pytest.approx(first, abs=1e-3)
+
+
+def test_absurd_counts_are_refused_before_memory_is_taken() -> None:
+    start = np.broadcast_to(np.array([1.4, 0, 0, 1.2, 0, 0]), (MOST_LAUNCHES + 1, 6))
+    with pytest.raises(st.StabilityError, match="launches at 1 times are asked; give at most"):
+        st.simulate(st.Disk(), st.Viscous(0.3), start, [1.0])
+    few = np.broadcast_to(np.array([1.4, 0, 0, 1.2, 0, 0]), (MOST_SAMPLES // 100, 6))
+    with pytest.raises(st.StabilityError, match="launches at 201 times are asked; give at most"):
+        st.simulate(st.Disk(), st.Viscous(0.3), few, 1.0)
+
+
+def test_no_launches_are_refused() -> None:
+    with pytest.raises(st.StabilityError):
+        st.simulate(st.Disk(), st.Viscous(0.3), np.empty((0, 6)), 1.0)
+
+
+def test_launches_in_several_chunks_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    from stability import motion
+
+    start = np.array([1.4, 0, 0, 1.2, 0, 0]) + np.linspace(0, 0.1, 5)[:, None]
+    whole = st.simulate(st.Disk(), st.Viscous(0.3), start, [2.0])
+    told: list[tuple[int, int]] = []
+    monkeypatch.setattr(motion, "CHUNK", 2)
+    assert CHUNK > 2
+    parts = st.simulate(
+        st.Disk(), st.Viscous(0.3), start, [2.0], progress=lambda *d: told.append(d)
+    )
+    assert np.abs(whole.theta - parts.theta).max() < 1e-9
+    assert told[-1] == (5, 5)
