@@ -115,21 +115,9 @@ def structure(family: Family) -> Structure:
     2
     """
     vanishing = [True] * (len(family.system.states) + 1)
-    with precision(SAMPLE_BITS):
-        for sample in range(SAMPLES):
-            names = (*family.at, *family.parameters)
-            # Incommensurable factors near 1, away from every special value.
-            spread = [arb(2 + 7 * sample + 3 * i).sqrt() for i in range(len(names))]
-            factor = [1 + (s - s.floor()) / 4 - arb(1) / 8 for s in spread]
-            point = [
-                arb(family.typical.get(n, 1.0)) * f for n, f in zip(names, factor, strict=True)
-            ]
-            point = [v.mid() for v in point]
-            cut = len(family.at)
-            for i, c in enumerate(characteristic(family, point[:cut], point[cut:])):
-                vanishing[i] &= bool(c.contains(0)) and float(c.abs_upper()) < 2.0 ** (
-                    -SAMPLE_BITS // 2
-                )
+    for sample in range(SAMPLES):
+        found = _vanishing(family, sample)
+        vanishing = [v and f for v, f in zip(vanishing, found, strict=True)]
     zeros = vanishing.index(False)
     rest = vanishing[zeros:]
     even = all(rest[1::2]) and len(rest) > 1
@@ -142,6 +130,28 @@ def structure(family: Family) -> Structure:
         f"vanishing to {SAMPLE_BITS // 2} bits at {SAMPLES} random members, the next proved nonzero"
     )
     return Structure(zeros, even, how)
+
+
+def _vanishing(family: Family, sample: int) -> list[bool]:
+    """Which coefficients vanish to 200 bits at a random member; large entries take more bits."""
+    names = (*family.at, *family.parameters)
+    cut, least = len(family.at), 2.0 ** (-SAMPLE_BITS // 2)
+    for bits in (SAMPLE_BITS, 4 * SAMPLE_BITS, 16 * SAMPLE_BITS):
+        with precision(SAMPLE_BITS):
+            # Incommensurable factors near 1, away from every special value.
+            spread = [arb(2 + 7 * sample + 3 * i).sqrt() for i in range(len(names))]
+            factor = [1 + (s - s.floor()) / 4 - arb(1) / 8 for s in spread]
+            point = [
+                (arb(family.typical.get(n, 1.0)) * f).mid()
+                for n, f in zip(names, factor, strict=True)
+            ]
+        with precision(bits):
+            found = characteristic(family, point[:cut], point[cut:])
+        near = [bool(c.contains(0)) for c in found]
+        small = [float(c.abs_upper()) < least for c in found]
+        if all(s for s, n in zip(small, near, strict=True) if n):
+            break
+    return [n and s for n, s in zip(near, small, strict=True)]
 
 
 def verdict_polynomial(coefficients: Sequence[Any], zeros: int, conservative: bool) -> list[Any]:

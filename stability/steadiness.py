@@ -43,7 +43,7 @@ def step_noise(
     ndarray
         Shape (N, u); infinite where the slope is singular.
     """
-    exact = [[Tracked(c, 0.0 * c) for c in block.T] for block in (a, u, q)]
+    exact = [[Tracked(c, np.zeros_like(c)) for c in block.T] for block in (a, u, q)]
     (value, error), (slope, _) = tracked_arrays(graph.residual, exact, a.shape[:1])
     size = error + np.abs(value) if whole else error
     noise = np.full(u.shape, np.inf)

@@ -390,3 +390,10 @@ def test_boundaries_keep_to_the_zeros_of_each_member() -> None:
     assert abs(found.value) <= found.error
     assert not found.stable_below
     assert found.frequency == 0.0
+
+
+def test_large_entries_at_typical_members_hide_no_zero() -> None:
+    system = _system("large", "yzw", lambda x, p: (0 * p, -x[1], -(2.0**60) * p**9 * x[2]))
+    rest = st.Family(system, "rest", at=("y",), held={"z": 0.0, "w": 0.0}, typical={"p": 1e30})
+    found = st.spectrum(rest, at=0.5, p=1.0, certify=True)
+    assert (found.structural_zeros, found.verdict) == (1, Verdict.STABLE)
