@@ -393,7 +393,16 @@ def test_boundaries_keep_to_the_zeros_of_each_member() -> None:
 
 
 def test_large_entries_at_typical_members_hide_no_zero() -> None:
-    system = _system("large", "yzw", lambda x, p: (0 * p, -x[1], -(2.0**60) * p**9 * x[2]))
-    rest = st.Family(system, "rest", at=("y",), held={"z": 0.0, "w": 0.0}, typical={"p": 1e30})
-    found = st.spectrum(rest, at=0.5, p=1.0, certify=True)
-    assert (found.structural_zeros, found.verdict) == (1, Verdict.STABLE)
+    """A line of steady motions; beside it an entry of 1e40 where the zeros are counted."""
+    system = _system(
+        "large", "yzvw",
+        lambda x, p: (x[2] - x[0] ** 2, -0.4375 * x[1], x[1] - 0.1 * (x[2] - x[0] ** 2),
+                      -(2.0**20) * p**9 * x[3]),
+    )  # fmt: skip
+    line = st.Family(
+        system, "line", at=("y",), held={"z": 0.0, "w": 0.0}, unknown={"v": 0.1},
+        equations=("y",), typical={"p": 1e15},
+    )  # fmt: skip
+    found = st.spectrum(line, at=0.3, p=1.0, certify=True)
+    assert found.structural_zeros == 1
+    assert found.verdict is Verdict.STABLE
