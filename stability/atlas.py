@@ -193,25 +193,27 @@ def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
     context = multiprocessing.get_context("spawn")
     others = set(multiprocessing.active_children())
     mine = (os.getpid(),)
-    with ProcessPoolExecutor(min(workers, len(jobs)), context, follow, mine) as pool:
-        # The longest first.  The workers are born deaf to Ctrl-C: it is for this process to handle.
-        with deaf():
-            ordered = sorted(jobs, key=lambda j: j[1] != "tumbling")
+    pool: ProcessPoolExecutor | None = None
+    try:
+        with deaf():  # a signal to stop is for this process to handle
+            pool = ProcessPoolExecutor(min(workers, len(jobs)), context, follow, mine)
+            ordered = sorted(jobs, key=lambda j: j[1] != "tumbling")  # the longest first
             futures = [pool.submit(_job, *job) for job in ordered]
-        try:
-            for future in as_completed(futures):
-                yield future.result()
-        except BaseException as stop:
+        for future in as_completed(futures):
+            yield future.result()
+        pool.shutdown()
+    except BaseException as stop:
+        if pool is not None:
             pool.shutdown(wait=False, cancel_futures=True)
-            for child in set(multiprocessing.active_children()) - others:
-                child.kill()  # it has nothing to put in order
-                child.join()
-            if isinstance(stop, BrokenProcessPool):
-                raise StabilityError(
-                    "a process that draws the atlas was ended from outside; nothing was written. "
-                    "If the memory is short, take a lower resolution or fewer workers."
-                ) from None
-            raise
+        for child in set(multiprocessing.active_children()) - others:
+            child.kill()  # it has nothing to put in order
+            child.join()
+        if isinstance(stop, BrokenProcessPool):
+            raise StabilityError(
+                "a process that draws the atlas was ended from outside; nothing was written. "
+                "If the memory is short, take a lower resolution or fewer workers."
+            ) from None
+        raise
 
 
 # --- one job ---

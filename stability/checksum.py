@@ -15,6 +15,8 @@ ATTRIBUTE = "checksum"
 STATEMENT = "sha256 of what stands before the last line of the file"
 """Its value."""
 BLOCK = 2**20
+NEAR = 2**13
+"""Bytes at the end of a file among which its last line is looked for."""
 
 
 def sealed(content: bytes | memoryview, label: str = "") -> bytes:
@@ -90,8 +92,11 @@ def intact(path: Path) -> bool | None:
     with path.open("rb") as handle:
         handle.seek(-LENGTH, os.SEEK_END)
         line = handle.read(LENGTH)
-    if not line.startswith(MARK):
-        return None
+        handle.seek(max(0, size - NEAR))
+        end = handle.read(NEAR)
+    if not line.startswith(MARK):  # it may have been moved by what was appended, or cut short
+        cut = any(end.endswith(MARK[:n]) for n in range(5, len(MARK)))
+        return False if cut or MARK in end else None
     return line == _line(_digest(path, size - LENGTH))
 
 

@@ -335,12 +335,16 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
 
 @contextmanager
 def deaf() -> Iterator[None]:
-    """Ignore Ctrl-C for a moment, in a way that processes started meanwhile inherit."""
-    if threading.current_thread() is not threading.main_thread():
+    """Keep signals to stop from the processes started meanwhile; this one gets them afterwards."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    from multiprocessing.resource_tracker import ensure_running
+
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
     try:
+        ensure_running()  # a helper of multiprocessing, whose start ends the blocking
+        signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -72,6 +72,8 @@ def opened(
         if not source.is_file():
             raise FileError(f"{path_text(source)} is not a file; give {what} written by stability.")
         right = intact(source)
+    if right is None:
+        _check_head(source)
     if right is False:
         raise FileError(
             f"{path_text(source)} is damaged or was changed after it was written: its checksum is "
@@ -90,6 +92,23 @@ def opened(
         )
     dataset.attrs.pop(ATTRIBUTE, None)
     return dataset
+
+
+def _check_head(source: Path) -> None:
+    """Refuse at once what is not HDF5, or shorter than its superblock says.
+
+    Source: HDF5 File Format Specification, version 3.0, II.A.
+    """
+    with source.open("rb") as handle:
+        head = handle.read(48)
+    if len(head) < 48 or not head.startswith(b"\x89HDF\r\n\x1a\n"):
+        raise FileError(
+            f"{path_text(source)} cannot be read as NetCDF (it is not HDF5); it may be damaged or "
+            "of another format."
+        )
+    start = {0: 40, 1: 44}.get(head[8], 28)
+    if int.from_bytes(head[start : start + 8], "little") > source.stat().st_size:
+        raise FileError(f"{path_text(source)} is damaged: it is shorter than it says.")
 
 
 def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:

@@ -113,13 +113,11 @@ def kill(name: str, number: int, delay: float, folder: Path, *, group: bool = Fa
     begin = time.monotonic()
     if not done:
         (os.killpg if group else os.kill)(process.pid, number)
-    try:
-        _, errors = process.communicate(timeout=60)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        _, errors = process.communicate()
-        errors += b"\nTraceback: it did not end"
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(60)
     took = time.monotonic() - begin
+    process.kill()
+    _, errors = process.communicate()  # once every process that has the pipe has ended
     orphans = soon(lambda: alive(mark), 10.0)
     for place in {folder, *(folder / Path(t).parent for t in command.targets), folder / "kept"}:
         if place.is_dir():

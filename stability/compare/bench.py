@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from ..errors import StabilityError
-from ..files import deaf
+from ..files import STOPS, deaf
 from ..workers import follow
 from .journal import CRASHED, DONE, LATE, REFUSED, Cell, Journal
 
@@ -118,13 +118,16 @@ class _Lane:
         context = _context()
         self.pipe, theirs = context.Pipe()
         self.process = context.Process(target=_work, args=(theirs,), daemon=True)
-        with _single_threads(), deaf():  # Ctrl-C is for this process to handle
-            self.process.start()
-        theirs.close()
         try:
+            with _single_threads(), deaf():  # a signal to stop is for this process to handle
+                self.process.start()
+            theirs.close()
             if not self.pipe.poll(START):
                 raise EOFError
             self.pipe.recv()
+        except KeyboardInterrupt:
+            self.stop()
+            raise
         except (EOFError, OSError):
             self.stop()
             raise StabilityError(
@@ -174,8 +177,9 @@ class _Lane:
 
     def stop(self) -> None:
         """End the process."""
-        self.process.kill()
-        self.process.join()
+        if self.process.pid is not None:
+            self.process.kill()
+            self.process.join()
         self.pipe.close()
 
 
@@ -224,10 +228,19 @@ class Late(BaseException):
 def _work(pipe: Connection) -> None:
     """Answer tasks until the pipe closes."""
     import signal
-    import warnings
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(signal, "pthread_sigmask"):  # SIGTERM ends it, blocked as it was at its birth
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
     follow(os.getppid())
+    with contextlib.suppress(OSError):  # the parent has ended
+        _answer(pipe)
+
+
+def _answer(pipe: Connection) -> None:
+    import signal
+    import warnings
+
     pipe.send("ready")
     warnings.simplefilter("ignore")  # what a route warns of is counted as its error
 
