@@ -188,8 +188,10 @@ def _body(disk: Disk | None, k: float) -> Disk:
 
 
 DRIFT_NOTES = [
-    "Spectrally stable rolling does not last: to leading order in the tilt (relative error of the",
-    "order of tilt²), with w = omega3 and tilt = theta - π/2, dimensionless,",
+    "Spectrally stable rolling is Lyapunov-unstable: with any slow tilt, however small, tilt and",
+    "spin drift by a finite amount, near the line of rolling until the threshold is crossed; to",
+    "leading order in the tilt (relative error of the order of tilt²), with w = omega3 and",
+    "tilt = theta - π/2, dimensionless,",
     *[f"  {name}: {formula}" for name, formula in FORMULAS.items()],
 ]
 """What the table of drift says below its rows."""
@@ -197,7 +199,8 @@ HOPF_NOTES = [
     "dy/dt = c |z|², d|z|/dt = Re μ' y |z| with y along the family and z along the mode of unit",
     "length; c < 0 throughout: energy rises along both families and falls while the rim slips.",
     "elliptic: beside the unstable part a motion swings out and settles as far beyond;",
-    "hyperbolic: it leaves; beside the stable part only motions inside a cone settle.",
+    "hyperbolic: it leaves a neighbourhood, and may settle elsewhere on the family; beside the",
+    "stable part only motions inside a cone settle nearby.",
     "Re μ' vanishes only where the boundary folds (tumbling, 0.3291… < k < 1/2).",
 ]
 """What the table of flutter boundaries says below its rows."""

@@ -56,6 +56,10 @@ class Line:
 
     def critical(self, condition: Expr) -> list[Expr]:
         """Factors in M (and k) at whose zeros the pattern may change."""
+        return [f for f in self._factors(condition) if f.has(M) and f != M]
+
+    def _factors(self, condition: Expr) -> list[Expr]:
+        """Factors of the leading and lowest coefficient, the discriminant and the end values."""
         poly = sympy.Poly(condition, self.x)
         found = [poly.LC(), sympy.discriminant(poly.as_expr(), self.x), poly.nth(0)]
         ends = [e for e in (self.low, self.high) if e is not sympy.oo]
@@ -63,9 +67,8 @@ class Line:
         factors: dict[Expr, None] = {}
         for expression_ in found:
             for factor, _ in sympy.factor_list(sympy.expand(expression_))[1]:
-                if factor.has(M):
-                    factors[sympy.expand(factor)] = None
-        return [f for f in factors if f != M]
+                factors[sympy.expand(factor)] = None
+        return list(factors)
 
     def for_one_k(self, k: Expr) -> list[Range]:
         """Ranges of mu for one inertia factor."""
@@ -91,7 +94,11 @@ class Line:
         """Ranges of mu whose ends are functions of k, or None if k in (0, 1/2] is no one cell."""
         critical = self.critical(self.condition)
         half = sympy.Rational(1, 2)
-        watched: list[Expr] = []
+        # a factor without M may change the pattern at a k of its own
+        watched: list[Expr] = [
+            f for f in self._factors(self.condition) if f.has(K) and not f.has(M)
+        ]
+        alone = len(watched)
         for factor in critical:
             poly = sympy.Poly(factor, M)
             watched += [poly.LC(), poly.nth(0)]
@@ -120,9 +127,9 @@ class Line:
         self.obligation = (
             f"checked: {len(critical)} critical polynomials in mu*² (leading coefficient, end "
             "values and discriminant of the flutter condition), whose "
-            f"{len(watched)} leading and constant coefficients, discriminants and pairwise "
-            "resultants have no zero for k in (0, 1/2]; so the order of their roots, and the "
-            "pattern between them, is that of k = 1/4"
+            f"{len(watched) - alone} leading and constant coefficients, discriminants and pairwise "
+            f"resultants, and the {alone} factors that hold no mu, have no zero for k in (0, 1/2]; "
+            "so the order of their roots, and the pattern between them, is that of k = 1/4"
         )
         return symbolic
 

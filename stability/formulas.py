@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy
 
+from .branches import where
 from .decomposition import Line, Range
 from .derivation import LAM, MU, SQUARE, Derived, M
 from .errors import ParameterError, shown
@@ -47,9 +48,9 @@ class Formulas:
     proved: list[dict[str, str]]
     """The others, which hold wherever these do, each with its proof."""
     boundaries: list[dict[str, str]]
-    """Boundaries solved: kind, what is solved for, formulas."""
+    """Boundaries solved: kind, what is solved for, formula, and `where` it is one (if stated)."""
     limits: dict[str, list[str]]
-    """What must be positive as mu → 0 and as mu → ∞, factored."""
+    """What must be positive as mu → 0 and as mu → ∞, factored; at each member, not uniformly."""
     statements: list[str] = field(default_factory=list)
     """What holds for whole ranges of mu, with the obligations that were checked."""
     ranges: list[dict[str, Any]] = field(default_factory=list)
@@ -177,7 +178,11 @@ def _solved(kind: str, condition: Expr, family: str) -> list[dict[str, str]]:
             roots = [sympy.factor(-poly.nth(0) / poly.nth(1))]
         else:
             roots = _quadratic(*poly.all_coeffs())
-        out += [{"kind": kind, "of": of, "formula": str(r)} for r in roots]
+        ranges = where(family, of, len(roots)) if len(roots) == 2 else ("",)
+        for root, text in zip(roots, ranges, strict=True):
+            out.append({"kind": kind, "of": of, "formula": str(root)})
+            if text:
+                out[-1]["where"] = text
     return out
 
 
@@ -298,6 +303,7 @@ def latex(found: Formulas) -> str:
     lines += [f"\\item {c['kind']}: ${show(c['positive'])} > 0$" for c in found.conditions]
     lines += [
         f"\\item {b['kind']} boundary: ${show(b['of'])} = {show(b['formula'])}$"
+        + (f" for {_words(b['where'])}" if "where" in b else "")
         for b in found.boundaries
     ]
     for limit, values in found.limits.items():

@@ -60,8 +60,9 @@ class HopfKind(Sentences):
         "stable part, about as far beyond the boundary as it began before it"
     )
     HYPERBOLIC = (
-        "hyperbolic: a motion beside the unstable part leaves the line for good; beside the stable "
-        "part only motions inside a cone of small amplitude settle"
+        "hyperbolic: a motion beside the unstable part leaves a neighbourhood of the boundary, and "
+        "may settle elsewhere on the family; beside the stable part only motions inside a cone "
+        "of small amplitude settle nearby"
     )
     DEGENERATE = (
         "degenerate: the pair does not cross with speed, or does not move the motion along the "

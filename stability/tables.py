@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .beyond import DRIFT_NOTES, HOPF_NOTES, drift_rows, hopf_rows
+from .branches import LIMITS
 from .changes import along
 from .contact import LAWS, Contact, LinearViscous, Viscous
 from .disk import Disk
@@ -383,12 +384,15 @@ def formula_lines(found: Sequence[Formulas]) -> list[str]:
             f"    det(λ - A) ~ λ^{one.structural_zeros} {product}",
         ]
         lines += [f"    decides: {c['kind']:<9} {c['positive']} > 0" for c in one.conditions]
-        lines += [f"    {b['kind']} boundary: {b['of']} = {b['formula']}" for b in one.boundaries]
+        for b in one.boundaries:
+            lines.append(f"    {b['kind']} boundary: {b['of']} = {b['formula']}")
+            lines += [f"        for {b['where']}"] if "where" in b else []
         for limit, values in one.limits.items():
-            lines += [f"    as {limit}: {value} > 0" for value in values]
+            lines += [f"    as {limit}, at each member: {value} > 0" for value in values]
         lines += [f"    {p['name']} {p['positive']} > 0: {p['proof']}" for p in one.proved]
         lines += [f"    * {s}" for s in one.statements] + [""]
-    return [*lines, "lam = λ; where M = mu*² occurs, λ = σ mu; z = at*², s = sin(theta).", ""]
+    last = "lam = λ; where M = mu*² occurs, λ = σ mu; z = at*², s = sin(theta)."
+    return [*lines, last, f"The {LIMITS}.", ""]
 
 
 def _aligned(cells: list[list[str]]) -> list[str]:

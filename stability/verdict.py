@@ -71,8 +71,9 @@ class Nonlinear(Sentences):
         "(Lyapunov-Malkin: every structural zero is a tangent of the family)"
     )
     DRIFTS = (
-        "drifts: spectrally stable, yet it does not last: friction lets the slow manifold's tilt "
-        "and spin move until the spin falls through the linear threshold (stability.drift, "
+        "drifts: spectrally stable, yet Lyapunov-unstable: every disturbance with a slow tilt, "
+        "however small, lets the spin fall by a finite amount through the linear threshold, at a "
+        "distance of the order of the tilt from the line of rolling until then (stability.drift, "
         "`stability table drift`)"
     )
     BY_INTEGRALS = "stable by integrals: first integrals keep a disturbed motion near the family"

@@ -195,3 +195,36 @@ def test_the_printed_formulas_are_the_computed_ones() -> None:
     value = eval(text.replace("^", "**"), {}, names)
     d = st.drift(at=1.9, tilt=0.01, disk=st.Disk(k=0.3), contact=st.Viscous(0.7), launch=False)
     assert value == pytest.approx(d.time, rel=1e-13)
+
+
+def test_however_small_the_tilt_the_spin_falls_by_the_same_and_stays_near_the_line() -> None:
+    """Lyapunov-unstable: the time grows like tilt⁻², the fall does not shrink."""
+    w0, mu = 1.6, 0.3
+    for tilt in (0.04, 0.02, 0.01):
+        d = st.drift(at=w0, tilt=tilt, contact=st.Viscous(mu))
+        run = simulate(0.25, mu, [np.pi / 2 + tilt, 0, 0, w0, 0, 0], [d.time])
+        spin, lean = run[-1][3], abs(run[-1][0] - np.pi / 2)
+        assert w0 - spin == pytest.approx(w0 - d.threshold, abs=tilt**2)
+        assert lean < 1.3 * tilt  # the distance to the line of rolling until then
+
+
+def test_without_a_slow_tilt_rolling_is_reached_and_stays() -> None:
+    """θ = π/2, θ̇ = φ̇ = v_x = 0 is invariant, and tends to rolling: codimension one of the rest."""
+    from stability.algebra import UPRIGHT, Program, casadi_algebra
+
+    system = st.disk_system("viscous")
+    import casadi as ca
+
+    w, vy = ca.SX.sym("w"), ca.SX.sym("vy")
+    graph = Program(ca.Function("f", [system.x, system.p], [system.rhs]))
+    zero = ca.SX(0)
+    values = graph.run(
+        casadi_algebra(), [[UPRIGHT, zero, zero, w, zero, vy], ca.vertsplit(system.p)]
+    )
+    rates = dict(zip((row for row, _ in graph.places[0]), values[0], strict=True))
+    for held in (0, 1, 2, 4):
+        assert held not in rates or ca.simplify(ca.SX(rates[held])).is_zero()
+    k, mu = 0.25, 0.3
+    rate = ca.Function("r", [w, vy, system.p], [rates[5]])
+    # v_y falls like exp(-mu (1 + 1/2k) t), gn = 1
+    assert float(rate(1.7, 0.2, [k, mu])) == pytest.approx(-mu * (1 + 1 / (2 * k)) * 0.2, rel=1e-14)

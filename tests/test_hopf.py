@@ -258,3 +258,21 @@ def test_questions_without_such_a_boundary_are_refused(
 ) -> None:
     with pytest.raises(st.StabilityError, match=sentence):
         hopf(family, contact=law)
+
+
+def test_beside_a_hyperbolic_point_a_motion_may_come_back_to_the_family_elsewhere() -> None:
+    # 0.4 said that it leaves the line for good; the statement is local
+    disk, mu = st.Disk(k=0.375), np.sqrt(0.8)
+    found = st.hopf("tumbling", disk=disk, contact=st.Viscous(mu))
+    hyperbolic = next(p for p in found if p.kind is HopfKind.HYPERBOLIC)
+    assert hyperbolic.at == pytest.approx(0.8139, abs=1e-4)
+    at = hyperbolic.at - 0.02
+    side = st.spectrum("tumbling", at=at, disk=disk, contact=st.Viscous(mu))
+    assert side.verdict is st.Verdict.UNSTABLE
+    start = st.launch("tumbling", at=at, tilt=0.0, disk=disk)
+    start[1] += 0.03
+    run = st.simulate(disk, st.Viscous(mu), start, [3e4], check=False)
+    assert run.attrs["outcome"] == "settled"
+    assert str(run.nearest_family.values) == "tumbling"
+    assert 0.40 < float(run.nearest_at) < 0.42  # on the stable part beyond the elliptic point
+    assert "neighbourhood" in HopfKind.HYPERBOLIC.value

@@ -22,7 +22,7 @@ CORE = (
     "decomposition", "formulas", "slowflow", "passage", "lines", "flow", "route", "taylor",
     "stepping", "sundials", "integrators", "rest", "sticking", "outcome", "settling", "attraction",
     "painleve", "launches", "crossings", "changes", "critical", "ratios", "roots", "search",
-    "shadow", "settings", "motion", "trajectory", "records",
+    "shadow", "branches", "settings", "motion", "trajectory", "records",
 )  # fmt: skip
 
 

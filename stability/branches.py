@@ -1,0 +1,59 @@
+"""Where a printed root of a condition is a boundary: the range in which it is real and admissible.
+
+A condition that is quadratic in at² or mu² has two roots, and not each of them is a boundary of
+the family.  The ranges hold for every k in (0, 1/2]; tests/test_branches.py proves them from the
+polynomials and tries to refute them.
+"""
+
+from __future__ import annotations
+
+NOWHERE = "no member: the root is complex, negative or outside the family"
+_CIRCLING = (
+    "sin(theta)**2 >= (2*k + 3 + sqrt(6*(k + 1)*(2*k + 1)**3))/(2*(4*k**2 + 6*k + 3)); "
+    "unstable between the two, neutral for every phi_dot where they are not real"
+)
+_PRECESSION = (
+    "sin(theta)**4 >= 3/4; unstable between the two, neutral for every phi_dot where they are not "
+    "real"
+)
+WHERE = {
+    ("spinning", "phi_dot**2"): (
+        NOWHERE, "4*k/(2*k + 1)**2 < mu**2 < 24*k/((2*k + 1)*(4*k + 3))",
+    ),
+    ("spinning", "mu**2"): (NOWHERE, "phi_dot**2 > 1/k"),
+    ("tumbling", "mu**2"): (
+        NOWHERE,
+        "(1 - 3*k)*(2*k + 1)*cos(theta)**2 < k; elsewhere tumbling is stable for every mu",
+    ),
+    ("circling", "phi_dot**2"): (_CIRCLING, _CIRCLING),
+    ("precession", "phi_dot**2"): (_PRECESSION, _PRECESSION),
+}  # fmt: skip
+"""By family and what is solved for: the range of the root with +√, and of that with -√."""
+LIMITS = "limits in mu hold at each member, not uniformly along the family"
+"""What the limits mean."""
+
+
+def where(family: str, of: str, roots: int) -> tuple[str, ...]:
+    """The range of each root, in the order in which they are printed.
+
+    Parameters
+    ----------
+    family
+        Name.
+    of
+        What was solved for.
+    roots
+        How many roots there are.
+
+    Returns
+    -------
+    tuple of str
+        Empty words where a root is the boundary throughout.
+
+    Examples
+    --------
+    >>> where("spinning", "mu**2", 2)[1]
+    'phi_dot**2 > 1/k'
+    """
+    known = WHERE.get((family, of), ())
+    return known if len(known) == roots else ("",) * roots
