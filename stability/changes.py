@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .boundary import Line, at_point, bracket, crossing_rate, refine
-from .certify import rational
-from .critical import Characteristic
+from .certify import ball_sine, rational
+from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
 from .errors import ParameterError, StabilityError
 from .polynomial import structure
@@ -134,6 +134,8 @@ def _proof(line: Line, found: Search) -> Callable[[float], int]:
     source = found.source
 
     def exactly(value: float) -> int:
+        if found.angle and isinstance(source, Conditions):
+            return source.sign_of_angle(lambda: ball_sine({found.angle: value}))
         return 0 if found.angle else source.sign(rational(value))
 
     def by_graph(value: float) -> int:

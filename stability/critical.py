@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from flint import fmpq_poly
+from flint import fmpq, fmpq_poly
 
 from .ratios import RING, multivariate
 from .roots import complex_roots, sign_at, specialised
@@ -54,8 +54,22 @@ class Conditions:
         x
             A rational value of the variable.
         """
-        signs = [sign_at(p, x, self.sine) for _, p in self.critical]
-        return -1 if -1 in signs else 0 if 0 in signs else 1
+        return _together([sign_at(p, x, self.sine) for _, p in self.critical])
+
+    def sign_of_angle(self, sine: Callable[[], Any]) -> int:
+        """The same where the variable is the sine of the axis.
+
+        Parameters
+        ----------
+        sine
+            Its sine at the working precision; transcendental.
+        """
+        turned = [RING.from_dict({(j, i): c for (i, j), c in p.terms()}) for _, p in self.critical]
+        return _together([sign_at(p, fmpq(0), sine) for p in turned])
+
+
+def _together(signs: Sequence[int]) -> int:
+    return -1 if -1 in signs else 0 if 0 in signs else 1
 
 
 class Characteristic:

@@ -20,8 +20,9 @@ RING = fmpq_mpoly_ctx.get(("x", "s"), "lex")
 """Q[x, s]: x is the axis."""
 MOST_DEGREE = 48
 """Degree in x beyond which a graph is not read in rational functions."""
-MOST_BITS = 40_000
-"""Length of a coefficient beyond which it is not."""
+MOST_WORK = 300_000
+"""Degree of what has to be solved, times states, times bits of a coefficient, beyond which it is
+not: about ten seconds."""
 MOST_STATES = 12
 """States of the largest system whose characteristic polynomial is expanded."""
 
@@ -227,14 +228,16 @@ def characteristic_ratios(family: Family, a: Sequence[Any], q: Sequence[Any]) ->
     except ZeroDivisionError:
         raise NotRationalError("a denominator vanishes all along the axis") from None
     entries = [[Ratio.of(v) for v in row] for row in rows]
-    if max((_bits(e) for row in entries for e in row), default=0) > MOST_BITS:
-        raise NotRationalError("the coefficients are too long")
     common = RING.constant(1)
     for row in entries:
         for e in row:
             common = common * (e.bottom / common.gcd(e.bottom))
     below = univariate(common)
     matrix = [[univariate(e.top * (common / e.bottom)) for e in row] for row in entries]
+    degree = max(1, below.degree(), *(e.degree() for row in matrix for e in row))
+    bits = max(_bits(e) for row in matrix for e in row)
+    if degree * size * size * size // 2 * bits > MOST_WORK:
+        raise NotRationalError("the polynomials are too large")
     scaled = [c * below**j for j, c in enumerate(_faddeev(matrix))]
     content = scaled[-1]
     for c in scaled:
@@ -242,13 +245,9 @@ def characteristic_ratios(family: Family, a: Sequence[Any], q: Sequence[Any]) ->
     return [c / content for c in scaled], below
 
 
-def _bits(value: Ratio) -> int:
-    sizes = [
-        max(int(c.p.height_bits()), int(c.q.height_bits()))
-        for part in (value.top, value.bottom)
-        for c in part.coeffs()
-    ]
-    return max(sizes, default=0)
+def _bits(p: Any) -> int:
+    longest = [max(int(c.p.height_bits()), int(c.q.height_bits())) for c in p.coeffs()]
+    return max(longest, default=0)
 
 
 def _faddeev(matrix: list[list[Any]]) -> list[Any]:

@@ -11,7 +11,7 @@ from typing import Any
 from flint import acb_poly, arb, ctx, fmpq_poly
 
 from .polynomial import precision
-from .ratios import RING, univariate
+from .ratios import univariate
 
 BITS = 256
 """Working precision of the first attempt."""
@@ -118,20 +118,24 @@ def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> li
     >>> [float(r) for r in real_roots([x**2 - 4, (x - 2) ** 2 * (x**2 + 1)], None)]
     [-2.0, 2.0]
     """
-    product = RING.constant(1)
+    apart: list[Any] = []  # squarefree, no two with a common root
     for p in polynomials:
         slope = p.derivative("x")
-        if not slope.is_zero():
-            product = product * (p / p.gcd(slope))
-    slope = product.derivative("x")
-    if slope.is_zero():
-        return []
-    product = product / product.gcd(slope)
-    if product.degrees()[1] == 0:
-        found = [r.real for r, _ in univariate(product).numer().complex_roots() if r.imag == 0]
-    else:
-        assert sine is not None
-        found = _ball_roots(product, sine())
+        if slope.is_zero():
+            continue
+        rest = p / p.gcd(slope)
+        for other in apart:
+            rest = rest / rest.gcd(other)
+        if not rest.derivative("x").is_zero():
+            apart.append(rest)
+    found: list[Any] = []
+    for p in apart:  # one by one: roots of two that nearly coincide would be slow to part
+        if p.degrees()[1] == 0:
+            roots = univariate(p).numer().complex_roots()
+            found += [r.real for r, _ in roots if r.imag == 0]
+        else:
+            assert sine is not None
+            found += _ball_roots(p, sine())
     found.sort(key=lambda r: r.mid())
     if any(not low < high for low, high in zip(found[:-1], found[1:], strict=True)):
         raise UnclearError

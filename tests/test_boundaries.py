@@ -367,6 +367,64 @@ def test_along_the_damping_zieglers_boundary_is_found_too() -> None:
     assert found.complete and not found[0].stable_below
 
 
+def test_sympys_own_rolling_disc_is_neutral_above_its_published_speed() -> None:
+    """sympy/physics/mechanics/tests/test_kane.py, rates as printed there; u2² = g/(3 r)."""
+    x, p = ca.SX.sym("x", 6), ca.SX.sym("p", 2)
+    _, q2, _, u1, u2, u3 = ca.vertsplit(x)
+    r, g = ca.vertsplit(p)
+    rhs = (
+        u3 / ca.cos(q2), u1, u2 - u3 * ca.tan(q2),
+        (6 * u2 * u3 * r - u3**2 * r * ca.tan(q2) + 4 * g * ca.sin(q2)) / (5 * r),
+        -2 * u1 * u3 / 3, u1 * (-2 * u2 + u3 * ca.tan(q2)),
+    )  # fmt: skip
+    # without the angles that no rate depends on, else straight rolling is no rest point
+    kept = [1, 3, 4, 5]
+    names = ("q2", "u1", "u2", "u3")
+    y = ca.SX.sym("y", 4)
+    rates = ca.substitute(ca.vertcat(*[rhs[i] for i in kept]), ca.vertcat(*[x[i] for i in kept]), y)
+    system = st.System("disc", y, p, rates, states=names, parameters=("r", "g"))
+    straight = st.Family(system, "straight", at=("u2",), held={"q2": 0.0, "u1": 0.0, "u3": 0.0})
+    for r_, g_ in ((1.0, 1.0), (0.3, 9.81)):
+        found = st.boundaries(straight, axis=("u2", -9, 9, 3), r=r_, g=g_)
+        speed = (g_ / (3 * r_)) ** 0.5
+        assert [p.value for p in found] == pytest.approx([-speed, speed], rel=1e-15)
+        assert [p.stable_below for p in found] == [True, False] and found.complete
+        assert [p.crossing.word for p in found] == ["static", "static"]
+
+
+@pytest.mark.parametrize("conservative", [True, False])
+def test_a_centre_becomes_a_saddle_where_its_stiffness_vanishes(conservative: bool) -> None:
+    centre = linear("centre", lambda x, p: (x[1], -p * x[0]), ("p",), "p", states=2,
+                    conservative=conservative)  # fmt: skip
+    for axis in (("p", -1.0, 1.0, 2), ("p", -1.0, 1.0, 3), ("p", 0.0, 1.0, 3), ("p", -1.0, 0.0, 3)):
+        found = st.boundaries(centre, axis=axis)
+        assert [(p.value, p.crossing.word, p.stable_below) for p in found] == [
+            (0.0, "static", False)
+        ]
+        assert found.complete
+
+
+def test_the_wheelset_hunts_at_its_published_speed() -> None:
+    """J. K. Moore, EME 134, lab 1: 48.558435944090 m/s, 26.132674311418 rad/s, by two routes."""
+    m, d, n, r, rail, d1, cone = 1000, 0.72, 20000, 0.23, 0.2, 0.36, np.pi / 180
+    f, k, r0 = 1e6, 13000, 0.46
+    i, conicity = m * d * d, r * cone / (r - rail)
+    rhs = lambda x, v: (  # noqa: E731
+        x[2], x[3],
+        -(2 * k / m + 2 * n / (m * (r - rail))) * x[0] + 2 * f / m * x[1] - 2 * f / (v * m) * x[2],
+        -2 * f * conicity * d / (r0 * i) * x[0] - 2 * k * d1**2 / i * x[1]
+        - 2 * f * d * d / (v * i) * x[3],
+    )  # fmt: skip
+    family = linear("wheelset", rhs, ("V",), "V")
+    [point] = found = st.boundaries(family, axis=("V", 1, 100, 3))
+    assert found.complete and point.stable_below
+    assert point.value == pytest.approx(48.558435944090, rel=1e-12)
+    assert point.frequency == pytest.approx(26.132674311418, rel=1e-12)
+    with pytest.warns(StabilityWarning, match="no value there"):  # 1/V has a pole at standstill
+        through = st.boundaries(family, axis=("V", -10, 100, 3))
+    assert list(through) == list(found) and (through.unresolved[0][:2]) == (0.0, 0.0)
+
+
 def test_the_triangular_points_are_lost_at_rouths_mass() -> None:
     """L4, linear: x'' - 2 y' = 3/4 x + c y, y'' + 2 x' = c x + 9/4 y, c = 3√3/4 (1 - 2m).
 
