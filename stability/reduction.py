@@ -232,7 +232,9 @@ def _deflate(
     vector = np.take_along_axis(vector, order, axis=1)
     doubt = np.take_along_axis(doubt, order, axis=1)
     m = vector[:, 1:] / vector[:, :1]
-    m_error = (doubt[:, 1:] + np.abs(m) * doubt[:, :1]) / np.abs(vector[:, :1]) + UNIT * np.abs(m)
+    least = np.abs(vector[:, :1]) - doubt[:, :1]  # the pivot of the true vector may be zero
+    least = np.where(least > 0, least, 0.0)
+    m_error = (doubt[:, 1:] + np.abs(m) * doubt[:, :1]) / least + UNIT * np.abs(m)
     row, row_error = matrix[:, 0, 1:], error[:, 0, 1:]
     product = m[:, :, None] * row[:, None, :]
     reduced = matrix[:, 1:, 1:] - product
@@ -243,6 +245,7 @@ def _deflate(
         + np.abs(m)[:, :, None] * row_error[:, None, :]
         + UNIT * (size_product + np.abs(reduced))
     )
+    bound[least[:, 0] == 0] = np.inf  # nothing is known of what is left
     steps.append(Deflation(order, m, m_error, row))
     within = _vanishes(matrix, error, m, m_error) if watch else np.ones(count, dtype=bool)
     return reduced, bound, within

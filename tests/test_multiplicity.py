@@ -406,3 +406,17 @@ def test_large_entries_at_typical_members_hide_no_zero() -> None:
     found = st.spectrum(line, at=0.3, p=1.0, certify=True)
     assert found.structural_zeros == 1
     assert found.verdict is Verdict.STABLE
+
+
+def test_a_null_vector_that_rounding_leaves_open_bounds_nothing() -> None:
+    """In doubles the last entry, which is 1, is 0 ± 2; the zero is that of the third."""
+    system = _system(
+        "open", "abcd",
+        lambda x, p: (-1e-30 * x[0], 1e-30 * x[1], 0 * p, 1e16 * x[3] + x[3] + (-1e16) * x[3]),
+    )  # fmt: skip
+    rest = st.Family(system, "rest", at=("p",), held=dict.fromkeys("abcd", 0.0))
+    plain = st.spectrum(rest, at=1.0, escalate=False)
+    assert (np.abs(plain.eigenvalues - 1.0) <= plain.radius).any()
+    found = st.spectrum(rest, at=1.0)
+    assert found.eigenvalues.real == pytest.approx([-1e-30, 1e-30, 1.0])
+    assert found.structural_zeros == 1
