@@ -37,6 +37,7 @@ from .exact import exact_polynomial
 from .families import Family
 from .polynomial import precision
 from .problem import Problem, disk_problem
+from .roots import UnclearError
 from .search import Mark, search
 
 Floats = NDArray[np.float64]
@@ -46,7 +47,7 @@ LINES = ("spinning", "tumbling")
 """Families whose flutter boundaries these are."""
 BITS = 256
 """Working precision of the first attempt."""
-MOST_BITS = 2048
+MOST_BITS = 4096
 """Where raising it ends: the point is then degenerate."""
 MOST_POINTS = 100_000
 """Most points of the search."""
@@ -184,18 +185,19 @@ def hopf(
         if np.ndim(value):
             raise ParameterError(f"{name} is an array; give one number.")
     unit = 1.0 if family == "tumbling" else float(np.asarray(body.rate))
-    found: dict[int, HopfPoint] = {}
     bits = BITS
-    while bits <= MOST_BITS:  # until the signs that make the type are proved
-        with precision(bits):
-            marks = _flutter(question, bits)
-            for index, mark in enumerate(marks):
-                if index not in found or found[index].kind is HopfKind.DEGENERATE:
-                    found[index] = _point(question, mark, unit)
-        if all(p.kind is not HopfKind.DEGENERATE for p in found.values()):
-            break
+    while True:  # until the signs that make the type are proved
+        last = bits >= MOST_BITS
+        try:
+            with precision(bits):
+                found = [_point(question, mark, unit) for mark in _flutter(question, bits)]
+        except (StabilityError, UnclearError) as error:
+            if last:
+                raise StabilityError(str(error) or "the search needs too many digits.") from None
+            found = None
+        if last or (found is not None and all(p.kind is not HopfKind.DEGENERATE for p in found)):
+            return found or []
         bits *= 2
-    return list(found.values())
 
 
 def _flutter(question: Problem, bits: int) -> list[Mark]:

@@ -152,6 +152,30 @@ def test_tumblings_boundaries_are_those_of_the_closed_form() -> None:
             assert all(p.kind is not HopfKind.DEGENERATE for p in points)
 
 
+def test_random_lines_have_every_flutter_boundary() -> None:
+    """Any k, mu over eight decades: places by Sturm on Kane's polynomial, type by its slope."""
+    rng = np.random.default_rng(21)
+    seen = 0
+    for _ in range(40):
+        k, mu = float(rng.uniform(0.005, 0.5)), float(10 ** rng.uniform(-4, 4))
+        if rng.random() < 0.5:
+            mu = float(rng.uniform(0.2, 1.2))
+        body = {"k": k, "mass": 1.0, "radius": 1.0, "gravity": 1.0, "mu": mu}
+        for family, ends in (("spinning", (1e-3, 1e6)), ("tumbling", (1e-12, 1.5707963))):
+            wanted = oracle.changes(family, "viscous", "at", *ends, body)
+            if family == "spinning":  # the static boundary k at² = 1 is none of these
+                with mpmath.workdps(40):
+                    wanted = [c for c in wanted if abs(k * c.value**2 - 1) > 1e-25]
+            found = hopf(family, disk=st.Disk(k=k), contact=st.Viscous(mu))
+            seen += len(found)
+            assert [p.at for p in found] == pytest.approx(
+                [float(c.value) for c in wanted], rel=1e-15
+            )
+            assert [p.stable_below for p in found] == [c.stable_below for c in wanted]
+            assert all((p.kind is HopfKind.ELLIPTIC) == p.stable_below for p in found)
+    assert seen > 25
+
+
 @pytest.mark.parametrize("fold", beyond()["folds"], ids=lambda f: f"k{f['k']}")
 def test_transversality_fails_at_the_fold_of_tumblings_boundary(fold: dict[str, float]) -> None:
     """Condition and slope vanish together at the fold; beside it the two types meet."""
