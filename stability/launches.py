@@ -256,7 +256,7 @@ def _check(law: str, shape: tuple[int, ...], starts: Floats, p: Floats) -> Float
             seen[rest] = _look("rough", starts[rest, :4], p[rest, :1])
         for i in np.flatnonzero(rest & (seen[:, :2] > 0).all(axis=1)):
             # it may not stick and yet slip, or do neither although gn of sticking is positive
-            pressed = continuations(starts[i, :4], *p[i]).count > 0
+            pressed = continuations(starts[i, :4], *p[i]).pressed
             seen[i, 3] = max(seen[i, 3], 1e-300) if pressed else min(seen[i, 3], 0.0)
     else:
         seen = _look(law, starts[:, :own], p)

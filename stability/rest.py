@@ -31,11 +31,18 @@ class Continuations:
     """|F| / (mu gn) of sticking."""
     directions: tuple[float, ...]
     """Angles in which a slip can set in [rad]."""
+    lifts: bool = False
+    """Whether the contact point, left to itself, accelerates upwards, so that it can lift off."""
 
     @property
     def count(self) -> int:
         """How many there are."""
-        return self.sticks + len(self.directions)
+        return self.sticks + self.lifts + len(self.directions)
+
+    @property
+    def pressed(self) -> bool:
+        """Whether one of them keeps the contact."""
+        return self.sticks or bool(self.directions)
 
 
 @lru_cache(maxsize=1)
@@ -177,7 +184,10 @@ def continuations(four: Floats, k: float, mu: float) -> Continuations:
     ratio = math.hypot(fx, fy) / (mu * normal) if normal > 0 else math.inf
     candidates = directions(four, k, mu)
     free: tuple[float, ...] = ()
+    # gn D = -k bz in every direction; with bz > 0 a direction with gn > 0 has D < 0
+    _, _, weight, d = slip_acceleration(four, k, mu, np.zeros(1))
+    lifts = bool(weight[0] * d[0] < 0)
     if candidates.size:
         along, _, gn, _ = slip_acceleration(four, k, mu, candidates)
         free = tuple(float(a) for a in candidates[(along > 1e-9) & (gn > 0)])
-    return Continuations(ratio <= 1.0, ratio, free)
+    return Continuations(ratio <= 1.0, ratio, free, lifts)

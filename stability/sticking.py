@@ -231,10 +231,12 @@ class _Dry:
             return False
         for i in range(first, len(self.rows)):
             ways = continuations(self.rows[i][:4], self.k, self.mu)
-            if ways.directions:
+            if ways.directions or ways.lifts:
                 self.time, self.y = float(self.times[i]), self.rows[i].copy()
                 del self.rows[i + 1 :], self.modes[i + 1 :]
-                self._stop(NON_UNIQUE, f"while sticking slip can set in at {ways.directions} rad")
+                lifts = ", and the contact can lift off" if ways.lifts else ""
+                why = f"while sticking slip can set in at {ways.directions} rad{lifts}"
+                self._stop(NON_UNIQUE, why)
                 return True
         return False
 
@@ -315,17 +317,18 @@ class _Dry:
             if arrival is not None:
                 self._note(STICK, arrival)
             return STICKING
-        if ways.count == 1:
+        if ways.count == 1 and ways.directions:
             return self._depart(ways.directions[0], arrival)
         if ways.count == 0 and ways.ratio <= 1 + 1e-9:  # on the edge of the cone
             return self._onset()
-        # the free vertical acceleration of the contact point has the sign of -gn D
-        _, _, normal, d = slip_acceleration(self.y[:4], self.k, self.mu, np.zeros(1))
-        none = LIFT_OFF if normal[0] * d[0] < 0 else NO_CONTACT
+        kind = NO_CONTACT if ways.count == 0 else NON_UNIQUE
+        if ways.lifts and not ways.pressed:
+            kind = LIFT_OFF
         self._stop(
-            none if ways.count == 0 else NON_UNIQUE,
+            kind,
             f"|F|/(mu gn) of sticking is {ways.ratio:.6g}, slip can set in at "
-            f"{[round(a, 6) for a in ways.directions]} rad",
+            f"{[round(a, 6) for a in ways.directions]} rad"
+            + (", and the contact can lift off" if ways.lifts else ""),
         )
         return STICKING
 

@@ -172,6 +172,105 @@ def test_below_the_threshold_there_is_exactly_one_way_on() -> None:
     assert seen == {True, False}
 
 
+def by_force(four: Any, k: float, mu: float) -> tuple[bool, list[float]]:
+    """Ways on by docs/dry-friction.md's F(λ) in 40 digits: sticking, and angles of slip.
+
+    With gn and A affine in the contact force, A = b' + W F: no trigonometric polynomial in it.
+    """
+    import mpmath
+
+    with mpmath.workdps(40):
+        theta, q, p, w = (mpmath.mpf(float(v)) for v in four)
+        kk, m = mpmath.mpf(k), mpmath.mpf(mu)
+        s, c = mpmath.sin(theta), mpmath.cos(theta)
+        bx = w * p * (s * s - c * c) - p * p * s * s * c - c * q * q
+        by = -p * q * s
+        bz = -1 + s * q * q - p * p * s * c * c + 2 * w * p * s * c
+        push = (bx - s * c * bz / (kk + c * c), by)
+        weight = ((kk + 1) / (kk + c * c), 1 + 1 / (2 * kk))
+
+        def force(lam: Any) -> Any:
+            fx, fy = (-b / (v + lam) for b, v in zip(push, weight, strict=True))
+            return fx, fy, -(kk * bz + s * c * fx) / (kk + c * c)
+
+        def beyond(t: Any) -> Any:  # ψ at λ = t/(1 - t)
+            fx, fy, gn = force(t / (1 - t))
+            return mpmath.sqrt(fx * fx + fy * fy) - m * gn
+
+        grid = [mpmath.mpf(i) / 1500 for i in range(1500)]
+        values = [beyond(t) for t in grid]
+        roots = [
+            mpmath.findroot(beyond, (a, b), solver="anderson")
+            for a, b, fa, fb in zip(grid, grid[1:], values, values[1:], strict=False)
+            if fa * fb < 0
+        ]
+        forces = [force(t / (1 - t)) for t in roots]
+        angles = [float(mpmath.atan2(-fy, -fx)) for fx, fy, gn in forces if gn > 0]
+        return bool(values[0] <= 0 and force(0)[2] > 0), angles
+
+
+def test_the_threshold_of_uniqueness_is_sharp() -> None:
+    # a thousandth above mu = 2√(k(k+1)) the disk may stick, or slip in two directions
+    k, mu = 0.25, 1.1191520227386447
+    assert mu / (2 * math.sqrt(k * (k + 1))) == pytest.approx(1.001, abs=1e-9)
+    four = np.array([1.1405036155603199, -0.003713908095680414 * 0.9999, 1.82547123230798,
+                     1.1032082780622803])  # fmt: skip
+    ways = continuations(four, k, mu)
+    sticks, angles = by_force(four, k, mu)
+    assert sticks
+    assert ways.sticks
+    assert sorted(ways.directions) == pytest.approx(sorted(angles), abs=1e-9)
+    assert len(angles) == 2
+    run = st.simulate(st.Disk(k=k), st.Coulomb(mu), [*four, 0, 0], 1.0)
+    assert BY_CODE[int(run.outcome)] is Outcome.NON_UNIQUE
+    # just below it there is one
+    below = continuations(four, k, 2 * math.sqrt(k * (k + 1)) * (1 - 1e-9))
+    assert below.count == 1
+
+
+def test_ways_on_by_the_force_are_those_by_the_direction() -> None:
+    rng = np.random.default_rng(12)
+    for _ in range(4):
+        k = float(rng.choice([0.1, 0.25, 0.5]))
+        mu = float(2 * math.sqrt(k * (k + 1)) * rng.uniform(0.3, 2))
+        four = np.array([rng.uniform(0.3, 2.8), *rng.uniform(-1, 1, 3)])
+        ways = continuations(four, k, mu)
+        sticks, angles = by_force(four, k, mu)
+        assert ways.sticks == sticks
+        assert sorted(ways.directions) == pytest.approx(sorted(angles), abs=1e-8)
+
+
+def test_the_number_of_ways_that_keep_contact_is_odd_if_pressed_and_even_if_not() -> None:
+    rng = np.random.default_rng(5)
+    several = 0
+    for _ in range(2000):
+        k = float(rng.choice([0.05, 0.1, 0.25, 0.5]))
+        mu = float(2 * math.sqrt(k * (k + 1)) * rng.uniform(0.3, 4))
+        theta, q, p, w = four = np.array([rng.uniform(0.1, 3.0), *rng.uniform(-3, 3, 3)])
+        s, c = math.sin(theta), math.cos(theta)
+        bz = -1 + s * q * q - p * p * s * c * c + 2 * w * p * s * c
+        ways = continuations(four, k, mu)
+        if min(abs(ways.ratio - 1), abs(bz)) < 1e-6:
+            continue
+        assert ways.lifts == (bz > 0)
+        assert (ways.sticks + len(ways.directions)) % 2 == (bz < 0)
+        if bz > 0:  # every direction that is listed has D < 0 then
+            d = slip_acceleration(four, k, mu, np.array(ways.directions or [0.0]))[3]
+            assert not ways.directions or (d < 0).all()
+            several += bool(ways.directions)
+    assert several > 0
+
+
+def test_a_contact_that_may_also_lift_off_is_not_said_to_stick_or_slip() -> None:
+    # bz > 0: 0.4 did not count lift-off among the ways on
+    k, mu = 0.05, 1.4557359438338509
+    start = [1.4537490894200014, 0.20206492406184573, 1.9205967531509573, 2.535225920807088, 0, 0]
+    assert continuations(np.array(start[:4]), k, mu).lifts
+    run = st.simulate(st.Disk(k=k), st.Coulomb(mu), start, 1.0)
+    assert BY_CODE[int(run.outcome)] is Outcome.NON_UNIQUE
+    assert "can lift off" in str(run.evidence.values)
+
+
 @pytest.mark.parametrize("case", reference.corners(), ids=lambda c: f"{c['kind'][:24]} {c['k']}")
 def test_corners_have_the_continuations_that_were_solved_for(case: dict[str, Any]) -> None:
     four = np.array(case["state"][:4])
@@ -227,7 +326,7 @@ def test_a_start_at_rest_that_nothing_holds_down_is_refused() -> None:
     start = [1.3584861398296046, 0.8731793602881994, 0.47383312494378416, 1.9119442312294206, 0, 0]
     k, mu = 0.13306917881431404, 0.4060094943121223
     assert sticking_force(np.array(start[:4]), k)[0] > 0
-    assert continuations(np.array(start[:4]), k, mu).count == 0
+    assert not continuations(np.array(start[:4]), k, mu).pressed
     with pytest.raises(st.StabilityError, match="not in contact"):
         st.simulate(st.Disk(k=k), st.Coulomb(mu), start, 1.0)
 
