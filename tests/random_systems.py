@@ -120,7 +120,7 @@ def symmetric(seed: int, kind: str = "symmetric") -> Case:
         elif roll < 0.5:
             plan.pair(0.0, draw.constant() * draw.even(p))
         elif roll < 0.65:
-            plan.quadruple(draw.choice([draw.constant(), draw.tiny() * draw.even(p)]), 1.0)
+            plan.quadruple(draw.choice([draw.constant(), draw.tiny() * (1 + p * p)]), 1.0)
         elif roll < 0.8:
             plan.square(accident(draw, p, p0))
         else:
