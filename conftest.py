@@ -19,6 +19,7 @@ settings.register_profile(
     "any-machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("any-machine")
+BACKEND = ("backend", "backend_fallback", "interactive")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -60,8 +61,8 @@ def _state() -> dict[str, Any]:
     }
     if "matplotlib" in sys.modules:
         known = dict.items(sys.modules["matplotlib"].rcParams)
-        # the backend is settled when pyplot is first asked for
-        state["rcParams"] = {k: str(v) for k, v in known if k not in ("backend", "interactive")}
+        # those of the backend are settled when pyplot is first asked for
+        state |= {f"rcParams {k}": str(v) for k, v in known if k not in BACKEND}
     if "flint" in sys.modules:
         state["precision of balls"] = sys.modules["flint"].ctx.prec
     return state

@@ -2,6 +2,7 @@
 
 import csv
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -71,15 +72,33 @@ def test_boundaries_are_those_of_the_maps_and_the_limit_laws(folder: Path) -> No
         assert float(row["at"]) ** 2 == pytest.approx(1 / (2 * float(row["k"])), rel=1e-13)
 
 
-def test_force_replaces_its_own_files_and_leaves_others(folder: Path) -> None:
-    (folder / "notes.txt").write_text("mine")
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files in place of figures, for tests that are about files."""
+
+    def save(figure: None, stem: Path) -> list[Path]:
+        paths = [stem.parent / (stem.name + suffix) for suffix in (".png", ".pdf")]
+        for path in paths:
+            path.write_text(str(figure))
+        return paths
+
+    monkeypatch.setattr("stability.plots.save", save)
+    monkeypatch.setattr("stability.plots.diagram", lambda *_, **__: None)
+    monkeypatch.setattr("stability.loci.locus", lambda *_, **__: None)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_force_replaces_its_own_files_and_leaves_others(folder: Path, tmp_path: Path) -> None:
+    target = tmp_path / "atlas"
+    shutil.copytree(folder, target)  # the folder itself is for every test
+    (target / "notes.txt").write_text("mine")
     with pytest.raises(st.StabilityError, match="not empty"):
-        atlas(folder, resolution=8, workers=1)
-    before = (folder / "index.html").read_text()
-    atlas(folder, resolution=8, workers=2, force=True)
-    assert (folder / "notes.txt").read_text() == "mine"
-    assert (folder / "index.html").read_text() != before
-    assert [p.name for p in folder.parent.iterdir()] == ["atlas"]
+        atlas(target, resolution=8, workers=1)
+    before = (target / "index.html").read_text()
+    atlas(target, resolution=8, workers=1, force=True)
+    assert (target / "notes.txt").read_text() == "mine"
+    assert (target / "index.html").read_text() != before
+    assert [p.name for p in tmp_path.iterdir()] == ["atlas"]
 
 
 def test_a_folder_in_the_way_stops_it_before_anything_is_moved(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ import re
 import runpy
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -16,6 +17,7 @@ def test_notebook_runs(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(path))
+    plt.close("all")  # what a notebook draws it shows, and leaves to its reader
     assert capsys.readouterr().out
     names = {p.name for p in tmp_path.iterdir()}
     wanted = {
