@@ -9,6 +9,8 @@ from typing import Any
 
 HELP = "print one JSON object; null stands for a number without bound, or one that is not known"
 """What --json does."""
+NUMBER = "number"
+"""Only key of a marked number."""
 
 
 def strict(value: Any) -> Any:
@@ -61,3 +63,45 @@ def json_text(record: Any) -> str:
     }
     """
     return json.dumps(strict(record), indent=2, allow_nan=False)
+
+
+def marked(value: Any) -> Any:
+    """A value for a file that is read again: a number that is not finite as `{"number": "inf"}`.
+
+    Parameters
+    ----------
+    value
+        Numbers, texts, mappings and sequences of these.
+
+    Returns
+    -------
+    object
+
+    Examples
+    --------
+    >>> text = json.dumps(marked([1.5, float("inf")]), allow_nan=False)
+    >>> text, json.loads(text, object_hook=unmarked)
+    ('[1.5, {"number": "inf"}]', [1.5, inf])
+    """
+    if isinstance(value, float) and not math.isfinite(value):
+        return {NUMBER: str(float(value))}
+    if isinstance(value, Mapping):
+        return {key: marked(one) for key, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [marked(one) for one in value]
+    return value
+
+
+def unmarked(found: dict[str, Any]) -> Any:
+    """What `marked` encoded; for `object_hook` of `json.loads`.
+
+    Parameters
+    ----------
+    found
+        An object of JSON.
+
+    Returns
+    -------
+    object
+    """
+    return float(found[NUMBER]) if found.keys() == {NUMBER} else found

@@ -21,7 +21,7 @@ from .contact import Contact
 from .dataset import axis_attributes, provenance
 from .disk import Disk
 from .errors import FileError, ParameterError
-from .files import whole
+from .files import postponed, whole
 from .grid import Grid
 from .growth import steady_memory
 from .maps import Axis, check_run, prepare
@@ -119,11 +119,19 @@ def stream_map(
     verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
     with whole(target, overwrite=overwrite) as beside:
         with _Sink(beside) as sink:
-            file, variable = _created(sink, question, axes)
-            with file:
+            # an exception within HDF5's own calls of the sink, Ctrl-C too, takes the process down
+            file = None
+            try:
+                with postponed():
+                    file, variable = _created(sink, question, axes)
                 left = _fill(variable, sink, verdicts, axes, workers or 1, progress)
-                file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
-                file.attrs[ATTRIBUTE] = STATEMENT
+                with postponed():
+                    file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
+                    file.attrs[ATTRIBUTE] = STATEMENT
+            finally:
+                if file is not None:
+                    with postponed():
+                        file.close()
             sink.check()
         seal(beside)
     return Path(out)
@@ -233,7 +241,8 @@ def _fill(
     def write() -> int:
         first, future = pending.popleft()
         codes, open_cells = future.result()
-        variable[first : first + len(codes), :] = codes
+        with postponed():
+            variable[first : first + len(codes), :] = codes
         sink.check()
         if progress:
             progress(min((first + step) * axes[0].count, total), total)

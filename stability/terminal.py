@@ -68,6 +68,11 @@ def stoppable() -> Iterator[Stop]:
         stop.number = number
         raise KeyboardInterrupt
 
+    def quiet(swallowed: Any) -> None:  # in a destructor, say; `check` raises it again
+        if not issubclass(swallowed.exc_type, KeyboardInterrupt):
+            hook(swallowed)
+
+    hook, sys.unraisablehook = sys.unraisablehook, quiet
     before = {n: signal.getsignal(n) for n in STOPS}
     plain = (signal.SIG_DFL, signal.default_int_handler)
     mine = {n: handler for n, handler in before.items() if handler in plain}
@@ -78,6 +83,7 @@ def stoppable() -> Iterator[Stop]:
         yield stop
     finally:
         _stops.pop()
+        sys.unraisablehook = hook
         for number, handler in mine.items():
             signal.signal(number, handler)
 

@@ -1,6 +1,7 @@
 """Damaged files: each reads to the right numbers or is refused in a sentence, and soon."""
 
 import json
+import math
 import os
 import shutil
 from collections import Counter
@@ -86,7 +87,10 @@ def _journal(folder: Path) -> Sample:
     for i in (0, 1):
         journal = Journal(folder / f"report{i}")
         for n in range(40):
-            journal.add(Cell(f"cell {n}", DONE, [n + i, 0.1 * n], "", 0.25 * n))
+            value = {"error": [n + i, 0.1 * n, math.inf], "word": "right"}  # of which JSON has none
+            journal.add(Cell(f"cell {n}", DONE, value, "", 0.25 * n))
+        for line in journal.path.read_text(encoding="utf-8").splitlines():
+            json.loads(line.partition("\t")[0], parse_constant=pytest.fail)
         kept.append(journal)
 
     def read(path: Path) -> Any:
@@ -249,6 +253,27 @@ def test_another_table_of_polynomials_is_refused(
         assert module.exact_polynomial("rolling", "viscous").zeros == 2
     finally:
         module._catalogue.cache_clear()
+
+
+def test_deriving_writes_the_table_and_its_digest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import stability.exact as module
+    import stability.hurwitz as hurwitz
+
+    table = Path(module.__file__).parent / "data" / module.DATA
+    source = Path(module.__file__).read_text(encoding="utf-8")
+    assert module.digest(table.read_bytes()) == module.DIGEST
+    assert module.digest(table.read_bytes().replace(b"\n", b"\r\n")) == module.DIGEST
+    monkeypatch.setattr(hurwitz, "catalogue", lambda: json.loads(table.read_bytes()))
+    (tmp_path / "exact.py").write_text(source.replace(module.DIGEST, "0" * 64), encoding="utf-8")
+    hurwitz.write(str(tmp_path / "exact.json"), str(tmp_path / "exact.py"))
+    assert (tmp_path / "exact.json").read_bytes() == table.read_bytes()
+    assert (tmp_path / "exact.py").read_text(encoding="utf-8") == source
+    (tmp_path / "exact.py").write_text("no digest here", encoding="utf-8")
+    with pytest.raises(st.StabilityError, match="0 lines for the digest"):
+        hurwitz.write(str(tmp_path / "other.json"), str(tmp_path / "exact.py"))
+    assert not (tmp_path / "other.json").exists()
 
 
 @pytest.mark.parametrize(

@@ -9,11 +9,11 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from kills import COMMANDS, LATEST, SIGNALS, delays, kill, next_run, readable
+from kills import COMMANDS, LATEST, SIGNALS, delays, kill, next_run, readable, soon
 
 import stability as st
 from stability.files import together, whole
-from stability.litter import clear, temporary
+from stability.litter import _start, clear, temporary
 
 SEED = int(os.environ.get("STABILITY_SEED", "20261121"))
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
@@ -86,6 +86,64 @@ def test_a_signal_waits_until_every_file_has_its_name(
             with whole(tmp_path / name, overwrite=True) as file:
                 file.write_text("after")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes without parents")
+@pytest.mark.parametrize("system", ["linux", "another"])
+def test_a_worker_ends_with_its_parent(system: str, tmp_path: Path) -> None:
+    """By the kernel's signal, and where there is none by looking."""
+    child = (
+        "import os, sys, time\n"
+        f"sys.platform = {system!r}\n"
+        "from stability.workers import follow\n"
+        "follow(int(sys.argv[1]))\n"
+        "open(sys.argv[2], 'w').write(str(os.getpid()))\n"
+        "time.sleep(600)"
+    )
+    parent = (
+        "import os, subprocess, sys, time\n"
+        f"subprocess.Popen([sys.executable, '-c', {child!r}, str(os.getpid()), sys.argv[1]])\n"
+        "while not (os.path.exists(sys.argv[1]) and open(sys.argv[1]).read()): time.sleep(0.05)\n"
+        "os.kill(os.getpid(), 9)"
+    )
+    note = tmp_path / "pid"
+    subprocess.run([sys.executable, "-c", parent, str(note)], check=False, timeout=60)
+    process = int(note.read_text())
+
+    def there() -> list[str]:
+        return [] if _start(process) is None else ["it runs"]
+
+    assert soon(there, 30.0) == []
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer here")
+def test_an_interruption_within_hdf5_does_not_end_the_process(tmp_path: Path) -> None:
+    """A stream that is interrupted at any moment leaves nothing, and the process goes on."""
+    code = (
+        "import os, random, signal, sys, stability as st\n"
+        "signal.signal(signal.SIGALRM, lambda *_: os.kill(os.getpid(), signal.SIGINT))\n"
+        "axes = {'x': ('at', 0.5, 5, 600), 'y': ('mu', 0.01, 10, 600, 'log')}\n"
+        "st.stream_map('rolling', out='first.nc', **axes)\n"
+        "def once(seconds):\n"
+        "    try:\n"
+        "        signal.setitimer(signal.ITIMER_REAL, seconds)\n"
+        "        st.stream_map('rolling', out='next.nc', overwrite=True, **axes)\n"
+        "    finally:\n"
+        "        signal.setitimer(signal.ITIMER_REAL, 0)\n"
+        "stopped = 0\n"
+        "for i in range(30):\n"
+        "    try:\n"
+        "        once(0.001 * (i + 1))\n"
+        "    except KeyboardInterrupt:\n"
+        "        stopped += 1\n"
+        "print(stopped, sum(n.startswith('.') for n in os.listdir()))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True,
+                          text=True, check=False, timeout=120)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    stopped, left = map(int, done.stdout.split())
+    assert stopped > 5
+    assert left == 0
 
 
 @LINUX

@@ -17,6 +17,7 @@ from .. import __version__
 from ..errors import FileError
 from ..files import whole
 from ..litter import clear
+from ..output import marked, unmarked
 from ..targets import path_text, refusing
 
 MARK = "fingerprint"
@@ -96,7 +97,7 @@ class Journal:
             if digest != _digest(body):  # cut short or damaged: the cell is done again
                 continue
             with contextlib.suppress(ValueError, TypeError, RecursionError):
-                cell = Cell(**json.loads(body))
+                cell = Cell(**json.loads(body, object_hook=unmarked))
                 if isinstance(cell.key, str) and cell.status in ENDS:
                     self.cells[cell.key] = cell
 
@@ -109,7 +110,7 @@ class Journal:
 
 def _line(cell: Cell) -> str:
     """A cell as JSON, a tab, and the beginning of the checksum of that."""
-    body = json.dumps(vars(cell))
+    body = json.dumps(marked(vars(cell)), allow_nan=False)
     return f"{body}\t{_digest(body)}\n"
 
 
