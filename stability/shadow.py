@@ -41,9 +41,9 @@ LOOSEST = 1e-6
 times as finely is coarse, and has three finer neighbours instead."""
 ROUNDING = 1e-15
 """Relative change of a start below which it is lost in rounding."""
-MEASURED = 3.0
+MEASURED = 5.0
 """Factor on the distance from the finer neighbour, which has an error of its own."""
-MARGIN = 5.0
+MARGIN = 10.0
 """Factor on a scaled distance, since an error falls a little more slowly than the tolerance."""
 PER_STEP = 2.0 * np.finfo(float).eps
 """Rounding of one step, relative to 1 or the state's size."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable
 from functools import partial
@@ -138,20 +139,26 @@ def _first_zero(
 ) -> tuple[float, str] | None:
     """The first zero of a guard within the last step, and the guard's name."""
     step = solver.t - solver.t_old
-    pace = max(1.0, *np.abs(solver.y[1:4])) if run.paced else 0.0
-    parts = int(min(max(1.0, np.ceil(LOOKS * step * pace)), MOST_LOOKS))
-    times = np.linspace(solver.t_old, solver.t, parts + 1)
-    dense: Any = solver.dense_output() if parts > 1 else None
-    seen = [before, *(run.watch(dense(t)) for t in times[1:-1]), after]
+    _, *rates = solver.y[:4].tolist()
+    parts, dense = 1, None
+    if run.paced and LOOKS * step * math.hypot(1.0, *rates) > 1:
+        pace = max(1.0, *(abs(r) for r in rates))
+        parts = int(min(max(1.0, np.ceil(LOOKS * step * pace)), MOST_LOOKS))
+    times, seen = [solver.t_old, solver.t], [before, after]
+    if parts > 1:
+        dense = solver.dense_output()
+        times = np.linspace(solver.t_old, solver.t, parts + 1).tolist()
+        seen = [before, *(run.watch(dense(t)) for t in times[1:-1]), after]
     found: list[tuple[float, str]] = []
     for low, high, one, two in zip(times, times[1:], seen, seen[1:], strict=False):
+        step = high - low
         for i, name in enumerate(run.flow.guards):
             # positive at the end, and no lowest point within
-            if two[0][i] > 0 and not (one[1][i] < 0 < two[1][i]):
+            if two[0][i] > 0 and not (step * one[1][i] < 0 < step * two[1][i]):
                 continue
             if dense is None:
                 dense = solver.dense_output()
-            zero = _locate(partial(_value, run, dense, i), float(low), float(high))
+            zero = _locate(partial(_value, run, dense, i), low, high)
             if zero is not None:
                 found.append((zero, name))
         if found:

@@ -27,9 +27,8 @@ EARLY, EARLY_LOOKS = 1e-6, 25
 """Looks within the first of these intervals: from this part of it on, evenly in the logarithm."""
 FINEST = 1e-15
 """Smallest tolerance that is passed on."""
-STEPS, ALL_STEPS, LEAST_STEPS = 5_000, 2_000_000, 100
-"""Steps within one interval of the grid after which the library gives up; on a grid of many, their
-share of all, since the library cannot be stopped on the way; and at least."""
+STEPS = 5_000
+"""Steps within one interval of the grid after which the library gives up."""
 ZERO = 1e-6
 """What a guard may be off zero at an event."""
 SHORTEST = 1e-10
@@ -72,7 +71,7 @@ def _run(leg: Leg, plugin: str, start: Floats, times: Floats) -> tuple[Floats, i
     fractions = (times[1:] - times[0]) / span
     fractions[-1] = 1.0
     tolerance = max(leg.tolerance, FINEST), max(leg.absolute, FINEST * 1e-3)
-    most = min(STEPS, leg.max_steps, max(LEAST_STEPS, ALL_STEPS // len(times)))
+    most = min(STEPS, leg.max_steps)
     run, guess = _integrator(leg.flow, plugin, tolerance, most, fractions.tobytes())
     given = {"x0": start, "p": np.append(leg.p, span)}
     if guess is not None:
@@ -193,6 +192,7 @@ def _march(leg: Leg, plugin: str, grid: Floats, start: Floats) -> tuple[Floats, 
     rows: list[Floats] = []
     end: End | None = None
     state, time, steps = start, float(grid[0]), 0
+    # the library cannot be stopped on the way: the time is looked at between the pieces
     shortest, budget = SHORTEST * float(leg.times[-1] - leg.times[0]), Budget(leg.seconds)
     for target in grid[1:]:
         piece = float(target) - time

@@ -396,8 +396,10 @@ struct Run {
                 if (!stages(y, high, K, Z, J, stiff)) stages(y, high, K, Z, J, true);
                 for (int d = 0; d < DIM; d++) y[d] += Z[(s - 1) * DIM + d];
                 time += high;
-                disk.rates(y, dy, g);  // gn D and D may vanish together, gn staying positive
-                outcome = which == 2 ? "exhausted" : which ? "flat" : g[3] < Real(1e-6) ? "stuck" : "lift-off";
+                disk.rates(y, dy, g);
+                outcome = which == 2 ? "exhausted" : which ? "flat" : "lift-off";
+                // gn D and D may vanish together, gn staying positive
+                if (which != 1 && size(g[3]) < Real(1e-6)) outcome = "stuck";
                 break;
             }
             for (int d = 0; d < DIM; d++) y[d] += Z[(s - 1) * DIM + d];
