@@ -98,6 +98,8 @@ def _krawczyk(
         if all(abs(shift[i, 0]) <= half * abs(x[i, 0]) for i in range(size)):
             break
         x = (x - shift).mid()
+    else:  # the operator belongs to the last point, not to the one before it
+        shift = inverse * _residual(family, a, x, q)[0]
     one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
     for least in (0, 1):
         spread = [

@@ -420,3 +420,28 @@ def test_a_null_vector_that_rounding_leaves_open_bounds_nothing() -> None:
     found = st.spectrum(rest, at=1.0)
     assert found.eigenvalues.real == pytest.approx([-1e-30, 1e-30, 1.0])
     assert found.structural_zeros == 1
+
+
+@pytest.mark.parametrize("p", [0.1, 0.10000000000000002, 0.3])
+@pytest.mark.parametrize("rate", [1.0, 131072.0])
+def test_a_root_at_zero_is_enclosed(p: float, rate: float) -> None:
+    """Newton's method tends to the root 0 without end; the ball must still hold it."""
+    from flint import arb
+
+    from stability.enclosure import ball_unknowns
+    from stability.polynomial import precision
+
+    system = _system("zero", "yz", lambda x, q: (-(x[0] + q) * x[0], rate * q * x[0] * x[1]))
+    branch = st.Family(
+        system, "zero", at=("p",), held={"z": 0.0}, unknown={"y": 2.0}, equations=("y",)
+    )
+    for bits in (64, 128, 512):
+        with precision(bits):
+            [ball] = ball_unknowns(branch, [arb(p)], [])
+        assert ball.contains(0)
+    for way in ({}, {"certify": True}):  # eigenvalues -p and 0, for every p on this branch
+        found = st.spectrum(branch, at=p, **way)
+        assert (found.verdict, found.structural_zeros) in (
+            (Verdict.STABLE, 1),
+            (Verdict.NEUTRAL, 0),
+        )
