@@ -249,7 +249,11 @@ def arithmetic(remedy: str) -> Callable[[Method], Method]:
         def formula(self: Any, *values: Any, **named: Any) -> Any:
             try:
                 with np.errstate(divide="raise", invalid="raise", over="ignore"):
-                    return method(self, *values, **named)
+                    found = method(self, *values, **named)
+                parts = found if isinstance(found, list) else [found]
+                if any(isinstance(v, (float, np.ndarray)) and np.isnan(v).any() for v in parts):
+                    raise FloatingPointError
+                return found
             except StabilityError:
                 raise
             except Exception as error:  # the numbers' own code runs here, which may raise anything

@@ -15,7 +15,16 @@ from .cli_compare import add_arguments as add_compare
 from .cli_motion import add_arguments
 from .errors import ParameterError, StabilityError, StabilityWarning, shown
 from .output import HELP, json_text
-from .terminal import check, drop_output, prepare, say, stoppable
+from .terminal import (
+    LEAST_MEMORY,
+    allowed_memory,
+    check,
+    drop_output,
+    prepare,
+    say,
+    starved,
+    stoppable,
+)
 
 FAMILY_HELP = "rolling, spinning, tumbling, circling (rough disk) or precession (smooth disk)"
 CONTACTS = "smooth, viscous, linear-viscous, rough"
@@ -73,6 +82,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not prepare():
         say("standard output is closed; lead it somewhere, if only to /dev/null.")
         return 2
+    if allowed_memory() < LEAST_MEMORY:
+        say(
+            f"the process is allowed {allowed_memory() >> 20} MiB of memory (ulimit -v); the "
+            f"libraries need {LEAST_MEMORY >> 20} MiB, allow it more."
+        )
+        return 2
     with stoppable() as stop:
         try:
             _run(arguments)
@@ -106,11 +121,11 @@ def _code(reason: BaseException) -> int:
     elif isinstance(reason, BrokenPipeError):  # the reader of our output has left, as it may
         drop_output()
         return 0
+    elif starved(reason):
+        say("there is too little memory for this; ask for fewer points, or allow it more.")
     elif isinstance(reason, OSError):
         drop_output()
         say(f"the output cannot be written: {reason.strerror or reason}.")
-    elif isinstance(reason, MemoryError):
-        say("there is too little memory for this; ask for fewer points.")
     else:
         raise reason
     return 2

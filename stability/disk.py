@@ -59,6 +59,7 @@ class Disk:
                 f"k is {bad.flat[0]:g}; a thin body has a diametral inertia factor in (0, 1/2]."
             )
         object.__setattr__(self, "k", k)
+        broadcast(**{n: np.shape(getattr(self, n)) for n in ("mass", "radius", "k", "gravity")})
         with np.errstate(all="ignore"):
             scales = [np.asarray(s) for s in (self.time, self.rate, self.speed, self.force)]
         if any((~np.isfinite(s) | (s == 0)).any() for s in scales):

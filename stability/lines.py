@@ -202,7 +202,13 @@ def hopf(
 
 def _flutter(question: Problem, bits: int) -> list[Mark]:
     """The flutter boundaries along the whole line, in balls."""
-    marks = search(question, "at", None, None, bits).marks
+    try:
+        marks = search(question, "at", None, None, bits).marks
+    except UnclearError:
+        raise ParameterError(
+            f"the boundaries of {question.family.name} cannot be separated at these numbers; give "
+            "values nearer to 1."
+        ) from None
     end = arb.pi() / 2 if question.family.name == "tumbling" else arb("inf")
     return [m for m in marks if m.kind == "flutter" and m.below != m.above and 0 < m.value < end]
 

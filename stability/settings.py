@@ -39,7 +39,7 @@ class Settings:
     def refuse(self) -> None:
         """Refuse what is out of range, in one sentence."""
         for name in ("tolerance", "flat", "settle", "max_seconds"):
-            one_number(name, getattr(self, name))
+            object.__setattr__(self, name, one_number(name, getattr(self, name)))
         for name in ("pose", "check"):
             flag(name, getattr(self, name))
         if not TIGHTEST <= self.tolerance <= LOOSEST:

@@ -155,6 +155,9 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
     FileError
         If it exists, is a folder, or its folder is missing or not writable.
     """
+    from .checks import flag  # here, so that a command starts without NumPy
+
+    overwrite = flag("overwrite", overwrite)
     target = place(path)
     with refusing(target):
         there = os.path.lexists(target)

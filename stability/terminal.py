@@ -135,3 +135,44 @@ def drop_output() -> None:
         os.dup2(kept, number)
         os.close(kept)
         os.close(null)
+
+
+LEAST_MEMORY = 640 * 2**20
+"""Bytes of address space below which libraries do not load: OpenBLAS aborts or never returns."""
+
+
+def allowed_memory() -> int:
+    """Bytes of address space that the process may have."""
+    try:
+        import resource
+    except ImportError:  # not on Windows
+        return 2**63
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return 2**63 if limit == resource.RLIM_INFINITY else limit
+
+
+STARVED = (
+    "bad_alloc", "failed to map segment", "annot allocate memory", "nable to allocate",
+    "can't start new thread", "out of memory", "ot enough memory",
+)  # fmt: skip
+"""What libraries say where memory ends, each in its own class of error."""
+
+
+def starved(reason: BaseException | None) -> bool:
+    """Whether an error comes from too little memory, in Python or in a library.
+
+    Parameters
+    ----------
+    reason
+        The error; what caused it counts too.
+
+    Examples
+    --------
+    >>> starved(MemoryError()), starved(RuntimeError("std::bad_alloc")), starved(KeyError("x"))
+    (True, True, False)
+    """
+    while reason is not None:
+        if isinstance(reason, MemoryError) or any(word in str(reason) for word in STARVED):
+            return True
+        reason = reason.__cause__ or reason.__context__
+    return False
