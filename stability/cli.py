@@ -27,6 +27,8 @@ from .terminal import (
 )
 
 FAMILY_HELP = "rolling, spinning, tumbling, circling (rough disk) or precession (smooth disk)"
+MOST_VALUES = 1000
+"""Numbers in a list of a table, each of which takes a line or more."""
 CONTACTS = "smooth, viscous, linear-viscous, rough"
 
 
@@ -556,6 +558,10 @@ def _at(text: str) -> float | list[float]:
 
 
 def _list(text: str) -> list[float]:
+    if text.count(",") >= MOST_VALUES:
+        raise argparse.ArgumentTypeError(
+            f"{text.count(',') + 1} numbers are given, at most {MOST_VALUES}; make several tables"
+        )
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:

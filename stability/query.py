@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+MOST_SPECTRA = 1_000_000
+"""Spectra of one call; each takes about 3 kB on the way."""
 SPEEDS = ("slip_x", "slip_y")
 
 
@@ -145,6 +147,11 @@ def spectrum(
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
     question = problem(family, at, disk, contact, dict(parameters), lean)
     a, q, rate, shape = question.arrays(question.values)
+    if len(a) > MOST_SPECTRA:
+        raise ParameterError(
+            f"{len(a)} spectra are asked for; at most {MOST_SPECTRA} are kept in memory at once. "
+            "Ask in pieces, or take stability_map or stream_map, which keep less of each."
+        )
     resolved = question.family
     u = resolved.solve(a, q)
     states = resolved.checked_states(a, u, q)

@@ -147,8 +147,8 @@ def _table(r: random.Random) -> Words:
 def _simulate(r: random.Random) -> Words:
     laws = (*SPECTRAL, "coulomb", "coulomb-regularised")
     law = _law(r, laws)
-    if "--mu" in law and ("coulomb" in law or "coulomb-regularised" in law):
-        law[law.index("--mu") + 1] = f"{r.uniform(0.05, 0.6):.3g}"  # below Painlevé's paradox
+    if "--mu" in law:  # below Painlevé's paradox, and pressed to the plane
+        law[law.index("--mu") + 1] = f"{r.uniform(0.05, 0.6):.3g}"
     slips = not ({"rough", "smooth"} & set(law))
     words = ["simulate", "--theta", f"{r.uniform(0.7, 2.3):.4g}", *law]
     words += ["--epsilon", _near(r, 1e-3, 1)] * ("coulomb-regularised" in law)

@@ -1,0 +1,128 @@
+"""What machine and settings cannot spoil: memory, sizes, a matplotlibrc, a backend."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import stability as st
+from stability.terminal import starved
+
+PLOT = [
+    "map", "rolling", "--x", "at:1:2:4", "--y", "mu:0.1:1:4", "--out", "m.nc", "--plot", "m.png",
+    "--force",
+]  # fmt: skip
+
+
+def command(words: list[str], place: Path, **environment: str) -> tuple[int, str, str]:
+    done = subprocess.run(
+        [sys.executable, "-m", "stability", *words], cwd=place, env=os.environ | environment,
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_a_figure_is_the_same_whatever_the_users_settings_are(tmp_path: Path) -> None:
+    assert command(PLOT, tmp_path)[::2] == (0, "")
+    plain = (tmp_path / "m.png").read_bytes()
+    odd = "text.usetex: True\nbackend: bogus\nfont.size: 40\nsavefig.bbox: tight\naxes.grid: True\n"
+    (tmp_path / "matplotlibrc").write_text(odd)
+    assert command(PLOT, tmp_path, MPLBACKEND="bogus")[::2] == (0, "")
+    assert (tmp_path / "m.png").read_bytes() == plain
+
+
+def test_too_little_memory_is_said_in_one_sentence(tmp_path: Path) -> None:
+    words = "-m stability spectrum rolling --at 1 --mu 1"
+    done = subprocess.run(
+        ["bash", "-c", f"ulimit -v 300000; exec {sys.executable} {words}"], cwd=tmp_path,
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "292 MiB of memory" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "error", [MemoryError(), RuntimeError("std::bad_alloc"),
+              ImportError("x.so: failed to map segment from shared object")],
+)  # fmt: skip
+def test_the_end_of_memory_is_known_in_each_librarys_words(error: Exception) -> None:
+    assert starved(error)
+    assert not starved(KeyError("x"))
+
+
+SIZES: dict[str, Callable[[], Any]] = {
+    "branch": lambda: st.branch(st.disk_family("tumbling", "rough"), 0.5, 1, [0.25], points=10**9),
+    "hopf": lambda: st.hopf("spinning", contact=st.Viscous(1.0), points=2**64 - 1),
+    "spectra": lambda: st.spectrum("rolling", at=np.ones(10**7), contact=st.Rough()),
+    "map": lambda: st.stability_map("rolling", x=("at", 1, 2, 10**6), y=("mu", 1, 2, 10**6)),
+    "scan": lambda: st.boundaries("rolling", axis=("at", 1, 2, 10**7), contact=st.Rough()),
+    "workers": lambda: st.stability_map(
+        "rolling", x=("at", 1, 2, 3), y=("mu", 1, 2, 3), workers=10**9
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_a_size_without_bound_is_refused_with_the_limit(name: str) -> None:
+    with pytest.raises(st.StabilityError, match="at most"):
+        SIZES[name]()
+
+
+@pytest.mark.parametrize("mu", [5e-324, 1e-200, 1e300])
+def test_friction_of_any_size_gets_an_answer(mu: float) -> None:
+    """Isolation of roots never ended where coefficients have thousands of digits."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", st.StabilityWarning)
+        found = st.boundaries("spinning", axis=("at", 0.02, 50, 31, "log"), contact=st.Viscous(mu))
+    assert not found.complete
+    with pytest.raises(st.StabilityError, match="values nearer to 1"):
+        st.hopf("spinning", contact=st.Viscous(mu))
+
+
+CALLS: dict[str, tuple[Callable[[], Any], str]] = {
+    "ragged at": (lambda: st.drift(at=[[1], [2, 3]], tilt=0.1, contact=st.Viscous(1.0)), "at is"),
+    "long text": (lambda: st.Disk.named("x" * 5000), "known are quarter"),
+    "graph": (lambda: st.stability_map("rolling", x=ca.SX.sym("q", 300), y=()), "x is a SX"),  # type: ignore[arg-type]
+    "long double": (lambda: _spring(np.longdouble("1e4000")), "forcing is"),
+    "words": (lambda: st.Viscous(0.3).force("ab", 1, 0.5), "of one number type"),
+    "verdict": (lambda: st.Verdict(np.zeros(0)), "known are Verdict.UNDECIDED"),
+    "law": (lambda: st.disk_system(ca.DM(1)), "known are smooth"),  # type: ignore[arg-type]
+    "flag": (lambda: st.write_map(_small(), "x.nc", overwrite=np.ones(2)), "True or False"),  # type: ignore[arg-type]
+    "shapes": (lambda: st.Disk(mass=[1, 2], radius=[1, 2, 3]), "do not broadcast"),
+    "sentence": (lambda: st.Condition(ca.SX(1), "{nothing}"), "braces"),
+    "two names": (lambda: _spring(-1.0, ("q", "q")), "twice"),
+    "values": (lambda: st.exact_polynomial("rolling", "rough").coefficients("ab"), "one number"),
+}
+
+
+def _small() -> Any:
+    return st.stability_map("rolling", x=("at", 1, 2, 2), y=("mu", 1, 2, 2), boundaries=False)
+
+
+def _spring(force: Any, states: tuple[str, ...] = ("q", "v")) -> st.System:
+    x, m = ca.SX.sym("x", 2), ca.SX.sym("m")
+    return st.System.from_mass_matrix(
+        "spring", x, m, m, force, unknowns=("d_v",), rates={"q": x[1]}, states=states,
+        parameters=("m",),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_odd_arguments_get_one_short_line(name: str) -> None:
+    call, sentence = CALLS[name]
+    with pytest.raises(st.StabilityError) as caught:
+        call()
+    text = str(caught.value)
+    assert sentence in text
+    assert len(text) <= 300
+    assert text.isprintable()
