@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -81,12 +80,9 @@ def test_a_size_without_bound_is_refused_with_the_limit(name: str) -> None:
 @pytest.mark.parametrize("mu", [5e-324, 1e-200, 1e300])
 def test_friction_of_any_size_gets_an_answer(mu: float) -> None:
     """Isolation of roots never ended where coefficients have thousands of digits."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", st.StabilityWarning)
-        found = st.boundaries("spinning", axis=("at", 0.02, 50, 31, "log"), contact=st.Viscous(mu))
-    assert not found.complete
-    with pytest.raises(st.StabilityError, match="values nearer to 1"):
-        st.hopf("spinning", contact=st.Viscous(mu))
+    found = st.boundaries("spinning", axis=("at", 0.02, 50, 31, "log"), contact=st.Viscous(mu))
+    assert found.complete
+    assert len(found) == (mu < 1)
 
 
 CALLS: dict[str, tuple[Callable[[], Any], str]] = {
