@@ -67,7 +67,11 @@ def isolated(coefficients: Balls, even: bool) -> Balls | None:
         found = acb_poly(balls).roots(tol=arb(2) ** (-3 * ctx.prec // 4))
     except ValueError:
         return None
-    # an isolated root whose ball meets the real axis is real, since the coefficients are
+    # the mirror image of a root is a root: one whose mirrored ball meets no other ball is real
+    for i, r in enumerate(found):
+        others = (s for j, s in enumerate(found) if j != i)
+        if r.imag.contains(0) and any(r.conjugate().overlaps(s) for s in others):
+            return None
     real = [acb(r.real) if r.imag.contains(0) else r for r in found]
     if even:
         return [root for square in real for root in _both(square)] if _clear(real) else None
