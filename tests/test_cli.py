@@ -353,7 +353,7 @@ def test_an_interruption_leaves_nothing_behind(tmp_path: Path, words: list[str])
     while process.poll() is None and not any(tmp_path.iterdir()):
         time.sleep(0.02)  # what is written first shows that the work has begun
     if words == ["atlas"]:
-        time.sleep(3)  # its workers are born deaf to Ctrl-C, and so is it meanwhile
+        time.sleep(3)  # so that its workers are at work
     os.killpg(process.pid, signal.SIGINT)
     _, errors = process.communicate(timeout=300)
     assert process.returncode == 130
