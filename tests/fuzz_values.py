@@ -159,6 +159,8 @@ def _bent(r: random.Random, value: Any) -> tuple[str, Any]:
         return f"entry {key!r} is {word}", items
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         factor = r.choice([-1, 0, 1e-3, 1e3, 1e-9, 1e9, 1e100, 1e-100, 1e200])
+        if isinstance(value, int) and abs(value) > 10**300:  # no double is that large
+            return "minus one", value - 1
         return f"times {factor:g}", value * factor
     if isinstance(value, str) and value:
         return "half a word", value[: len(value) // 2]
