@@ -22,6 +22,12 @@ settings.load_profile("any-machine")
 BACKEND = ("backend", "backend_fallback", "interactive")
 
 
+def pytest_configure() -> None:
+    """Hear SIGINT, as the commands under test must: what runs in the background may ignore it."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Name a random order: that of the files, and that of the tests within each."""
     parser.addoption("--order-seed", type=int, help="run files, and tests within, in random order")

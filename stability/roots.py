@@ -114,6 +114,7 @@ def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> li
 
     Examples
     --------
+    >>> from stability.ratios import RING
     >>> x = RING.gens()[0]
     >>> [float(r) for r in real_roots([x**2 - 4, (x - 2) ** 2 * (x**2 + 1)], None)]
     [-2.0, 2.0]
