@@ -109,8 +109,9 @@ def test_a_script_without_a_guard_gets_a_sentence(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("arguments", "expected"), [
-    ({"out": "a\0b"}, "give the name of a folder"), ({"out": 5}, "give the name of a folder"),
-    ({"out": "x" * 300}, "give the name of a folder"), ({"parts": "spectrum"}, "give a list of"),
+    ({"out": "a\0b"}, "leave out NUL"), ({"out": 5}, "give a string or a path"),
+    ({"out": "x" * 300}, "cannot be used: File name too long"),
+    ({"parts": "spectrum"}, "give a list of"),
     ({"parts": [5]}, "part is 5"), ({"parts": []}, "give a list of"),
     ({"workers": -1}, "workers is -1"), ({"workers": True}, "workers is True"),
     ({"progress": 5}, "progress is 5"),
