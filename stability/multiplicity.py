@@ -306,8 +306,8 @@ def _generic(
     """Eigenvalues that vanish at members next to one, on its own branch; 0 if none is reached."""
     with precision(LOCAL_BITS):
         for offset in OFFSETS:
-            step = arb(2) ** -offset
-            wide = [arb(v) + arb(0, (abs(arb(v)) + step) * step) for v in (*a, *q)]
+            step = fmpq(1, 2**offset)
+            wide = [arb(v) + arb(0, arb((abs(v) + step) * step)) for v in (*a, *q)]
             try:  # one root for the whole neighbourhood: the samples lie on the branch
                 ball_unknowns(family, wide[: len(a)], wide[len(a) :], near)
                 return min(_sampled(family, a, q, near, step, turn) for turn in range(3))
@@ -321,13 +321,17 @@ def _sampled(
 ) -> int:
     place = []
     for index, v in enumerate((*a, *q)):
-        factor = arb(3 + 8 * turn + 5 * index).sqrt()
-        share = (factor - factor.floor()) / 2 + arb(1) / 4  # between 1/4 and 3/4
+        share = fmpq(16 + (13 * turn + 7 * index) % 33, 64)  # between 1/4 and 3/4
         if turn == 1 or (turn == 2 and index % 2):  # both sides of a kink such as that of |p|
             share = -share
-        place.append((arb(v) + share * (abs(arb(v)) + step) * step).mid())
+        place.append(v + share * (abs(v) + step) * step)
     some, others = place[: len(a)], place[len(a) :]
-    poly = matrix_polynomial(family, some, ball_unknowns(family, some, others, near), others)
+    if near is None:
+        exact = Member(family, some, others, [])
+        if exact.rational is not None:  # no precision to end, however small a coefficient is
+            return exact.zeros()
+    balls = Member.balls(some), Member.balls(others)
+    poly = matrix_polynomial(family, balls[0], ball_unknowns(family, *balls, near), balls[1])
     return next(i for i, c in enumerate(poly) if not c.contains(0))
 
 

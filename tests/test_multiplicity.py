@@ -445,3 +445,17 @@ def test_a_root_at_zero_is_enclosed(p: float, rate: float) -> None:
             (Verdict.STABLE, 1),
             (Verdict.NEUTRAL, 0),
         )
+
+
+def test_a_zero_that_is_flat_is_not_structural() -> None:
+    """The power p**40 vanishes at p = 0 alone, however small it is beside the other entries."""
+    system = _system(
+        "flat",
+        "yzw",
+        lambda x, p: (p**40 * x[0] + x[1], -x[1] + 0.3 * x[2], -2 * x[2] + 0.1 * x[1]),
+    )
+    rest = st.Family(system, "rest", at=("p",), held=dict.fromkeys("yzw", 0.0), typical={"p": 1e-9})
+    for way in ({}, {"certify": True}):
+        found = st.spectrum(rest, at=0.0, **way)
+        assert (found.structural_zeros, found.verdict) == (0, Verdict.NEUTRAL)
+        assert st.spectrum(rest, at=0.5, **way).verdict is Verdict.UNSTABLE
