@@ -50,7 +50,9 @@ def step_noise(
     with np.errstate(all="ignore"):
         sound = np.isfinite(slope).all(axis=(1, 2)) & (np.linalg.det(slope) != 0)
     if sound.any():
-        noise[sound] = (np.abs(np.linalg.inv(slope[sound])) @ size[sound])[..., 0]
+        with np.errstate(all="ignore"):  # an error without bound makes the noise so
+            found = (np.abs(np.linalg.inv(slope[sound])) @ size[sound])[..., 0]
+        noise[sound] = np.where(np.isnan(found), np.inf, found)
     return noise
 
 
