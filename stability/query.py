@@ -230,9 +230,12 @@ class Rows:
         self._members: dict[int, Member] = {}
         if not self.certain and exact:
             self.zeros = min(structural_zeros(self.member(row)) for row in range(len(a)))
-        watch = not self.certain and not exact
+        watch = not self.certain
         self.reduced = reduce(family, a, q, u, question.roundings, self.zeros, watch)
-        if watch and (self.reduced.supported < self.zeros).any():
+        loose = self.reduced.supported < self.zeros
+        if exact:  # the zeros are proved, the vectors they were taken out with are not theirs
+            self.reduced.error[loose] = np.inf
+        elif loose.any():
             self.zeros = int(self.reduced.supported.min())
             self.reduced = reduce(family, a, q, u, question.roundings, self.zeros)
 
