@@ -113,11 +113,9 @@ def _null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
     vector: Floats = right[..., -1, :]
     if matrix.shape[-1] == 1:  # the one direction there is
         return vector, np.zeros_like(vector)
-    noise = np.sqrt((error**2).sum(axis=(1, 2))) + 16 * UNIT * sizes[..., 0]
-    # the angle is at most noise/gap (Wedin), where the computed gap is itself off by the noise
-    gap = np.maximum(sizes[..., -2] - 2 * noise, 0.0)
-    doubt = np.where(2 * noise < gap, 1.5 * noise / gap, np.inf)
-    return vector, doubt[:, None] * np.ones_like(vector)
+    noise = np.sqrt((error**2).sum(axis=(1, 2))) + 8 * UNIT * sizes[..., 0]
+    gap = np.maximum(sizes[..., -2], UNIT * sizes[..., 0])
+    return vector, np.minimum(noise / gap, 1.0)[:, None] * np.ones_like(vector)
 
 
 def _arguments(
