@@ -12,9 +12,9 @@ from .certify import ball_sine, rational
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
 from .errors import ParameterError, StabilityError
+from .exact_fields import NotExact
 from .polynomial import structure
 from .problem import Problem
-from .ratios import NotRationalError
 from .roots import UnclearError
 from .search import Mark, Search, search
 from .verdict import Verdict
@@ -70,7 +70,7 @@ def along(
     line = Line(problem, axis, fixed)
     try:
         found = search(problem, axis, low, high)
-    except (NotRationalError, UnclearError):
+    except (NotExact, UnclearError):
         grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
         grid[0], grid[-1] = low, high
         return _scanned(line, grid)

@@ -8,23 +8,40 @@ Sines, roots and the like are indeterminates (`stability.function_field`).
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
+from math import prod
 from typing import Any
 
-from flint import arb, fmpq, fmpq_poly
+from flint import arb_poly, fmpq, fmpq_poly
 
 from .algebra import Algebra
 
 
-class NotExact(Exception):  # noqa: N818  (internal: never reaches a user)
+class NotExact(ArithmeticError):  # noqa: N818  (internal: never reaches a user)
     """The graph has no value in this field, or one too large to be worked out."""
 
 
-def constant(value: float) -> Any:
-    """The double as a rational."""
+def rational(value: float) -> Any:
+    """The double as an exact rational.
+
+    Parameters
+    ----------
+    value
+        A finite double.
+
+    Examples
+    --------
+    >>> rational(0.375)
+    3/8
+    """
+    return fmpq(*float(value).as_integer_ratio())
+
+
+def _constant(value: float) -> Any:
     if not math.isfinite(value):
         raise NotExact("a constant is not finite")
-    return fmpq(*float(value).as_integer_ratio())
+    return rational(value)
 
 
 def rational_root(x: Any) -> Any:
@@ -68,13 +85,11 @@ def _power(x: Any, exponent: Any) -> Any:
 
 
 def _sqrt(x: Any) -> Any:
-    return x.sqrt() if hasattr(x, "field") else rational_root(fmpq(x))
+    return x.sqrt() if isinstance(x, Element) else rational_root(fmpq(x))
 
 
 def _fabs(x: Any) -> Any:
-    if hasattr(x, "field"):
-        return x.fabs()
-    return abs(fmpq(x))
+    return x.fabs() if isinstance(x, Element) else abs(fmpq(x))
 
 
 RATIONAL_AT = {
@@ -88,19 +103,76 @@ def _function(name: str) -> Callable[[Any], Any]:
     here = _at(*RATIONAL_AT[name])
 
     def apply(x: Any) -> Any:
-        return x.function(name) if hasattr(x, "field") else here(x)
+        return x.function(name) if isinstance(x, Element) else here(x)
 
     return apply
 
 
 EXACT = Algebra(
-    "exact", constant,
+    "exact", _constant,
     {name: _function(name) for name in RATIONAL_AT} | {"sqrt": _sqrt, "fabs": _fabs, "pow": _power},
 )  # fmt: skip
 """Rationals, and elements of the fields below: one algebra, since constants are rational in all."""
 
 
-class Algebraic:
+class Element(ABC):
+    """A number of a field that is not Q: what follows from sum, product, sign and reciprocal."""
+
+    __slots__ = ()
+    __hash__ = None  # type: ignore[assignment]
+
+    @abstractmethod
+    def __add__(self, other: Any) -> Any: ...
+
+    @abstractmethod
+    def __mul__(self, other: Any) -> Any: ...
+
+    @abstractmethod
+    def __neg__(self) -> Any: ...
+
+    @abstractmethod
+    def reciprocal(self) -> Any:
+        """One over the number."""
+
+    @abstractmethod
+    def plain(self) -> Any:
+        """The number as a rational; `NotExact` where it is none."""
+
+    def __radd__(self, other: Any) -> Any:
+        return self + other
+
+    def __rmul__(self, other: Any) -> Any:
+        return self * other
+
+    def __sub__(self, other: Any) -> Any:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> Any:
+        return -self + other
+
+    def __truediv__(self, other: Any) -> Any:
+        return self * (other.reciprocal() if isinstance(other, Element) else 1 / fmpq(other))
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return self.reciprocal() * other
+
+    def __pow__(self, power: int) -> Any:
+        return prod([self] * power, start=fmpq(1))
+
+    def sqrt(self) -> Any:
+        """The root, where it is rational."""
+        return rational_root(self.plain())
+
+    def fabs(self) -> Any:
+        """The absolute value, where the number is rational."""
+        return abs(self.plain())
+
+    def function(self, name: str) -> Any:
+        """A transcendental function, where it is rational."""
+        return EXACT.functions[name](self.plain())
+
+
+class Algebraic(Element):
     """An element of Q[u]/(g) for an irreducible g, at the root of g that a ball holds.
 
     Parameters
@@ -121,54 +193,27 @@ class Algebraic:
             return other.poly
         return fmpq_poly([fmpq(other)])
 
-    def _new(self, poly: Any) -> Algebraic:
-        return Algebraic(self.field, self.field.reduced(poly))
-
     def __add__(self, other: Any) -> Algebraic:
         return Algebraic(self.field, self.poly + self._other(other))
 
-    __radd__ = __add__
+    def __mul__(self, other: Any) -> Algebraic:
+        return Algebraic(self.field, self.field.reduced(self.poly * self._other(other)))
 
     def __neg__(self) -> Algebraic:
         return Algebraic(self.field, -self.poly)
 
-    def __sub__(self, other: Any) -> Algebraic:
-        return Algebraic(self.field, self.poly - self._other(other))
-
-    def __rsub__(self, other: Any) -> Algebraic:
-        return Algebraic(self.field, self._other(other) - self.poly)
-
-    def __mul__(self, other: Any) -> Algebraic:
-        return self._new(self.poly * self._other(other))
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Any) -> Algebraic:
-        return self._new(self.poly * self.field.inverse(self._other(other)))
-
-    def __rtruediv__(self, other: Any) -> Algebraic:
-        return self._new(self._other(other) * self.field.inverse(self.poly))
-
-    def __pow__(self, power: int) -> Algebraic:
-        out = Algebraic(self.field, fmpq_poly([1]))
-        for _ in range(power):
-            out = out * self
-        return out
-
     def __eq__(self, other: object) -> bool:
         return bool(self.poly == self._other(other))
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
-    def sqrt(self) -> Any:
-        """The root, where it is rational."""
-        return rational_root(self._rational())
+    def reciprocal(self) -> Algebraic:
+        """One over the number, by Euclid's algorithm with g."""
+        return Algebraic(self.field, self.field.inverse(self.poly))
 
     def fabs(self) -> Any:
         """The absolute value: the sign is that of the ball of the root."""
-        value = arb(0)
-        for coefficient in reversed(self.poly.coeffs()):
-            value = value * self.field.root + coefficient
+        value = arb_poly(self.poly)(self.field.root)
         if value > 0:
             return self
         if value < 0:
@@ -177,11 +222,8 @@ class Algebraic:
             return fmpq(0)
         raise NotExact("a sign that the ball of the root leaves open")
 
-    def function(self, name: str) -> Any:
-        """A transcendental function, where it is rational."""
-        return EXACT.functions[name](self._rational())
-
-    def _rational(self) -> Any:
+    def plain(self) -> Any:
+        """The number as a rational."""
         if self.poly.degree() > 0:
             raise NotExact("a function of an algebraic number")
         return self.poly[0]

@@ -6,11 +6,12 @@ An expression that vanishes as a polynomial in its indeterminates vanishes at ev
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
-from .exact_fields import EXACT, NotExact, rational_root
+from .exact_fields import Element, NotExact
 
 SPARE = 24
 """Indeterminates kept for sines, roots and the like."""
@@ -20,7 +21,7 @@ MOST_WORK = 1_000_000
 """Terms that one calculation may handle before it is given up; a count, so that machines agree."""
 
 
-class Expression:
+class Expression(Element):
     """A quotient of polynomials in indeterminates, reduced by their relations.
 
     Parameters
@@ -47,58 +48,33 @@ class Expression:
             return self.field.quotient(self.num + num, den)
         return self.field.quotient(self.num * den + num * self.den, self.den * den)
 
-    __radd__ = __add__
-
     def __neg__(self) -> Expression:
         return Expression(self.field, -self.num, self.den)
-
-    def __sub__(self, other: Any) -> Expression:
-        num, den = self._other(other)
-        return self + Expression(self.field, -num, den)
-
-    def __rsub__(self, other: Any) -> Expression:
-        return (-self).__add__(other)
 
     def __mul__(self, other: Any) -> Expression:
         num, den = self._other(other)
         return self.field.quotient(self.num * num, self.den * den)
 
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Any) -> Expression:
-        num, den = self._other(other)
-        return self.field.quotient(self.num * den, self.den * num)
-
-    def __rtruediv__(self, other: Any) -> Expression:
-        num, den = self._other(other)
-        return self.field.quotient(num * self.den, den * self.num)
-
-    def __pow__(self, power: int) -> Expression:
-        out = Expression(self.field, self.field.one, self.field.one)
-        for _ in range(power):
-            out = out * self
-        return out
+    def reciprocal(self) -> Expression:
+        """The quotient turned over."""
+        return self.field.quotient(self.den, self.num)
 
     def __eq__(self, other: object) -> bool:
         difference = self - other
         return bool(difference.num == 0)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
-    def _rational(self) -> Any:
-        """The value where it is a plain number, else None."""
-        if self.num.is_constant() and self.den.is_constant():
-            return (self.num / self.den).leading_coefficient() if self.num != 0 else fmpq(0)
-        return None
+    def plain(self) -> Any:
+        """The quotient as a rational."""
+        if not (self.num.is_constant() and self.den.is_constant()):
+            raise NotExact("an expression in indeterminates")
+        return (self.num / self.den).leading_coefficient() if self.num != 0 else fmpq(0)
 
     def sqrt(self) -> Any:
-        """The root as an indeterminate whose square is known."""
-        plain = self._rational()
-        if plain is not None:
-            try:
-                return rational_root(plain)
-            except NotExact:
-                pass
+        """The root, rational or an indeterminate whose square is known."""
+        with suppress(NotExact):
+            return super().sqrt()
         # √(num/den) = r/den with r² = num · den; the sign of r is that of den, so that the root of
         # num · den itself is another indeterminate
         square = self.field.reduced(self.num * self.den)
@@ -106,19 +82,17 @@ class Expression:
         return root / Expression(self.field, self.den, self.field.one)
 
     def fabs(self) -> Any:
-        """√(x²): its square is known, its sign is not."""
-        plain = self._rational()
-        if plain is not None:
-            return abs(plain)
+        """√(x²), rational or an indeterminate: its square is known, its sign is not."""
+        with suppress(NotExact):
+            return super().fabs()
         num = self.field.root("fabs", self.field.reduced(self.num * self.num))
         den = self.field.root("fabs", self.field.reduced(self.den * self.den))
         return num / den
 
     def function(self, name: str) -> Any:
-        """A transcendental function as an indeterminate that is related to its partner."""
-        plain = self._rational()
-        if plain is not None:
-            return self.field.of_number(name, plain)
+        """The function, rational or an indeterminate that is related to its partner."""
+        with suppress(NotExact):
+            return super().function(name)
         return self.field.of_argument(name, self)
 
 
@@ -208,13 +182,6 @@ class FunctionField:
             self._relations[index] = square
             self._atoms[key] = self._gens[index]
         return Expression(self, self._atoms[key], self.one)
-
-    def of_number(self, name: str, x: Any) -> Any:
-        """A function at a rational: rational itself, or an indeterminate."""
-        try:
-            return EXACT.functions[name](x)
-        except NotExact:
-            return self.of_argument(name, self.number(x))
 
     def of_argument(self, name: str, x: Expression) -> Any:
         """A function at an expression as an indeterminate."""

@@ -10,9 +10,10 @@ from flint import arb, fmpq
 
 from .certify import ball_sine, rational
 from .critical import Characteristic, Conditions
+from .exact_fields import NotExact
 from .polynomial import precision
 from .problem import Problem
-from .ratios import RING, NotRationalError, Ratio, characteristic_ratios, multivariate, univariate
+from .ratios import RING, Ratio, characteristic_ratios, multivariate, univariate
 from .roots import BITS, MOST_BITS, UnclearError, real_roots, sign_at, specialised
 
 POSITIVE = ("k", "mu", "c", "mass", "radius", "gravity")
@@ -72,7 +73,7 @@ def search(
 
     Raises
     ------
-    NotRationalError
+    NotExact
         If the family's graph is not rational in the axis.
     UnclearError
         If the budget of precision ends.
@@ -140,7 +141,7 @@ def _source(
 
 
 def _no_root(_: Any) -> Any:
-    raise NotRationalError("a square root is in it")
+    raise NotExact("a square root is in it")
 
 
 def _cleared(value: Any) -> Any:
