@@ -14,7 +14,7 @@ import multiprocessing
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -35,6 +35,7 @@ from .errors import FileError, StabilityError
 from .files import deaf, postponed, record
 from .litter import clear, temporary
 from .maps import boundaries, stability_map
+from .pipeline import completed
 from .query import spectrum
 from .steady import AT
 from .targets import check_folder, path_text, place, refusing
@@ -199,8 +200,7 @@ def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
             pool = ProcessPoolExecutor(min(workers, len(jobs)), context, follow, mine)
             ordered = sorted(jobs, key=lambda j: j[1] != "tumbling")  # the longest first
             futures = [pool.submit(_job, *job) for job in ordered]
-        for future in as_completed(futures):
-            yield future.result()
+        yield from completed(futures)
         pool.shutdown()
     except BaseException as stop:
         if pool is not None:

@@ -7,9 +7,10 @@ import io
 import json
 import math
 import zipfile
-from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, suppress
+from functools import partial
 from os import PathLike
 from typing import Any
 
@@ -25,6 +26,7 @@ from .grid import Grid
 from .growth import GrowthKernel, steady_memory
 from .litter import clear
 from .multiplicity import certain
+from .pipeline import in_order
 from .polynomial import structure
 from .problem import Problem
 from .reduction import reduce
@@ -237,35 +239,27 @@ class Cells:
             Where finished chunks are kept, or None.
         """
         total = math.prod(self.shape)
-        pending: list[tuple[int, Future[Chunk]]] = []
         done = 0
 
-        def settle() -> None:
+        def tasks() -> Iterator[tuple[int, Callable[[], Chunk]]]:
             nonlocal done
-            start, future = pending.pop(0)
-            chunk = future.result()
-            if parts is not None:
-                parts.save(start, chunk)
-            done += self._place(start, chunk)
-            if progress:
-                progress(done, total)
+            for start in range(0, total, self.chunk):
+                chunk = parts.load(start) if parts is not None else None
+                if chunk is not None and self._fits(start, chunk):
+                    done += self._place(start, chunk)
+                else:
+                    yield start, self._task(start, total)
 
-        with ThreadPoolExecutor(workers) as pool:
-            try:
-                for start in range(0, total, self.chunk):
-                    chunk = parts.load(start) if parts is not None else None
-                    if chunk is not None and self._fits(start, chunk):
-                        done += self._place(start, chunk)
-                        continue
-                    pending.append((start, self._submit(pool, start, total)))
-                    if len(pending) > 4 * workers:
-                        settle()
-                while pending:
-                    settle()
-            except BaseException:
-                for _, future in pending:
-                    future.cancel()
-                raise
+        with (
+            ThreadPoolExecutor(workers) as pool,
+            closing(in_order(pool, tasks(), 4 * workers)) as results,
+        ):
+            for start, chunk in results:
+                if parts is not None:
+                    parts.save(start, chunk)
+                done += self._place(start, chunk)
+                if progress:
+                    progress(done, total)
         if progress:
             progress(total, total)
 
@@ -278,10 +272,10 @@ class Cells:
             self.codes[i, j] = CODES[verdict(self.question, values)]
             self.handed_on += 1
 
-    def _submit(self, pool: ThreadPoolExecutor, start: int, total: int) -> Future[Chunk]:
+    def _task(self, start: int, total: int) -> Callable[[], Chunk]:
         if self.exact:
-            return pool.submit(self._band, start, total)
-        return pool.submit(self._work, *self._inputs(start, total))
+            return partial(self._band, start, total)
+        return partial(self._work, *self._inputs(start, total))
 
     def _band(self, start: int, total: int) -> Chunk:
         """Whole rows by the exact route, which no CasADi function takes part in."""

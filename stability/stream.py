@@ -6,15 +6,15 @@ import io
 import math
 import os
 import shutil
-from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .checksum import ATTRIBUTE, STATEMENT, seal
 from .contact import Contact
@@ -25,6 +25,7 @@ from .files import postponed, whole
 from .grid import Grid
 from .growth import steady_memory
 from .maps import Axis, check_run, prepare
+from .pipeline import in_order
 from .targets import NETCDF, check_suffix, check_target, path_text
 from .tiles import GridVerdicts
 from .verdict import CODES
@@ -232,32 +233,17 @@ def _fill(
     """Bands in order, a few in flight; returns how many cells went to exact arithmetic."""
     xs, ys = axes[0].values, axes[1].values
     step, total = _rows(axes), math.prod(g.count for g in axes)
-    pending: deque[tuple[int, Future[tuple[NDArray[np.int8], int]]]] = deque()
+    bands = (
+        (first, partial(verdicts, xs, ys[first : first + step]))
+        for first in range(0, len(ys), step)
+    )
     left = 0
-
-    def band(first: int) -> tuple[NDArray[np.int8], int]:
-        return verdicts(xs, ys[first : first + step])
-
-    def write() -> int:
-        first, future = pending.popleft()
-        codes, open_cells = future.result()
-        with postponed():
-            variable[first : first + len(codes), :] = codes
-        sink.check()
-        if progress:
-            progress(min((first + step) * axes[0].count, total), total)
-        return open_cells
-
-    with ThreadPoolExecutor(workers) as pool:
-        try:
-            for first in range(0, axes[1].count, step):
-                pending.append((first, pool.submit(band, first)))
-                if len(pending) > workers:
-                    left += write()
-            while pending:
-                left += write()
-        except BaseException:
-            for _, future in pending:
-                future.cancel()
-            raise
+    with ThreadPoolExecutor(workers) as pool, closing(in_order(pool, bands, workers)) as results:
+        for first, (codes, open_cells) in results:
+            with postponed():
+                variable[first : first + len(codes), :] = codes
+            sink.check()
+            left += open_cells
+            if progress:
+                progress(min((first + step) * len(xs), total), total)
     return left

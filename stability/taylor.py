@@ -8,8 +8,9 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from threading import Lock
 from typing import Any
 
@@ -18,6 +19,7 @@ import numpy as np
 
 from .algebra import Algebra, Program
 from .flow import NO_CONTACT, Flow
+from .pipeline import in_order
 from .route import UNRESOLVED, VISCOUS, Budget, End, Floats, Leg, Path, guard_at
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -262,16 +264,16 @@ def integrate_many(
     groups = [range(i, min(i + width, len(legs))) for i in range(0, len(legs), width)]
     paths: list[Path | None] = [None] * len(legs)
 
-    def run(group: range) -> int:
+    def run(group: range) -> None:
         ta = held.take()
         for i, path in zip(group, _lanes(ta, [legs[i] for i in group]), strict=True):
             paths[i] = path
         held.give(ta)
-        return len(group)
 
     threads = min(workers or CORES, len(groups))
-    with ThreadPoolExecutor(threads) as pool:
-        for done in pool.map(run, groups) if threads > 1 else map(run, groups):
+    tasks = [(len(group), partial(run, group)) for group in groups]
+    with ThreadPoolExecutor(threads) as pool, closing(in_order(pool, tasks, len(tasks))) as results:
+        for done, _ in results if threads > 1 else ((n, task()) for n, task in tasks):
             if progress is not None:
                 progress(done)
     return [path for path in paths if path is not None]
