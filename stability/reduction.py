@@ -108,14 +108,37 @@ def _reduce(
 
 
 def _null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
-    """Right singular vector of the least singular value, and a bound on its error."""
-    _, sizes, right = np.linalg.svd(matrix)
-    vector: Floats = right[..., -1, :]
-    if matrix.shape[-1] == 1:  # the one direction there is
-        return vector, np.zeros_like(vector)
-    noise = np.sqrt((error**2).sum(axis=(1, 2))) + 8 * UNIT * sizes[..., 0]
-    gap = np.maximum(sizes[..., -2], UNIT * sizes[..., 0])
-    return vector, np.minimum(noise / gap, 1.0)[:, None] * np.ones_like(vector)
+    """Null vector whose largest entry is 1, and a bound on its error.
+
+    The other entries m solve A₁ m = -a₀, where a₀ is the column of the largest entry and A₁ the
+    others.  An approximate inverse L of A₁ bounds the error δ of m, whatever L is: with the
+    residual r and K = 1 - L A₁, δ = L r + K δ, and |K| < 1 proves that A has one null vector.
+    """
+    count, n = matrix.shape[:2]
+    left, sizes, right = np.linalg.svd(matrix)
+    vector = right[:, -1]
+    pivot = np.abs(vector).argmax(axis=1)
+    rows = np.arange(count)
+    vector = vector / vector[rows, pivot][:, None]
+    first = np.arange(n) == pivot[:, None]
+    # the pseudo-inverse of rank n - 1, projected along the vector: its pivot row is zero
+    inverse = np.swapaxes(right[:, :-1], 1, 2) / sizes[:, None, :-1]
+    inverse = inverse @ np.swapaxes(left[:, :, :-1], 1, 2)
+    inverse = inverse - vector[:, :, None] * inverse[rows, pivot][:, None, :]
+    inverse[first] = 0.0
+    size, whole = np.abs(inverse), np.abs(matrix)
+    others = ~first[:, None, :]
+    change = np.abs(np.eye(n) - inverse @ matrix) + size @ (error + 2 * n * UNIT * whole)
+    change = np.where(others & others.swapaxes(1, 2), change, 0.0)
+    residual = np.abs(matrix @ vector[:, :, None])
+    residual += (error + 2 * n * UNIT * whole) @ np.abs(vector)[:, :, None]
+    doubt = (1 + 4 * n * UNIT) * (size @ residual)[..., 0]
+    spread = change.sum(axis=2)
+    factor = spread.max(axis=1)
+    sound = factor < 0.5
+    most = doubt.max(axis=1) / np.where(sound, 1 - factor, 1.0)
+    doubt = doubt + spread * most[:, None]
+    return vector, np.where(sound[:, None], doubt, np.inf)
 
 
 def _arguments(

@@ -366,3 +366,39 @@ def test_discs_hold_the_truth_up_to_the_branch_point_of_tumbling(k: float, mu: f
         assert (distance <= found.radius).any(axis=1).all()
         right = Verdict.UNSTABLE if truth.real.max() > 0 else Verdict.STABLE
         assert found.verdict in (right, Verdict.UNDECIDED)
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 5, 8])
+def test_the_bound_on_a_null_vector_holds_the_exact_one(size: int) -> None:
+    """Exactly singular matrices of rationals, known to within a stated error, by elimination."""
+    from flint import fmpq, fmpq_mat
+
+    from stability.reduction import _null_vector
+
+    rng = np.random.default_rng(size)
+    sharp = []
+    for _ in range(200):
+        rows = rng.normal(size=(size, size)) * 10.0 ** rng.uniform(-4, 4, (size, 1))
+        if rng.random() < 0.3 and size > 2:  # a second singular value that is small
+            rows[0] = rows[1] * (1 + 10.0 ** rng.uniform(-14, -2, size))
+        chosen = [fmpq(*float(v).as_integer_ratio()) for v in rng.uniform(-1, 1, size)]
+        chosen[int(rng.integers(size))] = fmpq(1)
+        exact = [[fmpq(*float(v).as_integer_ratio()) for v in row] for row in rows]
+        for row in exact:  # A v = 0, by a change of the last entry
+            dot = sum((x * v for x, v in zip(row[:-1], chosen[:-1], strict=True)), fmpq(0))
+            row[-1] = -dot / chosen[-1] if size > 1 else fmpq(0)
+        if fmpq_mat(exact).rank() < size - 1:
+            continue
+        near = np.array([[float(int(v.p)) / float(int(v.q)) for v in row] for row in exact])
+        error = np.abs(near) * 10.0 ** rng.uniform(-15, -6, near.shape)
+        near = near + error * rng.uniform(-0.9, 0.9, near.shape)
+        vector, doubt = (v[0] for v in _null_vector(near[None], error[None]))
+        pivot = int(np.abs(vector).argmax())
+        truth = [v / chosen[pivot] for v in chosen]
+        for found, bound, true in zip(vector, doubt, truth, strict=True):
+            if np.isfinite(bound):
+                given = fmpq(*float(found).as_integer_ratio()) - true
+                assert abs(given) <= fmpq(*float(bound).as_integer_ratio())
+                if given != 0 and bound > 0:
+                    sharp.append(float(bound) / float(int(abs(given).p)) * float(int(given.q)))
+    assert size == 1 or (len(sharp) > 100 and np.median(sharp) < 50)
