@@ -15,10 +15,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from flint import acb, arb, fmpq, fmpq_poly
+from flint import acb, arb, fmpq_poly
 from numpy.typing import ArrayLike
 
 from .exact import Exact
+from .exact_fields import rational
 from .families import Family
 from .multiplicity import Member, certain
 from .polynomial import characteristic, hurwitz_sign, precision, structure, verdict_polynomial
@@ -60,25 +61,9 @@ class Certificate:
         return f"balls of {self.bits} bits" if self.bits else "rational arithmetic"
 
 
-def rational(value: float) -> Any:
-    """The double as an exact rational.
-
-    Parameters
-    ----------
-    value
-        A finite double.
-
-    Examples
-    --------
-    >>> rational(0.375)
-    3/8
-    """
-    return fmpq(*float(value).as_integer_ratio())
-
-
 def certify(
-    question: Problem, values: Mapping[str, float], near: ArrayLike | None = None,
-    zeros: int | None = None, member: Member | None = None,
+    question: Problem, values: Mapping[str, float], zeros: int | None = None,
+    member: Member | None = None,
 ) -> Certificate:  # fmt: skip
     """A proved verdict with eigenvalue enclosures at one point.
 
@@ -88,9 +73,6 @@ def certify(
         The question.
     values
         Double by name, taken as exact.
-    near
-        For a user's family: unknowns of the member to double precision, shape (u,); found by the
-        family's root-finder when left out.
     zeros
         For a user's family: how many zero eigenvalues are left out; all that are structural and
         proved to be zero at this point when left out.
@@ -112,7 +94,7 @@ def certify(
     ('neutral', 'rational arithmetic')
     """
     if question.exact is None:
-        member = member or member_at(question, values, near)
+        member = member or member_at(question, values)
         zeros = structural_zeros(member) if zeros is None else zeros
         decided, bits = of_member(member, zeros)
         attempt = partial(_member_roots, member, zeros)
@@ -131,14 +113,12 @@ def certify(
         precise *= 2
 
 
-def verdict(
-    question: Problem, values: Mapping[str, float], near: ArrayLike | None = None
-) -> Verdict:
+def verdict(question: Problem, values: Mapping[str, float]) -> Verdict:
     """The proved verdict alone.
 
     Parameters
     ----------
-    question, values, near
+    question, values
         As in `certify`.
 
     Returns
@@ -147,7 +127,7 @@ def verdict(
     """
     if question.exact is not None:
         return _decided(question.exact, question, values)[0]
-    member = member_at(question, values, near)
+    member = member_at(question, values)
     return of_member(member, structural_zeros(member))[0]
 
 
@@ -158,8 +138,11 @@ def member_at(
 
     Parameters
     ----------
-    question, values, near
+    question, values
         As in `certify`.
+    near
+        Unknowns of the member to double precision, shape (u,); found by the family's root-finder
+        when left out.
 
     Returns
     -------

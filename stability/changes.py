@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .boundary import Line, at_point, bracket, crossing_rate, refine
-from .certify import ball_sine, rational
+from .certify import ball_sine
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
 from .errors import ParameterError, StabilityError
-from .exact_fields import NotExact
+from .exact_fields import NotExact, rational
 from .polynomial import structure
 from .problem import Problem
 from .roots import UnclearError

@@ -10,16 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any
 
 import numpy as np
-from flint import arb, ctx, fmpq, fmpq_mat, fmpq_poly
+from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
 from scipy.sparse.csgraph import connected_components
 
 from .enclosure import ball_unknowns, matrix_polynomial
 from .errors import NoMemberError, StabilityError
-from .exact_fields import EXACT, NotExact, NumberField, characteristic, vanishes
+from .exact_fields import EXACT, NotExact, NumberField, characteristic, rational, vanishes
 from .families import Family
 from .function_field import FunctionField
 from .polynomial import precision, structure
@@ -56,14 +56,13 @@ def identity(family: Family) -> Identity:
     Identity
         A lower bound: what is too large to be worked out counts as not proved.
     """
-    field = FunctionField([*family.at, *family.unknown, *family.parameters])
+    symbols = FunctionField([*family.at, *family.unknown, *family.parameters]).symbols
     cut = len(family.at), len(family.at) + len(family.unknown)
-    symbols = field.symbols
-    tangents = len(_fixed_directions(family, field))
     parts = symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]
-    zeros, even = 0, False
-    with suppress(NotExact):
+    tangents, zeros, even = 0, 0, False
+    with suppress(ArithmeticError):
         zero = _on_the_branch(family, parts)
+        tangents = _fixed_directions(family, parts, zero)
         zeros, even = _zero_pattern(_blocks(_matrix(family, *parts), zero), zero)
     return Identity(max(zeros, tangents), even)
 
@@ -117,6 +116,11 @@ def _blocks(
     return [[[matrix[i][j] for j in some] for i in some] for some in members]
 
 
+def _whole(matrix: list[list[Any]]) -> list[Any]:
+    """det(λ - A) by powers of λ, lowest first."""
+    return reduce(_product, map(characteristic, _blocks(matrix)))
+
+
 def _zero_pattern(blocks: list[list[list[Any]]], zero: Callable[[Any], bool]) -> tuple[int, bool]:
     """Zeros of the product of the blocks' polynomials, and whether the rest is even."""
     zeros, even = 0, True
@@ -129,10 +133,7 @@ def _zero_pattern(blocks: list[list[list[Any]]], zero: Callable[[Any], bool]) ->
         if not _is_even(rest, zero):
             mixed.append(rest)
     if mixed:  # blocks that are not even each may be so together, as (λ - a)(λ + a)
-        product: list[Any] = [1]
-        for poly in mixed:
-            product = _product(product, poly)
-        even = _is_even(product, zero)
+        even = _is_even(reduce(_product, mixed), zero)
     return zeros, even
 
 
@@ -148,26 +149,20 @@ def _product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
     return out
 
 
-def _fixed_directions(family: Family, field: FunctionField) -> list[str]:
-    """Tangents of the family that are null vectors wherever the member is an isolated root.
+def _fixed_directions(
+    family: Family, parts: Sequence[Sequence[Any]], zero: Callable[[Any], bool]
+) -> int:
+    """How many tangents of the family are null vectors wherever the member is an isolated root.
 
     The rates that are not solved for must vanish identically; then all of them vanish along the
     branch, and the chain rule says A·∂x/∂at = 0.
     """
-    names = [n for n in family.at if n in family.system.states]
-    if not names:
-        return []
-    cut = len(family.at), len(family.at) + len(family.unknown)
-    symbols = field.symbols
-    parts = [symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]]
     solved = set() if family.closed else {family.system.index(n) for n in family.equations}
-    try:
-        zero = _on_the_branch(family, parts)
+    with suppress(ArithmeticError):
         rates = family.graph.rates.dense(EXACT, parts)
-        open_ = [i for i, (rate,) in enumerate(rates) if i not in solved and not zero(rate)]
-    except (NotExact, ZeroDivisionError):
-        return []
-    return [] if open_ else names
+        if all(i in solved or zero(rate) for i, (rate,) in enumerate(rates)):
+            return len([n for n in family.at if n in family.system.states])
+    return 0
 
 
 # --- one member ---
@@ -203,15 +198,13 @@ class Member:
         if all(isinstance(entry, (int, fmpq)) for row in matrix for entry in row):
             self.rational = poly = fmpq_mat(matrix).charpoly().coeffs()
         else:
-            poly = [1]
-            for block in _blocks(matrix):
-                poly = _product(poly, characteristic(block))
+            poly = _whole(matrix)
         self._flags = [vanishes(c) for c in poly]
 
     def _unknowns(self) -> list[Any]:
         family = self.family
         if not family.unknown or family.closed:
-            return [fmpq(*float(v).as_integer_ratio()) for v in family.unknown.values()]
+            return [rational(v) for v in family.unknown.values()]
         with precision(ROOT_BITS):
             try:
                 box = ball_unknowns(family, self.balls(self.a), self.balls(self.q), self.near)
@@ -244,7 +237,7 @@ class Member:
         for exponents, coefficient in terms.items():
             coefficients[int(exponents[0])] = coefficient
         _, factors = fmpq_poly(coefficients).numer().factor()
-        near = [f for f, _ in factors if _horner(f.coeffs(), ball).contains(0)]
+        near = [f for f, _ in factors if arb_poly(f.coeffs())(ball).contains(0)]
         if len(near) != 1:
             raise NotExact("a root that two factors share")
         return NumberField(fmpq_poly(near[0].coeffs()), ball).generator
@@ -269,9 +262,7 @@ class Member:
         field = FunctionField([*family.unknown])
         given = [[field.number(v) for v in some] for some in (self.a, self.q)]
         try:
-            poly = [1]
-            for block in _blocks(_matrix(family, given[0], field.symbols, given[1])):
-                poly = _product(poly, characteristic(block))
+            poly = _whole(_matrix(family, given[0], field.symbols, given[1]))
         except NotExact:
             return known
         return [k or vanishes(c) for k, c in zip(known, poly, strict=True)]
@@ -333,13 +324,6 @@ def _sampled(
     balls = Member.balls(some), Member.balls(others)
     poly = matrix_polynomial(family, balls[0], ball_unknowns(family, *balls, near), balls[1])
     return next(i for i, c in enumerate(poly) if not c.contains(0))
-
-
-def _horner(coefficients: Sequence[Any], x: Any) -> Any:
-    value = arb(0)
-    for c in reversed(coefficients):
-        value = value * x + c
-    return value
 
 
 def _simplest(ball: Any) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -250,17 +251,15 @@ class Rows:
             f"members of {self.question.family.name}, but only {self.zeros} here"
         )
 
+    @cached_property
+    def _columns(self) -> dict[str, Floats]:
+        """Each number of the members by name, shape (N,)."""
+        arrays = np.broadcast_arrays(*self.question.values.values())
+        return dict(zip(self.question.values, (v.reshape(-1) for v in arrays), strict=True))
+
     def values(self, row: int) -> dict[str, float]:
         """The numbers of one member by name."""
-        count = len(self.u)
-        return {
-            n: float(v) if np.ndim(v) == 0 else float(self._flat(v, count)[row])
-            for n, v in self.question.values.items()
-        }
-
-    def _flat(self, value: Any, count: int) -> Any:
-        shape = np.broadcast_shapes(*(np.shape(v) for v in self.question.values.values()))
-        return np.broadcast_to(value, shape).reshape(count)
+        return {n: float(column[row]) for n, column in self._columns.items()}
 
     def member(self, row: int) -> Member:
         """A member of a user's family in exact numbers, made once."""

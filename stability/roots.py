@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from flint import acb_poly, arb, ctx, fmpq_poly
+from flint import arb, arb_poly, fmpq_poly
 
 from .polynomial import precision
 from .ratios import univariate
+from .root_balls import isolated
 
 BITS = 256
 """Working precision of the first attempt."""
@@ -78,18 +79,11 @@ def sign_at(p: Any, x: Any, sine: Callable[[], Any] | None) -> int:
     bits = BITS
     while bits <= MOST_BITS:
         with precision(bits):
-            ball = _horner([arb(c) for c in value.coeffs()], sine())
+            ball = arb_poly(value)(sine())
             if not ball.contains(0):
                 return 1 if ball > 0 else -1
         bits *= 2
     raise UnclearError
-
-
-def _horner(coefficients: Sequence[Any], at: Any) -> Any:
-    total = arb(0)
-    for c in reversed(coefficients):
-        total = total * at + c
-    return total
 
 
 def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> list[Any]:
@@ -150,15 +144,8 @@ def _ball_roots(product: Any, sine: Any) -> list[Any]:
         row = rows.setdefault(int(i), [])
         row += [arb(0)] * (int(j) + 1 - len(row))
         row[int(j)] = arb(c)
-    coefficients = [_horner(rows.get(i, []), sine) for i in range(max(rows) + 1)]
-    if coefficients[-1].contains(0):
+    coefficients = [arb_poly(rows.get(i, []))(sine) for i in range(max(rows) + 1)]
+    roots = isolated(coefficients, even=False)
+    if roots is None:
         raise UnclearError
-    try:
-        roots = acb_poly(coefficients).roots(tol=arb(2) ** (-ctx.prec // 2))
-    except ValueError:
-        raise UnclearError from None
-    real = [r for r in roots if r.imag.contains(0)]
-    for r in real:  # its conjugate is a root, in no other ball: then it is the same
-        if any(r.conjugate().overlaps(other) for other in roots if other is not r):
-            raise UnclearError
-    return [r.real for r in real]
+    return [r.real for r in roots if r.imag == 0]

@@ -8,9 +8,9 @@ from typing import Any
 
 from flint import arb, fmpq
 
-from .certify import ball_sine, rational
+from .certify import ball_sine
 from .critical import Characteristic, Conditions
-from .exact_fields import NotExact
+from .exact_fields import NotExact, rational
 from .polynomial import precision
 from .problem import Problem
 from .ratios import RING, Ratio, characteristic_ratios, multivariate, univariate

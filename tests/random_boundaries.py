@@ -130,13 +130,6 @@ class Verdicts:
 
 def judge_search(one: Search) -> tuple[str, list[str]]:
     """How the search ended (a word), and what is wrong with what it said."""
-    truth = Verdicts(one)
-    if not one.rational:
-        # the factor is positive: verdicts are those of the system without it, read at its zeros
-        return _only_claims(one)
-    ends = [exact(LOW), *map(exact, one.meets), exact(HIGH)]
-    middles = [(a + b) / 2 for a, b in zip(ends, ends[1:], strict=False) if a < b]
-    truth.zeros = min(truth.spectrum(m)[1] for m in middles)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", st.StabilityWarning)
@@ -145,6 +138,17 @@ def judge_search(one: Search) -> tuple[str, list[str]]:
         return "refused", [] if "even" in str(error) else [f"refused: {error}"]
     except Exception as error:
         return "crashed", [f"{type(error).__name__}: {error}"[:300]]
+    return ("complete" if found.complete else "open"), _faults(one, found)
+
+
+def _faults(one: Search, found: Any) -> list[str]:
+    truth = Verdicts(one)
+    if not one.rational:
+        # the factor is positive: verdicts are those of the system without it, read at its zeros
+        return _only_claims(one, found)
+    ends = [exact(LOW), *map(exact, one.meets), exact(HIGH)]
+    middles = [(a + b) / 2 for a, b in zip(ends, ends[1:], strict=False) if a < b]
+    truth.zeros = min(truth.spectrum(m)[1] for m in middles)
     wrong = []
     changes, touches = [], []
     for root in one.meets:
@@ -176,8 +180,7 @@ def judge_search(one: Search) -> tuple[str, list[str]]:
             wrong.append(f"{b} is no change: {left} on both sides")
         elif i not in taken and not at_end and b.value not in touches:
             wrong.append(f"{b} is found twice or is no change")
-    wrong += _touches(found, touches)
-    return ("complete" if found.complete else "open"), wrong
+    return wrong + _touches(found, touches)
 
 
 def _touches(found: Any, touches: Sequence[float]) -> list[str]:
@@ -190,18 +193,9 @@ def _touches(found: Any, touches: Sequence[float]) -> list[str]:
     ]
 
 
-def _only_claims(one: Search) -> tuple[str, list[str]]:
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", st.StabilityWarning)
-            found = st.boundaries(one.family, axis=one.axis)
-    except st.StabilityError as error:
-        return "refused", [] if "even" in str(error) else [f"refused: {error}"]
-    except Exception as error:
-        return "crashed", [f"{type(error).__name__}: {error}"[:300]]
-    wrong = [
+def _only_claims(one: Search, found: Any) -> list[str]:
+    return [
         f"{b} is where no eigenvalue meets the axis"
         for b in found
         if not any(abs(exact(b.value) - exact(r)) <= exact(b.error) for r in one.meets)
     ]
-    return ("complete" if found.complete else "open"), wrong

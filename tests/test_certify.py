@@ -10,7 +10,8 @@ from hypothesis import strategies as s
 from test_spectra import random_points, truth_matrix
 
 import stability as st
-from stability.certify import certify, rational, verdict
+from stability.certify import certify, verdict
+from stability.exact_fields import rational
 from stability.problem import disk_problem, system_problem
 from stability.verdict import Verdict
 
