@@ -73,14 +73,7 @@ class Problem:
         a, q, rate, shape
             Family parameters (N, ·), parameters (N, ·), unit of rate (N,), and the broadcast shape.
         """
-        shapes = {n: np.shape(v) for n, v in values.items() if np.shape(v)}
-        try:
-            shape = np.broadcast_shapes(*shapes.values())
-        except ValueError:
-            listed = ", ".join(f"{n} {s}" for n, s in shapes.items())
-            raise ParameterError(
-                f"the arrays do not broadcast: their shapes are {listed}; make them fit."
-            ) from None
+        shape = broadcast_shape(values)
         with np.errstate(all="ignore"):
             a, q, rate = self.reduce(values, np.sqrt)
         flat = [np.broadcast_to(v, shape).reshape(-1) for v in (*a, *q, rate)]
@@ -315,6 +308,33 @@ def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
             f"lean is {bad.flat[0]:g}; it must lie strictly between -π/2 and π/2, 0 is upright."
         )
     return value
+
+
+def broadcast_shape(values: Mapping[str, Any]) -> tuple[int, ...]:
+    """The common shape of arrays.
+
+    Parameters
+    ----------
+    values
+        Value or array by name.
+
+    Returns
+    -------
+    tuple of int
+
+    Raises
+    ------
+    ParameterError
+        If they do not broadcast.
+    """
+    shapes = {n: np.shape(v) for n, v in values.items() if np.shape(v)}
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        listed = ", ".join(f"{n} {s}" for n, s in shapes.items())
+        raise ParameterError(
+            f"the arrays do not broadcast: their shapes are {listed}; make them fit."
+        ) from None
 
 
 def disk_roundings(

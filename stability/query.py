@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,20 +13,17 @@ from .contact import Contact
 from .disk import Disk
 from .errors import DomainError, NoMemberError, ParameterError, shown
 from .families import Family
-from .polynomial import structure
 from .problem import Problem, disk_problem, system_problem
-from .reduction import reduce
-from .spectra import NOT_ASKED, Proof, Spectrum, decide, eigenvalues
+from .rows import Rows
+from .spectra import NOT_ASKED, Proof, Spectrum
 from .tracked import UNIT
 from .verdict import CODES, Verdict
 
 if TYPE_CHECKING:
-    from .multiplicity import Member
+    pass
 
 Floats = NDArray[np.float64]
 
-MOST_SPECTRA = 1_000_000
-"""Spectra of one call; each takes about 3 kB on the way."""
 SPEEDS = ("slip_x", "slip_y")
 
 
@@ -147,27 +143,17 @@ def spectrum(
         raise ParameterError("at is missing; it names the member of the family.")
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
     question = problem(family, at, disk, contact, dict(parameters), lean)
-    a, q, rate, shape = question.arrays(question.values)
-    if len(a) > MOST_SPECTRA:
-        raise ParameterError(
-            f"{len(a)} spectra are asked for; at most {MOST_SPECTRA} are kept in memory at once. "
-            "Ask in pieces, or take stability_map or stream_map, which keep less of each."
-        )
-    resolved = question.family
-    u = resolved.solve(a, q)
-    states = resolved.checked_states(a, u, q)
-    rows = Rows(question, a, q, u, exact=certify or escalate)
-    even = resolved.conservative and rows.certain
-    values, radius = eigenvalues(rows.reduced, even=even)
-    codes = decide(values, radius, even=even)
+    rows = Rows(question, exact=certify or escalate)
+    resolved, shape, rate = question.family, rows.shape, rows.place.rate
     last = 0.0 if question.dimensionless else 4 * UNIT  # of the product with the unit
     names = resolved.system.states
-    scale = np.ones((len(a), len(names)))
+    scale = np.ones((len(rate), len(names)))
     if question.law is not None:
         speed = np.broadcast_to(question.speed(question.values), shape).reshape(-1)
         for index, name in enumerate(names):
             unit = speed if name in SPEEDS else rate
             scale[:, index] = 1.0 if name == "theta" else unit
+    values, radius, codes = rows.spectra()
     with np.errstate(all="ignore"):  # a radius may overflow to one without bound
         values, radius = values * rate[:, None], (radius + last * np.abs(values)) * rate[:, None]
     if not np.isfinite(values).all():
@@ -179,95 +165,17 @@ def spectrum(
         _shaped(radius, shape),
         rows.zeros,
         codes.reshape(shape),
-        _shaped(states, shape),
-        rows.reduced,
+        _shaped(rows.states, shape),
+        rows.place,
         rate.reshape(shape),
         _shaped(scale, shape),
-        grows=_grows(rows, a, q, u, shape),
+        grows=rows.grows(),
         note=rows.note,
     )
-    asked = np.full(len(a), certify)
+    asked = np.full(len(rate), certify)
     if escalate:
         asked |= codes == CODES[Verdict.UNDECIDED]
     return proved(found, rows, asked, shape, escalated=not certify) if asked.any() else found
-
-
-def _grows(
-    rows: Rows, a: Floats, q: Floats, u: Floats, shape: tuple[int, ...]
-) -> NDArray[np.bool_] | None:
-    """Where structural zeros that no tangent of the family explains are not semisimple."""
-    from .jordan import grows
-
-    question = rows.question
-    family = question.family
-    if rows.zeros == family.tangents or question.law is not None:
-        return None
-    return grows(family, a, q, u, rows.zeros, question.roundings).reshape(shape)
-
-
-class Rows:
-    """The members asked for, and how many zero eigenvalues are left out of all their spectra.
-
-    Parameters
-    ----------
-    question
-        The question.
-    a, q, u
-        Family parameters, parameters and unknowns of each member, shapes (N, ·).
-    exact
-        Whether a count that is not proved for the whole family is proved at each member; if not,
-        what is left out is zero within its rounding.
-    """
-
-    def __init__(self, question: Problem, a: Floats, q: Floats, u: Floats, *, exact: bool) -> None:
-        from .certify import structural_zeros
-        from .multiplicity import certain
-
-        self.question, self.u = question, u
-        family = question.family
-        self.zeros = structure(family).zeros
-        self.certain = question.exact is not None or certain(family)
-        """Whether that number is proved at every member of the family."""
-        self._members: dict[int, Member] = {}
-        if not self.certain and exact:
-            self.zeros = min(structural_zeros(self.member(row)) for row in range(len(a)))
-        watch = not self.certain
-        self.reduced = reduce(family, a, q, u, question.roundings, self.zeros, watch)
-        loose = self.reduced.supported < self.zeros
-        if exact:  # the zeros are proved, the vectors they were taken out with are not theirs
-            self.reduced.error[loose] = np.inf
-        elif loose.any():
-            self.zeros = int(self.reduced.supported.min())
-            self.reduced = reduce(family, a, q, u, question.roundings, self.zeros)
-
-    @property
-    def note(self) -> str:
-        """A sentence on zeros that typical members have and these have not, or nothing."""
-        usual = structure(self.question.family).zeros
-        if self.zeros == usual:
-            return ""
-        return (
-            f"{usual} eigenvalue{'s' * (usual != 1)} vanish{'es' * (usual == 1)} at typical "
-            f"members of {self.question.family.name}, but only {self.zeros} here"
-        )
-
-    @cached_property
-    def _columns(self) -> dict[str, Floats]:
-        """Each number of the members by name, shape (N,)."""
-        arrays = np.broadcast_arrays(*self.question.values.values())
-        return dict(zip(self.question.values, (v.reshape(-1) for v in arrays), strict=True))
-
-    def values(self, row: int) -> dict[str, float]:
-        """The numbers of one member by name."""
-        return {n: float(column[row]) for n, column in self._columns.items()}
-
-    def member(self, row: int) -> Member:
-        """A member of a user's family in exact numbers, made once."""
-        from .certify import member_at
-
-        if row not in self._members:
-            self._members[row] = member_at(self.question, self.values(row), self.u[row])
-        return self._members[row]
 
 
 def proved(

@@ -7,6 +7,7 @@ then null vectors of what is left, as many as the family's structure has.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +44,36 @@ class Reduced(NamedTuple):
     """How to lift a mode back."""
     supported: NDArray[np.intp]
     """How many of the removed eigenvalues are zero within their rounding, in order, shape (N,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where members are, dimensionless: what their linearisation is computed from."""
+
+    a: Floats
+    """Family parameters, shape (N, ·)."""
+    q: Floats
+    """Parameters, shape (N, ·)."""
+    u: Floats
+    """Unknowns, shape (N, ·)."""
+    rate: Floats
+    """Unit of rate, shape (N,) [1/s, or √(g/R)]."""
+    roundings: tuple[int, ...]
+    """How many roundings each column of a and q has behind it."""
+
+    def __getitem__(self, rows: slice) -> Place:
+        a, q, u = self.a[rows], self.q[rows], self.u[rows]
+        return Place(a, q, u, self.rate[rows], self.roundings)
+
+    def reduced(self, family: Family, zeros: int, *, watch: bool = False) -> Reduced:
+        """The linearisation without structural zeros.
+
+        Parameters
+        ----------
+        family, zeros, watch
+            As for `reduce`.
+        """
+        return reduce(family, self.a, self.q, self.u, self.roundings, zeros, watch)
 
 
 def reduce(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from .errors import DomainError, ParameterError
 from .families import Family
 from .modes import Modes, lift, mode_labels, track
-from .reduction import Reduced
+from .reduction import Place, Reduced
 from .tracked import UNIT
 from .verdict import BY_CODE, CODES, Nonlinear, Verdict
 
@@ -79,8 +79,8 @@ class Spectrum:
     """Verdict as flag values (`Verdict.code`), shape (…)."""
     states: Floats
     """The steady motions, dimensionless, shape (…, states)."""
-    reduced: Reduced
-    """The dimensionless linearisation without structural zeros, one row per point."""
+    place: Place
+    """Where the members are, dimensionless, one row per point."""
     rate: Floats
     """Unit of the eigenvalues in dimensionless ones, shape (…) or () [1/s]."""
     scale: Floats
@@ -179,7 +179,8 @@ class Spectrum:
     def modes(self) -> Modes:
         """Eigenvectors and readable labels, in the order of the eigenvalues."""
         values = self.eigenvalues / np.asarray(self.rate)[..., None]
-        vectors, participation = lift(values, self.reduced, self.scale)
+        reduced = self.place.reduced(self.family, self.structural_zeros)
+        vectors, participation = lift(values, reduced, self.scale)
         labels = mode_labels(
             self.eigenvalues, self.radius, participation, self.family.system.states
         )

@@ -62,7 +62,9 @@ def test_the_end_of_memory_is_known_in_each_librarys_words(error: Exception) -> 
 SIZES: dict[str, Callable[[], Any]] = {
     "branch": lambda: st.branch(st.disk_family("tumbling", "rough"), 0.5, 1, [0.25], points=10**9),
     "hopf": lambda: st.hopf("spinning", contact=st.Viscous(1.0), points=2**64 - 1),
-    "spectra": lambda: st.spectrum("rolling", at=np.ones(10**7), contact=st.Rough()),
+    "spectra": lambda: st.spectrum(  # the two broadcast to 10¹⁰ members
+        "rolling", at=np.ones((10**5, 1)), contact=st.Viscous(np.ones(10**5))
+    ),
     "map": lambda: st.stability_map("rolling", x=("at", 1, 2, 10**6), y=("mu", 1, 2, 10**6)),
     "scan": lambda: st.boundaries("rolling", axis=("at", 1, 2, 10**7), contact=st.Rough()),
     "workers": lambda: st.stability_map(
@@ -75,6 +77,47 @@ SIZES: dict[str, Callable[[], Any]] = {
 def test_a_size_without_bound_is_refused_with_the_limit(name: str) -> None:
     with pytest.raises(st.StabilityError, match="at most"):
         SIZES[name]()
+
+
+def test_spectra_in_pieces_are_the_spectra(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A user's family with unknowns and zeros that hold at some members only, and the disk's."""
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
+    y = x[0] - 1
+    system = st.System(
+        "hop", x, p, ca.vertcat(y * (p - y), 0.1 * y * x[1], -x[2]), ("y", "z", "w"), ("p",)
+    )
+    family = st.Family(
+        system, "steady", ("p",), held={"z": 0.0, "w": 0.0}, unknown={"y": 1.3}, equations=("y",)
+    )
+    at = np.linspace(0.25, 0.4, 40).reshape(8, 5)
+
+    def ask() -> list[st.Spectrum]:
+        law = st.Viscous(np.linspace(0.1, 2, 5))
+        return [
+            st.spectrum("rolling", at=at * 4, contact=law),
+            *(st.spectrum(family, at=at, escalate=e) for e in (True, False)),
+        ]
+
+    whole = ask()
+    monkeypatch.setattr("stability.rows.PIECE", 70)  # one or seven members at once
+    for one, other in zip(whole, ask(), strict=True):
+        for name in ("eigenvalues", "radius", "codes", "states", "structural_zeros"):
+            assert np.array_equal(getattr(one, name), getattr(other, name)), name
+        assert np.array_equal(one.modes.participation, other.modes.participation)
+
+
+@pytest.mark.long
+def test_ten_million_spectra_stay_within_the_memory() -> None:
+    code = (
+        "import resource, numpy as np, stability as st\n"
+        "at = np.linspace(0.5, 4, 10**7)\n"
+        "s = st.spectrum('rolling', at=at, contact=st.Viscous(0.3))\n"
+        "assert set(np.unique(s.codes)) <= {1, 2} and np.isfinite(s.eigenvalues).all()\n"
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout) < 6.0, "GiB"
 
 
 @pytest.mark.parametrize("mu", [5e-324, 1e-200, 1e300])
