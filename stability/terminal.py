@@ -171,8 +171,11 @@ def starved(reason: BaseException | None) -> bool:
     >>> starved(MemoryError()), starved(RuntimeError("std::bad_alloc")), starved(KeyError("x"))
     (True, True, False)
     """
+    limited = allowed_memory() < 2**62
     while reason is not None:
         if isinstance(reason, MemoryError) or any(word in str(reason) for word in STARVED):
+            return True
+        if limited and isinstance(reason, ImportError):  # of a library that says no more than that
             return True
         reason = reason.__cause__ or reason.__context__
     return False

@@ -59,6 +59,31 @@ def test_the_end_of_memory_is_known_in_each_librarys_words(error: Exception) -> 
     assert not starved(KeyError("x"))
 
 
+def test_a_library_that_does_not_load_within_a_limit_of_memory_is_short_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Xarray says "No module named 'h5py'" where that module did not fit."""
+    error = ImportError("No module named 'h5py', backend not available.")
+    assert not starved(error)
+    monkeypatch.setattr("stability.terminal.allowed_memory", lambda: 7 * 10**8)
+    assert starved(error)
+
+
+@pytest.mark.long
+def test_every_limit_of_memory_gives_a_map_or_a_sentence(tmp_path: Path) -> None:
+    words = "-m stability map rolling --x at:0.5:4:900 --y mu:0.01:10:900:log --out m.nc --force"
+    ends = []
+    for limit in range(500_000, 900_001, 10_000):
+        done = subprocess.run(
+            ["bash", "-c", f"ulimit -v {limit}; exec {sys.executable} {words}"], cwd=tmp_path,
+            capture_output=True, text=True, check=False, timeout=120,
+        )  # fmt: skip
+        ends.append(done.returncode)
+        assert done.returncode in (0, 2), (limit, done.stderr)
+        assert done.returncode == 0 or done.stderr.count("\n") == 1, (limit, done.stderr)
+    assert set(ends) == {0, 2}
+
+
 SIZES: dict[str, Callable[[], Any]] = {
     "branch": lambda: st.branch(st.disk_family("tumbling", "rough"), 0.5, 1, [0.25], points=10**9),
     "hopf": lambda: st.hopf("spinning", contact=st.Viscous(1.0), points=2**64 - 1),
