@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,9 +18,6 @@ from .rows import Rows
 from .spectra import NOT_ASKED, Proof, Spectrum
 from .tracked import UNIT
 from .verdict import CODES, Verdict
-
-if TYPE_CHECKING:
-    pass
 
 Floats = NDArray[np.float64]
 
