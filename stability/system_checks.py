@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -12,10 +12,6 @@ from numpy.typing import NDArray
 from .algebra import Upright
 from .checks import checked, flag, instance, known, one_number, rows
 from .errors import NameUnknownError, ParameterError, shown
-
-if TYPE_CHECKING:
-    from .families import Family
-    from .system import System
 
 Floats = NDArray[np.float64]
 
@@ -122,13 +118,13 @@ def mapping(what: str, value: Any) -> dict[str, Any]:
     return dict(value)
 
 
-def check_system(system: System) -> None:
+def check_system(system: Any) -> None:
     """Refuse a system whose parts do not fit together.
 
     Parameters
     ----------
     system
-        As it was given.
+        A `System` as it was given.
 
     Raises
     ------
@@ -180,7 +176,7 @@ def _check_symbols(what: str, symbols: ca.SX, given: tuple[str, ...]) -> None:
         raise ParameterError(f"{what} has {symbols.size2()} columns; give one column of symbols.")
 
 
-def _strangers(system: System, expressions: Mapping[str, ca.SX]) -> tuple[str, Any] | None:
+def _strangers(system: Any, expressions: Mapping[str, ca.SX]) -> tuple[str, Any] | None:
     known = ca.vertcat(system.x, system.p)
     for name, one in expressions.items():
         free = [s for s in ca.symvar(one) if not ca.depends_on(known, s)]
@@ -189,13 +185,13 @@ def _strangers(system: System, expressions: Mapping[str, ca.SX]) -> tuple[str, A
     return None
 
 
-def check_family(family: Family) -> None:
+def check_family(family: Any) -> None:
     """Refuse the parts of a family that are not what they should be, and keep the others as plain.
 
     Parameters
     ----------
     family
-        As it was given.
+        A `Family` as it was given.
 
     Raises
     ------
@@ -225,13 +221,13 @@ def check_family(family: Family) -> None:
         keep(what, flag(what, getattr(family, what)))
 
 
-def tables(family: Family, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, Floats]:
+def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, Floats]:
     """Family parameters, unknowns and parameters as tables (N, ·); as they are where they fit.
 
     Parameters
     ----------
     family
-        The family.
+        The `Family`.
     a, q, u
         Family parameters, parameters, and unknowns where there are some yet.
 
@@ -253,7 +249,7 @@ def tables(family: Family, a: Any, q: Any, u: Any = None) -> tuple[Floats, Float
         and t.shape == (a.shape[0], len(its)) and np.isfinite(t).all()
         for t, its in zip(given, wanted, strict=True)
     ):  # fmt: skip
-        return given
+        return a, u, q
     first = rows("a", a, family.at).reshape(-1, len(family.at))
     found = [first]
     for what, table, its in zip("uq", given[1:], wanted[1:], strict=True):
