@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .families import Family
 from .polynomial import structure
-from .tracked import UNIT, Tracked, tracked_arrays
+from .tracked import TINY, UNIT, Tracked, tracked_arrays
 
 Floats = NDArray[np.float64]
 
@@ -162,8 +162,8 @@ def _null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
     change = np.abs(np.eye(n) - inverse @ matrix) + size @ (error + 2 * n * UNIT * whole)
     change = np.where(others & others.swapaxes(1, 2), change, 0.0)
     residual = np.abs(matrix @ vector[:, :, None])
-    residual += (error + 2 * n * UNIT * whole) @ np.abs(vector)[:, :, None]
-    doubt = (1 + 4 * n * UNIT) * (size @ residual)[..., 0]
+    residual += (error + 2 * n * UNIT * whole) @ np.abs(vector)[:, :, None] + 2 * n * TINY
+    doubt = (1 + 4 * n * UNIT) * (size @ residual)[..., 0] + n * TINY
     spread = change.sum(axis=2)
     factor = spread.max(axis=1)
     sound = factor < 0.5
@@ -238,14 +238,16 @@ def tangent_vectors(
         inverse = np.linalg.inv(r_u[0])
         slope = inverse @ r_a[0]
         size, absolute = np.abs(inverse), np.abs(slope)
-        rough = 8 * UNIT * (np.abs(r_u[0]) @ absolute)
+        rough = 8 * (UNIT * (np.abs(r_u[0]) @ absolute) + TINY)
         doubt = size @ (r_a[1] + r_u[1] @ absolute + rough)
         shrink = (size @ r_u[1]).sum(axis=-1).max(axis=-1)[:, None, None]
         doubt = np.where(shrink < 0.5, doubt / (1 - np.minimum(shrink, 0.5)), np.inf)
         tangent = tangent - by_u[0] @ slope
         carried = np.abs(by_u[0])[..., :, :, None] * doubt[..., None, :, :]
         carried[np.abs(by_u[0]) == 0] = 0.0  # no share of an infinite doubt
-        error = error + carried.sum(axis=-2) + by_u[1] @ absolute + 4 * UNIT * np.abs(tangent)
+        error = (
+            error + carried.sum(axis=-2) + by_u[1] @ absolute + 4 * (UNIT * np.abs(tangent) + TINY)
+        )
     keep = [i for i, name in enumerate(family.at) if name in family.system.states]
     return tangent[..., keep], error[..., keep]
 
@@ -258,7 +260,7 @@ def _push(vector: Floats, doubt: Floats, steps: Sequence[Deflation]) -> tuple[Fl
         size, first = np.abs(step.multipliers), np.abs(ordered[:, :1])
         vector = ordered[:, 1:] - step.multipliers * ordered[:, :1]
         doubt = unsure[:, 1:] + size * unsure[:, :1] + step.doubt * first
-        doubt = doubt + 2 * UNIT * (np.abs(vector) + size * first)
+        doubt = doubt + 2 * (UNIT * (np.abs(vector) + size * first) + TINY)
     return vector, doubt
 
 
@@ -298,6 +300,7 @@ def _deflate(
         + m_error[:, :, None] * (np.abs(row) + row_error)[:, None, :]
         + np.abs(m)[:, :, None] * row_error[:, None, :]
         + UNIT * (size_product + np.abs(reduced))
+        + 2 * TINY
     )
     bound[least[:, 0] == 0] = np.inf  # nothing is known of what is left
     steps.append(Deflation(order, m, m_error, row))

@@ -17,7 +17,7 @@ from .errors import DomainError, ParameterError
 from .families import Family
 from .modes import Modes, lift, mode_labels, track
 from .reduction import Place, Reduced
-from .tracked import UNIT
+from .tracked import TINY, UNIT
 from .verdict import BY_CODE, CODES, Nonlinear, Verdict
 
 Floats = NDArray[np.float64]
@@ -285,8 +285,8 @@ def _discs(matrix: Floats, error: Floats, values: Complexes, x: Complexes) -> tu
         residual = np.abs(matrix @ x - x * values[:, None, :])
         # rounding of that residual: each entry is a sum of `size` products and one more
         terms = np.abs(matrix) @ ax + ax * np.abs(values)[:, None, :]
-        rough = (size + 3) * UNIT * terms + error @ ax
-        radius = (ay @ (residual + rough)).sum(axis=-1)
+        rough = (size + 3) * (UNIT * terms + TINY) + error @ ax
+        radius = (ay @ (residual + rough)).sum(axis=-1) + size * TINY
         flaw = np.abs(y @ x - np.eye(size)).sum(axis=-1).max(axis=-1)
         flaw += size * UNIT * (ay @ ax).sum(axis=-1).max(axis=-1)
         radius = radius / np.where(flaw < 0.5, 1 - flaw, 0.0)[:, None]
@@ -343,7 +343,7 @@ def _one_square(matrix: Floats, error: Floats) -> tuple[Complexes, Floats]:
     square = matrix @ matrix
     z = 0.5 * (square[:, 0, 0] + square[:, 1, 1])
     a, e = np.abs(matrix), error
-    slack = a @ e + e @ a + e @ e + 4 * UNIT * (a @ a)
+    slack = a @ e + e @ a + e @ e + 4 * UNIT * (a @ a) + 8 * TINY
     bound = 0.5 * (slack[:, 0, 0] + slack[:, 1, 1]) + UNIT * np.abs(z)
     root = np.sqrt(z.astype(complex))
     size = np.maximum(np.abs(root), 1e-300)

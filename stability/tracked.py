@@ -142,10 +142,11 @@ def _elementary(function: Any, change: Any) -> Any:
 
     def apply(x: Any) -> Any:
         if not isinstance(x, Tracked):
-            return Tracked(function(x), UNIT * 2 * np.abs(function(x)))
+            x = Tracked(x, 0.0)
         total = function(x.value)
         size = np.abs(total)
-        return Tracked(total, change(x.value, x.error, size) + 2 * UNIT * size)
+        own = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds to zero what is not zero
+        return Tracked(total, change(x.value, x.error, size) + own)
 
     return apply
 
@@ -173,7 +174,7 @@ TRACKED = Algebra(
         "cos": _elementary(np.cos, lambda x, e, _: np.minimum(np.abs(np.sin(x)) + e, 1.0) * e),
         "tan": _tan,
         "sqrt": _elementary(np.sqrt, lambda x, e, y: e / (y + np.sqrt(np.maximum(x - e, 0.0)))),
-        "exp": _elementary(np.exp, lambda _, e, y: y * np.expm1(e)),
+        "exp": _elementary(np.exp, lambda _, e, y: TINY + np.maximum(y, TINY) * np.expm1(e)),
         "log": _elementary(np.log, lambda x, e, _: -np.log1p(-np.minimum(e / x, 1.0))),
         "asin": _elementary(np.arcsin, _arc),
         "acos": _elementary(np.arccos, _arc),
