@@ -214,9 +214,9 @@ import stability as st
 def ask(job):
     method, omega = job
     start = st.launch('rolling', at=omega)
-    run = st.simulate(st.Disk(), st.Viscous(30.0), start, [5.0, 20.0], method=method)
+    run = st.simulate(st.Disk(), st.Viscous(30.0), start, [1.0, 4.0], method=method)
     dry = [1.12, -0.31, 1.18, -1.45, -0.49, 0.4 + omega / 100]
-    slid = st.simulate(st.Disk(k=0.3), st.Coulomb(0.15), dry, [10.0])
+    slid = st.simulate(st.Disk(k=0.3), st.Coulomb(0.15), dry, [3.0])
     return float(run.theta[-1]), float(slid.theta[-1])
 jobs = [(m, w) for m in ('cvodes', 'idas', 'lsoda', 'auto') for w in (1.0, 1.1, 1.2, 1.3)]
 with ThreadPoolExecutor(4) as pool:

@@ -192,7 +192,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("small")
 def test_a_report_holds_figures_numbers_and_a_page(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "report"
     assert main(["report", "--out", str(out), "--json"]) == 0
@@ -219,6 +219,7 @@ def test_a_report_holds_figures_numbers_and_a_page(
     assert chart.seconds.sel(scene="gentle", driver="rk4").notnull().sum() > 8
     assert plt.get_fignums() == []
     # told again, nothing is done again
+    monkeypatch.setattr("stability.canvas.save_figure", lambda _, path: path.write_text("x"))
     before = (out / journal.JOURNAL).read_text()
     assert main(["failures", "--out", str(out)]) == 0
     text = capsys.readouterr().out
