@@ -7,6 +7,7 @@ then null vectors of what is left, as many as the family's structure has.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -215,13 +216,52 @@ def _root_error(family: Family, given: list[list[Tracked]], u: Floats) -> Floats
         return np.zeros_like(u)
     exact = [Tracked(c, np.zeros_like(c)) for c in u.T]
     residual, slope = tracked_arrays(family.graph.residual, [given[0], exact, given[1]], (len(u),))
+    inverse = _inverse(slope[0])
     size = np.abs(residual[0]) + residual[1]
-    inverse = np.abs(np.linalg.inv(slope[0]))
-    reach: Floats = 2 * (inverse @ size)[..., 0] + 2 * UNIT * np.abs(u)
+    reach: Floats = 2.01 * (np.abs(inverse) @ size)[..., 0] + 2 * UNIT * np.abs(u)
     wide = [Tracked(c, e) for c, e in zip(u.T, reach.T, strict=True)]
     _, over = tracked_arrays(family.graph.residual, [given[0], wide, given[1]], (len(u),))
-    drift = (inverse @ over[1]).sum(axis=-1).max(axis=-1)
-    return np.where((drift < 0.5)[:, None], reach, np.inf)
+    change = _contraction(inverse, slope[0], over[1] + np.abs(over[0] - slope[0]))
+    return np.where((change.sum(axis=-1).max(axis=-1) < 0.5)[:, None], reach, np.inf)
+
+
+def _inverse(matrix: Floats) -> Floats:
+    """Approximate inverses; NaN where there is none."""
+    try:
+        return np.asarray(np.linalg.inv(matrix))
+    except np.linalg.LinAlgError:  # of one matrix at least
+        alone = np.linalg.matrix_rank(matrix, tol=0.0) == matrix.shape[-1]
+        out = np.full_like(matrix, np.nan)
+        for row in np.flatnonzero(alone):
+            with suppress(np.linalg.LinAlgError):
+                out[row] = np.linalg.inv(matrix[row])
+        return out
+
+
+def _contraction(inverse: Floats, matrix: Floats, error: Floats) -> Floats:
+    """Bound on |1 - L M'| for every matrix M' within the error of M."""
+    n = matrix.shape[-1]
+    size = np.abs(inverse)
+    change: Floats = np.abs(np.eye(n) - inverse @ matrix) + n * TINY
+    change += size @ (error + 2 * n * UNIT * np.abs(matrix))
+    return change
+
+
+def _solved(matrix: Floats, error: Floats, right: Floats, unsure: Floats) -> tuple[Floats, Floats]:
+    """The solution of M X = B, and a bound on its error δ = L r + (1 - L M) δ with residual r."""
+    n = matrix.shape[-1]
+    inverse = _inverse(matrix)
+    found = inverse @ right
+    size, absolute = np.abs(inverse), np.abs(found)
+    residual = np.abs(matrix @ found - right) + unsure + error @ absolute
+    residual += 2 * n * (UNIT * (np.abs(matrix) @ absolute + np.abs(right)) + TINY)
+    doubt = (1 + 4 * n * UNIT) * (size @ residual) + n * TINY
+    spread = _contraction(inverse, matrix, error).sum(axis=-1)
+    factor = spread.max(axis=-1)[:, None]
+    sound = factor < 0.5
+    most = doubt.max(axis=-2) / np.where(sound, 1 - factor, 1.0)
+    doubt = doubt + spread[:, :, None] * most[:, None, :]
+    return found, np.where(sound[:, :, None], doubt, np.inf)
 
 
 def tangent_vectors(
@@ -235,19 +275,13 @@ def tangent_vectors(
     by_a, by_u, _, r_u, r_a = tracked_arrays(family.graph.tangent, arguments, shape)
     tangent, error = by_a
     if family.unknown and not family.closed:
-        inverse = np.linalg.inv(r_u[0])
-        slope = inverse @ r_a[0]
-        size, absolute = np.abs(inverse), np.abs(slope)
-        rough = 8 * (UNIT * (np.abs(r_u[0]) @ absolute) + TINY)
-        doubt = size @ (r_a[1] + r_u[1] @ absolute + rough)
-        shrink = (size @ r_u[1]).sum(axis=-1).max(axis=-1)[:, None, None]
-        doubt = np.where(shrink < 0.5, doubt / (1 - np.minimum(shrink, 0.5)), np.inf)
+        slope, doubt = _solved(*r_u, *r_a)
+        size, absolute = np.abs(by_u[0]), np.abs(slope)
         tangent = tangent - by_u[0] @ slope
-        carried = np.abs(by_u[0])[..., :, :, None] * doubt[..., None, :, :]
-        carried[np.abs(by_u[0]) == 0] = 0.0  # no share of an infinite doubt
-        error = (
-            error + carried.sum(axis=-2) + by_u[1] @ absolute + 4 * (UNIT * np.abs(tangent) + TINY)
-        )
+        carried = (size + by_u[1])[..., :, :, None] * doubt[..., None, :, :]
+        carried[(size == 0) & (by_u[1] == 0)] = 0.0  # no share of an infinite doubt
+        error = error + carried.sum(axis=-2) + by_u[1] @ absolute
+        error += 4 * (len(family.unknown) * UNIT * (size @ absolute + np.abs(tangent)) + TINY)
     keep = [i for i, name in enumerate(family.at) if name in family.system.states]
     return tangent[..., keep], error[..., keep]
 
