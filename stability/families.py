@@ -199,8 +199,11 @@ class Family:
         """
         a, u, q = tables(self, a, q, u)
         states = self.states(a, u, q)
-        self.system.check(states, self._system_parameters(a, q))
+        given = self._system_parameters(a, q)
+        self.system.check(states, given)
         self._require_steady(a, u, q)
+        # the family's graph has folded what it multiplies by zero; the system's own has not
+        self.system.rates(states, given)
         return states
 
     def matrix(self, a: Floats, u: Floats, q: Floats) -> Floats:
@@ -314,6 +317,12 @@ class Family:
                     raise NoMemberError(f"{self.name} does not exist there: {reason}")
 
     def _root(self, a: Floats, q: Floats, start: Floats) -> Floats:
+        if self.graph.finder is None:
+            raise ParameterError(
+                f"{self.name}: the equations {', '.join(self.equations)} leave the unknowns "
+                f"{', '.join(self.unknown)} open, whatever the numbers are; give others, or hold "
+                "what is free."
+            )
         finder = self.graph.finder.map(len(a))
         u = np.array(finder(start.T, np.hstack([a, q]).T)).T.reshape(len(a), -1)
         step = self._newton_step(a, u, q)
@@ -355,6 +364,8 @@ class Family:
     def _require_steady(self, a: Floats, u: Floats, q: Floats) -> None:
         arguments = [columns(a), columns(u), columns(q)]
         rates = self.graph.rates.arrays(arguments, a.shape[:1])[0][..., 0]
+        if not rates.any():
+            return
         with np.errstate(all="ignore"):
             matrix = self.matrix(a, u, q)
             size = np.abs(matrix).max(axis=(1, 2))
@@ -363,8 +374,6 @@ class Family:
             raise NoMemberError(
                 f"{self.name}: the rates overflow double precision; give values nearer to 1."
             )
-        if not rates.any():
-            return
         bound = rate_noise(self.graph, a, u, q, self.states(a, u, q), matrix)
         bound = np.where(np.isfinite(bound), bound, UNKNOWN * scale[:, None])
         over = ~(np.abs(rates) <= bound)

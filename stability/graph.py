@@ -173,7 +173,9 @@ class FamilyGraph:
             numbers = ca.DM(self._constants.values)
             plain = ca.substitute(residual, self._constants.column, numbers)
             problem = ca.Function("residual", [u, given], [plain])
-            self.finder = ca.rootfinder("root", "fast_newton", problem, FINDER)
+            self.finder = None  # where no choice of numbers makes the Jacobian regular
+            if ca.sprank(by_u) == self._size:
+                self.finder = ca.rootfinder("root", "fast_newton", problem, FINDER)
 
     def _conditions(self, table: Mapping[str, Any]) -> None:
         """The conditions on which no unknown has a say, to be checked before solving."""

@@ -316,7 +316,7 @@ class System:
         array: NDArray[np.float64] = np.asarray(values)
         if not np.isfinite(array).all():
             raise DomainError(
-                f"{self.name}: a value is not finite there, or overflows double precision; give "
+                f"{self.name}: values are not finite there, or overflow double precision; give "
                 "another state, with values nearer to 1."
             )
         return array

@@ -402,3 +402,63 @@ def test_the_bound_on_a_null_vector_holds_the_exact_one(size: int) -> None:
                 if given != 0 and bound > 0:
                     sharp.append(float(bound) / float(int(abs(given).p)) * float(int(given.q)))
     assert size == 1 or (len(sharp) > 100 and np.median(sharp) < 50)
+
+
+@pytest.mark.parametrize("size", [1, 2, 4, 6])
+def test_the_bound_on_a_solution_holds_the_exact_one(size: int) -> None:
+    """Equations of rationals, some nearly singular, known to within a stated error."""
+    from flint import fmpq, fmpq_mat
+
+    from stability.reduction import _solved
+
+    def exact_of(value: float) -> Any:
+        return fmpq(*float(value).as_integer_ratio())
+
+    rng, finite = np.random.default_rng(size), 0
+    for _ in range(150):
+        matrix = rng.normal(size=(size, size)) * 10.0 ** rng.uniform(-4, 4, (size, 1))
+        if size > 1 and rng.random() < 0.5:
+            matrix[0] = matrix[1] * (1 + 10.0 ** rng.uniform(-13, -2, size))
+        right = rng.normal(size=(size, 2))
+        errors = [np.abs(m) * 10.0 ** rng.uniform(-16, -8, m.shape) for m in (matrix, right)]
+        if rng.random() < 0.5:
+            errors = [0 * e for e in errors]
+        near = [m + e * rng.uniform(-0.9, 0.9, m.shape)
+                for m, e in zip((matrix, right), errors, strict=True)]  # fmt: skip
+        found, doubt = _solved(near[0][None], errors[0][None], near[1][None], errors[1][None])
+        truth = fmpq_mat([[exact_of(v) for v in row] for row in matrix]).solve(
+            fmpq_mat([[exact_of(v) for v in row] for row in right])
+        )
+        for i, j in np.ndindex(size, 2):
+            if np.isfinite(doubt[0, i, j]):
+                finite += 1
+                off = exact_of(found[0, i, j]) - truth[i, j]
+                assert abs(off) <= exact_of(doubt[0, i, j])
+    assert finite > 150
+
+
+def test_a_map_has_steady_members_only() -> None:
+    """Steady at the corners, where alone that was looked at, and not between; or without value."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    bumpy = st.System("bumpy", x, p, ca.vertcat(-x[0] + p * (1 - p), -x[1]), ("y", "z"), ("p",))
+    rest = st.Family(bumpy, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
+    axes: dict[str, Any] = {"x": ("p", 0.0, 1.0, 5), "y": ("q", 1.0, 2.0, 2)}
+    with pytest.raises(st.StabilityError, match="q"):  # it has one parameter only
+        st.stability_map(rest, **axes)
+    q = ca.SX.sym("q")
+    two = st.System(
+        "two", x, ca.vertcat(p, q), ca.vertcat(-x[0] + p * (1 - p) * q, -x[1]), ("y", "z"),
+        ("p", "q"),
+    )  # fmt: skip
+    rest = st.Family(two, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
+    with pytest.raises(st.StabilityError, match="not steady"):
+        st.stability_map(rest, **axes)
+    hole = st.System(
+        "hole", x, ca.vertcat(p, q), ca.vertcat(-x[0] + x[1] * q / (p - 0.5), -x[1]), ("y", "z"),
+        ("p", "q"),
+    )  # fmt: skip
+    rest = st.Family(hole, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
+    with pytest.raises(st.StabilityError, match="not finite|overflow"):
+        st.stability_map(rest, **axes)
+    with pytest.raises(st.StabilityError, match="not finite|overflow"):
+        st.spectrum(rest, at=0.5, q=1.0)
