@@ -26,6 +26,7 @@ from .polynomial import characteristic, hurwitz_sign, precision, structure, verd
 from .problem import Problem
 from .root_balls import clustered, exact_roots, isolated
 from .routh import on_the_axis
+from .spectra import NOT_STEADY
 from .verdict import Verdict, best
 
 BITS = 128
@@ -166,7 +167,7 @@ def structural_zeros(member: Member) -> int:
     """
     if certain(member.family):
         return structure(member.family).zeros
-    return member.structural()
+    return member.structural[0]
 
 
 # --- verdicts ---
@@ -202,6 +203,18 @@ def of_member(member: Member, zeros: int) -> tuple[Verdict, int]:
     verdict, bits
         Bits are 0 for rational arithmetic.
     """
+    if not member.steady:  # a root of the equations, and no steady motion
+        return Verdict.UNDECIDED, NOT_STEADY
+    decided, bits = _without(member, zeros)
+    if decided is Verdict.UNSTABLE or certain(member.family):
+        return decided, bits
+    low, high = member.structural
+    if zeros == low < high and _without(member, high)[0] is not decided:
+        return Verdict.UNDECIDED, bits  # one that is left in may be structural
+    return decided, bits
+
+
+def _without(member: Member, zeros: int) -> tuple[Verdict, int]:
     if member.rational is not None:
         if any(c != 0 for c in member.rational[:zeros]):  # no proof would have led here
             return Verdict.UNDECIDED, 0

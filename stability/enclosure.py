@@ -12,6 +12,9 @@ from .algebra import balls
 from .errors import NoMemberError
 from .families import Family, listing
 
+INFLATIONS = 4
+"""How often a box is widened to what its image was."""
+
 
 def matrix_polynomial(
     family: Family, a: Sequence[Any], u: Sequence[Any], q: Sequence[Any]
@@ -106,12 +109,20 @@ def _krawczyk(
             3 * shift[i, 0].abs_upper() + (least + abs(x[i, 0])) * arb(2) ** (16 - ctx.prec)
             for i in range(size)
         ]
-        box = arb_mat(size, 1, [x[i, 0] + arb(0, spread[i].abs_upper()) for i in range(size)])
-        _, slope = _residual(family, a, box, q)
-        image = x - shift + (one - inverse * slope) * (box - x)
-        if all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
-            return [image[i, 0] for i in range(size)]
+        for _ in range(INFLATIONS):
+            box = arb_mat(size, 1, [x[i, 0] + arb(0, spread[i].abs_upper()) for i in range(size)])
+            _, slope = _residual(family, a, box, q)
+            image = x - shift + (one - inverse * slope) * (box - x)
+            if all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
+                return [image[i, 0] for i in range(size)]
+            # a root that does not move with the others is wide because they are
+            spread = [max(s, 2 * abs(image[i, 0] - x[i, 0]), key=_upper)
+                      for i, s in enumerate(spread)]  # fmt: skip
     return None
+
+
+def _upper(ball: Any) -> Any:
+    return ball.abs_upper()
 
 
 def _residual(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any]:

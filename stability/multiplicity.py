@@ -10,13 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache, reduce
+from functools import cached_property, lru_cache, reduce
 from typing import Any
 
 import numpy as np
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
 from scipy.sparse.csgraph import connected_components
 
+from .algebra import balls
 from .enclosure import ball_unknowns, matrix_polynomial
 from .errors import NoMemberError, StabilityError
 from .exact_fields import EXACT, NotExact, NumberField, characteristic, rational, vanishes
@@ -91,6 +92,8 @@ def certain(family: Family) -> bool:
         The family.
     """
     sampled = structure(family)
+    if not sampled.steady:
+        return False
     if not sampled.zeros and not family.conservative:
         return True
     proved = identity(family)
@@ -189,8 +192,23 @@ class Member:
         self._flags: list[bool] | None = None
         self.rational: list[Any] | None = None
         """Coefficients of det(λ - A) over Q, lowest first, where they are rational."""
-        with suppress(NotExact):
-            self._exact()
+        self.steady = self._rests()
+        """Whether no rate is proved to differ from zero at the root of the solved equations."""
+        if self.steady:
+            with suppress(NotExact):
+                self._exact()
+
+    def _rests(self) -> bool:
+        if self.near is None:
+            return True
+        with precision(ROOT_BITS):
+            a, q = self.balls(self.a), self.balls(self.q)
+            try:
+                u = ball_unknowns(self.family, a, q, self.near)
+            except (NoMemberError, ZeroDivisionError):  # said where the root is needed
+                return True
+            rates = self.family.graph.rates.dense(balls(), [a, u, q])
+        return all(arb(rate).contains(0) for (rate,) in rates)
 
     def _exact(self) -> None:
         """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""
@@ -285,45 +303,50 @@ class Member:
         """Eigenvalues that are zero at this member, by proof: a lower bound unless all is exact."""
         return next(i for i, flag in enumerate(self.flags) if not flag)
 
-    def structural(self) -> int:
-        """Eigenvalues that are zero here by proof, and at sampled members next to it too."""
+    @cached_property
+    def structural(self) -> tuple[int, int]:
+        """Least and largest number of eigenvalues that are zero here and at the members around.
+
+        Those that are zero here are so by proof.  Both numbers agree unless no neighbourhood of the
+        member is reached, or a coefficient is too flat to tell whether it vanishes there.
+        """
         count = self.zeros()
-        return min(count, _generic(self.family, self.a, self.q, self.near)) if count else 0
+        low, high = _generic(self.family, self.a, self.q, self.near) if count else (0, 0)
+        return min(count, low), min(count, high)
 
 
 def _generic(
     family: Family, a: Sequence[Any], q: Sequence[Any], near: Sequence[float] | None
-) -> int:
-    """Eigenvalues that vanish at members next to one, on its own branch; 0 if none is reached."""
+) -> tuple[int, int]:
+    """Bounds on how many eigenvalues vanish at members next to one, on its own branch."""
     with precision(LOCAL_BITS):
         for offset in OFFSETS:
             step = fmpq(1, 2**offset)
             wide = [arb(v) + arb(0, arb((abs(v) + step) * step)) for v in (*a, *q)]
             try:  # one root for the whole neighbourhood: the samples lie on the branch
                 ball_unknowns(family, wide[: len(a)], wide[len(a) :], near)
-                return min(_sampled(family, a, q, near, step, turn) for turn in range(3))
+                found = [_sampled(family, a, q, near, step, turn) for turn in range(3)]
             except (NoMemberError, ZeroDivisionError):
                 continue
-    return 0
+            return min(low for low, _ in found), min(high for _, high in found)
+    return identity(family).zeros, len(family.system.states)
 
 
 def _sampled(
     family: Family, a: Sequence[Any], q: Sequence[Any], near: Any, step: Any, turn: int
-) -> int:
+) -> tuple[int, int]:
+    """Eigenvalues that are proved to vanish at a member near by, and those that may."""
     place = []
     for index, v in enumerate((*a, *q)):
         share = fmpq(16 + (13 * turn + 7 * index) % 33, 64)  # between 1/4 and 3/4
         if turn == 1 or (turn == 2 and index % 2):  # both sides of a kink such as that of |p|
             share = -share
         place.append(v + share * (abs(v) + step) * step)
-    some, others = place[: len(a)], place[len(a) :]
-    if near is None:
-        exact = Member(family, some, others, [])
-        if exact.rational is not None:  # no precision to end, however small a coefficient is
-            return exact.zeros()
-    balls = Member.balls(some), Member.balls(others)
-    poly = matrix_polynomial(family, balls[0], ball_unknowns(family, *balls, near), balls[1])
-    return next(i for i, c in enumerate(poly) if not c.contains(0))
+    member = Member(family, place[: len(a)], place[len(a) :], near or [])
+    low = member.zeros()
+    if member.rational is not None:  # no precision to end, however small a coefficient is
+        return low, low
+    return low, next(i for i, c in enumerate(member.enclosed()) if not c.contains(0))
 
 
 def _simplest(ball: Any) -> Any:

@@ -12,6 +12,7 @@ from typing import Any
 
 from flint import arb, arb_mat, ctx, fmpq_poly
 
+from .algebra import balls
 from .enclosure import ball_unknowns, matrix_polynomial
 from .errors import StabilityError
 from .families import Family
@@ -22,6 +23,8 @@ SAMPLE_BITS = 400
 """Precision there; a coefficient that vanishes to this many bits at every sample is structural."""
 
 
+ROUGH = 1e-6
+"""Largest rate of a sampled member that counts as steady; on a wrong branch it is far larger."""
 _PRECISION = RLock()
 
 
@@ -35,6 +38,8 @@ class Structure:
     """Whether the rest is even in λ."""
     how: str
     """A sentence that says how it was established."""
+    steady: bool
+    """Whether the sampled members are steady motions; if not, the count says nothing of others."""
 
 
 @contextmanager
@@ -114,9 +119,10 @@ def structure(family: Family) -> Structure:
     >>> structure(disk_family("rolling", "viscous")).zeros
     2
     """
-    vanishing = [True] * (len(family.system.states) + 1)
+    vanishing, steady = [True] * (len(family.system.states) + 1), True
     for sample in range(SAMPLES):
-        found = _vanishing(family, sample)
+        found, rests = _vanishing(family, sample)
+        steady = steady and rests
         vanishing = [v and f for v, f in zip(vanishing, found, strict=True)]
     zeros = vanishing.index(False)
     rest = vanishing[zeros:]
@@ -129,11 +135,14 @@ def structure(family: Family) -> Structure:
     how = (
         f"vanishing to {SAMPLE_BITS // 2} bits at {SAMPLES} random members, the next proved nonzero"
     )
-    return Structure(zeros, even, how)
+    return Structure(zeros, even, how, steady)
 
 
-def _vanishing(family: Family, sample: int) -> list[bool]:
-    """Which coefficients vanish to 200 bits at a random member; large entries take more bits."""
+def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
+    """Which coefficients vanish to 200 bits at a random member, and whether its rates vanish.
+
+    Large entries take more bits.  Held values may be rounded: rates vanish to a few digits only.
+    """
     names = (*family.at, *family.parameters)
     cut, least = len(family.at), 2.0 ** (-SAMPLE_BITS // 2)
     for bits in (SAMPLE_BITS, 4 * SAMPLE_BITS, 16 * SAMPLE_BITS):
@@ -146,12 +155,17 @@ def _vanishing(family: Family, sample: int) -> list[bool]:
                 for n, f in zip(names, factor, strict=True)
             ]
         with precision(bits):
-            found = characteristic(family, point[:cut], point[cut:])
+            a, q = point[:cut], point[cut:]
+            u = ball_unknowns(family, a, q)
+            found = matrix_polynomial(family, a, u, q)
+            rates = family.graph.rates.dense(balls(), [a, u, q])
         near = [bool(c.contains(0)) for c in found]
         small = [float(c.abs_upper()) < least for c in found]
         if all(s for s, n in zip(small, near, strict=True) if n):
             break
-    return [n and s for n, s in zip(near, small, strict=True)]
+    return [n and s for n, s in zip(near, small, strict=True)], all(
+        arb(rate).abs_lower() < ROUGH for (rate,) in rates
+    )
 
 
 def verdict_polynomial(coefficients: Sequence[Any], zeros: int, conservative: bool) -> list[Any]:

@@ -131,7 +131,7 @@ class Rows:
     def note(self) -> str:
         """A sentence on zeros that typical members have and these have not, or nothing."""
         usual = structure(self.question.family).zeros
-        if self.zeros == usual:
+        if self.zeros >= usual:
             return ""
         return (
             f"{usual} eigenvalue{'s' * (usual != 1)} vanish{'es' * (usual == 1)} at typical "

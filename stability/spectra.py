@@ -28,6 +28,8 @@ GROWS = -2
 """In place of a verdict's flag value where structural zeros are not semisimple."""
 NOT_ASKED = -1
 """In place of bits where a verdict stands as double precision gave it."""
+NOT_STEADY = -2
+"""In place of bits where a rate is proved not to vanish at the root of the equations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +44,12 @@ class Proof:
     escalated: bool = False
     """Whether only those points were certified that double precision left undecided."""
 
-    @property
-    def how(self) -> str:
-        """In words, for a single spectrum."""
-        return f"balls of {self.bits} bits" if self.bits else "rational arithmetic"
+    def sentence(self, *, certified: bool) -> str:
+        """How far the proof of a single spectrum came, in words."""
+        if self.bits == NOT_STEADY:
+            return "no steady motion: at the root of the equations another rate is not zero"
+        how = f"balls of {self.bits} bits" if self.bits else "rational arithmetic"
+        return f"{'proved' if certified else 'undecided within the budget of precision'} in {how}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,8 +168,7 @@ class Spectrum:
             bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound
         parts = [bound]
         if self.proof is not None and self.proof.bits != NOT_ASKED:
-            budget = "undecided within the budget of precision" if not self.certified else "proved"
-            parts = [f"{budget} in {self.proof.how}", bound]
+            parts = [self.proof.sentence(certified=self.certified), bound]
             if self.proof.escalated:
                 parts.insert(0, "double precision left it open")
         elif self.structural_zeros:

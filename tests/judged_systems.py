@@ -194,6 +194,74 @@ class Oracle:
         alone = tight if sum(g < 1e-5 for g in gaps) == len(tight) else close
         return [(m, values) for m in alone]
 
+    def own_root(self, asked: dict[str, float], found: Sequence[float]) -> list[Any] | None:
+        """The root of the solved equations next to reported unknowns, by Newton's method.
+
+        A system drawn at random may have roots that its plan does not know, some of them closer to
+        a planned one than a double tells.
+        """
+        unknown = [self.states.index(n) for n in self.case.family.unknown]
+        rows = [self.states.index(n) for n in self.case.family.equations]
+        if not unknown:
+            return None
+
+        def refine() -> list[Any] | None:
+            x = [arb(exact(v)) for v in found]
+            for i, name in enumerate(self.states):
+                if name in asked:
+                    x[i] = arb(exact(asked[name]))
+            q = [arb(exact(asked[name])) for name in self.parameters]
+            for _ in range(12):
+                out = self.rates(Balls(), x, q)
+                slope = arb_mat([[arb(out[r].slope[c]).mid() for c in unknown] for r in rows])
+                right = arb_mat([[arb(out[r].value).mid()] for r in rows])
+                try:
+                    step = slope.solve(right)
+                except ZeroDivisionError:
+                    return None
+                for i, c in enumerate(unknown):
+                    x[c] = (x[c] - step[i, 0]).mid()
+            small = all(abs(step[i, 0]) < arb(2) ** -250 for i in range(len(unknown)))
+            near = all(abs(middle(x[i]) - v) <= 1e-9 * (1 + abs(v)) for i, v in enumerate(found))
+            return x if small and near else None
+
+        try:
+            root: list[Any] | None = at_bits(BITS, refine)
+        except Meaningless:
+            return None
+        return root
+
+    def elsewhere(self, x: Sequence[Any], asked: dict[str, float], claim: Any) -> str:
+        """What is wrong with a claim about such a root; sides and discs are held against it."""
+        verdict, zeros, eigenvalues, radii = claim
+
+        def look() -> str:
+            q = [arb(exact(asked[name])) for name in self.parameters]
+            out = self.rates(Balls(), x, q)
+            moving = [d for d in out if not abs(middle(d.value)) < 1e-60]
+            if moving:
+                return "" if verdict == "undecided" else "decided where the motion is not steady"
+            poly = arb_mat([[arb(s) for s in d.slope] for d in out]).charpoly()
+            if any(abs(middle(poly[i])) > 1e-60 for i in range(zeros)):
+                return f"{zeros} zeros dropped, fewer there"
+            rest = fmpq_poly([poly[i].mid().fmpq() for i in range(zeros, len(self.states) + 1)])
+            roots = [root for root, n in rest.numer().complex_roots() for _ in range(n)]
+            most = max(float(root.real.mid()) for root in roots)
+            if (verdict, most > 0) in (("stable", True), ("unstable", False)):
+                return "wrong verdict at a root of its own"
+            for root in roots:
+                value = complex(float(root.real.mid()), float(root.imag.mid()))
+                slack = 1e-15 * abs(value) + 1e-25
+                if (
+                    verdict != "undecided"
+                    and not (np.abs(eigenvalues - value) <= radii * (1 + 1e-12) + slack).any()
+                ):
+                    return f"no disc holds the eigenvalue {value}"
+            return ""
+
+        found: str = at_bits(BITS, look)
+        return found
+
     def rests(self, asked: dict[str, float], found: Sequence[float]) -> bool:
         """Whether rates nearly vanish at reported states that no planned member explains."""
 
@@ -321,6 +389,12 @@ def accept(
     return word, enclosed(truth.all(zeros), eigenvalues, radius)
 
 
+def same(x: Sequence[Any], y: Sequence[Any]) -> bool:
+    """Whether two members are one, to 150 bits."""
+    return at_bits(BITS, lambda: all(abs(arb(a) - arb(b)) < arb(2) ** -150
+                                     for a, b in zip(x, y, strict=True)))  # type: ignore[no-any-return]  # fmt: skip
+
+
 def judge(case: Case, certify: bool, asked: Sequence[dict[str, float]]) -> list[Finding]:
     """Everything that one call says, against the truth."""
 
@@ -348,10 +422,12 @@ def judge(case: Case, certify: bool, asked: Sequence[dict[str, float]]) -> list[
     for i, word in enumerate(words):
         reason = s.reason if len(asked) == 1 else ""
         claim = (word, s.structural_zeros, values[i], radii[i])
-        answers = [
-            accept(oracle, member, exactly, claim)
-            for member, exactly in oracle.nearest(asked[i], states[i])
-        ]
+        planned = oracle.nearest(asked[i], states[i])
+        answers = [accept(oracle, member, exactly, claim) for member, exactly in planned]
+        if all(wrong for _, wrong in answers):
+            own = oracle.own_root(asked[i], states[i])
+            if own is not None and not any(same(own, member) for member, _ in planned):
+                answers.append(("elsewhere", oracle.elsewhere(own, asked[i], claim)))
         if not answers:
             steady = word == "undecided" or oracle.rests(asked[i], states[i])
             answers = [("elsewhere", "" if steady else f"no member at {states[i]}")]

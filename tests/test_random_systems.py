@@ -138,6 +138,13 @@ def test_no_planted_change_of_verdict_is_missed_or_invented() -> None:
         ("factors", 7000000),
         ("functions", 1122000438),  # exp(-800) is no zero: its error was
         ("functions", 1122000667),
+        ("lines", 1122000142),  # typical members were roots of the equations, but not steady
+        ("lines", 1122000532),  # the error of a tangent was that of a better solver than was used
+        ("lines", 1122000563),  # a root at which another rate does not vanish was certified
+        ("lines", 1122001159),  # unknowns that the equations leave open ended in an error of CasADi
+        ("lines", 1122001285),  # no neighbourhood was reached where an unknown does not move
+        ("lines", 1122001442),  # a power that is flat next to the member counted as structural
+        ("products", 1122001086),  # 0/0 times zero was zero
     ],
 )
 def test_what_the_long_campaign_found_is_mended(kind: str, seed: int) -> None:
