@@ -192,22 +192,29 @@ class Member:
         self._flags: list[bool] | None = None
         self.rational: list[Any] | None = None
         """Coefficients of det(λ - A) over Q, lowest first, where they are rational."""
+        self._root = self._enclosed_root()
         self.steady = self._rests()
         """Whether no rate is proved to differ from zero at the root of the solved equations."""
         if self.steady:
             with suppress(NotExact):
                 self._exact()
 
-    def _rests(self) -> bool:
+    def _enclosed_root(self) -> list[Any] | None:
+        """The unknowns that are solved for, to many digits; None where no root is proved."""
         if self.near is None:
+            return None
+        with precision(ROOT_BITS):
+            try:
+                return ball_unknowns(self.family, self.balls(self.a), self.balls(self.q), self.near)
+            except (NoMemberError, ZeroDivisionError):  # said where the root is needed
+                return None
+
+    def _rests(self) -> bool:
+        if self._root is None:
             return True
         with precision(ROOT_BITS):
-            a, q = self.balls(self.a), self.balls(self.q)
-            try:
-                u = ball_unknowns(self.family, a, q, self.near)
-            except (NoMemberError, ZeroDivisionError):  # said where the root is needed
-                return True
-            rates = self.family.graph.rates.dense(balls(), [a, u, q])
+            place = [self.balls(self.a), self._root, self.balls(self.q)]
+            rates = self.family.graph.rates.dense(balls(), place)
         return all(arb(rate).contains(0) for (rate,) in rates)
 
     def _exact(self) -> None:
@@ -220,20 +227,17 @@ class Member:
         self._flags = [vanishes(c) for c in poly]
 
     def _unknowns(self) -> list[Any]:
-        family = self.family
-        if not family.unknown or family.closed:
-            return [rational(v) for v in family.unknown.values()]
+        if self.near is None:
+            return [rational(v) for v in self.family.unknown.values()]
+        if self._root is None:
+            raise NotExact("no root is proved")
         with precision(ROOT_BITS):
-            try:
-                box = ball_unknowns(family, self.balls(self.a), self.balls(self.q), self.near)
-            except (NoMemberError, ZeroDivisionError):
-                raise NotExact("no root is proved") from None
-            simple = [_simplest(ball) for ball in box]
+            simple = [_simplest(ball) for ball in self._root]
             if None not in simple and self._solves(simple):
                 return simple
-            if len(box) > 1:
+            if len(self._root) > 1:
                 raise NotExact("several algebraic unknowns")
-            return [self._algebraic(box[0])]
+            return [self._algebraic(self._root[0])]
 
     def _solves(self, u: list[Any]) -> bool:
         """Whether rationals solve the equations exactly."""
