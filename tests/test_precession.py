@@ -127,3 +127,46 @@ def test_a_map_over_both_parameters_agrees_with_points() -> None:
             at = (float(found.theta[i]), float(found.phi_dot[j]))
             one = st.spectrum("precession", at=at, contact=st.Smooth())
             assert int(found.verdict.transpose("theta", "phi_dot")[i, j]) == one.verdict.code
+
+
+def test_its_boundaries_are_the_two_branches_along_either_axis() -> None:
+    """K φ̇² = ((2s² - 1) ± √(4s⁴ - 3))/(2s), from the discriminant above; θ by bisection of it."""
+    import mpmath
+
+    def branches(theta: float, k: float) -> list[float]:
+        with mpmath.workdps(40):
+            s = mpmath.sin(mpmath.mpf(theta))
+            inside = 4 * s**4 - 3
+            if inside < 0:
+                return []
+            roots = [(2 * s * s - 1 + sign * mpmath.sqrt(inside)) / (2 * s) for sign in (-1, 1)]
+            return [float(mpmath.sqrt(w / mpmath.mpf(k))) for w in roots]
+
+    rng = np.random.default_rng(3)
+    seen = set()
+    for _ in range(40):
+        theta, k = rng.uniform(0.4, 2.7), rng.uniform(0.05, 0.5)
+        disk = st.Disk(k=k)
+        found = st.boundaries(
+            "precession", axis=("phi_dot", 0.01, 30.0, 20), at=theta, disk=disk,
+            contact=st.Smooth(),
+        )  # fmt: skip
+        truth = branches(theta, k)
+        seen.add(len(truth))
+        assert found.complete
+        assert [b.value for b in found] == pytest.approx(truth, rel=1e-13)
+        for b, exact in zip(found, truth, strict=True):
+            assert abs(b.value - exact) <= b.error + 1e-15 * exact
+        rate = rng.uniform(0.3, 4.0)
+        along = st.boundaries(
+            "precession", axis=("theta", 0.4, 2.7, 20), at=rate, disk=disk, contact=st.Smooth()
+        )
+        assert along.complete
+        # where a branch has this rate: a root in s of w² - (2s² - 1) w/s + (1 - s²)/s² = 0
+        w = k * rate * rate  # (s² w² - (2 s³ - s) w + 1 - s² = 0)
+        roots = np.roots([-2 * w, w * w - 1, w, 1.0])
+        lean = [float(r.real) for r in roots if abs(r.imag) < 1e-12 and 0 < r.real < 1]
+        expected = sorted(t for s in lean for t in (math.asin(s), math.pi - math.asin(s))
+                          if 0.4 < t < 2.7)  # fmt: skip
+        assert [b.value for b in along] == pytest.approx(expected, abs=1e-9)
+    assert seen == {0, 2}
