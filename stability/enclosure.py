@@ -12,6 +12,8 @@ from .algebra import balls
 from .errors import NoMemberError
 from .families import Family, listing
 
+BESIDE = 1e-6
+"""Largest distance of a proved root from the one in double precision, over 1 or its size."""
 INFLATIONS = 4
 """How often a box is widened to what its image was."""
 
@@ -70,7 +72,11 @@ def ball_unknowns(
         point = ([float(v.mid()) for v in a], [float(v.mid()) for v in q])
         rough = family.solve(*(np.array([part]).reshape(1, -1) for part in point))[0]
     found = _krawczyk(family, a, q, rough)
-    if found is None:
+    # next to a double root Newton's method may leave for another one
+    if found is None or not all(
+        ball.overlaps(arb(float(v), BESIDE * (1 + abs(float(v)))))
+        for ball, v in zip(found, rough, strict=True)
+    ):
         raise NoMemberError(
             f"{family.name} at {listing(family.at, [float(v) for v in a])}: no root is proved "
             f"within {ctx.prec} bits; the point may be singular."
