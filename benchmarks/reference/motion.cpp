@@ -377,7 +377,7 @@ struct Run {
                 Real point[DIM];
                 for (int d = 0; d < DIM; d++) point[d] = y[d] + Z[i * DIM + d];
                 disk.rates(point, dy, g);
-                for (int j = 0; j < 2; j++)
+                for (int j : {0, 1, 3})  // gn D stays positive where gn and D change sign together
                     if (!(g[j] > 0)) which = j, low = i ? m.c[i - 1] * h : 0, high = m.c[i] * h;
             }
             if (which >= 0) {
@@ -397,7 +397,7 @@ struct Run {
                 for (int d = 0; d < DIM; d++) y[d] += Z[(s - 1) * DIM + d];
                 time += high;
                 disk.rates(y, dy, g);
-                outcome = which == 2 ? "exhausted" : which ? "flat" : "lift-off";
+                outcome = which == 3 ? "stuck" : which == 2 ? "exhausted" : which ? "flat" : "lift-off";
                 // gn D and D may vanish together, gn staying positive
                 if (which != 1 && size(g[3]) < Real(1e-6)) outcome = "stuck";
                 break;
