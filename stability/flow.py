@@ -100,6 +100,13 @@ class Flow:
         )  # fmt: skip
 
     @cached_property
+    def guard_slopes(self) -> ca.Function:
+        """CasADi function (y, p) → gradients of the guards."""
+        values = ca.vertcat(*self.guards.values())
+        slopes = ca.densify(ca.jacobian(values, self.x))
+        return ca.Function("guard_slopes", [self.x, self.p], [slopes])
+
+    @cached_property
     def _watch_program(self) -> Program:
         return Program(self.watch)
 

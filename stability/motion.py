@@ -318,6 +318,8 @@ def _judge(
     if end is not None:
         outcome, evidence = _ending(leg, end)
         evidence = why or evidence
+        if end.kind in leg.flow.guards and not end.early:
+            path = replace(path, end=replace(end, lags=_lags(leg, end)))
     else:
         outcome, evidence = Outcome.MOVING, near.evidence
         if near.settled:
@@ -330,6 +332,14 @@ def _judge(
         evidence + ("" if launches.dimensionless else " (dimensionless numbers)"),
         max(leg.tolerance, FINEST[choice.method]),
     )  # fmt: skip
+
+
+def _lags(leg: Leg, end: End) -> Floats:
+    """How much later the guard of an end vanishes for a change of each entry of the state."""
+    index = list(leg.flow.guards).index(end.kind)
+    rate = abs(float(leg.flow.margins(end.state, leg.p)[1][index]))
+    slope: Floats = np.abs(np.array(leg.flow.guard_slopes(end.state, leg.p))[index])
+    return slope / rate if rate else np.where(slope > 0, np.inf, 0.0)
 
 
 def _ending(leg: Leg, end: End) -> tuple[Outcome, str]:

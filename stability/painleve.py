@@ -57,11 +57,16 @@ class Approach:
         return self.normal > 0
 
     @property
+    def left(self) -> float:
+        """Time until both reach zero together."""
+        return self.state[0] / -self.rates[0].real
+
+    @property
     def sentence(self) -> str:
         """The evidence, where both reach zero together."""
         d, gn = self.state
         return (
-            f"gn D and D run to zero together: D = {d:.1e}, {d / -self.rates[0].real:.1e} before "
+            f"gn D and D run to zero together: D = {d:.1e}, {self.left:.1e} before "
             f"it vanishes, and gn = {gn:.6g} stays positive, with the limit {self.normal:.6g}; no "
             "contact force is determined beyond"
         )
@@ -172,7 +177,14 @@ def closer(leg: Leg, path: Path) -> tuple[Path, str] | None:
     share = small(leg.flow, path.end.state, leg.p)
     if share is None or share > (CLOSE if path.end.kind == UNRESOLVED else SMALL):
         return None
+    # a coarse step may have put the last samples beyond D = 0
     count = len(path.states)
+    while count and (small(leg.flow, path.states[count - 1], leg.p) or 0.0) <= NARROW:
+        count -= 1
+    if not count:
+        return None
+    final = path.end
+    path = replace(path, states=path.states[:count])
     first = np.append(path.states[-1], leg.times[count - 1])
     found = _stretched(leg, stretched_flow(leg.flow), first, leg.times[count:])
     last = found.end
@@ -180,24 +192,29 @@ def closer(leg: Leg, path: Path) -> tuple[Path, str] | None:
         end = End(NO_CONTACT, float(last.state[-1]), last.state[:-1])
         fate = approach(leg.flow, end.state, leg.p)
         if fate.together:
+            rates = np.array(leg.flow.rates(end.state, leg.p)).ravel()
+            speed = float((np.abs(rates) / np.maximum(1.0, np.abs(end.state))).max())
+            end = replace(end, early=fate.left, short=2 * fate.left * speed)
             return _extended(path, found, end), fate.sentence
         rest = leg.times[count + len(found.states) :]
         on = _stretched(leg, stretched_flow(leg.flow, 0.0), last.state, rest)
         last = on.end
         if last is not None and last.kind == NO_CONTACT:
             why = f"D = {NARROW:.1e} runs to zero, and the contact force grows without bound"
+            off = np.abs(last.state[:-1] - end.state) / np.maximum(1.0, np.abs(end.state))
+            end = replace(end, early=float(last.state[-1]) - end.time, short=float(off.max()))
             return _extended(path, found, end), why
         found = on
     if last is not None and last.kind != UNRESOLVED:
         end = End(last.kind, float(last.state[-1]), last.state[:-1])
         return _extended(path, found, end), ""
-    if last is not None or path.end.kind == UNRESOLVED:
+    if last is not None or final.kind == UNRESOLVED:
         return None
     why = (
         "gn D and D come close to zero together, and in stretched time the motion goes on: its end "
         "is not determined at this tolerance"
     )
-    return replace(path, end=replace(path.end, kind=OPEN_END)), why
+    return replace(path, end=replace(final, kind=OPEN_END)), why
 
 
 def _stretched(leg: Leg, which: Flow, start: Floats, times: Floats) -> Path:

@@ -70,6 +70,12 @@ class End:
     """y there, shape (n,); for `unresolved` the last state that passed its error test."""
     message: str = ""
     """The integrator's own words, for `unresolved`."""
+    lags: Floats | None = None
+    """Most by which a change of each entry of the state moves the guard's zero in time."""
+    early: float = 0.0
+    """How long before the guard's zero the run was stopped, where that is singular."""
+    short: float = 0.0
+    """How far the state may be from that at the zero, over 1 or its own size."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ starts, within the error of the finer neighbour, is not seen.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -117,8 +117,35 @@ def doubts(found: Sequence[Result], finest: Sequence[float], rerun: Rerun) -> li
             limits = np.array([finest[i] for i in which])
             judged = judge([found[i] for i in which], limits, _of(which, rerun))
             for i, doubt in zip(which, judged, strict=True):
-                out[i] = doubt
+                out[i] = _at_end(doubt, found[i])
     return out
+
+
+def _at_end(doubt: Doubt, one: Result) -> Doubt:
+    """With what a singular end leaves out."""
+    end = one.path.end
+    if end is None or not end.early:
+        return doubt
+    final, late = doubt.final_error + end.short, doubt.time_error + 1.1 * end.early
+    return replace(doubt, final_error=final, time_error=late)
+
+
+def _in_time(one: Result, final: float, others: Sequence[Result]) -> float:
+    """What an error of the final state is in the time of the end, in the neighbours' directions.
+
+    A neighbour's end may be close in time by chance, where its state is not.
+    """
+    lags = None if one.path.end is None else one.path.end.lags
+    if lags is None:
+        return 0.0
+    late = 0.0
+    for other in others:
+        far = _distance(one.final, other.final)
+        if 0 < far < np.inf and np.isfinite(final):
+            moved = np.abs(one.final - other.final)
+            known = moved > 0  # no share of an infinite lag
+            late = max(late, float(lags[known] @ moved[known]) * final / far)
+    return late
 
 
 def _of(which: Sequence[int], rerun: Rerun) -> Rerun:
@@ -174,11 +201,9 @@ def _estimate(one: Result, pair: Pair, off: float, scale: float) -> Doubt:
     finer, looser = (_distances(one, other) for other in pair)
     growth = max(_growth(*pair), looser[0] / off)
     rounding = PER_STEP * one.path.steps
-    return Doubt(
-        max(MEASURED * finer[0], scale * looser[0]) + rounding * growth,
-        max(MEASURED * finer[1], scale * looser[1]) + rounding * (looser[1] / off + one.time),
-        _contrary(one, [pair[0]]),
-    )
+    final = max(MEASURED * finer[0], scale * looser[0]) + rounding * growth
+    late = max(MEASURED * finer[1], scale * looser[1]) + rounding * (looser[1] / off + one.time)
+    return Doubt(final, max(late, _in_time(one, final, pair)), _contrary(one, [pair[0]]))
 
 
 def _pinched(one: Result, others: Sequence[Result]) -> Doubt:
@@ -191,7 +216,8 @@ def _pinched(one: Result, others: Sequence[Result]) -> Doubt:
     apart = _spread(others[-2], others[-1])
     size = MEASURED * max(final, apart if apart > CLOSE else 0.0)
     size += PER_STEP * one.path.steps * _growth(others[-2], others[-1])
-    return Doubt(float(size if size < NOTHING else np.inf), float(MEASURED * late), contrary)
+    time = max(float(MEASURED * late), _in_time(one, float(size), others))
+    return Doubt(float(size if size < NOTHING else np.inf), time, contrary)
 
 
 def _close(one: Result, pair: Pair) -> bool:
@@ -225,7 +251,7 @@ def _settled(
                 continue
             new, between = _distances(one, result), _distances(finer[j], result)
             size = max(before.final_error, MEASURED * new[0])
-            late = max(before.time_error, MEASURED * new[1])
+            late = max(before.time_error, MEASURED * new[1], _in_time(one, size, [result]))
             out[j] = Doubt(size if size < NOTHING else np.inf, late, _contrary(one, [result]))
             finer[j] = result
             if any(b > AGREED * n for b, n in zip(between, new, strict=True)):
