@@ -96,8 +96,9 @@ def certify(
     """
     if question.exact is None:
         member = member or member_at(question, values)
-        zeros = structural_zeros(member) if zeros is None else zeros
-        decided, bits = of_member(member, zeros)
+        own = structural_zeros(member)
+        zeros = own if zeros is None else zeros
+        decided, bits = of_member(member, max(own, zeros))  # whatever others in a batch have
         attempt = partial(_member_roots, member, zeros)
     else:
         decided, bits = _decided(question.exact, question, values)
