@@ -211,7 +211,7 @@ class Oracle:
                 if name in asked:
                     x[i] = arb(exact(asked[name]))
             q = [arb(exact(asked[name])) for name in self.parameters]
-            for _ in range(12):
+            for _ in range(80):  # next to a double root it only halves the distance
                 out = self.rates(Balls(), x, q)
                 slope = arb_mat([[arb(out[r].slope[c]).mid() for c in unknown] for r in rows])
                 right = arb_mat([[arb(out[r].value).mid()] for r in rows])

@@ -71,7 +71,7 @@ def test_points_of_one_request_leave_out_the_same_number() -> None:
     found = st.spectrum(rest, at=[-1.0, 1.0])
     assert found.structural_zeros == 0
     assert found.eigenvalues.real == pytest.approx(np.array([[-1, 0.2], [-1, 0.0]]))
-    assert [v.word for v in found.verdict] == ["unstable", "neutral"]
+    assert [v.word for v in found.verdict] == ["unstable", "stable"]  # as each alone, and as a map
     assert [v.word for v in st.spectrum(rest, at=[2.0, 1.0]).verdict] == ["stable", "stable"]
 
 
