@@ -24,7 +24,7 @@ SAMPLE_BITS = 400
 
 
 ROUGH = 1e-6
-"""Largest rate of a sampled member that counts as steady; on a wrong branch it is far larger."""
+"""Largest rate of a sampled member that is held, not solved for, and counts as steady."""
 _PRECISION = RLock()
 
 
@@ -163,9 +163,11 @@ def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
         small = [float(c.abs_upper()) < least for c in found]
         if all(s for s, n in zip(small, near, strict=True) if n):
             break
-    return [n and s for n, s in zip(near, small, strict=True)], all(
-        arb(rate).abs_lower() < ROUGH for (rate,) in rates
-    )
+    solved = family.unknown and not family.closed  # another root may be as close as one likes
+    rests = [
+        arb(rate).contains(0) if solved else arb(rate).abs_lower() < ROUGH for (rate,) in rates
+    ]
+    return [n and s for n, s in zip(near, small, strict=True)], all(rests)
 
 
 def verdict_polynomial(coefficients: Sequence[Any], zeros: int, conservative: bool) -> list[Any]:
