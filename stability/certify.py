@@ -26,7 +26,7 @@ from .polynomial import characteristic, hurwitz_sign, precision, structure, verd
 from .problem import Problem
 from .root_balls import clustered, exact_roots, isolated
 from .routh import on_the_axis
-from .spectra import NOT_STEADY
+from .spectra import NOT_STEADY, in_words
 from .verdict import Verdict, best
 
 BITS = 128
@@ -59,7 +59,7 @@ class Certificate:
     @property
     def how(self) -> str:
         """How the verdict was proved, in words."""
-        return f"balls of {self.bits} bits" if self.bits else "rational arithmetic"
+        return in_words(self.bits)
 
 
 def certify(
@@ -98,7 +98,7 @@ def certify(
         member = member or member_at(question, values)
         own = structural_zeros(member)
         zeros = own if zeros is None else zeros
-        decided, bits = of_member(member, max(own, zeros))  # whatever others in a batch have
+        decided, bits = of_member(member, own)  # whatever others in a batch have
         attempt = partial(_member_roots, member, zeros)
     else:
         decided, bits = _decided(question.exact, question, values)

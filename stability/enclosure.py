@@ -111,24 +111,21 @@ def _krawczyk(
         shift = inverse * _residual(family, a, x, q)[0]
     one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
     for least in (0, 1):
+        small = arb(2) ** (16 - ctx.prec)
         spread = [
-            3 * shift[i, 0].abs_upper() + (least + abs(x[i, 0])) * arb(2) ** (16 - ctx.prec)
+            (3 * shift[i, 0].abs_upper() + (least + abs(x[i, 0])) * small).abs_upper()
             for i in range(size)
         ]
         for _ in range(INFLATIONS):
-            box = arb_mat(size, 1, [x[i, 0] + arb(0, spread[i].abs_upper()) for i in range(size)])
+            box = arb_mat(size, 1, [x[i, 0] + arb(0, spread[i]) for i in range(size)])
             _, slope = _residual(family, a, box, q)
             image = x - shift + (one - inverse * slope) * (box - x)
             if all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
                 return [image[i, 0] for i in range(size)]
             # a root that does not move with the others is wide because they are
-            spread = [max(s, 2 * abs(image[i, 0] - x[i, 0]), key=_upper)
-                      for i, s in enumerate(spread)]  # fmt: skip
+            moved = [(2 * (image[i, 0] - x[i, 0])).abs_upper() for i in range(size)]
+            spread = [max(s, m) for s, m in zip(spread, moved, strict=True)]
     return None
-
-
-def _upper(ball: Any) -> Any:
-    return ball.abs_upper()
 
 
 def _residual(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any]:

@@ -160,17 +160,12 @@ def _null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
     inverse[first] = 0.0
     size, whole = np.abs(inverse), np.abs(matrix)
     others = ~first[:, None, :]
-    change = np.abs(np.eye(n) - inverse @ matrix) + size @ (error + 2 * n * UNIT * whole)
+    change = _contraction(inverse, matrix, error)
     change = np.where(others & others.swapaxes(1, 2), change, 0.0)
     residual = np.abs(matrix @ vector[:, :, None])
     residual += (error + 2 * n * UNIT * whole) @ np.abs(vector)[:, :, None] + 2 * n * TINY
-    doubt = (1 + 4 * n * UNIT) * (size @ residual)[..., 0] + n * TINY
-    spread = change.sum(axis=2)
-    factor = spread.max(axis=1)
-    sound = factor < 0.5
-    most = doubt.max(axis=1) / np.where(sound, 1 - factor, 1.0)
-    doubt = doubt + spread * most[:, None]
-    return vector, np.where(sound[:, None], doubt, np.inf)
+    doubt = (1 + 4 * n * UNIT) * (size @ residual) + n * TINY
+    return vector, _widened(doubt, change)[..., 0]
 
 
 def _arguments(
@@ -247,6 +242,15 @@ def _contraction(inverse: Floats, matrix: Floats, error: Floats) -> Floats:
     return change
 
 
+def _widened(doubt: Floats, change: Floats) -> Floats:
+    """Bound on δ with |δ| ≤ doubt + change |δ|, entry by entry; infinite where that bounds none."""
+    spread = change.sum(axis=-1)[:, :, None]
+    factor = spread.max(axis=1, keepdims=True)
+    sound = factor < 0.5
+    most = doubt.max(axis=1, keepdims=True) / np.where(sound, 1 - factor, 1.0)
+    return np.where(sound, doubt + spread * most, np.inf)
+
+
 def _solved(matrix: Floats, error: Floats, right: Floats, unsure: Floats) -> tuple[Floats, Floats]:
     """The solution of M X = B, and a bound on its error δ = L r + (1 - L M) δ with residual r."""
     n = matrix.shape[-1]
@@ -256,12 +260,7 @@ def _solved(matrix: Floats, error: Floats, right: Floats, unsure: Floats) -> tup
     residual = np.abs(matrix @ found - right) + unsure + error @ absolute
     residual += 2 * n * (UNIT * (np.abs(matrix) @ absolute + np.abs(right)) + TINY)
     doubt = (1 + 4 * n * UNIT) * (size @ residual) + n * TINY
-    spread = _contraction(inverse, matrix, error).sum(axis=-1)
-    factor = spread.max(axis=-1)[:, None]
-    sound = factor < 0.5
-    most = doubt.max(axis=-2) / np.where(sound, 1 - factor, 1.0)
-    doubt = doubt + spread[:, :, None] * most[:, None, :]
-    return found, np.where(sound[:, :, None], doubt, np.inf)
+    return found, _widened(doubt, _contraction(inverse, matrix, error))
 
 
 def tangent_vectors(

@@ -32,6 +32,17 @@ NOT_STEADY = -2
 """In place of bits where a rate is proved not to vanish at the root of the equations."""
 
 
+def in_words(bits: int) -> str:
+    """What arithmetic a proof took.
+
+    Parameters
+    ----------
+    bits
+        Precision of the balls, 0 for rational arithmetic.
+    """
+    return f"balls of {bits} bits" if bits else "rational arithmetic"
+
+
 @dataclass(frozen=True, eq=False)
 class Proof:
     """How the certified points of a spectrum were proved."""
@@ -48,8 +59,8 @@ class Proof:
         """How far the proof of a single spectrum came, in words."""
         if self.bits == NOT_STEADY:
             return "no steady motion: at the root of the equations another rate is not zero"
-        how = f"balls of {self.bits} bits" if self.bits else "rational arithmetic"
-        return f"{'proved' if certified else 'undecided within the budget of precision'} in {how}"
+        far = "proved" if certified else "undecided within the budget of precision"
+        return f"{far} in {in_words(int(self.bits))}"
 
 
 @dataclass(frozen=True, eq=False)

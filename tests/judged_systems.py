@@ -383,7 +383,6 @@ def accept(
     if verdict not in ("undecided", *words):
         return word, "wrong verdict"
     if verdict != "undecided":
-        generic = 0 if not (zeros or truth.zeros) else generic
         if generic is not None and zeros > generic:
             return word, f"{zeros} structural zeros, generically {generic}"
         if generic is not None and zeros < generic:

@@ -318,6 +318,19 @@ def products(seed: int) -> Case:
     return Case("products", seed, family, [{"p": v} for v in nearby(draw, p0)], smooth=False)
 
 
+def hop() -> Case:
+    """Two branches, y = 1 and y = 1 + p; on the first there is a zero that the other has not."""
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
+    y = x[0] - 1
+    system = st.System(
+        "hop", x, p, ca.vertcat(y * (p - y), 0.1 * y * x[1], -x[2]), ("y", "z", "w"), ("p",)
+    )
+    family = st.Family(
+        system, "steady", ("p",), held={"z": 0.0, "w": 0.0}, unknown={"y": 1.3}, equations=("y",)
+    )
+    return Case("hop", 0, family, [{"p": 0.31}], branches=[{"y": ca.SX(1)}, {"y": 1 + p}])
+
+
 MAKERS: dict[str, Callable[[int], Case]] = {
     "zeros": lambda seed: planted("zeros", seed),
     "graphs": lambda seed: planted("graphs", seed),

@@ -12,6 +12,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from random_systems import hop
 
 import stability as st
 from stability.terminal import starved
@@ -106,14 +107,7 @@ def test_a_size_without_bound_is_refused_with_the_limit(name: str) -> None:
 
 def test_spectra_in_pieces_are_the_spectra(monkeypatch: pytest.MonkeyPatch) -> None:
     """A user's family with unknowns and zeros that hold at some members only, and the disk's."""
-    x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
-    y = x[0] - 1
-    system = st.System(
-        "hop", x, p, ca.vertcat(y * (p - y), 0.1 * y * x[1], -x[2]), ("y", "z", "w"), ("p",)
-    )
-    family = st.Family(
-        system, "steady", ("p",), held={"z": 0.0, "w": 0.0}, unknown={"y": 1.3}, equations=("y",)
-    )
+    family = hop().family
     at = np.linspace(0.25, 0.4, 40).reshape(8, 5)
 
     def ask() -> list[st.Spectrum]:

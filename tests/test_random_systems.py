@@ -8,16 +8,13 @@ import os
 import random
 from collections import Counter
 
-import casadi as ca
 import numpy as np
 import pytest
 from exact_oracle import exact, isolated, sides
 from flint import fmpq_poly
 from judged_systems import Oracle, accept, judge_all
 from random_boundaries import judge_search, search
-from random_systems import MAKERS, Case, case
-
-import stability as st
+from random_systems import MAKERS, case, hop
 
 SEED = int(os.environ.get("STABILITY_SEED", "1"))
 SYSTEMS = int(os.environ.get("STABILITY_SYSTEMS", "20000"))
@@ -58,19 +55,6 @@ def test_sturms_chain_and_isolated_roots_count_what_was_planted() -> None:
         assert sides(poly) == count
         roots = isolated(poly)
         assert tuple(sum(r.side == s for r in roots) for s in (-1, 0, 1)) == count
-
-
-def hop() -> Case:
-    """Two branches, y = 1 and y = 1 + p; on the first there is a zero that the other has not."""
-    x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
-    y = x[0] - 1
-    system = st.System(
-        "hop", x, p, ca.vertcat(y * (p - y), 0.1 * y * x[1], -x[2]), ("y", "z", "w"), ("p",)
-    )
-    family = st.Family(
-        system, "steady", ("p",), held={"z": 0.0, "w": 0.0}, unknown={"y": 1.3}, equations=("y",)
-    )
-    return Case("hop", 0, family, [{"p": 0.31}], branches=[{"y": ca.SX(1)}, {"y": 1 + p}])
 
 
 @pytest.mark.parametrize(
