@@ -11,7 +11,7 @@ from . import stepping, sundials, taylor
 from .checks import known
 from .errors import ParameterError
 from .flow import Floats
-from .route import UNRESOLVED, Integrate, Leg, Path
+from .route import UNRESOLVED, Budget, Integrate, Leg, Path
 
 HEYOKA = "heyoka"
 DRY = "disk, coulomb"
@@ -239,7 +239,7 @@ def run(
             paths[i] = path
     for i, leg in enumerate(legs):
         known = paths[i]
-        path = known if known is not None else METHODS[choices[i].method](leg)
+        path = known if known is not None else _timed(choices[i].method, leg)
         if known is None:
             advance(1)
         gave_up = path.end is not None and path.end.kind == UNRESOLVED
@@ -249,11 +249,21 @@ def run(
     return [p for p in paths if p is not None], choices
 
 
+def _timed(method: str, leg: Leg) -> Path:
+    """The path by one method, with the computing time that it took."""
+    budget = Budget(leg.seconds)
+    path = METHODS[method](leg)
+    return replace(path, seconds=budget.used)
+
+
 def _second(leg: Leg, first: Path, choice: Choice) -> tuple[Path, Choice]:
     """Another integrator where the chosen one gave up; the first answer if it does no better."""
     assert first.end is not None
-    other = "lsoda" if choice.method == "cvodes" else "cvodes"
-    second = METHODS[other](leg)
-    if second.end is not None and second.end.kind == UNRESOLVED:
+    if first.seconds >= leg.seconds:
         return first, choice
+    other = "lsoda" if choice.method == "cvodes" else "cvodes"
+    second = _timed(other, replace(leg, seconds=leg.seconds - first.seconds))
+    second = replace(second, seconds=first.seconds + second.seconds)
+    if second.end is not None and second.end.kind == UNRESOLVED:
+        return replace(first, seconds=second.seconds), choice
     return second, Choice(other, f"{choice.method} gave up at {first.end.time:.6g}")

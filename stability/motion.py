@@ -122,8 +122,8 @@ def simulate(
     max_steps
         Steps after which a run gives up.
     max_seconds
-        Computing time of one launch after which its run gives up [s]; the same again for each of
-        its neighbours.  Other work on the machine does not count.
+        Computing time of one launch after which its run gives up [s]; the same again for all its
+        neighbours, without which its error is not known.  Other work on the machine does not count.
     check
         Whether each launch is run a second time, a little off and less finely, which tells the
         error of its final state; a launch whose neighbour ends otherwise is *undetermined*.
@@ -226,12 +226,18 @@ def _checked(
     if not settings.check:
         return found
 
+    left = [settings.max_seconds] * len(legs)  # what the neighbours of each have among them
+
     def rerun(which: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
         shadows = [
-            _shadow(legs[i], starts[i], tolerance, size)
+            replace(_shadow(legs[i], starts[i], tolerance, size), seconds=left[i])
             for i, tolerance, size in zip(which, tolerances.tolist(), off.tolist(), strict=True)
         ]
-        return _run(shadows, launches, settings, [found[i].choice.method for i in which], None)
+        methods = [found[i].choice.method for i in which]
+        results = _run(shadows, launches, settings, methods, None)
+        for i, result in zip(which, results, strict=True):
+            left[i] -= result.path.seconds
+        return results
 
     judged = doubts(found, [FINEST[r.choice.method] for r in found], rerun)
     return [_doubted(result, doubt) for result, doubt in zip(found, judged, strict=True)]

@@ -10,6 +10,7 @@ from typing import Any
 
 from flint import arb, arb_poly, fmpq_poly
 
+from .isolation import halved_roots
 from .polynomial import precision
 from .ratios import univariate
 from .root_balls import isolated
@@ -18,6 +19,8 @@ BITS = 256
 """Working precision of the first attempt."""
 MOST_BITS = 16384
 """Where raising it ends."""
+WIDE = 2000
+"""Binary digits of a coefficient above which real roots are isolated by halving."""
 
 
 class UnclearError(ArithmeticError):
@@ -126,8 +129,7 @@ def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> li
     found: list[Any] = []
     for p in apart:  # one by one: roots of two that nearly coincide would be slow to part
         if p.degrees()[1] == 0:
-            roots = univariate(p).numer().complex_roots()
-            found += [r.real for r, _ in roots if r.imag == 0]
+            found += _rational_roots(univariate(p).numer())
         else:
             assert sine is not None
             found += _ball_roots(p, sine())
@@ -135,6 +137,13 @@ def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> li
     if any(not low < high for low, high in zip(found[:-1], found[1:], strict=True)):
         raise UnclearError
     return found
+
+
+def _rational_roots(p: Any) -> list[Any]:
+    """Real roots of a squarefree polynomial over Z."""
+    if max(abs(int(c)).bit_length() for c in p.coeffs()) > WIDE:
+        return halved_roots(p)
+    return [r.real for r, _ in p.complex_roots() if r.imag == 0]
 
 
 def _ball_roots(product: Any, sine: Any) -> list[Any]:

@@ -44,6 +44,8 @@ class Leg:
     """Steps after which the run gives up."""
     seconds: float = math.inf
     """Computing time of the thread after which it gives up [s]."""
+    dense: bool = False
+    """Whether the times are so close that guards need no look between them."""
 
     @property
     def absolute(self) -> float:
@@ -88,6 +90,8 @@ class Path:
     """Where it ended early, or None."""
     steps: int
     """Steps taken, or evaluations where the library counts no steps."""
+    seconds: float = 0.0
+    """Computing time of the thread that it took [s]; 0 where it was run among others."""
 
 
 class Budget:
@@ -116,6 +120,11 @@ class Budget:
         return self.end - time.thread_time()
 
     @property
+    def used(self) -> float:
+        """Seconds since it was made."""
+        return self.seconds - self.left
+
+    @property
     def spent(self) -> bool:
         """Whether nothing is left."""
         return self.left <= 0
@@ -123,7 +132,7 @@ class Budget:
     @property
     def message(self) -> str:
         """What ended the run."""
-        return f"more than {self.seconds:g} s of computing"
+        return f"more than {self.seconds:.3g} s of computing"
 
     def __call__(self, _integrator: object) -> bool:
         """Whether to go on."""

@@ -314,7 +314,12 @@ def _contrary(one: Result, others: Sequence[Result]) -> str:
     # a neighbour that gives up has met something that a launch that lasted has not
     if not unlike or (lost and one.outcome not in LASTING):
         return ""
-    other = (lost or unlike)[0]
+    if lost:
+        return (
+            f"a run within the tolerance {one.tolerance:g} of it is unresolved at "
+            f"{lost[0].time:.9g}: {lost[0].evidence}"
+        )
+    other = unlike[0]
 
     def told(result: Result) -> str:
         if result.outcome is Outcome.SETTLED:

@@ -196,7 +196,7 @@ class _Dry:
                 mode = self._near()
             else:
                 mode = self._slide()
-        path = Path(np.array(self.rows), self.end, self.steps)
+        path = Path(np.array(self.rows), self.end, self.steps, self.budget.used)
         return DryPath(path, np.array(self.modes, dtype=float), self.transitions, mode)
 
     # --- one mode each: run to its end, and say the next ---
@@ -286,7 +286,8 @@ class _Dry:
 
         # even in the logarithm of time: t from the first instant to a hundred times it
         grid = (1 - 1 / np.geomspace(1.0, 100.0, ONSET_GRID)) * (self.onset / 0.99)
-        leg = self._polar_leg(state, grid)
+        # an even grid in stretched time would be as fine as the onset is slow: 50 000 looks
+        leg = dataclasses.replace(self._polar_leg(state, grid), dense=True)
         path = METHODS["cvodes"](leg)
         self.steps += path.steps
         known = path.states if path.end is None else np.vstack([path.states, path.end.state])

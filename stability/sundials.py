@@ -131,6 +131,8 @@ def _grid(leg: Leg) -> Floats:
     A stiff motion first has its slip decay, over a time that the eye of an even grid would miss.
     """
     times = leg.times
+    if leg.dense:
+        return times
     span = float(times[-1] - times[0])
     pace = max(1.0, float(np.abs(leg.start[1:4]).max()))
     count = int(min(max(FILL, LOOKS * span * pace), MOST_LOOKS))

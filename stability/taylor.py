@@ -305,7 +305,7 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     states = propagate(max_steps=min(QUIET, most))
     limited = any(r[0] == hy.taylor_outcome.step_limit for r in ta.propagate_res)
     if limited and most > QUIET:  # begun again, now with an eye on the time
-        states = propagate(max_steps=most, callback=Budget(legs[0].seconds * len(legs)))
+        states = propagate(max_steps=most, callback=Budget(sum(g.seconds for g in legs)))
     with _ASKING:
         return _read(ta, legs, states, stop)
 

@@ -152,9 +152,14 @@ def _simulate(r: random.Random) -> Words:
     slips = not ({"rough", "smooth"} & set(law))
     words = ["simulate", "--theta", f"{r.uniform(0.7, 2.3):.4g}", *law]
     words += ["--epsilon", _near(r, 1e-3, 1)] * ("coulomb-regularised" in law)
+    body = _body(r) * (r.random() < 0.5)
+    size = {n: float(v) for n, v in zip(body[::2], body[1::2], strict=True) if n != "--disk"}
+    g, length = size.get("--gravity", 1.0), size.get("--radius", 1.0)
+    # turned faster than gravity holds it down, the disk is not in contact
+    most = 0.5 * min(1.0, math.sqrt(g / length), math.sqrt(g * length))
     for name in ("--theta-dot", "--phi-dot", "--omega3", *("--slip-x", "--slip-y") * slips):
         if r.random() < 0.5:
-            words += [name, f"{r.uniform(-0.5, 0.5):.3g}"]
+            words += [name, f"{r.uniform(-most, most):.3g}"]
     words += ["--time", f"{r.uniform(0.1, 6):.3g}"]
     words += ["--points", str(r.randint(2, 50))] * (r.random() < 0.3)
     words += ["--method", r.choice(METHODS)] * (r.random() < 0.3)
@@ -162,7 +167,7 @@ def _simulate(r: random.Random) -> Words:
     words += ["--no-check"] * (r.random() < 0.4) + ["--pose"] * (r.random() < 0.2)
     words += ["--out", "out.nc"] * (r.random() < 0.2)
     words += ["--plot", r.choice(["x.png", "x.svg"])] * (r.random() < 0.03)
-    return words + ["--film", "x.html"] * (r.random() < 0.05) + _body(r) * (r.random() < 0.5)
+    return words + ["--film", "x.html"] * (r.random() < 0.05) + body
 
 
 def _long(r: random.Random) -> Words:

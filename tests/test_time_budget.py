@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import time
 from typing import Any
 
 import casadi as ca
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 import stability as st
+from stability import integrators
 from stability.flow import flow
 from stability.integrators import METHODS
 from stability.launches import MOST_LAUNCHES, MOST_SAMPLES
@@ -115,3 +117,34 @@ def test_launches_in_several_chunks_are_the_same(monkeypatch: pytest.MonkeyPatch
     )
     assert np.abs(whole.theta - parts.theta).max() < 1e-9
     assert told[-1] == (5, 5)
+
+
+def test_the_neighbours_of_a_launch_share_one_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    # each run is said to take 0.4 of the budget: the third neighbour has a fifth of it left
+    given: list[float] = []
+
+    def one(leg: Leg) -> Any:
+        given.append(leg.seconds)
+        return dataclasses.replace(plain(leg), seconds=0.4)
+
+    plain = integrators.METHODS["dop853"]
+    monkeypatch.setattr(integrators, "_timed", lambda _, leg: one(leg))
+    start = {"theta": 1.4, "omega3": 1.0}
+    st.simulate(
+        st.Disk(), st.Viscous(0.3), start, 1.0, method="dop853", tolerance=1e-2, max_seconds=1.0
+    )
+    assert given == pytest.approx([1.0, 1.0, 0.6, 0.2])
+
+
+def test_a_neighbour_without_time_leaves_the_launch_undetermined() -> None:
+    asked: dict[str, Any] = {"method": "dop853", "tolerance": 1e-9}
+    start = {"theta": 1.4, "omega3": 1e4}
+    before = time.thread_time()
+    alone = st.simulate(st.Disk(), st.Viscous(0.3), start, 0.05, **asked, check=False)
+    needed = time.thread_time() - before
+    both = st.simulate(st.Disk(), st.Viscous(0.3), start, 0.05, **asked, max_seconds=1.3 * needed)
+    assert word(alone) == "moving"
+    if word(both) != "unresolved":  # the launch itself may be slower than it was
+        assert word(both) == "undetermined"
+        assert "s of computing" in str(both.evidence.values)
+        assert float(both.final_error) == math.inf
