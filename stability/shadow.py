@@ -28,8 +28,11 @@ from .outcome import Outcome
 if TYPE_CHECKING:
     from .motion import Result
 
-FINER = {"heyoka": 1e-2}
-"""The finer neighbour's tolerance over that of the launch, by method; others `FINE`."""
+FINER = {"heyoka": 1e-2, "cvodes": 1e-2, "idas": 1e-2}
+"""The finer neighbour's tolerance over that of the launch, by method; others `FINE`.
+
+Heyoka's cost hardly rises; the errors of CVODES at two neighbouring decades can be equal by chance.
+"""
 FINE = 1e-1
 """That of a method whose cost rises faster as the tolerance falls."""
 COARSE = 1e-2

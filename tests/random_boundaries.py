@@ -175,7 +175,7 @@ def _faults(one: Search, found: Any) -> list[str]:
             wrong.append(f"the change at {root!r} ({words}) is missed, complete={found.complete}")
     for i, b in enumerate(found):
         left, right = truth(exact(b.value) - exact(b.error)), truth(exact(b.value) + exact(b.error))
-        at_end = not LOW < b.value < HIGH
+        at_end = not LOW + b.error < b.value < HIGH - b.error
         if left == right and not at_end and truth(exact(b.value)) == left:
             wrong.append(f"{b} is no change: {left} on both sides")
         elif i not in taken and not at_end and b.value not in touches:
