@@ -115,6 +115,14 @@ class System:
             object.__setattr__(self, what, names(what, getattr(self, what)))
         for what in ("observables", "units"):
             object.__setattr__(self, what, mapping(what, getattr(self, what)))
+        seen = {n: expression(f"observable {n}", e) for n, e in self.observables.items()}
+        object.__setattr__(self, "observables", seen)
+        if (self.mass is None) != (self.forcing is None):
+            raise ParameterError("mass and forcing belong together; give both or none.")
+        if self.mass is not None:
+            size = len(self.unknowns)
+            object.__setattr__(self, "mass", expression("mass", self.mass, size, size))
+            object.__setattr__(self, "forcing", expression("forcing", self.forcing, size, 1))
         given = self.conditions
         if not isinstance(given, (tuple, list)) or not all(isinstance(c, Condition) for c in given):
             raise ParameterError(

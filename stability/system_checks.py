@@ -148,8 +148,7 @@ def check_system(system: Any) -> None:
             f"rhs has {system.rhs.numel()} entries for {system.x.numel()} states; give one each."
         )
     expression("rhs", system.rhs, system.x.numel(), 1)
-    seen = {n: expression(f"observable {n}", e) for n, e in system.observables.items()}
-    free = _strangers(system, {"rhs": system.rhs, **seen})
+    free = _strangers(system, {"rhs": system.rhs, **system.observables})
     free = free or _strangers(
         system, {"a condition": ca.SX(ca.vertcat(*_values(system.conditions)))}
     )

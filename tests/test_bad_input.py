@@ -1,8 +1,10 @@
 """Bad input in Python: one sentence with the value and what is accepted."""
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -148,3 +150,15 @@ def test_extreme_friction_is_undecided_or_right_and_never_nan(family: str, mu: f
     if found.verdict is st.Verdict.STABLE:  # at 1.2 all three are unstable but weakly
         assert family == "tumbling"
         assert mu < 1
+
+
+def test_numbers_of_any_kind_serve_as_expressions_of_a_system() -> None:
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    words: dict[str, Any] = {"states": ("a", "b"), "parameters": ("p",)}
+    rhs = ca.vertcat(x[1], -p * x[0])
+    half = st.System("s", x, p, rhs, observables={"e": Fraction(1, 2)}, **words)
+    assert half.observe([1.0, 0.0], [2.0])["e"] == 0.5
+    with pytest.raises(st.StabilityError, match="mass and forcing belong together"):
+        st.System("s", x, p, rhs, mass=ca.SX(1), **words)
+    with pytest.raises(st.StabilityError, match="forcing has shape 1 x 1; give 2 x 1"):
+        st.System("s", x, p, rhs, mass=ca.SX.eye(2), forcing=ca.SX(1), unknowns=("u", "v"), **words)
