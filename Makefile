@@ -34,14 +34,15 @@ peers: $(READY)
 	for peer in sympy_kane heyoka_raw auto mujoco_disk; do \
 	  echo; echo "== $$peer"; $(BIN)/python benchmarks/peers/$$peer.py || exit 1; done
 
-# Every polynomial and condition derived anew from the graph, into stability/data/exact.json.
+# Every polynomial and condition derived anew from the graph, into stability/bodies/disk_polynomials.json.
 derive: $(READY)
-	$(BIN)/python -c "from stability.hurwitz import write; write('stability/data/exact.json', 'stability/exact.py')"
+	$(BIN)/python -c "from stability.derivation.hurwitz import write; write('stability/bodies/disk_polynomials.json', 'stability/bodies/disk_polynomials.py')"
 
 lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports
 
 # The versions that were tested, for constraints.txt.
 lock: $(READY)

@@ -23,11 +23,11 @@ from typing import Any
 import numpy as np
 
 import stability as st
-from stability.cells import Cells
-from stability.certify import certify
-from stability.grid import Grid
-from stability.maps import prepare
-from stability.problem import disk_problem
+from stability.base.axis import Grid
+from stability.maps.cells import Cells
+from stability.spectra.arguments import prepare
+from stability.spectra.certificate import certify
+from stability.spectra.disk_problem import disk_problem
 
 REPEATS = 5
 NX, NY = 2000, 1500
@@ -72,7 +72,7 @@ def baseline(family: str, axes: tuple[Grid, Grid]) -> Callable[[], Any]:
 
 
 def maps(family: str) -> dict[str, Any]:
-    from stability.tiles import GridVerdicts
+    from stability.maps.verdict_tiles import GridVerdicts
 
     axes = axes_of(family)
     slow = baseline(family, axes)
@@ -109,7 +109,7 @@ def maps(family: str) -> dict[str, Any]:
 def signs_wrong(family: str, axes: tuple[Grid, Grid], slow: Callable[[], Any]) -> str:
     at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
     question = disk_problem(family, st.Disk(), st.Viscous(1.0), 1.0)
-    from stability.kernels import Filtered
+    from stability.maps.verdict_filter import Filtered
 
     codes, _ = Filtered(question).codes(dict(question.values) | {"at": at, "mu": mu})
     lead = slow().reshape(at.shape)
@@ -118,7 +118,7 @@ def signs_wrong(family: str, axes: tuple[Grid, Grid], slow: Callable[[], Any]) -
 
 def packed(family: str, distance: float) -> dict[str, Any]:
     """The verdict route on a grid packed around a boundary, exact arithmetic included."""
-    from stability.tiles import GridVerdicts
+    from stability.maps.verdict_tiles import GridVerdicts
 
     axes = axes_of(family, distance)
     question = prepare(family, axes, None, st.Viscous, None, {})

@@ -24,7 +24,7 @@ import numpy as np
 import sympy
 
 import stability as st
-from stability.algebra import sympy_algebra
+from stability.algebra.number_types import sympy_algebra
 
 REPEATS = 5
 NX, NY = 400, 300

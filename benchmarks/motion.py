@@ -20,12 +20,12 @@ import casadi as ca
 import numpy as np
 
 import stability as st
-from stability import taylor
-from stability.algebra import Program
-from stability.equations import STATES
-from stability.flow import Evaluator, flow
-from stability.outcome import BY_CODE
-from stability.route import Leg
+from stability.algebra.program import Program
+from stability.bodies.disk_equations import STATES
+from stability.integrators import taylor
+from stability.integrators.flow import Evaluator, flow
+from stability.integrators.leg import Leg
+from stability.motion.result import BY_CODE
 
 LAUNCH = np.array([math.pi / 2 - 0.1, 0, 0, 1.2, 0, 0])
 GRID = np.linspace(0.0, 100.0, 101)

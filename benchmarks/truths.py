@@ -5,7 +5,8 @@ IIA collocation of 30 stages with numbers of 200 bits; nothing of the package is
 the package's own graph in its angles, by heyoka's Taylor series with numbers of 160 bits.  Where
 they agree, the digits are those of the model.  Coulomb: the tests' scenes beside the package.
 
-    OMP_NUM_THREADS=1 python benchmarks/truths.py [--only gentle] --out stability/data/truths.json
+    cd stability/compare/motion
+    OMP_NUM_THREADS=1 python benchmarks/truths.py [--only gentle] --out reference_motions.json
 
 All scenes take half an hour on one core; several threads make the small matrices slower.
 """
@@ -29,10 +30,11 @@ from numpy.polynomial.chebyshev import chebder, chebroots, chebval
 from scipy.special import roots_jacobi
 
 import stability as st
-from stability.algebra import Program, balls
-from stability.equations import STATES
-from stability.flow import FLAT, LIFT_OFF, flow
-from stability.taylor import heyoka_algebra
+from stability.algebra.number_types import balls
+from stability.algebra.program import Program
+from stability.bodies.disk_equations import STATES
+from stability.integrators.flow import FLAT, LIFT_OFF, flow
+from stability.integrators.taylor import heyoka_algebra
 
 Scene = tuple[str, float, "float | None", tuple[float, ...], float]
 UPRIGHT = 1.5707963267948966  # the double nearest pi/2, which is not upright

@@ -31,7 +31,7 @@ import numpy as np
 import sympy
 
 import stability as st
-from stability.slowflow import W, derive_slow_flow
+from stability.derivation.centre_manifold import W, derive_slow_flow
 
 K, MU = sympy.symbols("k mu", positive=True)
 

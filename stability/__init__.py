@@ -9,85 +9,97 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.4.0"
+from . import old_paths
+from .base.version import __version__ as __version__
+
+old_paths.install()
 
 _HOME = {
-    "disk": ("Disk", "REAL_DISKS"),
-    "contact": ("Smooth", "Viscous", "LinearViscous", "Rough", "Coulomb", "RegularisedCoulomb"),
-    "system": ("System", "Condition"),
-    "algebra": ("UPRIGHT",),
-    "families": ("Family",),
-    "steady": ("disk_family",),
-    "equations": ("disk_system",),
-    "continuation": ("branch", "Branch"),
-    "query": ("spectrum",),
-    "spectra": ("Spectrum",),
-    "verdict": ("Verdict", "Nonlinear"),
-    "crossings": ("BoundaryPoint", "Crossing", "Boundaries", "Unresolved"),
-    "maps": ("stability_map", "boundaries"),
-    "files": ("read_map", "write_map"),
-    "stream": ("stream_map",),
-    "exact": ("exact_polynomial", "Exact"),
-    "passage": ("drift", "Drift"),
-    "lines": ("hopf", "HopfPoint", "HopfKind"),
-    "motion": ("simulate",),
-    "survey": ("launch",),
-    "animation": ("animate",),
-    "outcome": ("Outcome",),
-    "records": ("read_motion", "write_motion"),
+    "bodies.disk": ("Disk", "REAL_DISKS"),
+    "bodies.contact": (
+        "Smooth",
+        "Viscous",
+        "LinearViscous",
+        "Rough",
+        "Coulomb",
+        "RegularisedCoulomb",
+    ),
+    "systems.system": ("System",),
+    "systems.condition": ("Condition",),
+    "algebra.number_types": ("UPRIGHT",),
+    "systems.family": ("Family",),
+    "bodies.disk_families": ("disk_family",),
+    "bodies.disk_equations": ("disk_system",),
+    "systems.continuation": ("branch", "Branch"),
+    "spectra.spectrum": ("spectrum",),
+    "spectra.result": ("Spectrum",),
+    "base.verdict": ("Verdict", "Nonlinear"),
+    "boundary.crossings": ("BoundaryPoint", "Crossing", "Boundaries", "Unresolved"),
+    "maps.stability_map": ("stability_map",),
+    "boundary.changes": ("boundaries",),
+    "maps.netcdf": ("read_map", "write_map"),
+    "maps.stream": ("stream_map",),
+    "bodies.disk_polynomials": ("exact_polynomial", "Exact"),
+    "boundary.drift": ("drift", "Drift"),
+    "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
+    "motion.simulate": ("simulate",),
+    "motion.starts": ("launch",),
+    "figures.animate": ("animate",),
+    "motion.result": ("Outcome",),
+    "motion.netcdf": ("read_motion", "write_motion"),
     "compare.report": ("report",),
-    "errors": ("StabilityError", "StabilityWarning"),
+    "base.errors": ("StabilityError", "StabilityWarning"),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
 __all__ = sorted(_WHERE)  # noqa: PLE0605
 
 if TYPE_CHECKING:
-    from .algebra import UPRIGHT as UPRIGHT
-    from .animation import animate as animate
+    from .algebra.number_types import UPRIGHT as UPRIGHT
+    from .base.errors import StabilityError as StabilityError
+    from .base.errors import StabilityWarning as StabilityWarning
+    from .base.verdict import Nonlinear as Nonlinear
+    from .base.verdict import Verdict as Verdict
+    from .bodies.contact import Coulomb as Coulomb
+    from .bodies.contact import LinearViscous as LinearViscous
+    from .bodies.contact import RegularisedCoulomb as RegularisedCoulomb
+    from .bodies.contact import Rough as Rough
+    from .bodies.contact import Smooth as Smooth
+    from .bodies.contact import Viscous as Viscous
+    from .bodies.disk import REAL_DISKS as REAL_DISKS
+    from .bodies.disk import Disk as Disk
+    from .bodies.disk_equations import disk_system as disk_system
+    from .bodies.disk_families import disk_family as disk_family
+    from .bodies.disk_polynomials import Exact as Exact
+    from .bodies.disk_polynomials import exact_polynomial as exact_polynomial
+    from .boundary.changes import boundaries as boundaries
+    from .boundary.crossings import Boundaries as Boundaries
+    from .boundary.crossings import BoundaryPoint as BoundaryPoint
+    from .boundary.crossings import Crossing as Crossing
+    from .boundary.crossings import Unresolved as Unresolved
+    from .boundary.drift import Drift as Drift
+    from .boundary.drift import drift as drift
+    from .boundary.hopf import HopfKind as HopfKind
+    from .boundary.hopf import HopfPoint as HopfPoint
+    from .boundary.hopf import hopf as hopf
     from .compare.report import report as report
-    from .contact import Coulomb as Coulomb
-    from .contact import LinearViscous as LinearViscous
-    from .contact import RegularisedCoulomb as RegularisedCoulomb
-    from .contact import Rough as Rough
-    from .contact import Smooth as Smooth
-    from .contact import Viscous as Viscous
-    from .continuation import Branch as Branch
-    from .continuation import branch as branch
-    from .crossings import Boundaries as Boundaries
-    from .crossings import BoundaryPoint as BoundaryPoint
-    from .crossings import Crossing as Crossing
-    from .crossings import Unresolved as Unresolved
-    from .disk import REAL_DISKS as REAL_DISKS
-    from .disk import Disk as Disk
-    from .equations import disk_system as disk_system
-    from .errors import StabilityError as StabilityError
-    from .errors import StabilityWarning as StabilityWarning
-    from .exact import Exact as Exact
-    from .exact import exact_polynomial as exact_polynomial
-    from .families import Family as Family
-    from .files import read_map as read_map
-    from .files import write_map as write_map
-    from .lines import HopfKind as HopfKind
-    from .lines import HopfPoint as HopfPoint
-    from .lines import hopf as hopf
-    from .maps import boundaries as boundaries
-    from .maps import stability_map as stability_map
-    from .motion import simulate as simulate
-    from .outcome import Outcome as Outcome
-    from .passage import Drift as Drift
-    from .passage import drift as drift
-    from .query import spectrum as spectrum
-    from .records import read_motion as read_motion
-    from .records import write_motion as write_motion
-    from .spectra import Spectrum as Spectrum
-    from .steady import disk_family as disk_family
-    from .stream import stream_map as stream_map
-    from .survey import launch as launch
-    from .system import Condition as Condition
-    from .system import System as System
-    from .verdict import Nonlinear as Nonlinear
-    from .verdict import Verdict as Verdict
+    from .figures.animate import animate as animate
+    from .maps.netcdf import read_map as read_map
+    from .maps.netcdf import write_map as write_map
+    from .maps.stability_map import stability_map as stability_map
+    from .maps.stream import stream_map as stream_map
+    from .motion.netcdf import read_motion as read_motion
+    from .motion.netcdf import write_motion as write_motion
+    from .motion.result import Outcome as Outcome
+    from .motion.simulate import simulate as simulate
+    from .motion.starts import launch as launch
+    from .spectra.result import Spectrum as Spectrum
+    from .spectra.spectrum import spectrum as spectrum
+    from .systems.condition import Condition as Condition
+    from .systems.continuation import Branch as Branch
+    from .systems.continuation import branch as branch
+    from .systems.family import Family as Family
+    from .systems.system import System as System
 
 
 def __getattr__(name: str) -> Any:

@@ -6,7 +6,7 @@ import signal
 def run() -> int:
     """Run the command line as a process of its own, which Ctrl-C ends without a traceback."""
     try:
-        from .cli import main
+        from .cli.commands import main
 
         return main()
     except KeyboardInterrupt:  # while the command line itself was imported

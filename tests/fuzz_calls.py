@@ -26,7 +26,7 @@ from fuzz import too_much
 from fuzz_values import SHORT, odd
 
 import stability as st
-from stability.errors import StabilityWarning
+from stability.base.errors import StabilityWarning
 
 Maker = Callable[[random.Random], Any]
 NAN_SAYS_NOTHING = ("final_error", "end_time_error", "lean")

@@ -1,7 +1,7 @@
 """Random command lines: valid ones from a grammar, three in four with one to three mutations.
 
-Each runs `stability.cli.main` in this process with captured descriptors.  A valid line must end
-with 0; any line with 0 or 2 (130 where it is interrupted on purpose), a message of at most two
+Each runs `stability.cli.main` in this process with captured descriptors.  A valid line must
+end with 0; any line with 0 or 2 (130 where it is interrupted on purpose), a message of at most two
 short lines, nothing in the folder after a refusal, and JSON that is strict.
 """
 

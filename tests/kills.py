@@ -15,7 +15,7 @@ from pathlib import Path
 
 import stability as st
 from stability.cli import main
-from stability.litter import clear
+from stability.storage.litter import clear
 
 MAP = ("map", "tumbling", "--x", "at:0.05:1.5:300", "--y", "mu:0.1:5:300")
 RUN = ("simulate", "--theta", "1.4", "--omega3", "1", "--mu", "0.3", "--time", "4")

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.atlas import BODIES, COLUMNS, LOCUS_FRICTION, RANGES, atlas
+from stability.atlas.build import COLUMNS, atlas
+from stability.atlas.page import BODIES, LOCUS_FRICTION, RANGES
 
 
 @pytest.fixture(
@@ -27,7 +28,7 @@ def folder(bodies: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) ->
     out = tmp_path_factory.mktemp("atlas") / "atlas"
     told: list[tuple[int, int]] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stability.atlas.BODIES", {name: BODIES[name] for name in bodies})
+        patch.setattr("stability.atlas.page.BODIES", {name: BODIES[name] for name in bodies})
         page = atlas(out, resolution=16, workers=1, progress=lambda *pair: told.append(pair))
     assert page == out / "index.html"
     assert told[-1] == (3 * len(bodies), 3 * len(bodies))
@@ -92,7 +93,7 @@ def test_boundaries_are_those_of_the_maps_and_the_limit_laws(folder: Path) -> No
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Files in place of figures, of one body, for tests that are about files."""
-    monkeypatch.setattr("stability.atlas.BODIES", {"disk": BODIES["disk"]})
+    monkeypatch.setattr("stability.atlas.page.BODIES", {"disk": BODIES["disk"]})
 
     def save(figure: None, stem: Path) -> list[Path]:
         paths = [stem.parent / (stem.name + suffix) for suffix in (".png", ".pdf")]
@@ -100,9 +101,9 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
             path.write_text(str(figure))
         return paths
 
-    monkeypatch.setattr("stability.plots.save", save)
-    monkeypatch.setattr("stability.plots.diagram", lambda *_, **__: None)
-    monkeypatch.setattr("stability.loci.locus", lambda *_, **__: None)
+    monkeypatch.setattr("stability.figures.style.save", save)
+    monkeypatch.setattr("stability.figures.diagram.diagram", lambda *_, **__: None)
+    monkeypatch.setattr("stability.figures.loci.locus", lambda *_, **__: None)
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -131,7 +132,7 @@ def test_a_folder_in_the_way_stops_it_before_anything_is_moved(tmp_path: Path) -
 
 def test_figures_use_colours_that_differ_in_lightness_and_mark_growth_without_colour() -> None:
     """Luminance of decay and growth ends differ from neutral, and growth is hatched."""
-    from stability.plots import DIVERGING, diagram
+    from stability.figures.diagram import DIVERGING, diagram
 
     light = [float(np.dot(DIVERGING(v)[:3], [0.2126, 0.7152, 0.0722])) for v in (0.0, 0.5, 1.0)]
     assert light[1] - max(light[0], light[2]) > 0.5

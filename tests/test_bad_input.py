@@ -31,7 +31,7 @@ def land(distance: Any, amplitude: Any = 0.0) -> Any:
 
 
 def derived(k: Any) -> Any:
-    from stability.formulas import formulas
+    from stability.derivation.formulas import formulas
 
     return formulas("spinning", "rough", k)
 

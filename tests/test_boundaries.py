@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.changes import along
-from stability.contact import Contact
-from stability.crossings import Boundaries
-from stability.errors import StabilityWarning
-from stability.problem import disk_problem
+from stability.base.errors import StabilityWarning
+from stability.bodies.contact import Contact
+from stability.boundary.changes import along
+from stability.boundary.crossings import Boundaries
+from stability.spectra.disk_problem import disk_problem
 
 LAWS: dict[str, type[Contact]] = {
     "smooth": st.Smooth, "viscous": st.Viscous, "linear-viscous": st.LinearViscous,
@@ -575,7 +575,7 @@ def test_a_boundary_at_the_end_of_a_scan_is_not_passed_in_silence() -> None:
 def test_the_command_line_prints_the_warning_in_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from stability import cli
+    from stability.cli import main as cli
 
     def run(_: Any) -> None:
         st.boundaries(pendulum(), axis=("c", -0.31, 1, 9), at=0.5, g=1.0)

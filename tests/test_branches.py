@@ -9,10 +9,10 @@ import pytest
 import sympy as sp
 
 import stability as st
-from stability.branches import NOWHERE
-from stability.decomposition import Line
-from stability.exact import exact_polynomial
-from stability.formulas import expression, formulas
+from stability.bodies.disk_polynomials import exact_polynomial
+from stability.derivation.branches import NOWHERE
+from stability.derivation.formulas import expression, formulas
+from stability.derivation.friction_ranges import Line
 
 K, M, Z, S, V, X, N = sp.symbols("k M z s v x N", positive=True)
 HALF = sp.Rational(1, 2)
@@ -183,9 +183,9 @@ def test_where_the_roots_are_not_real_every_member_is_neutral_and_between_them_u
 def test_a_factor_without_mu_keeps_a_statement_from_every_k() -> None:
     # 0.4 looked only at factors with mu: for k above 1/3 this changes sign along the family, and
     # it was said to be stable for every k in (0, 1/2]
-    from stability.derivation import SQUARE
-    from stability.derivation import K as k
-    from stability.derivation import M as m
+    from stability.derivation.characteristic import SQUARE
+    from stability.derivation.characteristic import K as k
+    from stability.derivation.characteristic import M as m
 
     line = Line("spinning", sp.expand((1 - 3 * k) * SQUARE + m + 10))
     assert line.for_every_k() is None

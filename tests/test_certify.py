@@ -10,10 +10,11 @@ from hypothesis import strategies as s
 from test_spectra import random_points, truth_matrix
 
 import stability as st
-from stability.certify import certify, verdict
-from stability.exact_fields import rational
-from stability.problem import disk_problem, system_problem
-from stability.verdict import Verdict
+from stability.algebra.exact.number_fields import rational
+from stability.base.verdict import Verdict
+from stability.spectra.certificate import certify, verdict
+from stability.spectra.disk_problem import disk_problem
+from stability.spectra.problem import system_problem
 
 DIGITS = 200
 FAMILIES = ["rolling", "spinning", "tumbling"]
@@ -271,7 +272,7 @@ def test_verdicts_of_polynomials_over_q_are_those_of_their_roots(
     """Known roots: some real, some at zero, some pairs a ± 2i with a = -1, 0, 1."""
     from flint import fmpq_poly
 
-    from stability.routh import on_the_axis, split
+    from stability.algebra.exact.routh import on_the_axis, split
 
     kept = [r for r in real if r]
     p = fmpq_poly([1])
@@ -292,7 +293,7 @@ def test_verdicts_of_polynomials_over_q_are_those_of_their_roots(
 
 
 def test_the_budget_ends_in_undecided_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    import stability.certify as module
+    import stability.spectra.certificate as module
 
     monkeypatch.setattr(module, "MOST_BITS", 64)
     found = st.spectrum("tumbling", at=1.0, contact=st.Viscous(0.6), certify=True)

@@ -138,7 +138,7 @@ def test_every_command_has_help_with_an_example_that_parses(
     assert stop.value.code == 0
     text = " ".join(capsys.readouterr().out.split())
     example = text.split("example: stability ")[1].split()
-    from stability.cli import _parser
+    from stability.cli.commands import _parser
 
     assert _parser().parse_args(example).run
 
@@ -149,7 +149,7 @@ def test_python_m_stability_is_the_same_program() -> None:
     assert done.stderr == ""
     assert "verdict     stable" in done.stdout
     version = run("--version").stdout
-    from stability import __version__
+    from stability.base.version import __version__
 
     assert version == f"stability {__version__}\n"
 

@@ -12,8 +12,8 @@ import reference
 from test_cli import output, refused
 
 import stability as st
-from stability.equations import STATES
-from stability.outcome import Outcome
+from stability.bodies.disk_equations import STATES
+from stability.motion.result import Outcome
 
 ASK = ["simulate", "--theta", "1.4707963267948966", "--omega3", "1.2", "--mu", "0.3"]
 

@@ -11,22 +11,24 @@ import pytest
 from reference import spectra
 
 import stability as st
-from stability.compare import catalogue, routes, spectral
-from stability.compare.cases import CASES, LADDERS, Case, DoubleZero, NonSteady
-from stability.compare.catalogue import Entry, attempt
-from stability.compare.classes import EDGES, MEETINGS, classes, coalescence, points_of
-from stability.compare.digits import ManyDigits
-from stability.compare.drivers import DRIVERS, Driver, Motion, driver, simulated
-from stability.compare.front import places
+from stability.base.verdict import CODES, Verdict
+from stability.compare import failures as catalogue
+from stability.compare.failures import Entry, attempt
 from stability.compare.marks import HONEST, Judgement, Mark, by_error
-from stability.compare.motion_cases import MOTION_CASES, MotionCase
-from stability.compare.own import OWN, Certified, Deflated, MapKernel
-from stability.compare.points import Points
-from stability.compare.routes import AutomaticJacobian, AutomaticRaw, Route
-from stability.compare.scenes import Scene, scene, scenes
-from stability.compare.symbolic import kept_mass
-from stability.compare.works import judged
-from stability.verdict import CODES, Verdict
+from stability.compare.motion.cases import MOTION_CASES, MotionCase
+from stability.compare.motion.drivers import DRIVERS, Driver, Motion, driver, simulated
+from stability.compare.motion.measure import judged
+from stability.compare.motion.reference_motions import Scene, scene, scenes
+from stability.compare.pareto import places
+from stability.compare.spectrum import measure as spectral
+from stability.compare.spectrum import routes
+from stability.compare.spectrum.cases import CASES, LADDERS, Case, DoubleZero, NonSteady
+from stability.compare.spectrum.hardness import EDGES, MEETINGS, classes, coalescence, points_of
+from stability.compare.spectrum.mpmath_routes import ManyDigits
+from stability.compare.spectrum.package_routes import OWN, Certified, Deflated, MapKernel
+from stability.compare.spectrum.points import Points
+from stability.compare.spectrum.routes import AutomaticJacobian, AutomaticRaw, Route
+from stability.compare.spectrum.sympy_disk import kept_mass
 
 # --- truths of spectra ---
 

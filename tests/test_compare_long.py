@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability import taylor
-from stability.compare.scenes import scene
-from stability.compare.works import distance
-from stability.equations import STATES
-from stability.outcome import BY_CODE
+from stability.bodies.disk_equations import STATES
+from stability.compare.motion.measure import distance
+from stability.compare.motion.reference_motions import scene
+from stability.integrators import taylor
+from stability.motion.result import BY_CODE
 
 pytestmark = pytest.mark.long
 ROOT = Path(__file__).resolve().parents[1]

@@ -8,8 +8,8 @@ import pytest
 import reference
 
 import stability as st
-from stability import taylor
-from stability.equations import STATES
+from stability.bodies.disk_equations import STATES
+from stability.integrators import taylor
 
 CONTACT = {"rough": st.Rough(), "smooth": st.Smooth()}
 TWO = ["dop853", pytest.param("heyoka", marks=pytest.mark.skipif(

@@ -8,9 +8,14 @@ import pytest
 import reference
 
 import stability as st
-from stability.equations import STATES
-from stability.outcome import BY_CODE, Outcome
-from stability.rest import continuations, directions, slip_acceleration, sticking_force
+from stability.bodies.disk_equations import STATES
+from stability.integrators.friction_at_rest import (
+    continuations,
+    directions,
+    slip_acceleration,
+    sticking_force,
+)
+from stability.motion.result import BY_CODE, Outcome
 
 SCENES = {case["name"]: case for case in reference.coulomb()}
 

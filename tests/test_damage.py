@@ -15,9 +15,9 @@ import pytest
 from damage import BOMBS, bomb, damage
 
 import stability as st
-from stability.cells import Parts
-from stability.checksum import ATTRIBUTE, LENGTH, seal
-from stability.compare.journal import DONE, Cell, Journal
+from stability.jobs.checkpoint import Parts
+from stability.jobs.journal import DONE, Cell, Journal
+from stability.storage.checksum import ATTRIBUTE, LENGTH, seal
 
 SEED = int(os.environ.get("STABILITY_SEED", "20261121"))
 SLOWEST = 20.0
@@ -205,7 +205,7 @@ def test_a_map_beyond_the_free_memory_is_refused_and_can_be_read_lazily(
 ) -> None:
     path = st.stream_map("rolling", x=("at", 1, 2, 400), y=("mu", 1, 2, 300),
                          out=tmp_path / "map.nc")  # fmt: skip
-    monkeypatch.setattr("stability.netcdf.available", lambda: 10**5)
+    monkeypatch.setattr("stability.storage.netcdf.available", lambda: 10**5)
     with pytest.raises(st.StabilityError, match="memory are free; read it with lazy=True"):
         st.read_map(path)
     with st.read_map(path, lazy=True) as found:
@@ -216,7 +216,7 @@ def test_a_checkpoint_with_a_wrong_part_gives_the_right_map(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A part with NaN and a flag of no meaning, as 0.4.0 took it over; and one of another place."""
-    monkeypatch.setattr("stability.cells.BAND", 48)
+    monkeypatch.setattr("stability.maps.cells.BAND", 48)
     fresh = st.stability_map("spinning", **AXES, checkpoint=tmp_path / "kept")
     parts = sorted((tmp_path / "kept").glob("*.npz"))
     assert len(parts) == 9
@@ -232,10 +232,9 @@ def test_a_checkpoint_with_a_wrong_part_gives_the_right_map(
 def test_another_table_of_polynomials_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import stability.exact as module
+    import stability.bodies.disk_polynomials as module
 
-    content = (Path(module.__file__).parent / "data" / module.DATA).read_bytes()
-    (tmp_path / "data").mkdir()
+    content = (Path(module.__file__).parent / module.DATA).read_bytes()
     monkeypatch.setattr(module, "files", lambda _: tmp_path)
     random = np.random.default_rng(SEED)
     contents = [damage(content, content[::-1], random)[1] for _ in range(50)]
@@ -245,11 +244,11 @@ def test_another_table_of_polynomials_is_refused(
     try:
         for one in contents:
             module._catalogue.cache_clear()
-            (tmp_path / "data" / module.DATA).write_bytes(one)
+            (tmp_path / module.DATA).write_bytes(one)
             with pytest.raises(st.StabilityError, match="not the file that was derived"):
                 module.exact_polynomial("rolling", "viscous")
         module._catalogue.cache_clear()
-        (tmp_path / "data" / module.DATA).write_bytes(content)
+        (tmp_path / module.DATA).write_bytes(content)
         assert module.exact_polynomial("rolling", "viscous").zeros == 2
     finally:
         module._catalogue.cache_clear()
@@ -258,10 +257,10 @@ def test_another_table_of_polynomials_is_refused(
 def test_deriving_writes_the_table_and_its_digest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import stability.exact as module
-    import stability.hurwitz as hurwitz
+    import stability.bodies.disk_polynomials as module
+    import stability.derivation.hurwitz as hurwitz
 
-    table = Path(module.__file__).parent / "data" / module.DATA
+    table = Path(module.__file__).parent / module.DATA
     source = Path(module.__file__).read_text(encoding="utf-8")
     assert module.digest(table.read_bytes()) == module.DIGEST
     assert module.digest(table.read_bytes().replace(b"\n", b"\r\n")) == module.DIGEST
@@ -281,7 +280,7 @@ def test_deriving_writes_the_table_and_its_digest(
               ((1, (-1,)),), ((1, (1, 2)),), ((1, (10**9,)),)]
 )  # fmt: skip
 def test_only_integers_become_the_source_of_a_function(terms: Any) -> None:
-    from stability.exact import Polynomial
+    from stability.algebra.polynomial import Polynomial
 
     with pytest.raises(st.StabilityError, match="give an integer"):
         Polynomial(("x",), terms)

@@ -9,8 +9,8 @@ from reference import beyond
 from simulation import crossing, simulate
 
 import stability as st
-from stability.passage import FORMULAS
-from stability.slowflow import W, derive_slow_flow
+from stability.boundary.drift import FORMULAS
+from stability.derivation.centre_manifold import W, derive_slow_flow
 
 K, MU = sympy.symbols("k mu")
 NAMES = {"k": K, "mu": MU, "w": W}
@@ -210,7 +210,8 @@ def test_however_small_the_tilt_the_spin_falls_by_the_same_and_stays_near_the_li
 
 def test_without_a_slow_tilt_rolling_is_reached_and_stays() -> None:
     """θ = π/2, θ̇ = φ̇ = v_x = 0 is invariant, and tends to rolling: codimension one of the rest."""
-    from stability.algebra import UPRIGHT, Program, casadi_algebra
+    from stability.algebra.number_types import UPRIGHT, casadi_algebra
+    from stability.algebra.program import Program
 
     system = st.disk_system("viscous")
     import casadi as ca

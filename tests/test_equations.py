@@ -25,10 +25,11 @@ from kane_disk import LAWS, ORACLES, Solution, kane_system
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from stability.algebra import Algebra, Program, sympy_algebra
-from stability.equations import disk_system
-from stability.errors import DomainError
-from stability.system import System
+from stability.algebra.number_types import Algebra, sympy_algebra
+from stability.algebra.program import Program
+from stability.base.errors import DomainError
+from stability.bodies.disk_equations import disk_system
+from stability.systems.system import System
 
 Array = NDArray[np.float64]
 TRAJECTORIES = Path(__file__).parent / "data" / "trajectories.json"

@@ -15,10 +15,11 @@ from reference import beyond
 from test_spectra import truth_matrix
 
 import stability as st
-from stability.derivation import LAM, derive
-from stability.exact import Polynomial, exact_polynomial
-from stability.formulas import expression
-from stability.hurwitz import catalogue, conditions, determinants, positive
+from stability.algebra.polynomial import Polynomial
+from stability.bodies.disk_polynomials import exact_polynomial
+from stability.derivation.characteristic import LAM, derive
+from stability.derivation.formulas import expression
+from stability.derivation.hurwitz import catalogue, conditions, determinants, positive
 
 CASES = [
     (f, law)
@@ -28,7 +29,7 @@ CASES = [
 
 
 def test_derived_anew_the_stored_polynomials_are_the_same() -> None:
-    stored = json.loads((files("stability") / "data" / "exact.json").read_text())
+    stored = json.loads((files("stability.bodies") / "disk_polynomials.json").read_text())
     assert catalogue() == stored
 
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.completeness import prove, search
-from stability.contact import LAWS
+from stability.bodies.contact import LAWS
+from stability.derivation.completeness import prove, search
 
 AT = {"rolling": 1.3, "spinning": 1.7, "tumbling": 0.6}
 Q = {law: [0.3, 0.4] if cls.coefficient else [0.3] for law, cls in LAWS.items()}
@@ -115,7 +115,7 @@ def test_multi_start_search_finds_all_three_families_and_no_other(law: str) -> N
 
 def test_the_proof_can_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     """With a torque added to the graph the step that uses Euler along 2̂ no longer holds."""
-    import stability.completeness as module
+    import stability.derivation.completeness as module
 
     system = st.disk_system("viscous")
     forcing = ca.SX(system.forcing)
@@ -180,8 +180,8 @@ def test_a_root_that_is_not_proved_is_not_handed_out() -> None:
     """x² = a has no real root for a < 0; Newton's last iterate must not pass for one."""
     from flint import arb
 
-    from stability.enclosure import ball_unknowns
-    from stability.polynomial import precision
+    from stability.algebra.balls import precision
+    from stability.systems.enclosure import ball_unknowns
 
     x, a = ca.SX.sym("x"), ca.SX.sym("a")
     system = st.System("fold", x, a, a - x**2, states=("x",), parameters=("a",))

@@ -9,11 +9,11 @@ import pytest
 import sympy
 
 import stability as st
-from stability.certify import verdict
+from stability.base.verdict import Verdict
 from stability.cli import main
-from stability.formulas import cases, formulas, latex
-from stability.problem import disk_problem
-from stability.verdict import Verdict
+from stability.derivation.formulas import cases, formulas, latex
+from stability.spectra.certificate import verdict
+from stability.spectra.disk_problem import disk_problem
 
 Z, M, S, K = sympy.symbols("z M s k")
 
@@ -170,7 +170,7 @@ def test_limits_are_those_of_the_verdicts() -> None:
 
 def test_the_decomposition_can_fail() -> None:
     """A condition whose pattern changes with k is not called one cell."""
-    from stability.decomposition import Line
+    from stability.derivation.friction_ranges import Line
 
     odd = (4 * K - 1) * Z * K - M
     assert Line("spinning", sympy.expand(odd)).for_every_k() is None

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability import taylor
-from stability.equations import STATES
-from stability.integrators import METHODS
-from stability.outcome import BY_CODE
+from stability.bodies.disk_equations import STATES
+from stability.integrators import taylor
+from stability.integrators.selection import METHODS
+from stability.motion.result import BY_CODE
 
 HERE = [m for m in METHODS if m != "heyoka" or taylor.available()]
 DISK = st.Disk()
@@ -41,7 +41,7 @@ def test_dry_motions_do_not_depend_on_how_many_samples_are_asked() -> None:
 
 def test_onsets_build_nothing_anew() -> None:
     # each onset once made a flow of its own, compiled it, and kept it for ever
-    from stability.flow import _THREAD
+    from stability.integrators.flow import _THREAD
 
     start = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]
     st.simulate(st.Disk(k=0.3), st.Coulomb(0.15), start, [10.0])
@@ -174,7 +174,7 @@ def test_a_fast_spin_keeps_its_normal_force(method: str) -> None:
 
 
 def test_a_run_whose_account_fails_has_no_outcome(monkeypatch: pytest.MonkeyPatch) -> None:
-    from stability import trajectory
+    from stability.motion import dataset as trajectory
 
     monkeypatch.setattr(trajectory, "ACCOUNT", 1e-30)
     run = st.simulate(DISK, st.Viscous(0.3), [1.4, 0, 0, 1.2, 0, 0], 20.0)

@@ -10,8 +10,8 @@ from reference import beyond
 from simulation import simulate
 
 import stability as st
-from stability.lines import HopfKind, exact_side, hopf, normal_form
-from stability.polynomial import precision
+from stability.algebra.balls import precision
+from stability.boundary.hopf import HopfKind, exact_side, hopf, normal_form
 
 POINTS = beyond()["hopf"]
 
@@ -195,7 +195,7 @@ def test_folds_are_born_where_an_independent_derivation_says() -> None:
     """The fold reaches upright, where the condition and its slope vanish at once, at one k."""
     import sympy
 
-    from stability.formulas import expression
+    from stability.derivation.formulas import expression
 
     k, m, s = sympy.symbols("k M s")
     condition, slope = (expression(p) for p in exact_side("tumbling", "viscous"))

@@ -8,10 +8,11 @@ import pytest
 from simulation import simulate
 
 import stability as st
-from stability import integrators, taylor
-from stability.flow import flow
-from stability.integrators import METHODS, choose, stiffness
-from stability.route import UNRESOLVED, Leg, Path
+from stability.integrators import selection as integrators
+from stability.integrators import taylor
+from stability.integrators.flow import flow
+from stability.integrators.leg import UNRESOLVED, Leg, Path
+from stability.integrators.selection import METHODS, choose, stiffness
 
 LAUNCH = np.array([math.pi / 2 - 0.1, 0, 0, 1.2, 0, 0])
 
@@ -103,7 +104,7 @@ def test_auto_tries_another_route_where_one_gives_up(monkeypatch: pytest.MonkeyP
 
     def gives_up(question: Leg) -> Path:
         calls.append(question)
-        from stability.route import End
+        from stability.integrators.leg import End
 
         return Path(question.start[None], End(UNRESOLVED, 0.0, question.start, "no"), 1)
 

@@ -94,7 +94,7 @@ def test_many_points_are_judged_one_by_one() -> None:
 
 
 def test_the_disks_rolling_is_semisimple_as_its_drift_requires() -> None:
-    from stability.jordan import grows
+    from stability.spectra.deflation import grows
 
     family = st.disk_family("rolling", "viscous")
     a, q = np.array([[1.8], [3.0]]), np.array([[0.25, 0.3], [0.5, 2.0]])

@@ -10,15 +10,15 @@ from test_certify import DIGITS, reduced_truth, truth
 from test_spectra import random_points
 
 import stability as st
-from stability.boxes import BoxConditions, Interval, prove_boxes
-from stability.certify import certify, verdict
-from stability.factoring import Factors, enclose, improve, settle, start
-from stability.grid import Grid
-from stability.growth import GrowthKernel
-from stability.kernels import INPUT, Filtered, VerdictKernel, point
-from stability.problem import disk_problem
-from stability.tiles import GridVerdicts
-from stability.verdict import CODES, Verdict
+from stability.algebra.real_factors import Factors, enclose, improve, settle, start
+from stability.base.axis import Grid
+from stability.base.verdict import CODES, Verdict
+from stability.maps.growth_rates import GrowthKernel
+from stability.maps.proved_boxes import BoxConditions, Interval, prove_boxes
+from stability.maps.verdict_filter import INPUT, Filtered, VerdictKernel, point
+from stability.maps.verdict_tiles import GridVerdicts
+from stability.spectra.certificate import certify, verdict
+from stability.spectra.disk_problem import disk_problem
 
 FAMILIES = ["rolling", "spinning", "tumbling"]
 SI = st.Disk(mass=0.3, radius=0.013, gravity=9.81, k=0.27)
@@ -276,8 +276,8 @@ def test_bounds_of_coefficients_hold_and_are_not_idle() -> None:
     """Monic coefficients in doubles against exact rationals: inside their bounds, not far in."""
     from fractions import Fraction
 
-    from stability.growth import _Coefficients
-    from stability.kernels import PLAIN
+    from stability.maps.growth_rates import _Coefficients
+    from stability.maps.verdict_filter import PLAIN
 
     random = np.random.default_rng(9)
     closest = 0.0
@@ -405,8 +405,8 @@ def test_levels_out_of_range_are_refused(levels: Any) -> None:
 @pytest.mark.parametrize("law", [None, st.LinearViscous(0.4), st.Rough(), st.Smooth()])
 @pytest.mark.parametrize("family", [*FAMILIES, "circling", "precession"])
 def test_a_line_has_one_polynomial_by_both_routes(family: str, law: Any) -> None:
-    from stability.boundary import Line
-    from stability.polynomial import precision
+    from stability.algebra.balls import precision
+    from stability.boundary.brackets import Line
 
     only = {"circling": st.Rough, "precession": st.Smooth}.get(family)
     if only is not None and not isinstance(law, only):
@@ -428,7 +428,7 @@ def test_a_line_has_one_polynomial_by_both_routes(family: str, law: Any) -> None
 
 
 def test_a_streamed_map_is_the_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import stability.stream as module
+    import stability.maps.stream as module
 
     monkeypatch.setattr(module, "BAND", 300)
     axes = {"x": ("at", 0.5, 5, 50), "y": ("mu", 0.1, 3, 41, "log")}
@@ -448,7 +448,7 @@ def test_a_streamed_map_is_the_map(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_an_interrupted_stream_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import stability.stream as module
+    import stability.maps.stream as module
 
     monkeypatch.setattr(module, "BAND", 300)
 

@@ -12,15 +12,15 @@ import pytest
 from kills import COMMANDS, LATEST, SIGNALS, delays, kill, next_run, readable, soon
 
 import stability as st
-from stability.files import together, whole
-from stability.litter import _start, clear, temporary
+from stability.storage.files import together, whole
+from stability.storage.litter import _start, clear, temporary
 
 SEED = int(os.environ.get("STABILITY_SEED", "20261121"))
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 
 
 def test_files_of_ended_processes_are_removed_and_others_stay(tmp_path: Path) -> None:
-    code = "import sys; from stability.litter import temporary; print(temporary('.nc'))"
+    code = "import sys; from stability.storage.litter import temporary; print(temporary('.nc'))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     dead, mine = tmp_path / done.stdout.strip(), tmp_path / temporary(".nc")
     folder = tmp_path / done.stdout.strip().removesuffix(".nc")
@@ -42,7 +42,7 @@ def test_files_of_ended_processes_are_removed_and_others_stay(tmp_path: Path) ->
 
 def test_a_command_removes_what_a_killed_one_left(tmp_path: Path) -> None:
     code = (
-        "import os, signal, sys; from stability.files import whole\n"
+        "import os, signal, sys; from stability.storage.files import whole\n"
         "with whole(sys.argv[1]) as file:\n"
         "    file.write_text('half'); os.kill(os.getpid(), signal.SIGKILL)"
     )
@@ -95,7 +95,7 @@ def test_a_worker_ends_with_its_parent(system: str, tmp_path: Path) -> None:
     child = (
         "import os, sys, time\n"
         f"sys.platform = {system!r}\n"
-        "from stability.workers import follow\n"
+        "from stability.jobs.following import follow\n"
         "follow(int(sys.argv[1]))\n"
         "open(sys.argv[2], 'w').write(str(os.getpid()))\n"
         "time.sleep(600)"

@@ -15,7 +15,7 @@ import pytest
 from random_systems import hop
 
 import stability as st
-from stability.terminal import starved
+from stability.cli.terminal import starved
 
 PLOT = [
     "map", "rolling", "--x", "at:1:2:4", "--y", "mu:0.1:1:4", "--out", "m.nc", "--plot", "m.png",
@@ -66,7 +66,7 @@ def test_a_library_that_does_not_load_within_a_limit_of_memory_is_short_of_it(
     """Xarray says "No module named 'h5py'" where that module did not fit."""
     error = ImportError("No module named 'h5py', backend not available.")
     assert not starved(error)
-    monkeypatch.setattr("stability.terminal.allowed_memory", lambda: 7 * 10**8)
+    monkeypatch.setattr("stability.cli.terminal.allowed_memory", lambda: 7 * 10**8)
     assert starved(error)
 
 
@@ -118,7 +118,7 @@ def test_spectra_in_pieces_are_the_spectra(monkeypatch: pytest.MonkeyPatch) -> N
         ]
 
     whole = ask()
-    monkeypatch.setattr("stability.rows.PIECE", 70)  # one or seven members at once
+    monkeypatch.setattr("stability.spectra.rows.PIECE", 70)  # one or seven members at once
     for one, other in zip(whole, ask(), strict=True):
         for name in ("eigenvalues", "radius", "codes", "states", "structural_zeros"):
             assert np.array_equal(getattr(one, name), getattr(other, name)), name

@@ -10,10 +10,10 @@ import pytest
 import xarray
 
 import stability as st
-from stability.curves import KINDS
-from stability.files import read_map, write_map
-from stability.grid import Grid
-from stability.verdict import CODES, Verdict
+from stability.base.axis import Grid
+from stability.base.verdict import CODES, Verdict
+from stability.boundary.curves import KINDS
+from stability.maps.netcdf import read_map, write_map
 
 AXES = {"rolling": (0.2, 3.0), "spinning": (0.5, 5.0), "tumbling": (0.05, 1.55)}
 
@@ -74,7 +74,7 @@ def hurwitz_in_many_digits(family: str, at: float, k: float, mu: float) -> tuple
     """Constant term and Hurwitz determinant of the reduced polynomial by mpmath at 60 digits.
 
     The polynomial comes from traces of powers (Newton's identities) of the graph's Jacobian, the
-    determinant from its definition: nothing of `stability.polynomial` is used.
+    determinant from its definition: nothing of `stability.algebra.routh_balls` is used.
     """
     with mpmath.workdps(60):
         from test_spectra import truth_matrix
@@ -253,7 +253,7 @@ def test_a_logarithmic_axis_keeps_its_ends() -> None:
 
 
 def test_chunks_and_workers_do_not_change_a_map(monkeypatch: pytest.MonkeyPatch) -> None:
-    import stability.cells as module
+    import stability.maps.cells as module
 
     arguments = {"x": ("at", 0.05, 1.5, 31), "y": ("mu", 0.1, 5, 23)}
     whole = st.stability_map("tumbling", **arguments, workers=1)
@@ -281,7 +281,7 @@ def test_progress_is_told_and_an_interruption_stops_the_work() -> None:
 def test_an_interrupted_map_goes_on_where_it_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import stability.cells as module
+    import stability.maps.cells as module
 
     monkeypatch.setattr(module, "BAND", 80)  # two rows
     axes = {"x": ("at", 0.05, 1.5, 40), "y": ("mu", 0.1, 5, 30)}

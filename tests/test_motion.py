@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 import stability as st
-from stability import taylor
-from stability.equations import STATES
-from stability.flow import flow
-from stability.outcome import BY_CODE, Outcome
+from stability.bodies.disk_equations import STATES
+from stability.integrators import taylor
+from stability.integrators.flow import flow
+from stability.motion.result import BY_CODE, Outcome
 
 UPRIGHT = math.pi / 2
 LAUNCH = [UPRIGHT - 0.1, 0, 0, 1.2, 0, 0]

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.equations import STATES
-from stability.outcome import BY_CODE, Outcome
+from stability.bodies.disk_equations import STATES
+from stability.motion.result import BY_CODE, Outcome
 
 pytestmark = pytest.mark.long
 LAUNCH = np.array([np.pi / 2 - 0.1, 0, 0, 1.2, 0, 0])

@@ -6,11 +6,11 @@ import pytest
 
 import stability as st
 from stability import Verdict
-from stability.errors import DomainError, ParameterError
-from stability.exact_fields import NotExact, characteristic, vanishes
-from stability.function_field import FunctionField
-from stability.multiplicity import certain, identity
-from stability.root_balls import clustered
+from stability.algebra.exact.function_field import FunctionField
+from stability.algebra.exact.number_fields import NotExact, characteristic, vanishes
+from stability.algebra.exact.root_balls import clustered
+from stability.base.errors import DomainError, ParameterError
+from stability.systems.multiplicity import certain, identity
 
 
 def _system(name: str, states: str, rhs, parameters: str = "p") -> st.System:
@@ -346,7 +346,7 @@ def test_errors_hold_to_every_order(name: str) -> None:
     """The value at any point within the error is within the stated error of the value."""
     import mpmath
 
-    from stability.tracked import TRACKED, Tracked
+    from stability.algebra.running_error import TRACKED, Tracked
 
     rng = np.random.default_rng(11)
     x = rng.uniform(0.05, 0.9, 200)
@@ -428,8 +428,8 @@ def test_a_root_at_zero_is_enclosed(p: float, rate: float) -> None:
     """Newton's method tends to the root 0 without end; the ball must still hold it."""
     from flint import arb
 
-    from stability.enclosure import ball_unknowns
-    from stability.polynomial import precision
+    from stability.algebra.balls import precision
+    from stability.systems.enclosure import ball_unknowns
 
     system = _system("zero", "yz", lambda x, q: (-(x[0] + q) * x[0], rate * q * x[0] * x[1]))
     branch = st.Family(

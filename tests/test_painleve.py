@@ -10,11 +10,11 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 import stability as st
-from stability.flow import flow
-from stability.integrators import METHODS
-from stability.outcome import BY_CODE
-from stability.painleve import approach
-from stability.taylor import available
+from stability.integrators.flow import flow
+from stability.integrators.painleve import approach
+from stability.integrators.selection import METHODS
+from stability.integrators.taylor import available
+from stability.motion.result import BY_CODE
 
 MU, K = 6.3175, 0.25
 START = [1.01908, 0.10829, 0.63634, 1.90665, 0.1843, -0.0055]

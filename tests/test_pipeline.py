@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from stability.files import postponed
-from stability.pipeline import completed, in_order
+from stability.jobs.pipeline import completed, in_order
+from stability.storage.files import postponed
 
 
 def test_results_keep_the_order_of_the_tasks_and_few_run_ahead() -> None:

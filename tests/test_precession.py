@@ -8,9 +8,9 @@ import pytest
 import sympy as sp
 
 import stability as st
+from stability.bodies.disk_polynomials import exact_polynomial
 from stability.cli import main
-from stability.exact import exact_polynomial
-from stability.formulas import expression
+from stability.derivation.formulas import expression
 
 K, Z, S = sp.symbols("k z s", positive=True)
 

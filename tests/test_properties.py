@@ -9,9 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 import stability as st
-from stability.algebra import Program, ball_algebra, numpy_algebra, sympy_algebra
-from stability.contact import LAWS
-from stability.tracked import Tracked, tracked_arrays
+from stability.algebra.number_types import ball_algebra, numpy_algebra, sympy_algebra
+from stability.algebra.program import Program
+from stability.algebra.running_error import Tracked, tracked_arrays
+from stability.bodies.contact import LAWS
 
 GIVEN = settings(max_examples=40, deadline=None, derandomize=True)
 inertias = some.floats(0.02, 0.5)
@@ -275,7 +276,7 @@ def test_tracked_arguments_pass_their_errors_on() -> None:
     """First-order propagation through each elementary function, against mpmath."""
     import mpmath
 
-    from stability.tracked import TRACKED
+    from stability.algebra.running_error import TRACKED
 
     for name in ("sin", "cos", "tan", "sqrt", "exp", "log", "atan", "tanh", "sinh", "asin"):
         x, e = 0.7, 1e-6

@@ -15,10 +15,15 @@ import pytest
 
 import stability as st
 from stability.cli import main
-from stability.compare import catalogue, journal, report, spectral, spectral_data, works
-from stability.compare import motion_data as motion_data
-from stability.compare.bench import CRASHED, DONE, LATE, REFUSED, Task, run
-from stability.compare.journal import Journal
+from stability.compare import failures as catalogue
+from stability.compare import report
+from stability.compare.motion import dataset as motion_data
+from stability.compare.motion import measure as works
+from stability.compare.spectrum import dataset as spectral_data
+from stability.compare.spectrum import measure as spectral
+from stability.jobs import journal
+from stability.jobs.journal import CRASHED, DONE, LATE, REFUSED, Journal
+from stability.jobs.processes import Task, run
 
 # functions of a task must be found by name in another process
 SQUARE = "operator"
@@ -156,11 +161,11 @@ def test_the_fingerprint_knows_the_sources_and_not_the_figures(
     root = Path(st.__file__).parent
     copy = tmp_path / "stability"
     shutil.copytree(root, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(journal, "__file__", str(copy / "compare" / "journal.py"))
+    monkeypatch.setattr(journal, "__file__", str(copy / "jobs" / "journal.py"))
     before = journal.fingerprint()
     (copy / "compare" / "page.py").write_text("# another page")
     assert journal.fingerprint() == before
-    (copy / "growth.py").write_text("# another kernel")
+    (copy / "maps" / "growth_rates.py").write_text("# another kernel")
     assert journal.fingerprint() != before
 
 
@@ -219,7 +224,9 @@ def test_a_report_holds_figures_numbers_and_a_page(
     assert chart.seconds.sel(scene="gentle", driver="rk4").notnull().sum() > 8
     assert plt.get_fignums() == []
     # told again, nothing is done again
-    monkeypatch.setattr("stability.canvas.save_figure", lambda _, path: path.write_text("x"))
+    monkeypatch.setattr(
+        "stability.figures.canvas.save_figure", lambda _, path: path.write_text("x")
+    )
     before = (out / journal.JOURNAL).read_text()
     assert main(["failures", "--out", str(out)]) == 0
     text = capsys.readouterr().out

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 import stability as st
-from stability.attraction import attraction
-from stability.equations import STATES
-from stability.outcome import BY_CODE, Outcome
-from stability.settling import FAMILIES, _balls, deviation, nearest
+from stability.bodies.disk_equations import STATES
+from stability.motion.attraction import attraction
+from stability.motion.result import BY_CODE, Outcome
+from stability.motion.settling import FAMILIES, _balls, deviation, nearest
 
 
 def outcome(run: Any) -> Outcome:
@@ -182,8 +182,8 @@ def test_the_members_parameter_moves_by_the_first_order_of_the_deviation() -> No
 def test_the_slopes_in_balls_enclose_differences_of_the_plain_rates(law: str, family: str) -> None:
     from flint import arb
 
-    from stability.algebra import balls
-    from stability.attraction import ACROSS, rates
+    from stability.algebra.number_types import balls
+    from stability.motion.attraction import ACROSS, rates
 
     rng = np.random.default_rng(11)
     p = [0.3, 0.7, 0.02][: 3 if law == "coulomb-regularised" else 2]

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.compare.scenes import Scene, scene, scenes
-from stability.compare.works import distance
-from stability.equations import STATES
-from stability.motion import simulate
-from stability.outcome import BY_CODE
+from stability.bodies.disk_equations import STATES
+from stability.compare.motion.measure import distance
+from stability.compare.motion.reference_motions import Scene, scene, scenes
+from stability.motion.result import BY_CODE
+from stability.motion.simulate import simulate
 
 SMOOTH = [n for n, s in scenes().items() if s.law != "coulomb"]
 

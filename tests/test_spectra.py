@@ -9,11 +9,11 @@ import pytest
 import reference
 
 import stability as st
-from stability.algebra import Program
-from stability.modes import track
-from stability.reduction import reduce
-from stability.spectra import decide, eigenvalues
-from stability.verdict import CODES, Verdict
+from stability.algebra.program import Program
+from stability.base.verdict import CODES, Verdict
+from stability.spectra.deflation import reduce
+from stability.spectra.eigenvalues import decide, eigenvalues
+from stability.spectra.modes import track
 
 SPECTRA = reference.spectra()
 
@@ -373,7 +373,7 @@ def test_the_bound_on_a_null_vector_holds_the_exact_one(size: int) -> None:
     """Exactly singular matrices of rationals, known to within a stated error, by elimination."""
     from flint import fmpq, fmpq_mat
 
-    from stability.reduction import _null_vector
+    from stability.algebra.linear_systems import _null_vector
 
     rng = np.random.default_rng(size)
     sharp = []
@@ -409,7 +409,7 @@ def test_the_bound_on_a_solution_holds_the_exact_one(size: int) -> None:
     """Equations of rationals, some nearly singular, known to within a stated error."""
     from flint import fmpq, fmpq_mat
 
-    from stability.reduction import _solved
+    from stability.algebra.linear_systems import _solved
 
     def exact_of(value: float) -> Any:
         return fmpq(*float(value).as_integer_ratio())

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.equations import STATES
-from stability.outcome import BY_CODE
+from stability.bodies.disk_equations import STATES
+from stability.motion.result import BY_CODE
 
 HERE = Path(__file__).parent
 STORED = json.loads((HERE / "data" / "stated_errors.json").read_text())["cases"]

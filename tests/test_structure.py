@@ -6,8 +6,9 @@ import sympy
 from sympy import Matrix, Rational, Symbol, factor, symbols
 
 import stability as st
-from stability.algebra import Program, sympy_algebra
-from stability.polynomial import structure
+from stability.algebra.number_types import sympy_algebra
+from stability.algebra.program import Program
+from stability.systems.structural_zeros import structure
 
 K, MU, W, S, C = symbols("k mu w s c", positive=True)
 LAM = Symbol("lam")

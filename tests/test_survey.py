@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.outcome import BY_CODE
-from stability.survey import LAUNCHES, contact_lines, launch, launch_rows
-from stability.tables import records, text
+from stability.motion.result import BY_CODE
+from stability.motion.starts import LAUNCHES, launch
+from stability.tables.launches import contact_lines, launch_rows
+from stability.tables.registry import records
+from stability.tables.render import text
 
 
 def test_rows_are_single_runs_beside_linear_theory() -> None:

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability import integrators
-from stability.flow import flow
-from stability.integrators import METHODS
-from stability.launches import MOST_LAUNCHES, MOST_SAMPLES
-from stability.motion import CHUNK
-from stability.outcome import BY_CODE
-from stability.route import Budget, Leg
+from stability.integrators import selection as integrators
+from stability.integrators.flow import flow
+from stability.integrators.leg import Budget, Leg
+from stability.integrators.selection import METHODS
+from stability.motion.result import BY_CODE
+from stability.motion.run import CHUNK
+from stability.motion.starts import MOST_LAUNCHES, MOST_SAMPLES
 
 FAST = {"theta": 1.4, "omega3": -3.6e7}
 
@@ -57,7 +57,7 @@ def test_a_budget_is_refused_in_one_sentence(seconds: Any) -> None:
 def test_a_long_run_of_heyoka_is_the_same_on_both_sides_of_its_first_part(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from stability import taylor
+    from stability.integrators import taylor
 
     pytest.importorskip("heyoka")
     times = np.linspace(0, 50, 41)
@@ -105,7 +105,7 @@ def test_no_launches_are_refused() -> None:
 
 
 def test_launches_in_several_chunks_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    from stability import motion
+    from stability.motion import simulate as motion
 
     start = np.array([1.4, 0, 0, 1.2, 0, 0]) + np.linspace(0, 0.1, 5)[:, None]
     whole = st.simulate(st.Disk(), st.Viscous(0.3), start, [2.0])

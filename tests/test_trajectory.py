@@ -9,10 +9,11 @@ import pytest
 import xarray
 
 import stability as st
-from stability import taylor, trajectory
-from stability.equations import STATES
-from stability.outcome import Outcome
-from stability.records import is_finite, outcome_of
+from stability.bodies.disk_equations import STATES
+from stability.integrators import taylor
+from stability.motion import dataset as trajectory
+from stability.motion.netcdf import is_finite, outcome_of
+from stability.motion.result import Outcome
 
 LAUNCH = st.launch("rolling", at=1.2)
 DRY = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]

@@ -26,9 +26,9 @@ from typing import Any
 import numpy as np
 
 import stability as st
-from stability.equations import STATES
-from stability.launches import gather
-from stability.outcome import BY_CODE
+from stability.bodies.disk_equations import STATES
+from stability.motion.result import BY_CODE
+from stability.motion.starts import gather
 
 SOURCE = Path(__file__).with_name("motion.cpp")
 STAGES = ((14, 14.0), (10, 14.5))

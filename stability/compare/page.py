@@ -7,13 +7,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..files import whole
-from . import catalogue
-from .journal import machine, today
+from ..base.provenance import machine, today
+from ..storage.files import whole
+from . import failures as catalogue
 from .marks import Mark
 
 if TYPE_CHECKING:
-    from .report import Part, Standing
+    from .parts import Part, Standing
+
 
 PAGE = "index.html"
 TITLES = {
@@ -162,7 +163,7 @@ def reason(standing: Standing) -> str:
 
 def _standings(one: Part) -> tuple[str, list[str]]:
     """A paragraph on where the package's default routes stand, and the table of it."""
-    from .report import nearest, standings
+    from .parts import nearest, standings
 
     found = standings(one)
     best = nearest(found).values()

@@ -8,69 +8,35 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..checks import MOST_WORKERS, callback, flag, whole_number
-from ..errors import FileError, NameUnknownError, shown
-from ..files import together, whole
-from ..netcdf import packed
-from ..targets import check_folder, path_text, place, refusing
-from . import catalogue, motion_data, spectral, spectral_data, works
-from .bench import Task, run
-from .classes import classes
-from .journal import JOURNAL, Cell, Journal, is_journal
-from .scenes import scene
+from ..base.checks import MOST_WORKERS, callback, flag, whole_number
+from ..base.errors import FileError, NameUnknownError, shown
+from ..jobs.journal import JOURNAL, Cell, Journal, is_journal
+from ..jobs.processes import Task, run
+from ..storage.files import together, whole
+from ..storage.netcdf import packed
+from ..storage.targets import check_folder, path_text, place, refusing
+from . import failures as catalogue
+from .motion import dataset as motion_data
+from .motion import measure as works
+from .spectrum import dataset as spectral_data
+from .spectrum import measure as spectral
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SPECTRUM, MOTION, FAILURES = "spectrum", "motion", "failures"
+from .parts import FAILURES, METRICS, MOTION, QUANTITIES, SPECTRUM, Part, Plate
+
 PARTS: dict[str, Callable[[], list[list[Task]]]] = {
     SPECTRUM: spectral.tasks, MOTION: works.tasks, FAILURES: catalogue.tasks,
 }  # fmt: skip
 """The parts of a report, each with its cells."""
 ALONE = (SPECTRUM, MOTION)
 """Parts that are timed, and so have the machine to themselves."""
-METRICS = {
-    "path": "the whole path", "final": "the last state", "audit": "the energy account",
-    "event": "the time of the end or of the events",
-}  # fmt: skip
-"""Errors of motions, in words."""
-QUANTITIES = {
-    "eigenvalues": "eigenvalues", "abscissa": "the abscissa", "verdict": "verdicts",
-    "boundary": "places of boundaries",
-}  # fmt: skip
-"""What is charted of spectra, in words."""
-
-
-@dataclass(frozen=True)
-class Plate:
-    """One figure of a report."""
-
-    stem: str
-    """File name without suffix."""
-    caption: str
-    """What was computed."""
-    draw: Callable[[], Figure]
-    """Draws it."""
-
-
-@dataclass(frozen=True)
-class Part:
-    """One part of a report that is whole."""
-
-    name: str
-    """spectrum, motion or failures."""
-    plates: tuple[Plate, ...]
-    """Its figures."""
-    data: tuple[str, ...]
-    """Names of its files of numbers."""
-    chart: Any
-    """Its dataset, or the entries of the catalogue."""
 
 
 def report(
@@ -203,7 +169,7 @@ def part(name: str, cells: Mapping[str, Cell]) -> Part:
 
 
 def _spectrum(cells: Mapping[str, Cell]) -> Part:
-    from . import drawings
+    from .figures import cost_error as drawings
 
     chart = spectral_data.dataset(cells)
     plates = [
@@ -243,7 +209,7 @@ def _spectrum_caption(chart: Any, quantity: str) -> str:
 
 
 def _motion(cells: Mapping[str, Cell]) -> Part:
-    from . import drawings
+    from .figures import cost_error as drawings
 
     chart = motion_data.dataset(cells)
     plates = [
@@ -287,13 +253,13 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
 
 
 def _ladders() -> tuple[Any, ...]:
-    from .cases import LADDERS
+    from .spectrum.cases import LADDERS
 
     return LADDERS
 
 
 def _heat_map(found: Sequence[catalogue.Entry], name: str) -> Figure:
-    from . import drawings
+    from .figures import cost_error as drawings
 
     mine = [e for e in found if e.part == name]
     cases = list(dict.fromkeys(e.case for e in mine))
@@ -311,8 +277,8 @@ def _heat_map(found: Sequence[catalogue.Entry], name: str) -> Figure:
 
 
 def _ladder_figure(cells: Mapping[str, Cell]) -> Figure:
-    from . import drawings
-    from .cases import DECADES
+    from .figures import cost_error as drawings
+    from .spectrum.cases import DECADES
 
     counts = catalogue.ladder(cells)
     share = np.array([
@@ -327,7 +293,7 @@ def _ladder_figure(cells: Mapping[str, Cell]) -> Figure:
 
 
 def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
-    from ..canvas import save_figure
+    from ..figures.canvas import save_figure
 
     for plate in one.plates:
         figure = plate.draw()
@@ -343,7 +309,7 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
 
 
 def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:
-    from .lists import boundary_csv, motion_csv, spectrum_csv
+    from .csv_files import boundary_csv, motion_csv, spectrum_csv
 
     if one.name == FAILURES:
         return {"failures.csv": catalogue.as_csv(one.chart),
@@ -351,75 +317,3 @@ def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:
     if one.name == MOTION:
         return {"motion.csv": motion_csv(cells)}
     return {"spectrum.csv": spectrum_csv(cells), "boundaries.csv": boundary_csv(cells)}
-
-
-# --- what the charts say ---
-
-
-@dataclass(frozen=True)
-class Standing:
-    """Where one of the package's default routes stands in a panel."""
-
-    panel: str
-    """What is asked, and where."""
-    route: str
-    """The route."""
-    on_front: bool
-    """Whether it is on the Pareto front."""
-    factor: float
-    """Its time over that of the fastest route that is as accurate."""
-    rival: str
-    """That route."""
-
-
-def standings(one: Part) -> list[Standing]:
-    """The standing of the package's default routes in every panel of a chart.
-
-    Parameters
-    ----------
-    one
-        The part: spectrum or motion.
-
-    Returns
-    -------
-    list of Standing
-    """
-    found = []
-    defaults = {name for name, default in catalogue.own_methods().items() if default}
-    panels: list[tuple[str, Any]] = []
-    if one.name == SPECTRUM:
-        for quantity, text in QUANTITIES.items():
-            for kind in classes() if quantity != "boundary" else ("",):
-                place = spectral_data.standing(one.chart, quantity, kind)
-                panels.append((f"{text}, {kind}".rstrip(", "), place))
-    else:
-        for which in works.CHARTED:
-            for metric, text in METRICS.items():
-                if metric != "event" or scene(which).ends or scene(which).events:
-                    place = motion_data.standing(one.chart, which, metric)
-                    panels.append((f"{text}, {which}", place))
-    for panel, places in panels:
-        for route, place in places.items():
-            if route in defaults:
-                found.append(Standing(panel, route, place.on_front, place.factor, place.rival))
-    return found
-
-
-def nearest(found: Sequence[Standing]) -> dict[str, Standing]:
-    """Of the default routes in each panel the one on the front, or nearest to it.
-
-    Parameters
-    ----------
-    found
-        From `standings`.
-
-    Returns
-    -------
-    dict
-        By panel.
-    """
-    best: dict[str, Standing] = {}
-    for one in found:
-        if one.panel not in best or one.factor < best[one.panel].factor:
-            best[one.panel] = one
-    return best

@@ -1,0 +1,52 @@
+"""Precision of ball arithmetic, and bounds in doubles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import RLock
+from typing import Any
+
+import numpy as np
+from flint import ctx
+
+
+def upper(ball: Any) -> float:
+    """A double that is not below a ball; 0 for an exact zero.
+
+    Parameters
+    ----------
+    ball
+        A nonnegative real ball.
+    """
+    if ball == 0:
+        return 0.0
+    return float(np.nextafter(float(ball.abs_upper()), np.inf))
+
+
+_PRECISION = RLock()
+
+
+@contextmanager
+def precision(bits: int) -> Iterator[None]:
+    """Work in balls of so many bits, and put the precision back.
+
+    Parameters
+    ----------
+    bits
+        Working precision.
+
+    Examples
+    --------
+    >>> from flint import arb
+    >>> with precision(200):
+    ...     print((arb(1) / 3).rel_accuracy_bits() > 190)
+    True
+    """
+    with _PRECISION:  # one precision for the whole process: threads take turns
+        before = ctx.prec
+        ctx.prec = bits
+        try:
+            yield
+        finally:
+            ctx.prec = before

@@ -1,0 +1,1 @@
+"""Exact numbers: fields over Q, rational functions, isolated roots."""

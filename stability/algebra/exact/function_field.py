@@ -1,0 +1,212 @@
+"""Functions of a graph as indeterminates: quotients of polynomials that obey known relations.
+
+An expression that vanishes as a polynomial in its indeterminates vanishes at every point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any
+
+from flint import Ordering, fmpq, fmpq_mpoly_ctx
+
+from .number_fields import Element, NotExact
+
+SPARE = 24
+"""Indeterminates kept for sines, roots and the like."""
+MOST_TERMS = 1500
+"""Terms of a numerator or denominator at which exact work is given up."""
+MOST_WORK = 1_000_000
+"""Terms that one calculation may handle before it is given up; a count, so that machines agree."""
+
+
+class Expression(Element):
+    """A quotient of polynomials in indeterminates, reduced by their relations.
+
+    Parameters
+    ----------
+    field
+        The function field.
+    num, den
+        `fmpq_mpoly` each.
+    """
+
+    __slots__ = ("den", "field", "num")
+
+    def __init__(self, field: FunctionField, num: Any, den: Any) -> None:
+        self.field, self.num, self.den = field, num, den
+
+    def _other(self, other: Any) -> tuple[Any, Any]:
+        if isinstance(other, Expression):
+            return other.num, other.den
+        return self.field.ring.constant(fmpq(other)), self.field.one
+
+    def __add__(self, other: Any) -> Expression:
+        num, den = self._other(other)
+        if den == self.den:
+            return self.field.quotient(self.num + num, den)
+        return self.field.quotient(self.num * den + num * self.den, self.den * den)
+
+    def __neg__(self) -> Expression:
+        return Expression(self.field, -self.num, self.den)
+
+    def __mul__(self, other: Any) -> Expression:
+        num, den = self._other(other)
+        return self.field.quotient(self.num * num, self.den * den)
+
+    def reciprocal(self) -> Expression:
+        """The quotient turned over."""
+        return self.field.quotient(self.den, self.num)
+
+    def __eq__(self, other: object) -> bool:
+        difference = self - other
+        return bool(difference.num == 0)
+
+    __hash__ = None
+
+    def plain(self) -> Any:
+        """The quotient as a rational."""
+        if not (self.num.is_constant() and self.den.is_constant()):
+            raise NotExact("an expression in indeterminates")
+        return (self.num / self.den).leading_coefficient() if self.num != 0 else fmpq(0)
+
+    def sqrt(self) -> Any:
+        """The root, rational or an indeterminate whose square is known."""
+        with suppress(NotExact):
+            return super().sqrt()
+        # √(num/den) = r/den with r² = num · den; the sign of r is that of den, so that the root of
+        # num · den itself is another indeterminate
+        square = self.field.reduced(self.num * self.den)
+        root = self.field.root(f"sqrt over {self.den}", square)
+        return root / Expression(self.field, self.den, self.field.one)
+
+    def fabs(self) -> Any:
+        """√(x²), rational or an indeterminate: its square is known, its sign is not."""
+        with suppress(NotExact):
+            return super().fabs()
+        num = self.field.root("fabs", self.field.reduced(self.num * self.num))
+        den = self.field.root("fabs", self.field.reduced(self.den * self.den))
+        return num / den
+
+    def function(self, name: str) -> Any:
+        """The function, rational or an indeterminate that is related to its partner."""
+        with suppress(NotExact):
+            return super().function(name)
+        return self.field.of_argument(name, self)
+
+
+_PAIRS = {"sin": ("sin", "cos", 1), "cos": ("sin", "cos", 1),
+          "sinh": ("sinh", "cosh", -1), "cosh": ("sinh", "cosh", -1)}  # fmt: skip
+_QUOTIENTS = {"tan": ("sin", "cos"), "tanh": ("sinh", "cosh")}
+
+
+class FunctionField:
+    """Quotients of polynomials over Q in named indeterminates and in values of functions.
+
+    Parameters
+    ----------
+    names
+        One indeterminate each.
+    """
+
+    def __init__(self, names: Sequence[str]) -> None:
+        symbols = tuple(f"x{i}" for i in range(len(names) + SPARE))
+        self.ring = fmpq_mpoly_ctx.get(symbols, Ordering.degrevlex)
+        self._gens = self.ring.gens()
+        self._used = len(names)
+        self.one = self.ring.constant(1)
+        self.symbols = [Expression(self, g, self.one) for g in self._gens[: len(names)]]
+        """The named indeterminates, in order."""
+        self._relations: dict[int, Any] = {}
+        self._atoms: dict[tuple[str, str], Any] = {}
+        self._work = 0
+
+    def number(self, value: Any) -> Expression:
+        """A rational as an element."""
+        return Expression(self, self.ring.constant(fmpq(value)), self.one)
+
+    def quotient(self, num: Any, den: Any) -> Expression:
+        """num/den by the relations and without a common factor."""
+        num, den = self.reduced(num), self.reduced(den)
+        if den == 0:
+            raise NotExact("a division by zero")
+        if num == 0:
+            return Expression(self, num, self.one)
+        if den.is_constant():
+            return Expression(self, num / den.leading_coefficient(), self.one)
+        common = num.gcd(den)
+        if not common.is_constant():
+            num, den = num / common, den / common
+        self._watch(num, den)
+        return Expression(self, num, den)
+
+    def _watch(self, *polynomials: Any) -> None:
+        sizes = [len(p) for p in polynomials]
+        self._work += sum(sizes)
+        if max(sizes) > MOST_TERMS or self._work > MOST_WORK:
+            raise NotExact("the expressions grow beyond the budget")
+
+    def reduced(self, poly: Any) -> Any:
+        """The normal form: no indeterminate with a known square occurs squared."""
+        self._watch(poly)
+        for index in sorted(self._relations, reverse=True):
+            if poly != 0 and poly.degrees()[index] > 1:
+                poly = self._without_squares(poly, index)
+                self._watch(poly)
+        return poly
+
+    def _without_squares(self, poly: Any, index: int) -> Any:
+        parts: dict[int, dict[tuple[int, ...], Any]] = {}
+        for exponents, coefficient in poly.to_dict().items():
+            half, odd = divmod(int(exponents[index]), 2)
+            rest = (*exponents[:index], odd, *exponents[index + 1 :])
+            parts.setdefault(half, {})[rest] = coefficient
+        out = self.ring.constant(0)
+        for half, terms in parts.items():
+            out = out + self.ring.from_dict(terms) * self._relations[index] ** half
+            self._watch(out)
+        return out
+
+    def _new(self) -> int:
+        if self._used == len(self._gens):
+            raise NotExact("too many functions")
+        self._used += 1
+        return self._used - 1
+
+    def root(self, kind: str, square: Any) -> Expression:
+        """An indeterminate whose square is a polynomial."""
+        key = kind, str(square)
+        if key not in self._atoms:
+            index = self._new()
+            self._relations[index] = square
+            self._atoms[key] = self._gens[index]
+        return Expression(self, self._atoms[key], self.one)
+
+    def of_argument(self, name: str, x: Expression) -> Any:
+        """A function at an expression as an indeterminate."""
+        if name in _QUOTIENTS:
+            over, under = _QUOTIENTS[name]
+            return self.of_argument(over, x) / self.of_argument(under, x)
+        if name in _PAIRS:
+            odd, even, sign = _PAIRS[name]
+            turned = x.num.leading_coefficient() < 0  # sin(-x) = -sin x, cos(-x) = cos x
+            key = self._name(-x if turned else x)
+            if (odd, key) not in self._atoms:
+                first, second = self._new(), self._new()
+                self._atoms[odd, key], self._atoms[even, key] = (
+                    self._gens[first],
+                    self._gens[second],
+                )
+                # sin² = 1 - cos², sinh² = cosh² - 1
+                self._relations[first] = sign * (1 - self._gens[second] ** 2)
+            atom = Expression(self, self._atoms[name, key], self.one)
+            return -atom if turned and name == odd else atom
+        key = self._name(x)
+        if (name, key) not in self._atoms:
+            self._atoms[name, key] = self._gens[self._new()]
+        return Expression(self, self._atoms[name, key], self.one)
+
+    @staticmethod
+    def _name(x: Expression) -> str:
+        return f"{x.num} / {x.den}"

@@ -1,0 +1,122 @@
+"""Number types that a graph is read in: NumPy arrays, balls, SymPy, CasADi itself."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+
+class Upright:
+    """The exact right angle π/2 as a symbol: its sine is 1, its cosine 0, and no more is known.
+
+    No double is π/2, so a motion with the disk upright is read from the graph with this in place
+    of theta; the terms with cosθ then vanish from the graph itself.
+
+    Examples
+    --------
+    >>> UPRIGHT.sin(), UPRIGHT.cos()
+    (1, 0)
+    """
+
+    def sin(self) -> int:
+        """The sine, exactly."""
+        return 1
+
+    def cos(self) -> int:
+        """The cosine, exactly."""
+        return 0
+
+    def __repr__(self) -> str:
+        return "UPRIGHT"
+
+
+UPRIGHT = Upright()
+"""The one right angle."""
+
+
+@dataclass(frozen=True)
+class Algebra:
+    """A number type: how it holds a constant, and its functions beyond + - * /."""
+
+    name: str
+    """What it is called."""
+    constant: Callable[[float], Any]
+    """The double as a number of this type, exactly."""
+    functions: dict[str, Callable[..., Any]]
+    """sin, cos, tan, sqrt, exp, log, … by name."""
+
+
+_UNARY = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh", "tanh")
+
+
+def numpy_algebra() -> Algebra:
+    """Double-precision arrays, elementwise.
+
+    Examples
+    --------
+    >>> numpy_algebra().functions["sqrt"](4.0)
+    np.float64(2.0)
+    """
+    other = {"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "pow": np.power}
+    other |= {"fabs": np.abs}
+    table = {name: getattr(np, name) for name in _UNARY if name not in other}
+    return Algebra("numpy", float, table | other)
+
+
+def ball_algebra() -> Algebra:
+    """Real balls of python-flint at the precision of its context: every result encloses the truth.
+
+    Examples
+    --------
+    >>> ball_algebra().functions["sqrt"](ball_algebra().constant(4.0))
+    2.00000000000000
+    """
+    from flint import arb
+
+    table: dict[str, Callable[..., Any]] = {name: operator.methodcaller(name) for name in _UNARY}
+    table["pow"] = lambda x, y: x**y
+    table["fabs"] = abs
+    return Algebra("ball", arb, table)
+
+
+def sympy_algebra() -> Algebra:
+    """SymPy expressions, with every constant an exact rational.
+
+    Examples
+    --------
+    >>> sympy_algebra().constant(0.25)
+    1/4
+    """
+    import sympy
+
+    table = {name: getattr(sympy, name) for name in _UNARY}
+    return Algebra("sympy", sympy.Rational, table | {"pow": sympy.Pow, "fabs": sympy.Abs})
+
+
+def casadi_algebra() -> Algebra:
+    """CasADi's own SX, which folds constants: the way to read a graph at an exact symbol.
+
+    Examples
+    --------
+    >>> casadi_algebra().constant(0.25)
+    SX(0.25)
+    """
+
+    def exact(name: str) -> Callable[[Any], Any]:
+        # the one algebra in which the right angle is met
+        return lambda x: getattr(x, name)() if isinstance(x, Upright) else getattr(ca, name)(x)
+
+    table = {name: exact(name) for name in _UNARY}
+    return Algebra("casadi", ca.SX, table | {"pow": ca.power, "fabs": ca.fabs})
+
+
+@lru_cache(maxsize=1)
+def balls() -> Algebra:
+    """The ball algebra, imported at first use."""
+    return ball_algebra()

@@ -1,0 +1,183 @@
+"""A CasADi graph read in another algebra: NumPy arrays, python-flint balls, SymPy, CasADi itself.
+
+An SX `Function` is a straight list of scalar instructions.  `Program` holds that list and runs it
+over any number type with + - * / and the few functions the graph uses, so the equations of motion
+stay written once.  Nothing here is shared with CasADi's own evaluator, and nothing is locked: a
+`Program` may run in many threads at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ..base.errors import StabilityError
+from .number_types import _UNARY, Algebra, numpy_algebra
+
+_SYMBOLS = {
+    ca.OP_ADD: "{0} + {1}",
+    ca.OP_SUB: "{0} - {1}",
+    ca.OP_MUL: "{0} * {1}",
+    ca.OP_DIV: "{0} / {1}",
+    ca.OP_NEG: "-{0}",
+    ca.OP_SQ: "{0} * {0}",
+    ca.OP_TWICE: "{0} + {0}",
+    ca.OP_INV: "1 / {0}",
+    ca.OP_ASSIGN: "{0}",
+    ca.OP_POW: "f_pow({0}, {1})",
+    ca.OP_CONSTPOW: "f_pow({0}, {1})",
+    ca.OP_FABS: "f_fabs({0})",
+}
+"""Each operation as Python."""
+_SYMBOLS |= {getattr(ca, f"OP_{name.upper()}"): f"f_{name}({{0}})" for name in _UNARY}
+
+
+class Program:
+    """The instruction list of a CasADi SX function, to be run over any number type.
+
+    Parameters
+    ----------
+    function
+        An SX `casadi.Function`; an MX one is expanded.
+    constants
+        Values of the entries of a last input that is not given again: numbers that the graph kept
+        as symbols, so that CasADi rounds no sum or product of two of them.
+
+    Raises
+    ------
+    StabilityError
+        If the graph has an operation outside + - * / and the elementary functions.
+
+    Examples
+    --------
+    >>> x = ca.SX.sym("x", 2)
+    >>> program = Program(ca.Function("f", [x], [x[0] / x[1], ca.sin(x[0])]))
+    >>> program.run(numpy_algebra(), [[1.0, 4.0]])
+    [[0.25], [np.float64(0.8414709848078965)]]
+    """
+
+    def __init__(self, function: ca.Function, constants: Sequence[float] | None = None) -> None:
+        self._given = constants
+        function = function if function.is_a("SXFunction") else function.expand()
+        self.name: str = function.name()
+        self.shapes = tuple(function.size_out(i) for i in range(function.n_out()))
+        """Shape of each output."""
+        self.places = tuple(
+            tuple(zip(*function.sparsity_out(i).get_triplet(), strict=True))
+            for i in range(function.n_out())
+        )
+        """(row, column) of each stored entry of each output; the others are zero by structure."""
+        self._constants: list[float] = []
+        self._held: dict[str, list[Any]] = {}
+        self._code = compile(self._source(function), f"<graph {self.name}>", "exec")
+        space: dict[str, Any] = {}
+        exec(self._code, space)
+        self._run = space["run"]
+
+    def _source(self, function: ca.Function) -> str:
+        """The instructions as the source of one straight Python function: no loop, no look-ups."""
+        lines = [f"    o{i} = [0] * {len(places)}" for i, places in enumerate(self.places)]
+        last = function.n_in() - 1
+        for index in range(function.n_instructions()):
+            code = function.instruction_id(index)
+            source = function.instruction_input(index)
+            target = function.instruction_output(index)
+            if code == ca.OP_CONST:
+                lines.append(f"    w{target[0]} = c[{len(self._constants)}]")
+                self._constants.append(function.instruction_constant(index))
+            elif code == ca.OP_INPUT and self._given is not None and source[0] == last:
+                lines.append(f"    w{target[0]} = c[{len(self._constants)}]")
+                self._constants.append(float(self._given[source[1]]))
+            elif code == ca.OP_INPUT:
+                lines.append(f"    w{target[0]} = a[{source[0]}][{source[1]}]")
+            elif code == ca.OP_OUTPUT:
+                lines.append(f"    o{target[0]}[{target[1]}] = w{source[0]}")
+            elif code in _SYMBOLS:
+                names = [f"w{s}" for s in source]
+                lines.append(f"    w{target[0]} = {_SYMBOLS[code].format(*names)}")
+            else:
+                raise StabilityError(
+                    f"the graph {self.name} uses CasADi operation {code} (a branch, comparison or "
+                    "special function); only smooth elementary functions are read."
+                )
+        body = "\n".join(lines)
+        used = [name for name in (*_UNARY, "pow", "fabs") if f"f_{name}(" in body]
+        head = "\n".join(["def run(f, c, a):", *[f"    f_{n} = f[{n!r}]" for n in used]])
+        outputs = ", ".join(f"o{i}" for i in range(len(self.places)))
+        return f"{head}\n{body}\n    return [{outputs}]\n"
+
+    def run(self, algebra: Algebra, arguments: Sequence[Sequence[Any]]) -> list[list[Any]]:
+        """Run the instructions.
+
+        Parameters
+        ----------
+        algebra
+            The number type.
+        arguments
+            For each input of the function, its entries in column order.
+
+        Returns
+        -------
+        list of list
+            For each output, its stored entries in column order (see `places`).
+        """
+        if algebra.name not in self._held:
+            self._held[algebra.name] = [algebra.constant(value) for value in self._constants]
+        out: list[list[Any]] = self._run(algebra.functions, self._held[algebra.name], arguments)
+        return out
+
+    def dense(
+        self, algebra: Algebra, arguments: Sequence[Sequence[Any]], output: int = 0
+    ) -> list[list[Any]]:
+        """Run, and return one output as rows of entries, zeros written out.
+
+        Parameters
+        ----------
+        algebra, arguments
+            As in `run`.
+        output
+            Which output.
+
+        Returns
+        -------
+        list of list
+            Rows.
+        """
+        rows, columns = self.shapes[output]
+        zero = algebra.constant(0.0)
+        table = [[zero] * columns for _ in range(rows)]
+        values = self.run(algebra, arguments)[output]
+        for (row, column), value in zip(self.places[output], values, strict=True):
+            table[row][column] = value
+        return table
+
+    def arrays(self, arguments: Sequence[Sequence[Any]], shape: tuple[int, ...]) -> list[Any]:
+        """Run on NumPy arrays of one shape.
+
+        Parameters
+        ----------
+        arguments
+            For each input its entries, arrays that broadcast to `shape`.
+        shape
+            Leading shape of the results.
+
+        Returns
+        -------
+        list of ndarray
+            For each output an array of shape `shape + (rows, columns)`.
+        """
+        with np.errstate(all="ignore"):  # callers check what they get
+            values = self.run(_NUMPY, arguments)
+        results = []
+        for (rows, columns), places, entries in zip(self.shapes, self.places, values, strict=True):
+            array = np.zeros((*shape, rows, columns))
+            for (row, column), entry in zip(places, entries, strict=True):
+                array[..., row, column] = entry
+            results.append(array)
+        return results
+
+
+_NUMPY = numpy_algebra()

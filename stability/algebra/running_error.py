@@ -1,0 +1,227 @@
+"""Double-precision arrays that carry a bound on their own rounding error.
+
+Running error analysis (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM
+2002, Section 3.3): each operation adds its own rounding to what it inherits.  Bounds are absolute
+and hold to every order, as those of an interval do: an error may be larger than its value.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..base.types import Floats
+from .number_types import Algebra
+
+UNIT = 2.0**-53
+"""Unit roundoff of a double."""
+TINY = 2.0**-1074
+"""Least double: what a product or quotient that underflows may lose."""
+
+
+class Tracked:
+    """An array and a bound on how far each entry is from the exact result.
+
+    Parameters
+    ----------
+    value
+        Array of doubles.
+    error
+        Bound on the absolute error, same shape (or broadcastable).
+
+    Examples
+    --------
+    >>> third = Tracked(1.0, 0.0) / Tracked(3.0, 0.0)
+    >>> bool(third.error >= 2.0**-56)
+    True
+    """
+
+    __slots__ = ("error", "value")
+    __array_ufunc__ = None
+
+    def __init__(self, value: Any, error: Any) -> None:
+        self.value, self.error = value, error
+
+    def _pair(self, other: Any) -> tuple[Any, Any]:
+        if isinstance(other, Tracked):
+            return other.value, other.error
+        return other, 0.0
+
+    def __add__(self, other: Any) -> Tracked:
+        value, error = self._pair(other)
+        total = self.value + value
+        return Tracked(total, self.error + error + UNIT * np.abs(total))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Tracked:
+        value, error = self._pair(other)
+        total = self.value - value
+        return Tracked(total, self.error + error + UNIT * np.abs(total))
+
+    def __rsub__(self, other: Any) -> Tracked:
+        return (-self).__add__(other)
+
+    def __neg__(self) -> Tracked:
+        return Tracked(-self.value, self.error)
+
+    def __mul__(self, other: Any) -> Tracked:
+        if not isinstance(other, Tracked):
+            total = self.value * other
+            return Tracked(total, abs(other) * self.error + (UNIT * np.abs(total) + TINY))
+        value, error = other.value, other.error
+        total = self.value * value
+        passed = np.abs(self.value) * error + (np.abs(value) + error) * self.error
+        return Tracked(total, passed + UNIT * np.abs(total) + TINY)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Tracked:
+        if not isinstance(other, Tracked):
+            total = self.value / other
+            return Tracked(total, self.error / abs(other) + (UNIT * np.abs(total) + TINY))
+        value, error = other.value, other.error
+        total = self.value / value
+        size = np.abs(total)
+        least = np.abs(value) - error
+        passed = (self.error + size * error) / np.where(least > 0, least, 0.0)
+        return Tracked(total, passed + UNIT * size + TINY)
+
+    def __rtruediv__(self, other: Any) -> Tracked:
+        return Tracked(other, 0.0) / self
+
+    def __pow__(self, power: Any) -> Tracked:
+        exponent, unsure = (
+            (power.value, power.error) if isinstance(power, Tracked) else (power, 0.0)
+        )
+        total = self.value**exponent
+        size = np.abs(self.value)
+        low, high = size - self.error, size + self.error
+        # |x|^y is monotone in |x|; across zero it has a bound for y ≥ 0 only, and only whole powers
+        ends = [np.abs(np.maximum(end, 0.0) ** exponent - np.abs(total)) for end in (low, high)]
+        passed = np.maximum(*ends)
+        passed = np.where(low < 0, np.where(exponent >= 0, 2 * high**exponent, np.inf), passed)
+        if np.any(unsure):
+            reach = np.maximum(np.abs(np.log(np.maximum(low, 0.0))), np.abs(np.log(high)))
+            passed = passed + (np.abs(total) + passed) * np.expm1(unsure * reach)
+        return Tracked(total, passed + 4 * UNIT * np.abs(total) + TINY)
+
+
+class Constant(float):
+    """A number of a graph: exact, and so is none of its sums and products with another."""
+
+    def _with(self, other: Any, operation: Any) -> Any:
+        if isinstance(other, Constant):
+            return operation(Tracked(np.float64(self), 0.0), other)
+        return NotImplemented
+
+    def __add__(self, other: Any) -> Any:
+        return self._with(other, Tracked.__add__)
+
+    def __sub__(self, other: Any) -> Any:
+        return self._with(other, Tracked.__sub__)
+
+    def __mul__(self, other: Any) -> Any:
+        return self._with(other, Tracked.__mul__)
+
+    def __truediv__(self, other: Any) -> Any:
+        return self._with(other, Tracked.__truediv__)
+
+    def __rtruediv__(self, other: Any) -> Any:  # the graph's own 1 / x
+        return Tracked(np.float64(other), 0.0) / self
+
+    def __neg__(self) -> Constant:
+        return Constant(-float(self))
+
+
+def _elementary(function: Any, change: Any) -> Any:
+    """A function with the most that it changes within an error: change(|x|, error, |value|)."""
+
+    def apply(x: Any) -> Any:
+        if not isinstance(x, Tracked):
+            x = Tracked(x, 0.0)
+        total = function(x.value)
+        size = np.abs(total)
+        own = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds to zero what is not zero
+        return Tracked(total, change(x.value, x.error, size) + own)
+
+    return apply
+
+
+def _low(x: Any, e: Any) -> Any:
+    """The least modulus within an error."""
+    return np.maximum(np.abs(x) - e, 0.0)
+
+
+def _arc(x: Any, e: Any, _: Any) -> Any:
+    room = 1 - (np.abs(x) + e) ** 2
+    return e / np.sqrt(np.where(room > 0, room, 0.0))
+
+
+def _tan(x: Any) -> Any:
+    functions = TRACKED.functions
+    return functions["sin"](x) / functions["cos"](x)
+
+
+TRACKED = Algebra(
+    "tracked",
+    lambda constant: Constant(constant),
+    {
+        "sin": _elementary(np.sin, lambda x, e, _: np.minimum(np.abs(np.cos(x)) + e, 1.0) * e),
+        "cos": _elementary(np.cos, lambda x, e, _: np.minimum(np.abs(np.sin(x)) + e, 1.0) * e),
+        "tan": _tan,
+        "sqrt": _elementary(np.sqrt, lambda x, e, y: e / (y + np.sqrt(np.maximum(x - e, 0.0)))),
+        "exp": _elementary(np.exp, lambda _, e, y: TINY + np.maximum(y, TINY) * np.expm1(e)),
+        "log": _elementary(np.log, lambda x, e, _: -np.log1p(-np.minimum(e / x, 1.0))),
+        "asin": _elementary(np.arcsin, _arc),
+        "acos": _elementary(np.arccos, _arc),
+        "atan": _elementary(np.arctan, lambda x, e, _: e / (1 + _low(x, e) ** 2)),
+        "sinh": _elementary(np.sinh, lambda x, e, _: np.cosh(np.abs(x) + e) * e),
+        "cosh": _elementary(np.cosh, lambda x, e, _: np.sinh(np.abs(x) + e) * e),
+        "tanh": _elementary(np.tanh, lambda x, e, _: (1 - np.tanh(_low(x, e)) ** 2) * e),
+        "fabs": _elementary(np.abs, lambda _, e, __: e),
+        "pow": lambda x, y: (x if isinstance(x, Tracked) else Tracked(np.float64(x), 0.0)) ** y,
+    },
+)
+"""The algebra in which a graph tells the rounding error of its own value."""
+
+
+def tracked_arrays(
+    program: Any, arguments: list[list[Tracked]], shape: tuple[int, ...]
+) -> list[tuple[Floats, Floats]]:
+    """Run a `Program` on tracked arrays of one shape.
+
+    Parameters
+    ----------
+    program
+        The instruction list.
+    arguments
+        For each input its entries.
+    shape
+        Leading shape of the results.
+
+    Returns
+    -------
+    list of (value, error)
+        For each output, arrays of shape `shape + (rows, columns)`; the error bound is widened by
+        1 % for its own roundings.
+    """
+    with np.errstate(all="ignore"):
+        values = program.run(TRACKED, arguments)
+    results = []
+    for (rows, columns), places, entries in zip(
+        program.shapes, program.places, values, strict=True
+    ):
+        value, error = np.zeros((*shape, rows, columns)), np.zeros((*shape, rows, columns))
+        for (row, column), entry in zip(places, entries, strict=True):
+            if isinstance(entry, Tracked):
+                value[..., row, column] = entry.value
+                # nan: 0/0, or the root of what may be negative
+                error[..., row, column] = np.where(
+                    np.isnan(entry.error), np.inf, 1.01 * entry.error
+                )
+            else:
+                value[..., row, column] = entry
+        results.append((value, error))
+    return results

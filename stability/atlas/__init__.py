@@ -1,0 +1,1 @@
+"""The main job: diagrams and loci of three families for three bodies, with a page."""

@@ -1,0 +1,269 @@
+"""The atlas: diagrams and loci of the three families for three bodies, with data and a page.
+
+Each (body, family) pair is one job; jobs run in processes of their own.  Everything is written into
+a folder beside the target and moved there when it is whole.
+"""
+
+from __future__ import annotations
+
+import csv
+import multiprocessing
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..base.checks import whole_number
+from ..base.errors import FileError, StabilityError
+from ..bodies.contact import Rough, Smooth, Viscous
+from ..bodies.disk import Disk
+from ..bodies.disk_families import AT
+from ..boundary.changes import boundaries
+from ..jobs.following import follow
+from ..jobs.pipeline import completed
+from ..maps.dataset import LONG_NAMES
+from ..maps.stability_map import stability_map
+from ..spectra.spectrum import spectrum
+from ..storage.files import deaf, postponed, record
+from ..storage.litter import clear, temporary
+from ..storage.targets import check_folder, path_text, place, refusing
+from .page import (
+    BODIES,
+    CODE_KINDS,
+    FRICTION,
+    LOCUS_FRICTION,
+    RANGES,
+    Page,
+    Picture,
+    _diagram_caption,
+    _html,
+    _zeros,
+)
+
+FINEST = 4000
+"""Most points along the axis of a family."""
+COLUMNS = (
+    "body", "k", "family", "contact", "curve", "quantity", "at", "mu", "crossing", "frequency",
+    "error", "error_along",
+)  # fmt: skip
+"""Columns of the CSV of boundaries."""
+
+
+def atlas(
+    out: str | os.PathLike[str],
+    *,
+    resolution: int = 400,
+    force: bool = False,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Draw the atlas into a folder: figures (PNG, PDF), maps (NetCDF), boundaries (CSV), a page.
+
+    Parameters
+    ----------
+    out
+        Folder to make.
+    resolution
+        Points along the axis of the family; three quarters as many along mu.
+    force
+        Whether files in an existing folder may be replaced; other files there are left alone.
+    workers
+        Processes; all processors when left out.  With 1 everything runs in this process.
+    progress
+        Called with (jobs done, jobs in all).
+
+    Returns
+    -------
+    Path
+        The page, `index.html` in the folder.
+
+    Raises
+    ------
+    FileError
+        If the folder exists without `force`, or cannot be made.
+    ParameterError
+        If the resolution is below 8.
+    """
+    resolution = whole_number(
+        "resolution", resolution, 8, FINEST, "`stability map --verdict-only` draws finer ones"
+    )
+    taken = f"{path_text(out)} exists and is not empty; choose another, or use --force."
+    target = check_folder(place(out), "" if force else taken)
+    with _beside(target) as folder:
+        jobs = [(body, family, str(folder), resolution) for body in BODIES for family in RANGES]
+        pages: dict[tuple[str, str], Page] = {}
+        if progress:
+            progress(0, len(jobs))
+        for page in _run(jobs, workers or os.cpu_count() or 1):
+            pages[page.body, page.family] = page
+            if progress:
+                progress(len(pages), len(jobs))
+        ordered = [pages[job[0], job[1]] for job in jobs]
+        _write_csv(folder / "boundaries.csv", ordered)
+        (folder / "index.html").write_text(_html(ordered, resolution), encoding="utf-8")
+        _move(folder, target)
+    return target / "index.html"
+
+
+class _beside:  # noqa: N801  # a context manager that reads as a word
+    """A temporary folder beside the target, gone afterwards whatever happens."""
+
+    def __init__(self, target: Path) -> None:
+        self.target = target
+
+    def __enter__(self) -> Path:
+        with refusing(self.target):
+            parent = Path(os.path.realpath(self.target)).parent
+            clear(parent, always=True)
+            self.folder = parent / temporary()
+            self.folder.mkdir(0o700)
+        return self.folder
+
+    def __exit__(self, *_: object) -> None:
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def _move(folder: Path, target: Path) -> None:
+    """Give the folder its name, or its files theirs where the target holds other files."""
+    mask = os.umask(0)
+    os.umask(mask)
+    with refusing(target), postponed():
+        for path in folder.iterdir():
+            path.chmod(0o666 & ~mask)
+        if not os.path.lexists(target):
+            folder.chmod(0o777 & ~mask)
+            folder.replace(target)  # at once
+        else:
+            target.mkdir(exist_ok=True)
+            for path in folder.iterdir():  # all or nothing
+                if (target / path.name).is_dir():
+                    raise FileError(
+                        f"{path_text(target / path.name)} is a folder in the way; move it aside."
+                    )
+            for path in sorted(folder.iterdir(), key=lambda p: p.name == "index.html"):
+                path.replace(target / path.name)  # the page last: it points at what is there
+        record(target)
+
+
+def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
+    if workers == 1:
+        for job in jobs:
+            yield _job(*job)
+        return
+    context = multiprocessing.get_context("spawn")
+    others = set(multiprocessing.active_children())
+    mine = (os.getpid(),)
+    pool: ProcessPoolExecutor | None = None
+    try:
+        with deaf():  # a signal to stop is for this process to handle
+            pool = ProcessPoolExecutor(min(workers, len(jobs)), context, follow, mine)
+            ordered = sorted(jobs, key=lambda j: j[1] != "tumbling")  # the longest first
+            futures = [pool.submit(_job, *job) for job in ordered]
+        yield from completed(futures)
+        pool.shutdown()
+    except BaseException as stop:
+        if pool is not None:
+            pool.shutdown(wait=False, cancel_futures=True)
+        for child in set(multiprocessing.active_children()) - others:
+            child.kill()  # it has nothing to put in order
+            child.join()
+        if isinstance(stop, BrokenProcessPool):
+            raise StabilityError(
+                "a process that draws the atlas was ended from outside; nothing was written. "
+                "If the memory is short, take a lower resolution or fewer workers."
+            ) from None
+        raise
+
+
+# --- one job ---
+
+
+def _job(body: str, family: str, folder: str, resolution: int) -> Page:
+    from ..figures.diagram import Strip, diagram
+    from ..figures.style import save
+    from ..maps.netcdf import write_map
+
+    make, name, inertia = BODIES[body]
+    disk, here, stem = make(), Path(folder), f"{family}-{body}"
+    low, high = RANGES[family]
+    dataset = stability_map(
+        family, x=("at", low, high, resolution), y=("mu", *FRICTION, 3 * resolution // 4, "log"),
+        disk=disk, workers=1,
+    )  # fmt: skip
+    write_map(dataset, here / f"{stem}.nc", overwrite=True)
+    rows = _curve_rows(body, disk, family, dataset)
+    strips, limits = [], []
+    for law in (Rough(), Smooth()):
+        points = boundaries(family, axis=("at", low, high, 301), disk=disk, contact=law)
+        at = np.linspace(low, high, 2 * resolution)
+        growth = spectrum(family, at=at, disk=disk, contact=law).abscissa
+        strips.append(Strip(law.name, at, growth, tuple(p.value for p in points)))
+        rows += [
+            (body, disk.k, family, law.name, i, AT[family][0], p.value, "", p.crossing.word,
+             p.frequency, p.error, "at")
+            for i, p in enumerate(points)
+        ]  # fmt: skip
+        where = ", ".join(f"{p.value:.6g}" for p in points)
+        limits.append(
+            f"{law.name}: " + (f"verdict changes at {where}" if where else "neutral throughout")
+        )
+    save(diagram(dataset, above=strips[0], below=strips[1], title=f"{family}: {name}"), here / stem)
+    caption = _diagram_caption(family, name, inertia, dataset, limits)
+    pictures = [Picture(stem, caption, f"Stability diagram of {family} of the {name}")]
+    pictures += [_locus(here, body, family, mu, resolution) for mu in LOCUS_FRICTION]
+    return Page(body, family, tuple(pictures), tuple(rows))
+
+
+def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Picture:
+    from ..figures.loci import locus
+    from ..figures.style import save
+
+    make, name, inertia = BODIES[body]
+    disk = make()
+    low, high = RANGES[family]
+    at = np.linspace(low, high, 2 * resolution)
+    law = Viscous(mu)
+    spectra = spectrum(family, at=at, disk=disk, contact=law)
+    points = boundaries(family, axis=("at", low, high, 301), disk=disk, contact=law)
+    stem = f"locus-{family}-{body}-mu{mu:g}".replace(".", "_")
+    title = rf"{family}: {name}, $\mu = {mu:g}$"
+    save(locus(spectra, thresholds=[p.value for p in points], title=title), here / stem)
+    quantity = LONG_NAMES[AT[family][0]]
+    changes = "; ".join(f"{p.crossing.word} boundary at {p.value:.10g}" for p in points)
+    caption = (
+        f"Eigenvalues of {family} of the {name} ({inertia}) under viscous friction, μ = {mu:g} "
+        f"/√(gR), against the {quantity}: growth rate above (linear below 10⁻³, logarithmic "
+        f"beyond), frequency below, in √(g/R), at {len(at)} points; "
+        f"without the {_zeros(spectra.structural_zeros)}. One colour and number for each "
+        "mode, followed by eigenvector overlap and named by the states that lead it on average; "
+        "where a pair splits into two real eigenvalues, one of them is dashed. Dotted: "
+        f"{changes or 'no change of verdict in this range'}."
+    )
+    return Picture(stem, caption, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}")
+
+
+def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[Any, ...]]:
+    names = ("boundary_curve", "boundary_at", "boundary_mu", "boundary_kind", "boundary_frequency",
+             "boundary_error", "boundary_axis")  # fmt: skip
+    columns = [dataset[n].values.tolist() for n in names]
+    return [
+        (body, disk.k, family, "viscous", curve, AT[family][0], at, mu, CODE_KINDS[kind].word,
+         frequency, error, ("at", "mu")[axis])
+        for curve, at, mu, kind, frequency, error, axis in zip(*columns, strict=True)
+    ]  # fmt: skip
+
+
+# --- data and page ---
+
+
+def _write_csv(path: Path, pages: list[Page]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as handle:
+        writer = csv.writer(handle)
+        writer.writerow(COLUMNS)
+        for page in pages:
+            writer.writerows(page.rows)

@@ -1,0 +1,178 @@
+"""The page of the atlas, and what is on it."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..base.verdict import CODES
+from ..base.version import __version__
+from ..bodies.disk import Disk
+from ..boundary.crossings import Crossing
+from ..boundary.curves import KINDS
+from ..maps.dataset import LIBRARIES
+
+BODIES: dict[str, tuple[Callable[[], Disk], str, str]] = {
+    "disk": (Disk.uniform, "uniform disk", "k = 1/4"),
+    "annulus": (lambda: Disk.annulus(0.5), "annulus with inner radius R/2", "k = 5/16"),
+    "hoop": (Disk.hoop, "hoop", "k = 1/2"),
+}
+"""The bodies of the atlas: disk, name, inertia."""
+
+RANGES = {"rolling": (0.02, 3.0), "spinning": (0.02, 5.0), "tumbling": (0.02, math.pi / 2)}
+"""Interval of `at`, dimensionless."""
+
+FRICTION = (0.01, 100.0)
+"""Interval of mu*, even in the logarithm."""
+
+LOCUS_FRICTION = (0.3, 3.0)
+"""mu* of the loci."""
+
+CODE_KINDS = {code: crossing for crossing, code in KINDS.items()}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One figure of the atlas."""
+
+    stem: str
+    """File name without suffix."""
+    caption: str
+    """What was computed, exactly."""
+    alternative: str
+    """The figure in a few words, for those who cannot see it."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """What one job made."""
+
+    body: str
+    """Key of `BODIES`."""
+    family: str
+    """Family."""
+    pictures: tuple[Picture, ...]
+    """Figures, the diagram first."""
+    rows: tuple[tuple[Any, ...], ...]
+    """Rows of the CSV."""
+
+
+def _zeros(count: int) -> str:
+    return "structural zero" if count == 1 else f"{count} structural zeros"
+
+
+def _diagram_caption(family: str, name: str, inertia: str, dataset: Any, limits: list[str]) -> str:
+    count = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
+    verdicts = ", ".join(f"{n:,} {word}".replace(",", " ") for word, n in count.items() if n)
+    undecided = "" if count["undecided"] else "; none undecided"
+    kinds = [CODE_KINDS[c] for c in np.unique(dataset.boundary_kind.values).tolist()]
+    style = {Crossing.STATIC: "static (solid)", Crossing.FLUTTER: "flutter (dashed)",
+             Crossing.TOUCHING: "touching (dotted)"}  # fmt: skip
+    curve = "No boundary between verdicts in this range."
+    if kinds:
+        size = np.where(dataset.boundary_axis == 0, dataset.boundary_at, dataset.boundary_mu)
+        worst = float((dataset.boundary_error.values / np.abs(size)).max())
+        curve = (
+            f"Black: boundary of the verdict, {' and '.join(style[k] for k in kinds)}, "
+            f"{dataset.sizes['boundary_point']} points, each a bracket of relative half-width at "
+            f"most {worst:.0e} proved in ball arithmetic."
+        )
+    return (
+        f"{family.capitalize()} of the {name} ({inertia}) under viscous friction. Colour: largest "
+        "real part of the eigenvalues other than the "
+        f"{_zeros(dataset.attrs['structural_zeros'])}, on "
+        f"{dataset.sizes['at']} × {dataset.sizes['mu']} points, in √(g/R), linear below 10⁻⁴ and "
+        f"logarithmic beyond; hatched where it is positive. Verdicts: {verdicts}{undecided}. "
+        f"{curve} Strips: the limit laws on the same axis and colours ({'; '.join(limits)})."
+    )
+
+
+_STYLE = """
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 76rem;
+       margin: 0 auto; padding: 1.5rem; }
+h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { margin: 2.2rem 0 .3rem; font-size: 1.25rem; }
+nav a { margin-right: 1rem; } p.lead { max-width: 46rem; }
+.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1.5rem;
+       margin-bottom: 1.8rem; }
+figure { margin: 0; } figure img { width: 100%; height: auto; }
+figcaption { font-size: .82rem; color: #333; } figcaption .files { white-space: nowrap; }
+footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color: #444; }
+"""
+
+
+def _html(pages: list[Page], resolution: int) -> str:
+    parts = [
+        "<!doctype html>", '<html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>Stability atlas of the rolling and sliding disk</title><style>{_STYLE}</style>",
+        "</head><body>", "<h1>Stability atlas of the rolling and sliding disk</h1>",
+        '<p class="lead">Which steady motions of a thin disk on a plane can be seen? Each diagram '
+        "shows one family of steady motions of one body: where small disturbances decay (blue) and "
+        "where they grow (vermilion, hatched), with the exact boundary in between. Numbers are "
+        "dimensionless (m = R = g = 1). The equations are those of Przybylska &amp; "
+        "Rauch-Wojciechowski, <cite>Regul. Chaotic Dyn.</cite> 21(2), 2016, 204–231; every result "
+        "is recomputed. All boundaries: <a href=\"boundaries.csv\">boundaries.csv</a>.</p>",
+        "<nav>" + "".join(f'<a href="#{f}">{f}</a>' for f in RANGES) + "</nav>",
+    ]  # fmt: skip
+    for family in RANGES:
+        mine = [p for p in pages if p.family == family]
+        parts += [f'<h2 id="{family}">{family.capitalize()}</h2>', f"<p>{_lead(family)}</p>"]
+        for index in range(len(mine[0].pictures)):
+            parts.append('<div class="row">')
+            parts += [_figure(p, p.pictures[index], index == 0) for p in mine]
+            parts.append("</div>")
+    versions = ", ".join(f"{n} {version(n)}" for n in (*LIBRARIES, "matplotlib"))
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    parts.append(
+        f"<footer><p>Made by <code>stability atlas --resolution {resolution}</code>, stability "
+        f"{__version__}, {now}; {html.escape(versions)}. The NetCDF files hold the numbers behind "
+        "each diagram with units, error bounds and provenance.</p></footer></body></html>"
+    )
+    return "\n".join(parts) + "\n"
+
+
+def _lead(family: str) -> str:
+    return {
+        "rolling": "Upright, straight ahead: θ = π/2, φ̇ = 0, named by ω₃.",
+        "spinning": "Upright, turning on the spot: θ = π/2, ω₃ = 0, named by φ̇.",
+        "tumbling": "Inclined, its centre at rest: ω₃ = 0, φ̇² = g/(kR sin θ), named by θ.",
+    }[family]
+
+
+def _figure(page: Page, picture: Picture, diagram: bool) -> str:
+    files = [f'<a href="{picture.stem}.{s}">{s.upper()}</a>' for s in ("png", "pdf")]
+    if diagram:
+        files.append(f'<a href="{page.family}-{page.body}.nc">NetCDF</a>')
+    return (
+        f'<figure><img src="{picture.stem}.png" alt="{html.escape(picture.alternative)}" '
+        f'loading="lazy"><figcaption>{html.escape(picture.caption)} '
+        f'<span class="files">{" · ".join(files)}</span></figcaption></figure>'
+    )
+
+
+def summary(page: Path) -> dict[str, Any]:
+    """What an atlas holds, for JSON.
+
+    Parameters
+    ----------
+    page
+        Its `index.html`.
+
+    Returns
+    -------
+    dict
+    """
+    names = sorted(p.name for p in page.parent.iterdir())
+    kinds = {s: sum(n.endswith(s) for n in names) for s in (".png", ".pdf", ".nc", ".csv")}
+    out: dict[str, Any] = json.loads(json.dumps({"page": str(page), "files": kinds}))
+    return out

@@ -1,0 +1,1 @@
+"""Ground floor: errors, checks, axes, verdicts, types.  Imports nothing of the package."""

@@ -1,0 +1,113 @@
+"""One axis of a map or scan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .checks import one_number
+from .errors import ParameterError, shown
+from .types import Floats
+
+MOST_POINTS = 10_000_000
+"""Longest axis."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """One axis of a map."""
+
+    name: str
+    """What varies."""
+    low: float
+    """First value."""
+    high: float
+    """Last value."""
+    count: int
+    """Number of values."""
+    log: bool = False
+    """Whether they are even in the logarithm."""
+
+    @classmethod
+    def of(cls, axis: Sequence[Any], which: str, most: int = MOST_POINTS) -> Grid:
+        """An axis from (name, low, high, n) or (name, low, high, n, "log").
+
+        Parameters
+        ----------
+        axis
+            The tuple.
+        which
+            `x` or `y`, for messages.
+        most
+            Most points.
+
+        Raises
+        ------
+        ParameterError
+            With what is accepted.
+
+        Examples
+        --------
+        >>> Grid.of(("mu", 0.1, 10, 3, "log"), "x").values.round(12).tolist()
+        [0.1, 1.0, 10.0]
+        """
+        if not isinstance(axis, (tuple, list)) or len(axis) not in (4, 5):
+            raise ParameterError(
+                f"{which} is {shown(axis)}; give (name, low, high, n) or (…, 'log')."
+            )
+        name, low, high, count, *rest = axis
+        if not isinstance(name, str):
+            raise ParameterError(f"{which} axis name is {shown(name)}; give a string such as 'at'.")
+        if rest and not (isinstance(rest[0], str) and rest[0] in ("log", "linear")):
+            raise ParameterError(f"{which} spacing is {shown(rest[0])}; give 'linear' or 'log'.")
+        low, high = (
+            one_number(f"the {what} end of the {which} axis {name}", value)
+            for what, value in (("low", low), ("high", high))
+        )
+        integer = isinstance(count, (int, np.integer)) and not isinstance(count, bool)
+        if not integer or count < 2:
+            raise ParameterError(
+                f"{which} axis {shown(name)} has {shown(count)} points; a whole number of at "
+                "least 2 is needed."
+            )
+        if not low < high:
+            raise ParameterError(
+                f"{which} axis {name} runs from {low:g} to {high:g}; the low end must be below "
+                "the high end."
+            )
+        log = bool(rest) and rest[0] == "log"
+        if log and low <= 0:
+            raise ParameterError(
+                f"{which} axis {name} starts at {low:g}; a logarithmic axis starts above zero."
+            )
+        if count > most:
+            raise ParameterError(
+                f"{which} axis {name} has {shown(count)} points; take at most {most}."
+            )
+        grid = cls(name, low, high, int(count), log)
+        with np.errstate(all="ignore"):
+            apart = np.diff(grid.values)
+        if not (apart > 0).all():
+            raise ParameterError(
+                f"{which} axis {name} from {low!r} to {high!r} has no {count} different numbers; "
+                "widen it or ask for fewer points."
+            )
+        return grid
+
+    @property
+    def values(self) -> Floats:
+        """The values, shape (count,); both ends are exact."""
+        if self.log:
+            values = np.geomspace(self.low, self.high, self.count)
+        else:
+            values = np.linspace(self.low, self.high, self.count)
+        values[0], values[-1] = self.low, self.high
+        return values
+
+    @property
+    def text(self) -> str:
+        """The axis as the command line writes it."""
+        return f"{self.name}:{self.low:g}:{self.high:g}:{self.count}" + ":log" * self.log

@@ -1,0 +1,1 @@
+"""What rolls: the disk, its laws, equations, families, polynomials.  Imports `systems`."""

@@ -1,0 +1,226 @@
+"""The disk's equations of motion, written once from Newton-Euler as a CasADi graph.
+
+Frames and signs are those of Przybylska & Rauch-Wojciechowski 2016, Section 2: 3̂ is the symmetry
+axis, 1̂ points from the centre to the contact point A, 2̂ = 3̂×1̂ is horizontal; ẑ is vertical,
+ŷ = 2̂, x̂ = ŷ×ẑ.  Everything is dimensionless (m = R = g = 1).  tests/test_equations.py compares
+these equations with two derivations that share nothing with them.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+
+from ..base.checks import flag, known
+from ..base.errors import ParameterError
+from ..systems.condition import Condition
+from ..systems.system import System
+from .contact import MOTION_LAWS, Contact, Coulomb, RegularisedCoulomb
+
+STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
+"""State names in their order; laws without slip in the state keep the first four."""
+
+UNITS = {
+    "theta": "rad", "theta_dot": "1/s", "phi_dot": "1/s", "omega3": "1/s",
+    "slip_x": "m/s", "slip_y": "m/s", "slip": "m/s", "k": "1", "mu": "s/m", "energy": "J",
+    "normal_force": "N", "contact_force": "N", "determinant": "1", "power": "W", "epsilon": "m/s",
+    "direction": "rad",
+}  # fmt: skip
+"""SI unit of each state, parameter and observable."""
+
+
+def disk_system(law: str, *, slip_states: bool | None = None, direction: bool = False) -> System:
+    """The disk under a contact law as a `System`; dimensionless, built once for each law.
+
+    Parameters
+    ----------
+    law
+        A key of `stability.bodies.contact.MOTION_LAWS`.
+    slip_states
+        Whether the two slip velocities are states; the law's own choice when left out.  The smooth
+        disk may carry them (they follow the other four); without them its observables are those
+        of a disk whose centre has no horizontal velocity.
+    direction
+        For `coulomb`: whether the angle of the slip is a parameter of its own, so that the
+        equations keep a meaning where the slip is zero.
+
+    Returns
+    -------
+    System
+        States `STATES` (or the first four); parameters `k` and, for a law with a coefficient,
+        `mu` (for `linear-viscous` c* stands in its place; `coulomb-regularised` has `epsilon`
+        too).  Observables: `energy`, `normal_force`,
+        `contact_force` (horizontal, x̂ and ŷ), `slip`, `determinant` (D), `power` (dissipated).
+
+    Examples
+    --------
+    >>> system = disk_system("viscous")
+    >>> upright = [math.pi / 2, 0, 0, 1.2, 0, 0]
+    >>> float(system.observe(upright, [0.25, 0.3])["normal_force"])
+    1.0
+    """
+    known("law", law, MOTION_LAWS)
+    if slip_states is not None:
+        slip_states = flag("slip_states", slip_states)
+        if slip_states != MOTION_LAWS[law].slips and law != "smooth":
+            raise ParameterError(
+                f"slip_states is {slip_states}; the {law} law leaves no choice, leave it out."
+            )
+    if flag("direction", direction) and law != "coulomb":
+        raise ParameterError(f"direction goes with the coulomb law, not with {law}; leave it out.")
+    return _disk_system(str(law), slip_states, direction=bool(direction))
+
+
+@lru_cache(maxsize=16)
+def _disk_system(law: str, slip_states: bool | None, *, direction: bool) -> System:
+    contact = MOTION_LAWS[law]
+    slips = contact.slips if slip_states is None else slip_states
+    names = STATES if slips else STATES[:4]
+    x = ca.SX.sym("x", len(names))
+    k = ca.SX.sym("k")
+    mu = ca.SX.sym("mu")
+    named: dict[str, ca.SX] = {"k": k} | ({"mu": mu} if contact.coefficient else {})
+    coefficient: Any = mu
+    if contact is RegularisedCoulomb:
+        named["epsilon"] = ca.SX.sym("epsilon")
+        coefficient = (mu, named["epsilon"])
+    if direction:
+        named["direction"] = ca.SX.sym("direction")
+        contact, coefficient = _Along, (mu, named["direction"])
+    p = ca.vertcat(*named.values())
+    body = _Body(x, k, contact, coefficient, slips)
+    return System.from_mass_matrix(
+        f"disk, {law}", x, p, *body.implicit_form(),
+        unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
+        observables=body.observables, conditions=_conditions(x),
+        states=names, parameters=tuple(named), units=UNITS,
+    )  # fmt: skip
+
+
+class _Along(Coulomb):
+    """Dry friction against a stated direction of slip: the pair (mu, angle) stands for mu."""
+
+    def force(self, slip, normal, mu):  # type: ignore[no-untyped-def]  # noqa: ARG002
+        """Against the direction, mu times the normal force."""
+        coefficient, angle = mu
+        return [-coefficient * normal * ca.cos(angle), -coefficient * normal * ca.sin(angle)]
+
+
+def _conditions(x: ca.SX):  # type: ignore[no-untyped-def]
+    flat = (
+        "theta must lie strictly between 0 and π, because the disk is flat at both and its "
+        "equations of motion end there; the distance from the nearer, positive inside, is "
+        "{value:.3g}"
+    )
+
+    def build(observables: dict[str, ca.SX]) -> tuple[Condition, ...]:
+        return (
+            Condition(x[0], flat),
+            Condition(math.pi - x[0], flat),
+            Condition(
+                observables["determinant"],
+                "D = {value:.3g} is not positive: no contact force holds the disk on the plane "
+                "there (Painlevé's paradox); take a smaller mu or slip_x",
+            ),
+        )
+
+    return build
+
+
+class _Body:
+    """Newton-Euler for one law: residuals that are linear in accelerations and contact force."""
+
+    def __init__(self, x: ca.SX, k: ca.SX, contact: type[Contact], mu: Any, slips: bool) -> None:
+        self.x, self.k, self.mu, self.slips = x, k, mu, slips
+        self.law = contact.__new__(contact)  # only its formulas are used, never its coefficient
+        self.rough = law_is_rough = contact.name == "rough"
+        self.sine, self.cosine = ca.sin(x[0]), ca.cos(x[0])
+        if slips:
+            self.slip = [x[4], x[5]]
+        elif law_is_rough:
+            self.slip = [ca.SX(0), ca.SX(0)]
+        else:  # smooth, centre without horizontal velocity: slip = (ω×a), horizontal part
+            self.slip = [-x[1] * self.sine, x[3]]
+        self.d_theta_dot, self.d_phi_dot, self.d_omega3 = (
+            ca.SX.sym("d_" + name) for name in STATES[1:4]
+        )
+        self.normal = ca.SX.sym("normal")
+        self.extra = [ca.SX.sym("e1"), ca.SX.sym("e2")] if slips or law_is_rough else []
+        self.force = self.extra if law_is_rough else self.law.force(self.slip, self.normal, mu)
+        acc = ["d_theta_dot", "d_phi_dot", "d_omega3", "normal"]
+        more = ["force_x", "force_y"] if law_is_rough else ["d_slip_x", "d_slip_y"]
+        self.unknown_names = tuple(acc + (more if self.extra else []))
+        # gn from the vertical, φ̈ from 1̂ (pivot k sinθ), θ̈ from 2̂ (pivot D), ω̇₃ from 3̂, the rest
+        # from the horizontal: these pivots vanish only where sinθ = 0 or D = 0.  The rough force is
+        # eliminated first, so that D there is k + 1.
+        order = [(2, 3), (3, 1), (4, 0), (5, 2), (0, 4), (1, 5)]
+        if law_is_rough:
+            order = [(0, 4), (1, 5), *order[:4]]
+        if not self.extra:
+            order = [(r - 2, c) for r, c in order[:4]]
+        self.pivots = order
+        self.pivot_d = order.index((4, 0) if self.extra else (2, 0))
+
+    def rate(self, expression: ca.SX) -> ca.SX:
+        """d/dt along the motion by the chain rule, with the accelerations as symbols."""
+        rates = [self.x[1], self.d_theta_dot, self.d_phi_dot, self.d_omega3]
+        if self.slips:
+            rates += self.extra
+        return ca.jtimes(expression, self.x, ca.vertcat(*rates))
+
+    def velocity(self) -> ca.SX:
+        """ṡ = vA - ω×a along (x̂, ŷ, ẑ), where ω×a = ω₃2̂ - θ̇3̂ (eq. 2.2)."""
+        theta_dot, omega3 = self.x[1], self.x[3]
+        horizontal_x = self.slip[0] + theta_dot * self.sine
+        horizontal_y = self.slip[1] - omega3
+        return ca.vertcat(horizontal_x, horizontal_y, theta_dot * self.cosine)
+
+    def momentum(self) -> ca.SX:
+        """L along (1̂, 2̂, 3̂)."""
+        _, theta_dot, phi_dot, omega3 = (self.x[i] for i in range(4))
+        spin = ca.vertcat(-phi_dot * self.sine, theta_dot, 2 * omega3)
+        return self.k * spin
+
+    def implicit_form(self) -> tuple[ca.SX, ca.SX]:
+        """The mass matrix and forcing of m s̈ = -mgẑ + force, L̇ = a × force."""
+        theta_dot, phi_dot = self.x[1], self.x[2]
+        fx, fy = self.force
+        velocity, momentum = self.velocity(), self.momentum()
+        turn_k = ca.vertcat(0, 0, phi_dot)
+        newton = (
+            self.rate(velocity) + ca.cross(turn_k, velocity) - ca.vertcat(fx, fy, self.normal - 1)
+        )
+        turn_body = ca.vertcat(-phi_dot * self.sine, theta_dot, phi_dot * self.cosine)
+        # force along (1̂, 2̂, 3̂): x̂ = cosθ 1̂ + sinθ 3̂, ẑ = -sinθ 1̂ + cosθ 3̂; a = 1̂
+        axial = fx * self.sine + self.normal * self.cosine
+        torque = ca.vertcat(0, -axial, fy)
+        euler = self.rate(momentum) + ca.cross(turn_body, momentum) - torque
+        residual = ca.vertcat(newton, euler) if self.extra else ca.vertcat(newton[2], euler)
+        unknowns = ca.vertcat(
+            self.d_theta_dot, self.d_phi_dot, self.d_omega3, self.normal, *self.extra
+        )
+        mass = ca.jacobian(residual, unknowns)
+        forcing = -ca.substitute(residual, unknowns, ca.SX.zeros(unknowns.numel()))
+        return mass, forcing
+
+    def observables(self, solved: dict[str, ca.SX], pivots: list[ca.SX]) -> dict[str, ca.SX]:
+        """Energy, forces, slip, D and the dissipated power."""
+        velocity, momentum = self.velocity(), self.momentum()
+        spin = ca.vertcat(momentum[0], momentum[1], momentum[2] / 2) / self.k
+        kinetic = (ca.sumsqr(velocity) + ca.dot(spin, momentum)) / 2
+        normal = solved["normal"]
+        if self.rough:
+            force = [solved["force_x"], solved["force_y"]]
+        else:
+            force = self.law.force(self.slip, normal, self.mu)
+        return {
+            "energy": kinetic + self.sine,
+            "normal_force": normal,
+            "contact_force": ca.SX(ca.vertcat(*force)),
+            "slip": ca.SX(ca.vertcat(*self.slip)),
+            "determinant": pivots[self.pivot_d],
+            "power": ca.SX(self.law.power(self.slip, normal, self.mu)),
+        }

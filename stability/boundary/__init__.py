@@ -1,0 +1,1 @@
+"""Where verdicts change along an axis, and what crosses there."""

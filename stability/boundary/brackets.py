@@ -1,0 +1,322 @@
+"""Where the verdict changes: proved brackets, what crosses there, and at what frequency.
+
+A boundary point is a root, along one axis, of the constant term (static boundary) or of the Hurwitz
+determinant (flutter boundary) of the reduced characteristic polynomial, which is evaluated in balls
+from the same graph.  The bracket that is reported is proved: Routh's array, in balls, gives
+different verdicts at its two ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx
+from scipy.optimize import brentq
+
+from ..algebra.balls import precision
+from ..algebra.routh_balls import hurwitz_determinant, hurwitz_sign, verdict_polynomial
+from ..base.errors import NoMemberError
+from ..base.verdict import Verdict, best
+from ..spectra.certificate import ball_sine, member_at, of_member, structural_zeros
+from ..spectra.problem import Problem
+from ..systems.enclosure import ball_unknowns, characteristic, matrix_polynomial
+from ..systems.multiplicity import certain
+from ..systems.structural_zeros import structure
+from .critical import frequency
+from .crossings import BoundaryPoint, Crossing
+
+BITS = 128
+"""Working precision of the first attempt."""
+MOST_BITS = 1024
+"""Precision at which a sign that is still open counts as zero."""
+
+
+class Line:
+    """A family along one axis, everything else fixed, evaluated in balls.
+
+    Parameters
+    ----------
+    problem
+        The question.
+    axis
+        Name of the axis.
+    fixed
+        Value of every other quantity.
+    """
+
+    def __init__(self, problem: Problem, axis: str, fixed: Mapping[str, float]) -> None:
+        self.problem, self.axis, self.fixed = problem, axis, dict(fixed)
+        self.neutral: bool | None = None
+        """Whether neutral members are on the good side; judged one by one where it is None."""
+        self._near: list[float] | None = None
+        self._solution: tuple[int, list[Any], list[Any]] | None = None
+        self._known: dict[tuple[float, int], list[Any]] = {}
+
+    def coefficients(self, value: float, bits: int) -> list[Any]:
+        """Characteristic polynomial at a point of the line, to so many bits; kept once computed."""
+        key = value, bits
+        if key not in self._known:
+            self._known[key] = self._coefficients(value, bits)
+        return self._known[key]
+
+    def _coefficients(self, value: float, bits: int) -> list[Any]:
+        family = self.problem.family
+        with precision(bits):
+            a, q = self.problem.balls(self.fixed | {self.axis: value})
+            if not family.unknown or family.closed:
+                return characteristic(family, a, q)
+            # the disk's member is unique; a user's is the one that the family's guess leads to
+            for near in (self._near, None) if self.problem.exact is not None else (None,):
+                try:
+                    return self._solved(a, q, near)
+                except NoMemberError:
+                    continue
+            # where the family's equation is singular, as at tumbling's branch point
+            found = self._exact(value)
+            return self._solved(a, q, None) if found is None else found
+
+    def _exact(self, value: float) -> list[Any] | None:
+        """The characteristic polynomial from the one over Q, where that is known."""
+        problem = self.problem
+        if problem.exact is None:
+            return None
+        given = {n: arb(float(v)) for n, v in (self.fixed | {self.axis: value}).items()}
+        point = problem.point(given, sine=ball_sine)
+        assert point is not None
+        scale = arb(1)
+        if not problem.exact.even:  # λ = σ mu
+            scale = arb(point[problem.exact.variables.index("M")]).sqrt()
+        product = [arb(0)] * problem.exact.zeros + [arb(1)]
+        for factor in problem.exact.coefficients(point):
+            terms = [c / scale**i for i, c in enumerate(factor)]
+            longer = [arb(0)] * (len(product) + len(terms) - 1)
+            for i, p in enumerate(product):
+                for j, c in enumerate(terms):
+                    longer[i + j] += p * c
+            product = longer
+        return product
+
+    def _solved(self, a: list[Any], q: list[Any], near: list[float] | None) -> list[Any]:
+        family = self.problem.family
+        # what the equation does not depend on (mu, for the disk) may move without a new solution
+        used = [(*a, *q)[i] for i in family.graph.used]
+        if self._solution and self._solution[0] == ctx.prec and self._solution[1] == used:
+            return matrix_polynomial(family, a, self._solution[2], q)
+        unknowns = ball_unknowns(family, a, q, near)
+        self._solution = ctx.prec, used, unknowns
+        self._near = [float(v.mid()) for v in unknowns]
+        for name, value in zip(family.unknown, self._near, strict=True):
+            if name in family.positive and value <= 0:
+                raise NoMemberError(f"{family.name}: {name} came out as {value:.3g}, not positive.")
+        return matrix_polynomial(family, a, unknowns, q)
+
+    def polynomial(self, value: float, bits: int = BITS) -> list[Any]:
+        """The polynomial whose Hurwitz stability is the verdict."""
+        family = self.problem.family
+        return verdict_polynomial(
+            self.coefficients(value, bits), structure(family).zeros, family.conservative
+        )
+
+    def sign(self, value: float) -> int:
+        """1: stable or neutral, proved; -1: unstable, proved; 0: on the boundary as far as seen."""
+        return self.sign_of(*self._proved(value))
+
+    def quick_sign(self, value: float) -> int:
+        """The same to look for a bracket by: structural zeros are zeros as far as balls see."""
+        return self.sign_of(*self.look(value))
+
+    def sign_of(self, found: Verdict, generic: bool) -> int:
+        """A verdict as a sign.
+
+        Parameters
+        ----------
+        found, generic
+            From `look`.
+        """
+        if found is Verdict.NEUTRAL:
+            return int(generic if self.neutral is None else self.neutral)
+        return {Verdict.STABLE: 1, Verdict.UNSTABLE: -1}.get(found, 0)
+
+    def look(self, value: float) -> tuple[Verdict, bool]:
+        """The verdict for `quick_sign`; if neutral, whether neighbours on one side may be so too.
+
+        Parameters
+        ----------
+        value
+            Of the axis.
+        """
+        family = self.problem.family
+        if self.problem.exact is None and not certain(family):
+            with precision(BITS):
+                dropped = self.coefficients(value, BITS)[: structure(family).zeros]
+                if all(c.contains(0) for c in dropped):
+                    sign = hurwitz_sign(self.polynomial(value, BITS))
+                    if sign:
+                        return self._word(sign)
+        return self._proved(value)
+
+    def _proved(self, value: float) -> tuple[Verdict, bool]:
+        own = self.problem.exact is None
+        if own and not certain(self.problem.family):
+            return self._by_member(value)  # which zeros are structural is proved there
+        bits = BITS
+        while bits <= (BITS if own else MOST_BITS):
+            with precision(bits):
+                sign = hurwitz_sign(self.polynomial(value, bits))
+            if sign:
+                return self._word(sign)
+            bits *= 2
+        return self._by_member(value) if own else (Verdict.UNDECIDED, False)
+
+    def _word(self, sign: int) -> tuple[Verdict, bool]:
+        even = self.problem.family.conservative
+        return (best(even=even) if sign > 0 else Verdict.UNSTABLE), even
+
+    def _by_member(self, value: float) -> tuple[Verdict, bool]:
+        """The same by every means of `certify`: over Q, in a number field, in balls."""
+        member = member_at(self.problem, self.fixed | {self.axis: value})
+        zeros = structural_zeros(member)
+        found, _ = of_member(member, zeros)
+        # all eigenvalues on the axis; or else one that is just crossing it
+        return found, all(member.flags[zeros + 1 :: 2]) and not member.flags[zeros]
+
+    def function(self, crossing: Crossing) -> Callable[[float], float]:
+        """The number whose sign changes where something crosses, as a float of the right sign."""
+
+        def signed(value: float) -> float:
+            bits = BITS
+            while bits <= MOST_BITS:
+                with precision(bits):
+                    p = self.polynomial(value, bits)
+                    number = p[0] if crossing is Crossing.STATIC else hurwitz_determinant(p)
+                    if not number.contains(0):
+                        size = float(number.mid())
+                        return size if size else (1e-300 if number > 0 else -1e-300)
+                bits *= 2
+            return 0.0
+
+        return signed
+
+
+def refine(line: Line, low: float, high: float) -> BoundaryPoint | None:
+    """The boundary between two points of a line whose verdicts differ.
+
+    Parameters
+    ----------
+    line
+        The line.
+    low, high
+        Two values of its axis, low < high.
+
+    Returns
+    -------
+    BoundaryPoint or None
+        None if the proved verdicts at the two ends are the same.
+    """
+    signs = line.quick_sign(low), line.quick_sign(high)
+    if signs[0] == signs[1] and signs[0]:
+        return None
+    for end, sign in zip((low, high), signs, strict=True):
+        if not sign:
+            return at_point(line, end)
+    point = _crossing(line, low, high)
+    if point is not None:
+        return point
+    # Both determinants may change an even number of times: find the verdict's change first.
+    root = _zero(lambda v: float(line.quick_sign(v)), low, high)
+    for width in (1e-6, 1e-9, 1e-12):
+        near = max(low, root - width * abs(root)), min(high, root + width * abs(root))
+        point = _crossing(line, *near)
+        if point is not None:
+            return point
+    return _bracket(line, root, Crossing.TOUCHING)
+
+
+def _crossing(line: Line, low: float, high: float) -> BoundaryPoint | None:
+    """A change of verdict at a zero of one of the two determinants, if one changes sign."""
+    for crossing in (Crossing.STATIC, Crossing.FLUTTER):
+        f = line.function(crossing)
+        if f(low) * f(high) < 0:
+            point = _bracket(line, _zero(f, low, high), crossing)
+            if point is not None:
+                return point
+    return None
+
+
+def _zero(f: Callable[[float], float], low: float, high: float) -> float:
+    return float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=5000))
+
+
+def _bracket(line: Line, root: float, crossing: Crossing) -> BoundaryPoint | None:
+    found = bracket(line.sign, root)
+    if found is None:
+        return None
+    return BoundaryPoint(root, found[0], crossing, crossing_rate(line, root, crossing), found[1])
+
+
+def bracket(
+    sign: Callable[[float], int], root: float, room: float = np.inf
+) -> tuple[float, bool] | None:
+    """The narrowest bracket about a root, of a few tried, whose verdicts are proved to differ.
+
+    Parameters
+    ----------
+    sign
+        The proved verdict at a value of the axis: 1, -1, or 0 where none is proved.
+    root
+        The value.
+    room
+        How far away the next root is.
+
+    Returns
+    -------
+    width, stable_below
+        Half-width, and whether the stable side is below; or None.
+    """
+    width = float(np.spacing(abs(root))) if root else 1e-300
+    while width <= min(1e-6 * max(abs(root), 1e-3), 0.9 * room):
+        below, above = sign(root - width), sign(root + width)
+        if below and above and below != above:
+            return width, below > 0
+        width *= 2 if root else 1024
+    return None
+
+
+def crossing_rate(line: Line, root: float, crossing: Crossing) -> float:
+    """|Im λ| of what crosses, in the user's unit of rate; 0 at a static boundary.
+
+    Parameters
+    ----------
+    line
+        The line.
+    root
+        Value of its axis.
+    crossing
+        What crosses.
+    """
+    if crossing is Crossing.STATIC:
+        return 0.0
+    family = line.problem.family
+    with precision(BITS):
+        coefficients = line.coefficients(root, BITS)[structure(family).zeros :]
+    value = frequency(coefficients, even=family.conservative)
+    *_, rate, _ = line.problem.arrays(line.fixed | {line.axis: root})
+    return value * float(rate[0])
+
+
+def at_point(line: Line, value: float) -> BoundaryPoint | None:
+    """The boundary at a point where no verdict is proved, if the verdicts beside it differ.
+
+    Parameters
+    ----------
+    line
+        The line.
+    value
+        Value of its axis.
+    """
+    with precision(MOST_BITS):  # which of the two determinants vanishes there
+        p = line.polynomial(value, MOST_BITS)
+        crossing = Crossing.STATIC if p[0].contains(0) else Crossing.FLUTTER
+    return _bracket(line, value, crossing)

@@ -1,0 +1,305 @@
+"""Every change of verdict along one axis: by exact roots where there are any, else by a scan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra.exact.number_fields import NotExact, rational
+from ..algebra.exact.real_roots import UnclearError
+from ..base.axis import Grid
+from ..base.errors import ParameterError, StabilityError
+from ..base.types import Floats
+from ..base.verdict import Verdict
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..spectra.arguments import Axis, prepare
+from ..spectra.certificate import ball_sine
+from ..spectra.problem import Problem
+from ..systems.family import Family
+from ..systems.structural_zeros import structure
+from .brackets import Line, at_point, bracket, crossing_rate, refine
+from .critical import Characteristic, Conditions
+from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
+from .search import Mark, Search, search
+
+MOST_SCAN = 1_000_000
+"""Most points of a scan for boundaries along an axis."""
+
+
+def boundaries(
+    family: str | Family,
+    *,
+    axis: Axis,
+    disk: Disk | None = None,
+    contact: Contact | None = None,
+    at: ArrayLike | None = None,
+    **parameters: ArrayLike,
+) -> Boundaries:
+    """Every change of verdict along one axis, proved, with what crosses there.
+
+    For the disk, and for a user's family whose graph is rational in the axis, every real root of
+    every condition is isolated exactly, so that the result is complete.  Any other family is
+    scanned; the result then says what it could not exclude, and a `StabilityWarning` repeats it.
+
+    Parameters
+    ----------
+    family, disk, contact, at, **parameters
+        As for `stability_map`, everything but the axis a single number; where the axis is one of
+        circling's theta and phi_dot, `at` is the other.
+    axis
+        (name, low, high, n) or (name, low, high, n, "log"); both ends belong to it.  n is the
+        number of points of the scan, where there is one.
+
+    Returns
+    -------
+    Boundaries
+        A sequence of `BoundaryPoint` in increasing order, with `.complete` (whether these are
+        proved to be all) and `.unresolved` (pieces of the axis, each with a reason).
+
+    Raises
+    ------
+    StabilityError
+        One sentence that says what is wrong and what is accepted.
+
+    Warns
+    -----
+    StabilityWarning
+        If the search was not complete.
+
+    Source: published thresholds in tests/test_published.py; all roots counted by another route in
+    tests/test_boundaries.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97))
+    >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
+    ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
+    """
+    grid = Grid.of(axis, "axis", most=MOST_SCAN)
+    question = prepare(family, (grid,), disk, contact, at, dict(parameters))
+    found = along(question, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
+    found.warn(grid.name)
+    return found
+
+
+EXACT = "every real root of every condition that decides the verdict was isolated exactly"
+SCANNED = "verdicts at the points of a scan, refined and proved where neighbours differ"
+CROSSINGS = {"static": Crossing.STATIC, "flutter": Crossing.FLUTTER}
+
+
+def along(
+    problem: Problem, axis: str, low: float, high: float, *, points: int = 201, log: bool = False
+) -> Boundaries:
+    """Every change of verdict along one axis, each as a proved bracket.
+
+    Parameters
+    ----------
+    problem
+        The question, with a value for everything but the axis.
+    axis
+        Name of the axis.
+    low, high
+        Its interval, both ends included.
+    points
+        Points of the scan, where there has to be one: for a user's family whose graph is not
+        rational in the axis.
+    log
+        Whether the scan is even in the logarithm.
+
+    Returns
+    -------
+    Boundaries
+        In increasing order, with what could not be excluded.
+
+    Raises
+    ------
+    ParameterError
+        If the interval is empty.
+
+    Examples
+    --------
+    >>> from stability.spectra.problem import disk_problem
+    >>> from stability.bodies.contact import Rough
+    >>> from stability.bodies.disk import Disk
+    >>> [b] = along(disk_problem("rolling", Disk(), Rough()), "at", 0.1, 2.0)
+    >>> b.value**2, b.crossing.word
+    (0.3333333333333333, 'static')
+    """
+    if points < 2 or not low < high:
+        raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
+    fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
+    line = Line(problem, axis, fixed)
+    try:
+        found = search(problem, axis, low, high)
+    except (NotExact, UnclearError):
+        grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
+        grid[0], grid[-1] = low, high
+        return _scanned(line, grid)
+    return located(line, found)
+
+
+# --- by exact roots ---
+
+
+def located(line: Line, found: Search) -> Boundaries:
+    """The changes of verdict among the marks of a search, each as a proved bracket.
+
+    Parameters
+    ----------
+    line
+        The line.
+    found
+        From `search`.
+
+    Returns
+    -------
+    Boundaries
+    """
+    if line.problem.exact is None:
+        structure(line.problem.family)  # refuses a family that is called conservative and is not
+    sign = _proof(line, found)
+    changes = [m for m in found.marks if m.kind != "pole" and m.below != m.above]
+    places = [m.value for m in changes]
+    points: list[BoundaryPoint] = []
+    left = [_pole(line, m) for m in found.marks if m.kind == "pole"]
+    left += [
+        Unresolved(v, v, f"{line.problem.family.name} has no member at this value of {line.axis}.")
+        for v in found.gaps
+    ]
+    for i, mark in enumerate(changes):
+        beside = [p for j, p in enumerate(places) if abs(i - j) == 1]
+        room = min((float(abs(p - mark.value).mid()) for p in beside), default=np.inf)
+        root = float(mark.value.mid())
+        proof = bracket(sign, root, room)
+        if proof is None:
+            ends = float(np.nextafter(root, -np.inf)), float(np.nextafter(root, np.inf))
+            left.append(Unresolved(
+                *ends, "the verdict changes here, but no two doubles beside the change have "
+                "proved verdicts that differ: another change is too near.",
+            ))  # fmt: skip
+            continue
+        crossing = CROSSINGS[mark.kind]
+        rate = _rate(line, found, mark, root, crossing)
+        points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
+    touching = [
+        float(m.value.mid())
+        for m in found.marks
+        if m.kind != "pole" and m.below == m.above == 1 and found.source.dissipative
+    ]
+    left = list(dict.fromkeys(left))
+    return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), EXACT)
+
+
+def _proof(line: Line, found: Search) -> Callable[[float], int]:
+    """The proved verdict at a double: from the graph, by Routh's array or over Q."""
+    source = found.source
+
+    def exactly(value: float) -> int:
+        if found.angle and isinstance(source, Conditions):
+            return source.sign_of_angle(lambda: ball_sine({found.angle: value}))
+        return 0 if found.angle else source.sign(rational(value))
+
+    def by_graph(value: float) -> int:
+        try:
+            return line.sign(value)
+        except StabilityError:  # beyond the end of what the body can have
+            return 0
+
+    if line.problem.exact is None:
+        return exactly
+    if isinstance(source, Characteristic):  # an eigenvalue stays on the axis: balls cannot see it
+        return lambda value: exactly(value) or by_graph(value)
+    return lambda value: by_graph(value) or exactly(value)
+
+
+def _rate(line: Line, found: Search, mark: Mark, root: float, crossing: Crossing) -> float:
+    if crossing is Crossing.STATIC:
+        return 0.0
+    if line.problem.exact is None and isinstance(found.source, Characteristic):
+        return found.source.frequency(mark.root.mid().fmpq())
+    return crossing_rate(line, root, crossing)
+
+
+def _pole(line: Line, mark: Mark) -> Unresolved:
+    value = float(mark.value.mid())
+    said = "differs on the two sides" if mark.below != mark.above else "is the same on both sides"
+    return Unresolved(
+        value, value,
+        f"the linearisation of {line.problem.family.name} has no value there; the verdict {said}.",
+    )  # fmt: skip
+
+
+# --- by a scan ---
+
+
+def _scanned(line: Line, grid: Floats) -> Boundaries:
+    """Changes between the points of a scan, and everything that it cannot exclude."""
+    values = [float(v) for v in grid]
+    signs, left = _signs(line, values)
+    known = [i for i, s in enumerate(signs) if s]
+    if not known:
+        reason = (
+            f"no verdict is proved at any of the {len(grid)} points of the scan: eigenvalues stay "
+            "on the imaginary axis, or coincide, as far as the budget of precision sees."
+        )
+        return Boundaries((), (Unresolved(values[0], values[-1], reason),), how=SCANNED)
+    for end, first in ((0, known[0]), (len(values) - 1, known[-1])):
+        if end != first:
+            low, high = sorted((values[end], values[first]))
+            left.append(Unresolved(low, high, _open(values[end])))
+    points: list[BoundaryPoint] = []
+    for i, j in zip(known[:-1], known[1:], strict=True):
+        point = _between(line, values[i : j + 1], changed=signs[i] != signs[j])
+        if point is not None:
+            points.append(point)
+        elif signs[i] != signs[j]:
+            reason = "the verdicts at the ends differ, but the change could not be bracketed."
+            left.append(Unresolved(values[i], values[j], reason))
+        elif j > i + 1:
+            left.append(Unresolved(values[i], values[j], _open(values[i + 1])))
+    left.append(Unresolved(
+        values[0], values[-1], f"between neighbours of the {len(grid)} points of the scan a pair "
+        "of changes is not excluded.",
+    ))  # fmt: skip
+    return Boundaries(tuple(points), tuple(left), how=SCANNED)
+
+
+def _signs(line: Line, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
+    """Proved verdicts at the points of a scan, and those at which there is no member."""
+    found: list[tuple[Verdict, bool]] = []
+    left: list[Unresolved] = []
+    errors: list[StabilityError] = []
+    for value in values:
+        try:
+            found.append(line.look(value))
+        except StabilityError as error:
+            found.append((Verdict.UNDECIDED, False))
+            errors.append(error)
+            left.append(Unresolved(value, value, f"no verdict there: {error}"))
+    if len(errors) == len(values):
+        raise errors[0]
+    # neutral beside stable is a point of a boundary; where nothing is stable it is the good verdict
+    line.neutral = all(verdict is not Verdict.STABLE for verdict, _ in found)
+    return [line.sign_of(*pair) for pair in found], left
+
+
+def _open(value: float) -> str:
+    return (
+        f"no verdict is proved at {value:.10g}: an eigenvalue lies on the imaginary axis there, or "
+        "too near to it."
+    )
+
+
+def _between(line: Line, values: Sequence[float], *, changed: bool) -> BoundaryPoint | None:
+    """The change between two points of proved verdict, with points of none between them."""
+    if not changed:
+        return None
+    try:
+        point = at_point(line, values[1]) if len(values) == 3 else None  # on the boundary itself
+        return point or refine(line, values[0], values[-1])
+    except StabilityError:  # somewhere between there is no member
+        return None

@@ -1,0 +1,148 @@
+"""What a search for changes of verdict found, and what it could not exclude."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, overload
+
+from ..base.checks import Sentences
+from ..base.errors import StabilityWarning
+
+
+class Crossing(Sentences):
+    """What crosses at a boundary; the value of each member is the sentence a user reads."""
+
+    STATIC = "static boundary: a real eigenvalue (or λ² of a conservative law) passes through zero"
+    FLUTTER = "flutter boundary: a pair of eigenvalues crosses the imaginary axis"
+    TOUCHING = (
+        "boundary without a sign change of either determinant: found by bisection of verdicts"
+    )
+
+    @property
+    def word(self) -> str:
+        """One lower-case word."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True)
+class BoundaryPoint:
+    """One point at which the verdict changes along an axis."""
+
+    value: float
+    """Where, in the user's unit of the axis."""
+    error: float
+    """Half-width of the proved bracket, same unit: the verdicts at value ± error differ."""
+    crossing: Crossing
+    """What crosses."""
+    frequency: float
+    """|Im λ| of the crossing pair, in the user's unit of rate; 0 at a static boundary."""
+    stable_below: bool
+    """Whether the stable (or neutral) side has the smaller value."""
+
+
+class Unresolved(NamedTuple):
+    """A piece of an axis on which a change of verdict could not be excluded or not be located."""
+
+    low: float
+    """Its low end, in the user's unit."""
+    high: float
+    """Its high end; the same where it is one point."""
+    reason: str
+    """One sentence."""
+
+
+@dataclass(frozen=True, eq=False)
+class Boundaries(Sequence[BoundaryPoint]):
+    """Every change of verdict that a search found, in increasing order, with what it left open.
+
+    A sequence that equals the list of its points, and is false where it has none.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.boundaries("rolling", axis=("at", 0.1, 1, 9), contact=st.Smooth())
+    >>> len(found), found[0].value, found.complete, found.unresolved
+    (1, 1.0, True, ())
+    >>> found == [found[0]], bool(found)
+    (True, True)
+    """
+
+    points: tuple[BoundaryPoint, ...]
+    """The changes."""
+    unresolved: tuple[Unresolved, ...] = ()
+    """Where a change could not be excluded, or not be bracketed; each with a reason."""
+    touching: tuple[float, ...] = ()
+    """Where an eigenvalue reaches the imaginary axis without a change: neutral there, stable on
+    both sides."""
+    how: str = ""
+    """One sentence on how the axis was searched."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether it is proved that these are all changes on the closed interval."""
+        return not self.unresolved
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    @overload
+    def __getitem__(self, index: int) -> BoundaryPoint: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[BoundaryPoint]: ...
+    def __getitem__(self, index: int | slice) -> BoundaryPoint | list[BoundaryPoint]:
+        return list(self.points)[index]
+
+    def __iter__(self) -> Iterator[BoundaryPoint]:
+        return iter(self.points)
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Boundaries):
+            return (self.points, self.unresolved) == (other.points, other.unresolved)
+        if isinstance(other, (list, tuple)):
+            return list(self.points) == list(other)
+        return NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.points)
+
+    def __add__(self, other: Any) -> list[BoundaryPoint]:
+        return [*self.points, *other]
+
+    def __radd__(self, other: Any) -> list[BoundaryPoint]:
+        return [*other, *self.points]
+
+    def __repr__(self) -> str:
+        state = "" if self.complete else f", {len(self.unresolved)} unresolved"
+        return f"<{len(self.points)} boundaries{state}: {list(self.points)!r}>"
+
+    def statement(self, axis: str) -> str:
+        """One sentence that says what was searched and what could not be excluded.
+
+        Parameters
+        ----------
+        axis
+            Name of the axis.
+        """
+        if self.complete:
+            return f"every change of verdict along {axis} was found: {self.how}."
+        first = self.unresolved[0]
+        more = len(self.unresolved) - 1
+        return (
+            f"the search along {axis} is not complete; from {first.low:.10g} to {first.high:.10g}: "
+            f"{first.reason}" + (f" (and {more} more in .unresolved)" if more else "")
+        )
+
+    def warn(self, axis: str, level: int = 3) -> None:
+        """Issue a `StabilityWarning` where the search was not complete.
+
+        Parameters
+        ----------
+        axis
+            Name of the axis.
+        level
+            How many calls up the warning is shown.
+        """
+        if not self.complete:
+            warnings.warn(self.statement(axis), StabilityWarning, stacklevel=level)

@@ -1,0 +1,137 @@
+"""Boundary curves of a map: proved points on grid edges, linked to polylines."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.axis import Grid
+from ..base.types import Floats, Progress
+from ..base.verdict import CODES, Verdict
+from ..spectra.problem import Problem
+from .brackets import Line, refine
+from .crossings import BoundaryPoint, Crossing
+
+KINDS = {crossing: code for code, crossing in enumerate(Crossing)}
+"""Flag value of each crossing in files."""
+MOST_DOUBTFUL = 20_000
+"""Undecided cells that are settled in balls for the sake of the boundary; beyond, by their sign."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Boundary points linked to polylines."""
+
+    x: Floats
+    """Along the x axis."""
+    y: Floats
+    """Along the y axis."""
+    axis: NDArray[np.int8]
+    """0 or 1: the axis along which the point was refined and its error is meant."""
+    error: Floats
+    """Half-width of the proved bracket along that axis."""
+    kind: NDArray[np.int8]
+    """What crosses, as in `KINDS`."""
+    frequency: Floats
+    """|Im λ| of the crossing pair."""
+    curve: NDArray[np.int32]
+    """Which polyline; points of one polyline stand in order."""
+    unresolved: int
+    """Grid edges on which a change was seen but not proved."""
+
+
+def trace(
+    question: Problem,
+    axes: tuple[Grid, Grid],
+    codes: NDArray[np.int8],
+    abscissa: Floats,
+    progress: Progress | None = None,
+) -> Curves:
+    """Boundary curves of a map: one proved point on each grid edge whose ends differ in verdict.
+
+    Parameters
+    ----------
+    question
+        The question.
+    axes
+        x and y.
+    codes, abscissa
+        Verdict flags and abscissas of the cells, shape (y, x).
+    progress
+        Called with (points done, points in all).
+
+    Returns
+    -------
+    Curves
+    """
+    from contourpy import LineType, contour_generator
+
+    sign = _signs(question, axes, codes, abscissa)
+    lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
+    xs, ys = axes[0].values, axes[1].values
+    fixed = {n: float(v) for n, v in question.values.items()}
+    found: dict[tuple[int, int, int], BoundaryPoint | None] = {}
+    rows: list[tuple[float, float, int, BoundaryPoint, int]] = []
+    missing = 0
+    total = sum(len(line) for line in lines)
+    done = 0
+    for curve, line in enumerate(lines):
+        for column, row in np.asarray(line):
+            done += 1
+            if progress and done % 64 == 0:
+                progress(done, total)
+            # contourpy puts the zero of a ±1 field at the middle of a grid edge
+            axis = 0 if row == math.floor(row) else 1
+            i, j = math.floor(row), math.floor(column)
+            if (axis, i, j) not in found:
+                found[axis, i, j] = _edge(question, axes, fixed, axis, float(xs[j]), float(ys[i]),
+                                          float((xs, ys)[axis][(j, i)[axis] + 1]))  # fmt: skip
+            point = found[axis, i, j]
+            if point is None:
+                missing += 1
+                continue
+            where = (point.value, float(ys[i])) if axis == 0 else (float(xs[j]), point.value)
+            rows.append((*where, axis, point, curve))
+    if progress:
+        progress(total, total)
+    return Curves(
+        np.array([r[0] for r in rows]), np.array([r[1] for r in rows]),
+        np.array([r[2] for r in rows], dtype=np.int8),
+        np.array([r[3].error for r in rows]),
+        np.array([KINDS[r[3].crossing] for r in rows], dtype=np.int8),
+        np.array([r[3].frequency for r in rows]),
+        np.array([r[4] for r in rows], dtype=np.int32), missing,
+    )  # fmt: skip
+
+
+def _edge(
+    question: Problem, axes: tuple[Grid, Grid], fixed: dict[str, float],
+    axis: int, x: float, y: float, end: float,
+) -> BoundaryPoint | None:  # fmt: skip
+    other = axes[1 - axis]
+    line = Line(question, axes[axis].name, fixed | {other.name: (x, y)[1 - axis]})
+    return refine(line, (x, y)[axis], end)
+
+
+def _signs(
+    question: Problem, axes: tuple[Grid, Grid], codes: NDArray[np.int8], abscissa: Floats
+) -> Floats:
+    """+1 stable or neutral, -1 unstable; cells that double precision leaves open, in balls."""
+    sign = np.where(codes == CODES[Verdict.UNSTABLE], -1.0, 1.0)
+    doubtful = np.argwhere(codes == CODES[Verdict.UNDECIDED])
+    sign[codes == CODES[Verdict.UNDECIDED]] = -np.sign(abscissa[codes == CODES[Verdict.UNDECIDED]])
+    if len(doubtful) <= MOST_DOUBTFUL:
+        fixed = {n: float(v) for n, v in question.values.items()}
+        xs, ys = axes[0].values, axes[1].values
+        for i, j in doubtful:
+            line = Line(question, axes[0].name, fixed | {axes[1].name: float(ys[i])})
+            sign[i, j] = line.quick_sign(float(xs[j]))
+    # A cell on the boundary itself goes with a stable neighbour, if it has one.
+    padded = np.pad(sign, 1, constant_values=-1.0)
+    beside = np.max(
+        [padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]], axis=0
+    )
+    return np.where(sign == 0, np.where(beside > 0, 1.0, -1.0), sign)

@@ -1,0 +1,166 @@
+"""How long straight rolling lasts: the slow drift of tilt and spin to the linear threshold.
+
+Under viscous friction straight rolling with omega3² > g/(2kR) is spectrally stable, yet a disk that
+leans circles slowly with lateral slip, and that costs energy: on the centre manifold tilt and spin
+obey dα/dt = a α³, dω₃/dt = b α², the spin falls and the tilt grows, until the threshold is crossed.
+The coefficients, the first integral and the time below are derived from the graph by
+`stability.derivation.centre_manifold`; notebooks/rolling_drift.py and tests/test_drift.py show it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import checked, flag
+from ..base.errors import ParameterError, shown
+from ..base.types import Floats
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..spectra.disk_problem import disk_problem
+
+FORMULAS = {
+    "threshold": "omega3_c^2 = 1/(2 k)",
+    "rate of tilt": "a = 1/(mu w^2 (2k+1)^3 (2 (2k+1) w^2 - 1)), d(tilt)/dt = a tilt^3",
+    "rate of spin": "b = -1/(mu w (2k+1)^3), dw/dt = b tilt^2",
+    "first integral": "tilt^2 (2 (2k+1) w^2 - 1)/w^2 = constant",
+    "launch": "tilt on the slow manifold = tilt0 * 2 (2k+1) w0^2/(2 (2k+1) w0^2 - 1)",
+    "time": "T = mu (2k+1)^3 w0^2/((2 (2k+1) w0^2 - 1) tilt^2) * "
+    "((2k+1)(w0^2 - 1/(2k)) - log(w0 sqrt(2k)))",
+}
+"""Dimensionless, to leading order in the tilt (radians from upright); w is omega3."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drift:
+    """The slow passage of straight rolling to its linear threshold, to leading order in the tilt.
+
+    The relative error of `time` is of the order of the tilt squared.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> d = st.drift(at=1.8, tilt=0.01, contact=st.Viscous(0.3))
+    >>> round(d.threshold, 6), d.time > 1000
+    (1.414214, True)
+    """
+
+    threshold: Any
+    """omega3 at which spectral stability ends, shape (…) [rad/s]."""
+    time: Any
+    """Time until omega3 crosses the threshold, shape (…) [s]."""
+    tilt_start: Any
+    """Tilt on the slow manifold after the fast transient, shape (…) [rad]."""
+    tilt_end: Any
+    """Tilt on arrival at the threshold, shape (…) [rad]."""
+    tilt_rate: Any
+    """a in dα/dt = a α³ at the start, shape (…) [1/s]."""
+    spin_rate: Any
+    """b in dω₃/dt = b α² at the start, shape (…) [rad/s²]."""
+
+
+def drift(
+    *,
+    at: ArrayLike,
+    tilt: ArrayLike,
+    disk: Disk | None = None,
+    contact: Contact | None = None,
+    launch: bool = True,
+) -> Drift:
+    """How long spectrally stable rolling with a small tilt lasts under viscous friction.
+
+    Parameters
+    ----------
+    at
+        omega3 at the start, shape (…), beyond the threshold [rad/s].
+    tilt
+        theta - π/2 at the start, shape (…), small and not zero [rad]; the largest tilt, on the
+        slow manifold or at the threshold, must stay below π/2.
+    disk
+        The body; the uniform disk with m = R = g = 1 when left out.
+    contact
+        `Viscous` or `LinearViscous`.
+    launch
+        Whether the start is a launch with that tilt, phi_dot = 0 and no slip, after which a fast
+        transient changes the tilt at first order; else it lies on the slow manifold.
+
+    Returns
+    -------
+    Drift
+
+    Raises
+    ------
+    ParameterError
+        If the law has no friction, the start is not spectrally stable, the tilt is zero, or it
+        would reach π/2 on the way, where the disk lies flat.
+
+    Source: tests/test_drift.py derives every formula and compares it with simulations.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> d = st.drift(at=[1.8, 3.0], tilt=0.02, contact=st.Viscous(1.0), launch=False)
+    >>> d.time.round().tolist()
+    [5075.0, 28471.0]
+    """
+    if not isinstance(contact, Contact) or type(contact).coefficient is None:
+        raise ParameterError(
+            f"contact is {shown(contact)}; drift needs a law with friction: Viscous(mu) or "
+            "LinearViscous(c)."
+        )
+    launch = flag("launch", launch)
+    if at is None:
+        raise ParameterError("at is missing; it is omega3 at the start.")
+    question = disk_problem("rolling", Disk() if disk is None else disk, contact, at)
+    values = dict(question.values) | {"tilt": checked("tilt", tilt)}
+    a, q, rate, shape = question.arrays(values)
+    w, k, mu = np.abs(a[:, 0]), q[:, 0], q[:, 1]
+    lean = np.abs(np.broadcast_to(np.asarray(values["tilt"], dtype=float), shape).reshape(-1))
+    if (lean == 0).any():
+        raise ParameterError("tilt is 0; exactly upright rolling stays as it is, give a tilt.")
+    if (lean >= np.pi / 2).any():
+        raise ParameterError(f"tilt is {lean.max():g}; a small angle is needed, in radians.")
+    with np.errstate(all="ignore"):  # what overflows is refused below
+        return _drift(w, k, mu, lean, rate, shape, launch)
+
+
+def _drift(
+    w: Floats, k: Floats, mu: Floats, lean: Floats, rate: Floats, shape: tuple[int, ...],
+    launch: bool,
+) -> Drift:  # fmt: skip
+    bad = 2 * k * w**2 <= 1
+    if bad.any():
+        limit = float((rate / np.sqrt(2 * k))[bad][0])
+        raise ParameterError(
+            f"at is {float((w * rate)[bad][0]):g}, not beyond the threshold omega3 = {limit:g} of "
+            "spectral stability; there is nothing that could last."
+        )
+    some = 2 * (2 * k + 1) * w**2 - 1
+    start = lean * (some + 1) / some if launch else lean
+    spread = (2 * k + 1) * (w**2 - 1 / (2 * k)) - np.log(w * np.sqrt(2 * k))
+    time = mu * (2 * k + 1) ** 3 * w**2 / (some * start**2) * spread
+    end = start * np.sqrt(some / w**2 / (2 * k + 2))
+    most = np.maximum(start, end)
+    if (most >= np.pi / 2).any():
+        worst = int(np.argmax(most))
+        raise ParameterError(
+            f"tilt is {lean[worst]:g}, and the slow drift would take it to {most[worst]:.3g}, past "
+            "π/2, where the disk lies flat; the drift holds for small tilts: give a smaller one."
+        )
+    common = 1 / (mu * w * (2 * k + 1) ** 3)
+    rates = common / (w * some) * rate, common * rate**2
+    if not all(np.isfinite(v).all() and (v > 0).all() for v in (time / rate, end, *rates)):
+        raise ParameterError(
+            "the time or a rate of the drift leaves double precision; give values nearer to 1."
+        )
+
+    def shaped(value: Floats) -> Any:
+        return float(value[0]) if not shape else value.reshape(shape)
+
+    return Drift(
+        shaped(rate / np.sqrt(2 * k)), shaped(time / rate), shaped(start), shaped(end),
+        shaped(rates[0]), shaped(-rates[1]),
+    )  # fmt: skip

@@ -1,0 +1,349 @@
+"""Hopf bifurcation without parameters, where a line of steady motions loses stability by flutter.
+
+At a flutter boundary of spinning and tumbling under friction one eigenvalue is zero by structure,
+for the family is a line of steady motions, and a pair crosses the imaginary axis along that line.
+Energy falls while the contact slips, so no limit cycle is born: to leading order the distance y
+along the line and the amplitude z of the pair obey
+
+    dy/dt = c |z|²,   d|z|/dt = Re μ' y |z|,   so that  y² - (c / Re μ') |z|²  is constant.
+
+Elliptic (c Re μ' < 0): a motion that starts beside the unstable part of the line swings out and
+settles on the stable part, as far from the boundary as it began.  Hyperbolic (c Re μ' > 0): it
+leaves; and of the motions that start beside the stable part only those inside a cone settle.
+
+Source: B. Fiedler, S. Liebscher & J. C. Alexander, J. Differential Equations 167 (2000) 16-35;
+tests/test_hopf.py compares with an independent derivation and with simulations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+from flint import acb, acb_mat, arb, arb_mat
+
+from ..algebra.balls import precision
+from ..algebra.exact.real_roots import UnclearError
+from ..algebra.number_types import Upright, balls
+from ..algebra.program import Program
+from ..base.checks import Sentences, checked, instance, whole_number
+from ..base.errors import ParameterError, StabilityError, shown
+from ..base.types import Floats
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..bodies.disk_polynomials import exact_polynomial
+from ..spectra.disk_problem import disk_problem
+from ..spectra.problem import Problem
+from ..systems.enclosure import ball_unknowns
+from ..systems.family import Family
+from .search import Mark, search
+
+Balls = list[Any]
+
+LINES = ("spinning", "tumbling")
+"""Families whose flutter boundaries these are."""
+BITS = 256
+"""Working precision of the first attempt."""
+MOST_BITS = 4096
+"""Where raising it ends: the point is then degenerate."""
+MOST_POINTS = 100_000
+"""Most points of the search."""
+
+
+class HopfKind(Sentences):
+    """What a motion beside the boundary does; the value is the sentence a user reads."""
+
+    ELLIPTIC = (
+        "elliptic: a motion beside the unstable part of the line swings out and settles on the "
+        "stable part, about as far beyond the boundary as it began before it"
+    )
+    HYPERBOLIC = (
+        "hyperbolic: a motion beside the unstable part leaves a neighbourhood of the boundary, and "
+        "may settle elsewhere on the family; beside the stable part only motions inside a cone "
+        "of small amplitude settle nearby"
+    )
+    DEGENERATE = (
+        "degenerate: the pair does not cross with speed, or does not move the motion along the "
+        "line, within the error of the computation; higher orders decide"
+    )
+
+    @property
+    def word(self) -> str:
+        """One lower-case word."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True)
+class HopfPoint:
+    """A flutter boundary along a line of steady motions, with its normal form."""
+
+    at: float
+    """Family parameter at the boundary, in the user's unit."""
+    kind: HopfKind
+    """Elliptic, hyperbolic or degenerate."""
+    stable_below: bool
+    """Whether the stable part of the line has the smaller family parameter."""
+    frequency: float
+    """|Im λ| of the pair, in the user's unit of rate."""
+    crossing: float
+    """Re μ': speed of the pair's real part along the line, dimensionless."""
+    push: float
+    """c: drift along the line by the pair, for the mode of unit length, dimensionless."""
+    mode: Floats
+    """The pair's eigenvector, complex, of unit length over the states, dimensionless."""
+    unit: float
+    """One dimensionless unit of the family parameter in the user's unit."""
+
+    def landing(self, distance: float, amplitude: float = 0.0) -> float | None:
+        """Where on the line a motion settles, to leading order.
+
+        Parameters
+        ----------
+        distance
+            Of the start from the boundary along the line, in the user's unit, signed.
+        amplitude
+            |z| of the start: the disturbance is 2 Re(z mode).
+
+        Returns
+        -------
+        float or None
+            Signed distance of the end from the boundary; None if the motion leaves the line.
+
+        Examples
+        --------
+        >>> from stability.bodies.contact import Viscous
+        >>> [point] = hopf("spinning", contact=Viscous(0.8))
+        >>> round(point.landing(0.01), 12)  # unstable side, vanishing amplitude
+        -0.01
+        """
+        if self.kind is HopfKind.DEGENERATE:
+            raise ParameterError("the boundary is degenerate there; no landing can be told.")
+        far, size = checked("distance", distance), checked("amplitude", amplitude)
+        if not isinstance(far, float) or not isinstance(size, float):
+            raise ParameterError("distance and amplitude must be one number each.")
+        y = far / self.unit
+        square = y * y - self.push / self.crossing * size * size
+        stable_side = -1.0 if self.stable_below else 1.0
+        if square < 0 or (self.kind is HopfKind.HYPERBOLIC and y * stable_side <= 0):
+            return None
+        return float(stable_side * np.sqrt(square) * self.unit)
+
+
+def hopf(
+    family: str, *, contact: Contact, disk: Disk | None = None, points: int = 400
+) -> list[HopfPoint]:
+    """Every flutter boundary along a line of steady motions, with its type.
+
+    The search is complete: every real root of the conditions over Q is isolated, along all of the
+    line (phi_dot > 0; theta between 0 and upright, beyond which it is mirrored).
+
+    Parameters
+    ----------
+    family
+        spinning or tumbling.
+    contact
+        A law with friction; one number.
+    disk
+        The body, one number each; the uniform disk with m = R = g = 1 when left out.
+    points
+        Of a scan that older versions made; it has no effect.
+
+    Returns
+    -------
+    list of HopfPoint
+        In increasing order of the family parameter; empty where there is none.
+
+    Raises
+    ------
+    ParameterError
+        If the family is no such line (rolling's boundary has two zeros beside its pair and is
+        passed slowly instead: see `stability.drift`), or the law has no friction.
+
+    Source: tests/test_hopf.py.
+
+    Examples
+    --------
+    >>> from stability.bodies.contact import Viscous
+    >>> [(p.kind.word, p.stable_below) for p in hopf("tumbling", contact=Viscous(0.9),
+    ...                                              disk=Disk(k=0.375))]
+    [('elliptic', True), ('hyperbolic', False)]
+    """
+    if not isinstance(family, str) or family not in LINES:
+        raise ParameterError(
+            f"family is {shown(family)}; spinning and tumbling have such boundaries (rolling "
+            "passes its own slowly, see drift)."
+        )
+    if not isinstance(contact, Contact) or type(contact).coefficient is None:
+        raise ParameterError(f"contact is {shown(contact)}; a law with friction is needed.")
+    points = whole_number("points", points, 2, MOST_POINTS, "the search takes time for each")
+    body = Disk() if disk is None else instance("disk", disk, Disk, "give a stability.Disk")
+    question = disk_problem(family, body, contact, 1.0)
+    for name, value in question.values.items():
+        if np.ndim(value):
+            raise ParameterError(f"{name} is an array; give one number.")
+    unit = 1.0 if family == "tumbling" else float(np.asarray(body.rate))
+    bits = BITS
+    while True:  # until the signs that make the type are proved
+        last = bits >= MOST_BITS
+        try:
+            with precision(bits):
+                found = [_point(question, mark, unit) for mark in _flutter(question, bits)]
+        except (StabilityError, UnclearError) as error:
+            if last:
+                raise StabilityError(str(error) or "the search needs too many digits.") from None
+            found = None
+        if last or (found is not None and all(p.kind is not HopfKind.DEGENERATE for p in found)):
+            return found or []
+        bits *= 2
+
+
+def _flutter(question: Problem, bits: int) -> list[Mark]:
+    """The flutter boundaries along the whole line, in balls."""
+    try:
+        marks = search(question, "at", None, None, bits).marks
+    except UnclearError:
+        raise ParameterError(
+            f"the boundaries of {question.family.name} cannot be separated at these numbers; give "
+            "values nearer to 1."
+        ) from None
+    end = arb.pi() / 2 if question.family.name == "tumbling" else arb("inf")
+    return [m for m in marks if m.kind == "flutter" and m.below != m.above and 0 < m.value < end]
+
+
+def _point(question: Problem, mark: Mark, unit: float) -> HopfPoint:
+    given = {n: arb(float(v)) for n, v in question.values.items()} | {"at": mark.value}
+    a, q, rate = question.reduce(given, lambda v: v.sqrt())
+    form = normal_form(question.family, a, q)
+    crossing, push = (float(v.mid()) for v in (form.crossing, form.push))
+    clear = not form.crossing.contains(0) and not form.push.contains(0)
+    kind = HopfKind.ELLIPTIC if crossing * push < 0 else HopfKind.HYPERBOLIC
+    return HopfPoint(
+        float(mark.value.mid()), kind if clear else HopfKind.DEGENERATE, mark.below > 0,
+        float((form.frequency * rate).mid()), crossing, push, form.mode, unit,
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=16)
+def _second(family: Family) -> Program:
+    """D²f[u, v] of a family's system, by automatic differentiation."""
+    system = family.system
+    u, v = ca.SX.sym("u", len(system.states)), ca.SX.sym("v", len(system.states))
+    once = ca.jtimes(system.rhs, system.x, u)
+    twice = ca.densify(ca.jtimes(once, system.x, v))
+    return Program(ca.Function("second", [system.x, system.p, u, v], [twice]))
+
+
+class NormalForm(NamedTuple):
+    """Coefficients of a Hopf bifurcation without parameters, in balls that hold the exact ones."""
+
+    crossing: Any
+    """Re μ' per unit of the family parameter."""
+    push: Any
+    """c for the mode of unit length."""
+    frequency: Any
+    """|Im λ| of the pair."""
+    mode: Any
+    """The mode, complex, of unit length, its largest entry real; doubles."""
+
+
+def normal_form(family: Family, a: Sequence[Any], q: Sequence[Any]) -> NormalForm:
+    """Coefficients of the Hopf bifurcation without parameters at a member.
+
+    Parameters
+    ----------
+    family
+        One of the disk's families, with one tangent.
+    a, q
+        Family parameter and parameters, dimensionless: doubles, taken as exact, or balls.
+
+    Returns
+    -------
+    NormalForm
+        At the working precision.
+
+    Raises
+    ------
+    StabilityError
+        If two eigenvalues there coincide, as far as the working precision sees.
+    """
+    program = _second(family)
+    a, q = ([arb(v) for v in values] for values in (a, q))
+    u = ball_unknowns(family, a, q)
+    known = dict(zip((*family.at, *family.unknown), (*a, *u), strict=True))
+    held = {n: arb.pi() / 2 if isinstance(v, Upright) else arb(v) for n, v in family.held.items()}
+    state = [(known | held)[n] for n in family.system.states]
+    matrix = acb_mat(arb_mat(family.graph.matrix.dense(balls(), [a, u, q])))
+    try:
+        values, left, right = matrix.eig(left=True, right=True)
+    except ValueError:
+        raise StabilityError(
+            f"two eigenvalues of {family.name} at {float(a[0]):.10g} coincide; no normal form."
+        ) from None
+    size = len(values)
+    zero = min(range(size), key=lambda i: float(abs(values[i]).mid()))
+    upper = [i for i in range(size) if values[i].imag > 0]
+    pair = min(upper, key=lambda i: abs(float(values[i].real.mid())))
+
+    def second(x: Balls, y: Balls) -> Balls:
+        out = []
+        for p, r in ((x, y), (x, [-acb(0, 1) * v for v in y])):  # its real part twice
+            parts = [
+                program.run(balls(), [state, q, [v.real for v in s], [v.real for v in t]])[0]
+                for s, t in ((p, r), ([acb(0, 1) * v for v in p], [acb(0, 1) * v for v in r]))
+            ]
+            out.append([s - t for s, t in zip(*parts, strict=True)])
+        return [acb(s, t) for s, t in zip(*out, strict=True)]
+
+    tangent = [acb(v) for v in _tangent(family, a, u, q)]
+    mode = [right[i, pair] for i in range(size)]
+    biggest = max(mode, key=lambda v: float(abs(v).mid()))
+    length = sum((abs(v) ** 2 for v in mode), arb(0)).sqrt()
+    mode = [v / length * abs(biggest) / biggest for v in mode]
+    across, beside = ([left[i, j] for j in range(size)] for i in (zero, pair))
+    push = _dot(across, second(mode, [v.conjugate() for v in mode])) / _dot(across, tangent)
+    speed = _dot(beside, second(tangent, mode)) / _dot(beside, mode)
+    plain = np.array([complex(float(v.real.mid()), float(v.imag.mid())) for v in mode])
+    return NormalForm(speed.real, push.real, values[pair].imag, plain)
+
+
+def _dot(x: Balls, y: Balls) -> Any:
+    return sum((s * t for s, t in zip(x, y, strict=True)), acb(0))
+
+
+def _tangent(family: Family, a: Balls, u: Balls, q: Balls) -> Balls:
+    """The line's direction in the state, by the implicit function theorem."""
+    by_a, by_u, _, r_u, r_a = (
+        family.graph.tangent.dense(balls(), [a, u, q], output) for output in range(5)
+    )
+    if not u or family.closed:
+        return [row[0] for row in by_a]
+    turn = arb_mat(r_u).solve(arb_mat(r_a))
+    return [
+        row[0] - sum((c * turn[j, 0] for j, c in enumerate(by)), arb(0))
+        for row, by in zip(by_a, by_u, strict=True)
+    ]
+
+
+def exact_side(family: str, law: str) -> Any:
+    """The flutter polynomial and its derivative along the line, by which the type is exact.
+
+    Energy rises with the family parameter along both lines and falls while the contact slips, so c
+    is negative; the sign of Re μ' is minus that of the derivative of the condition.
+
+    Parameters
+    ----------
+    family, law
+        Names.
+
+    Returns
+    -------
+    polynomial, derivative
+        In the variables of `stability.bodies.disk_polynomials`.
+    """
+    known = exact_polynomial(family, law)
+    [flutter] = [p for kind, p in known.conditions if kind == "flutter"]
+    return flutter, flutter.derivative(known.variables[-1])

@@ -1,0 +1,274 @@
+"""Every value of an axis at which the verdict can change, isolated, with the verdicts beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from flint import arb, fmpq
+
+from ..algebra.balls import precision
+from ..algebra.exact.number_fields import NotExact, rational
+from ..algebra.exact.rational_functions import RING, Ratio, multivariate, univariate
+from ..algebra.exact.real_roots import (
+    BITS,
+    MOST_BITS,
+    UnclearError,
+    real_roots,
+    sign_at,
+    specialised,
+)
+from ..spectra.certificate import ball_sine
+from ..spectra.problem import Problem
+from .critical import Characteristic, Conditions, characteristic_ratios
+
+POSITIVE = ("k", "mu", "c", "mass", "radius", "gravity")
+"""Axes of the disk that are positive."""
+X, S = (Ratio(g) for g in RING.gens())
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A value of the axis at which the verdict may be another than beside it."""
+
+    value: Any
+    """Ball in the unit of the axis."""
+    kind: str
+    """static, flutter, edge (upright, where tumbling meets spinning) or pole (no linearisation)."""
+    below: int
+    """Verdict just below: 1 stable or neutral, -1 unstable."""
+    above: int
+    """Just above."""
+    root: Any
+    """Ball of the polynomials' variable there."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """Everything that can happen along an axis."""
+
+    marks: tuple[Mark, ...]
+    """In increasing order, both ends of the interval included."""
+    source: Conditions | Characteristic
+    """What was searched."""
+    angle: str = ""
+    """theta or lean where the variable is the sine of that angle."""
+    gaps: tuple[float, ...] = field(default=())
+    """Values at which there is no member."""
+
+
+def search(
+    question: Problem, axis: str, low: float | None, high: float | None, bits: int = BITS
+) -> Search:
+    """Every value of an axis at which the verdict can change, isolated.
+
+    Parameters
+    ----------
+    question
+        The question, with one number for everything but the axis.
+    axis
+        Its name.
+    low, high
+        Ends of the interval, which belong to it; None for all that the axis can be.
+    bits
+        Working precision of the first attempt.
+
+    Returns
+    -------
+    Search
+
+    Raises
+    ------
+    NotExact
+        If the family's graph is not rational in the axis.
+    UnclearError
+        If the budget of precision ends.
+
+    Examples
+    --------
+    >>> from stability.bodies.contact import Viscous
+    >>> from stability.bodies.disk import Disk
+    >>> from stability.spectra.problem import disk_problem
+    >>> found = search(disk_problem("spinning", Disk(), Viscous(0.97)), "at", 0.1, 5)
+    >>> [(m.kind, round(float(m.value), 10)) for m in found.marks if m.below != m.above]
+    [('static', 2.0), ('flutter', 2.0451355787)]
+    """
+    given = {n: rational(float(v)) for n, v in question.values.items() if n != axis}
+    source, angle, edge = _source(question, given, axis)
+    ends = tuple(None if v is None else rational(v) for v in (low, high))
+    positive = question.law is not None and axis in POSITIVE
+    while bits <= MOST_BITS:
+        with precision(bits):
+            try:
+                marks = _marks(source, angle, edge, ends, positive)
+            except UnclearError:
+                bits *= 2
+                continue
+            gap = axis == "phi_dot" and (low is None or high is None or low <= 0 <= high)
+            return Search(tuple(marks), source, angle, (0.0,) if gap else ())
+    raise UnclearError
+
+
+def _source(
+    question: Problem, given: dict[str, Any], axis: str
+) -> tuple[Conditions | Characteristic, str, bool]:
+    exact = question.exact
+    if exact is None:
+        a, q, _ = question.reduce(given | {axis: X}, _no_root)
+        factor, below = characteristic_ratios(question.family, a, q)
+        return Characteristic([factor], below), "", False
+    theta = exact.family == "tumbling" and axis == "at"
+    angle = "theta" if theta or axis == "theta" else "lean" if axis == "lean" else ""
+    place = question.point(given | {axis: X}, sine=None) if not angle else None
+    upright = place is not None and "s" in exact.variables
+    if place is None:
+        place = question.point(given | {axis: X}, sine=lambda _: X if angle else S)
+    assert place is not None
+    edge = exact.family == "tumbling" and not exact.even
+    found = [(kind, _cleared(p(*place))) for kind, p in exact.conditions]
+    if not (upright and edge) and all(not p.is_zero() for _, p in found):
+        sine = None
+        if "s" in exact.variables and not angle and not upright:
+            named = given if "lean" in given or "theta" in given else given | {"theta": given["at"]}
+
+            def sine() -> Any:
+                return ball_sine(named)
+
+        return Conditions(found, sine, dissipative=not exact.even), angle, edge and bool(angle)
+    # a condition vanishes all along the axis: what is left is seen from the polynomial itself
+    factors = []
+    for factor in exact.coefficients(place):
+        ratios = [Ratio.of(c) for c in factor]
+        common = RING.constant(1)
+        for r in ratios:
+            common = common * (r.bottom / common.gcd(r.bottom))
+        factors.append([univariate(r.top * (common / r.bottom)) for r in ratios])
+    return Characteristic(factors, None), angle, False
+
+
+def _no_root(_: Any) -> Any:
+    raise NotExact("a square root is in it")
+
+
+def _cleared(value: Any) -> Any:
+    """A polynomial of the same sign; a denominator is a power of a positive axis."""
+    r = Ratio.of(value)
+    return r.top * r.bottom
+
+
+def _marks(
+    source: Conditions | Characteristic, angle: str, edge: bool, ends: tuple[Any, ...],
+    positive: bool,
+) -> list[Mark]:  # fmt: skip
+    polynomials = [p for _, p in source.critical if not p.is_constant()]
+    if source.poles is not None:
+        polynomials.append(multivariate(source.poles))
+    roots = real_roots(polynomials, source.sine)
+    if angle or positive:
+        roots = _clip(roots, polynomials, 1 if angle else None)
+    samples = _samples(roots, angle, positive)
+    signs = [source.sign(x) for x in samples]
+    if 0 in signs:
+        raise UnclearError
+    pole = source.poles
+    out: list[Mark] = []
+    for i, root in enumerate(roots):
+        side = samples[i], samples[i + 1]
+        kind = _kind(source, *side, pole)
+        for value, turned in _values(root, angle):
+            place = _inside(value, ends, polynomials if not angle else None)
+            if place is not None:
+                below, above = (i + 1, i) if turned else (i, i + 1)
+                out.append(Mark(place, kind, signs[below], signs[above], root))
+    if edge and angle:
+        upright = arb(0) if angle == "lean" else arb.pi() / 2
+        place = _inside(upright, ends, None)
+        if place is not None:
+            out.append(Mark(place, "edge", signs[-1], signs[-1], arb(1)))
+    out.sort(key=lambda m: m.value.mid())
+    return out
+
+
+def _clip(roots: list[Any], polynomials: Sequence[Any], top: int | None) -> list[Any]:
+    """Roots inside (0, top); those exactly at its ends are none of the open interval."""
+    out = []
+    for root in roots:
+        for end in (0, top):
+            if end is not None and root.contains(end):
+                if not any(specialised(p, fmpq(end)).is_zero() for p in polynomials):
+                    raise UnclearError
+                break
+        else:
+            if root > 0 and (top is None or root < top):
+                out.append(root)
+    return out
+
+
+def _samples(roots: list[Any], angle: str, positive: bool) -> list[Any]:
+    """A rational between any two roots, and one beyond the first and the last."""
+    if angle:
+        fence = [arb(0), *roots, arb(1)]
+    elif roots:
+        lowest = arb(0) if positive else roots[0] - 2 - abs(roots[0])
+        fence = [lowest, *roots, roots[-1] + 2 + abs(roots[-1])]
+    else:
+        return [fmpq(1)]
+    out = []
+    for low, high in zip(fence[:-1], fence[1:], strict=True):
+        middle = ((low.upper() + high.lower()) / 2).mid()
+        if not low < middle < high:
+            raise UnclearError
+        out.append(middle.fmpq())
+    return out
+
+
+def _kind(source: Conditions | Characteristic, low: Any, high: Any, pole: Any) -> str:
+    """What vanishes between two neighbouring samples."""
+    if pole is not None and _vanishes(multivariate(pole), low, high, source.sine):
+        return "pole"
+    for test in (_flips, _vanishes):
+        for kind in ("static", "flutter", "auxiliary"):
+            if any(
+                test(p, low, high, source.sine)
+                for known, p in source.critical
+                if known == kind and not p.is_constant()
+            ):
+                return "flutter" if kind == "auxiliary" else kind
+    return "pole"
+
+
+def _flips(p: Any, low: Any, high: Any, sine: Any) -> bool:
+    return sign_at(p, low, sine) != sign_at(p, high, sine)
+
+
+def _vanishes(p: Any, low: Any, high: Any, sine: Any) -> bool:
+    plain = p / p.gcd(p.derivative("x"))  # its roots are simple
+    return _flips(plain, low, high, sine)
+
+
+def _values(root: Any, angle: str) -> list[tuple[Any, bool]]:
+    """Values of the axis at a root, and whether the axis runs against the variable there."""
+    if angle == "theta":
+        value = root.asin()
+        return [(value, False), (arb.pi() - value, True)]
+    if angle == "lean":
+        value = root.acos()
+        return [(-value, False), (value, True)]
+    return [(root, False)]
+
+
+def _inside(value: Any, ends: tuple[Any, ...], polynomials: Sequence[Any] | None) -> Any | None:
+    """The value if it lies in the closed interval, exact where it is an end; None if outside."""
+    low, high = ends
+    for end in ends:
+        if end is None:
+            continue
+        exact = arb(end)
+        if value.contains(end) and value != exact:
+            if polynomials is None or not any(specialised(p, end).is_zero() for p in polynomials):
+                raise UnclearError
+            return exact
+    if (low is not None and value < arb(low)) or (high is not None and value > arb(high)):
+        return None
+    return value

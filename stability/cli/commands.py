@@ -1,0 +1,245 @@
+"""The command line: a thin layer on the public names."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from ..base.errors import StabilityError, StabilityWarning
+from ..base.version import __version__
+from ..storage.json_text import HELP, json_text
+from .compare import add_arguments as add_compare
+from .map import _map
+from .options import CONTACTS, FAMILY_HELP, _bar, _disk, _list, _Parser, _physics
+from .simulate import add_arguments
+from .spectrum import _spectrum
+from .table import _table
+from .terminal import (
+    LEAST_MEMORY,
+    allowed_memory,
+    drop_output,
+    prepare,
+    say,
+    starved,
+    stoppable,
+)
+
+
+@contextmanager
+def _warnings() -> Iterator[None]:
+    """The package's own warnings as one line each on standard error."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", StabilityWarning)
+        plainly = warnings.showwarning
+
+        def show(message: Any, category: Any, *rest: Any, **more: Any) -> None:
+            if issubclass(category, StabilityWarning):
+                say(f"note: {message}")
+            else:
+                plainly(message, category, *rest, **more)
+
+        warnings.showwarning = show
+        yield
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments
+        Words after the program's name; those of the process when left out.
+
+    Returns
+    -------
+    int
+        0 done, 2 bad input, 130 interrupted (143 by SIGTERM, 129 by SIGHUP).
+
+    Examples
+    --------
+    >>> main(["spectrum", "rolling", "--at", "1.8", "--mu", "0.3"])  # doctest: +ELLIPSIS
+    rolling, viscous contact, at omega3 = 1.8, k = 0.25, mu = 0.3
+    verdict     stable: ...
+    """
+    if not prepare():
+        say("standard output is closed; lead it somewhere, if only to /dev/null.")
+        return 2
+    if allowed_memory() < LEAST_MEMORY:
+        say(
+            f"the process is allowed {allowed_memory() >> 20} MiB of memory (ulimit -v); the "
+            f"libraries need {LEAST_MEMORY >> 20} MiB, allow it more."
+        )
+        return 2
+    with stoppable() as stop:
+        try:
+            _run(arguments)
+            stop.check()
+        except BaseException as reason:
+            # a library that is interrupted may raise what it likes: an import fails, a solver stops
+            if stop.number or isinstance(reason, KeyboardInterrupt):
+                told = str(reason) if isinstance(reason, KeyboardInterrupt) else ""
+                say(f"{told or stop.sentence}.")
+                return stop.code
+            return _code(reason)
+    return 0
+
+
+def _run(arguments: Sequence[str] | None) -> None:
+    try:
+        options = _parser().parse_args(arguments)
+        run: Callable[[argparse.Namespace], None] = options.run
+        with _warnings():
+            run(options)
+    except SystemExit:  # after --help
+        sys.stdout.flush()
+        raise
+    sys.stdout.flush()
+
+
+def _code(reason: BaseException) -> int:
+    """Say what went wrong; the exit code."""
+    if isinstance(reason, StabilityError):
+        say(str(reason))
+    elif isinstance(reason, BrokenPipeError):  # the reader of our output has left, as it may
+        drop_output()
+        return 0
+    elif starved(reason):
+        say("there is too little memory for this; ask for fewer points, or allow it more.")
+    elif isinstance(reason, OSError):
+        drop_output()
+        say(f"the output cannot be written: {reason.strerror or reason}.")
+    else:
+        raise reason
+    return 2
+
+
+def _atlas(options: argparse.Namespace) -> None:
+    from ..atlas.build import atlas
+    from ..atlas.page import summary
+
+    with _bar("diagrams") as progress:
+        page = atlas(
+            options.out, resolution=options.resolution, force=options.force, progress=progress
+        )
+    if options.json:
+        print(json_text(summary(page)))
+    else:
+        print(f"open {page}")
+
+
+def _simulate(options: argparse.Namespace) -> None:
+    from .simulate import run
+
+    run(options, _disk(options), _bar)
+
+
+def _compare(options: argparse.Namespace) -> None:
+    from .compare import run
+
+    run(options, _bar)
+
+
+# --- arguments ---
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="stability",
+        description="Which steady motions of a thin disk on a plane can be seen?",
+        epilog="example: stability spectrum rolling --at 1.8 --mu 0.3",
+    )
+    parser.add_argument("--version", action="version", version=f"stability {__version__}")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND",
+                                     parser_class=_Parser)  # fmt: skip
+
+    def command(name: str, run: Any, what: str, example: str) -> argparse.ArgumentParser:
+        sub = commands.add_parser(
+            name, help=what, description=f"{what}.", epilog=f"example: {example}"
+        )
+        sub.set_defaults(run=run)
+        sub.add_argument("--json", action="store_true", help=HELP)
+        return sub
+
+    sub = command("spectrum", _spectrum, "Eigenvalues and verdict of one steady motion",
+                  "stability spectrum tumbling --at 0.5 --mu 0.3 --json")  # fmt: skip
+    sub.add_argument("family", metavar="FAMILY", help=FAMILY_HELP)
+    sub.add_argument(
+        "--at", help="omega3, phi_dot, or theta; for circling and precession THETA,PHI_DOT"
+    )
+    sub.add_argument(
+        "--lean", type=float, help="for tumbling, in place of --at: π/2 - theta, 0 is upright"
+    )
+    sub.add_argument("--no-escalate", action="store_true",
+                     help="leave undecided what double precision does not decide")  # fmt: skip
+    _physics(sub)
+
+    sub = command("map", _map, "Verdict and growth rate over two parameters",
+                  "stability map spinning --x at:0.5:5:400 --y mu:0.01:10:300:log "
+                  "--out spinning.nc --plot spinning.png")  # fmt: skip
+    sub.add_argument("family", metavar="FAMILY", help=FAMILY_HELP)
+    for axis in ("--x", "--y"):
+        sub.add_argument(axis, required=True, metavar="NAME:LO:HI:N[:log]",
+                         help="axis: at, k, mu, mass, radius or gravity")  # fmt: skip
+    sub.add_argument("--at", default=None, help="family parameter, where it is no axis")
+    _physics(sub)
+    sub.add_argument("--out", required=True, metavar="F.nc", help="NetCDF file to write")
+    sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
+    sub.add_argument("--levels", type=int, metavar="L",
+                     help="with --certify: halve the map this often at most")  # fmt: skip
+    sub.add_argument(
+        "--modes", action="store_true", help="keep all eigenvalues, not only the first"
+    )
+    sub.add_argument("--verdict-only", action="store_true",
+                     help="proved verdicts alone, streamed to the file, however large")  # fmt: skip
+    sub.add_argument("--checkpoint", metavar="DIR",
+                     help="keep finished cells there, to go on after an interruption")  # fmt: skip
+    sub.add_argument("--force", action="store_true", help="replace existing files")
+
+    sub = command("atlas", _atlas, "The three families' diagrams for disk, annulus and hoop",
+                  "stability atlas --out atlas")  # fmt: skip
+    sub.add_argument("--out", required=True, metavar="DIR", help="folder to write")
+    sub.add_argument("--resolution", type=int, default=400, metavar="N",
+                     help="points along the family's axis (default 400)")  # fmt: skip
+    sub.add_argument("--force", action="store_true", help="replace files in an existing folder")
+
+    sub = command("simulate", _simulate, "Launch a disk, and say what becomes of it",
+                  "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 "
+                  "--out run.nc --plot run.png --film run.html")  # fmt: skip
+    add_arguments(sub)
+
+    sub = command("table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
+                  "stability table conditions --k 0.25,0.5 --mu 0.1,1,10")  # fmt: skip
+    sub.add_argument(
+        "name",
+        metavar="NAME",
+        help="families, conditions, drift, hopf, launches or completeness",
+    )
+    sub.add_argument("--k", type=_list, help="inertia factors, comma-separated")
+    sub.add_argument("--mu", type=_list, help="friction coefficients, comma-separated")
+    sub.add_argument("--tilt", type=_list, help="tilts of `table drift` and `launches` in rad")
+    sub.add_argument("--at", type=_list, help="initial angular velocities of `table launches`")
+    sub.add_argument("--time", type=float, help="length of a run of `table launches`")
+    sub.add_argument("--latex", action="store_true", help="formulas of `table conditions` as LaTeX")
+    sub.add_argument("--contact", help=f"one law of {CONTACTS}")
+    for name in ("mass", "radius", "gravity"):
+        sub.add_argument(f"--{name}", type=float, help="of the disk")
+    for name, what, example in (
+        ("chart", "Time against error, by every route to a spectrum or a motion",
+         "stability chart spectrum --out chart"),
+        ("failures", "Hard cases against every method: right, degraded, wrong, refused, crashed",
+         "stability failures --out failures"),
+        ("report", "Both charts and the catalogue of failures on one page",
+         "stability report --out report"),
+    ):  # fmt: skip
+        sub = command(name, _compare, what, example)
+        sub.set_defaults(command=name)
+        add_compare(sub, chart=name == "chart")
+    return parser
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,150 @@
+"""The commands `chart`, `failures` and `report`: a thin layer on `stability.compare.report`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..base.errors import NameUnknownError, ParameterError, shown
+from ..storage.json_text import json_text
+
+CHARTS = ("spectrum", "motion")
+"""What can be charted."""
+
+
+def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
+    """Arguments of the three commands.
+
+    Parameters
+    ----------
+    parser
+        The command's parser.
+    chart
+        Whether it is `chart`, which is told what to chart.
+    """
+    if chart:
+        parser.add_argument("what", metavar="WHAT", help="spectrum or motion")
+    parser.add_argument("--out", required=True, metavar="DIR",
+                        help="folder to write; finished cells are kept there, and gone on "
+                        "with")  # fmt: skip
+    parser.add_argument("--workers", type=int, metavar="N",
+                        help="processes for the catalogue (default: all cores); charts are timed, "
+                        "and take one")  # fmt: skip
+    parser.add_argument("--force", action="store_true",
+                        help="write into a folder that holds other files")  # fmt: skip
+
+
+def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
+    """Make a chart, the catalogue, or the whole report, and say what came of it.
+
+    Parameters
+    ----------
+    options
+        From `add_arguments`; `command` is the command's name.
+    bar
+        Gives a progress bar for a unit, as a context manager.
+    """
+    from ..compare.report import PARTS, report
+
+    parts = tuple(PARTS)
+    if options.command == "chart":
+        if options.what not in CHARTS:
+            raise NameUnknownError(
+                f"chart is {shown(options.what)}; known are {', '.join(CHARTS)}."
+            )
+        parts = (options.what,)
+    elif options.command == "failures":
+        parts = ("failures",)
+    if options.workers is not None and options.workers < 1:
+        raise ParameterError(f"--workers is {options.workers}; give a whole number above 0.")
+    with bar("cells") as progress:
+        page = report(
+            options.out, parts, force=options.force, workers=options.workers, progress=progress
+        )
+    found = summary(page.parent, parts)
+    if options.json:
+        print(json_text(found))
+        return
+    for line in lines(found):
+        print(line)
+    print(f"open {page}")
+
+
+def summary(folder: Path, parts: tuple[str, ...]) -> dict[str, Any]:
+    """What a folder holds, as JSON.
+
+    Parameters
+    ----------
+    folder
+        Of a report.
+    parts
+        Which parts to tell of.
+
+    Returns
+    -------
+    dict
+        `page`, `machine`, and for each part its files and what it says: for charts where the
+        package's default routes stand, for failures the marks of each method and the cells in
+        which a default route misleads.
+    """
+    from ..base.provenance import machine
+    from ..compare import failures as catalogue
+    from ..compare.parts import FAILURES, standings
+    from ..compare.report import part
+    from ..jobs.journal import Journal
+
+    cells = Journal(folder).cells
+    out: dict[str, Any] = {"page": str(folder / "index.html"), "machine": machine()}
+    for name in parts:
+        one = part(name, cells)
+        files = [str(folder / f) for f in one.data]
+        files += [str(folder / f"{plate.stem}.png") for plate in one.plates]
+        if name != FAILURES:
+            out[name] = {"files": files, "standings": [vars(s) for s in standings(one)]}
+            continue
+        marks: dict[str, dict[str, int]] = {}
+        for e in one.chart:
+            if e.mark is not None:
+                mine = marks.setdefault(e.method, {})
+                mine[e.mark.word] = mine.get(e.mark.word, 0) + 1
+        bad = [[e.case, e.method, e.note] for e in catalogue.misleading(one.chart)]
+        out[name] = {"files": files, "marks": marks, "misleading": bad}
+    return out
+
+
+def lines(found: dict[str, Any]) -> list[str]:
+    """A summary as lines of text.
+
+    Parameters
+    ----------
+    found
+        From `summary`.
+
+    Returns
+    -------
+    list of str
+    """
+    from ..compare.parts import Standing, nearest
+
+    out = []
+    for name in CHARTS:
+        if name in found:
+            best = nearest([Standing(**row) for row in found[name]["standings"]]).values()
+            behind = sorted((s for s in best if not s.on_front), key=lambda s: -s.factor)
+            front = len(best) - len(behind)
+            out.append(
+                f"{name}: a default route is on the Pareto front in {front} of {len(best)} panels"
+            )
+            out += [f"  {s.panel}: {s.route} takes {s.factor:.3g} times {s.rival}" for s in behind]
+    if "failures" in found:
+        for method, marks in found["failures"]["marks"].items():
+            told = ", ".join(f"{n} {word}" for word, n in sorted(marks.items()))
+            out.append(f"{method:<15} {told}")
+        bad = found["failures"]["misleading"]
+        out.append(
+            f"default routes that mislead: {len(bad)}"
+            + "".join(f"; {case}, {method}: {note}" for case, method, note in bad)
+        )
+    return out

@@ -1,0 +1,117 @@
+"""The command `map`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from ..base.errors import ParameterError, shown
+from ..storage.json_text import json_text
+from .options import _at, _axis, _bar, _disk, _picture
+
+
+def _map(options: argparse.Namespace) -> None:
+    from ..bodies.contact import LAWS, law_named
+    from ..jobs.checkpoint import remove_parts
+    from ..maps.netcdf import write_map
+    from ..maps.stability_map import stability_map
+    from ..storage.files import named, together, whole
+    from ..storage.targets import NETCDF, check_suffix, check_target, path_text
+
+    x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
+    swept = {x[0], y[0]}
+    for name in ("at", "k", "mu", "mass", "radius", "gravity"):
+        if name in swept and getattr(options, name) is not None:
+            raise ParameterError(f"{name} is given as --{name} and as an axis; give it once.")
+    if options.levels is not None and not options.certify:
+        raise ParameterError("--levels goes with --certify; leave it out or certify.")
+    disk = _disk(options)
+    contact: Any
+    if "mu" in swept and options.contact in LAWS:
+        contact = LAWS[options.contact]
+    else:
+        contact = law_named(options.contact, options.mu)
+    out = check_suffix(options.out, NETCDF, "--out")
+    targets = [check_target(out, overwrite=options.force)]
+    if options.plot is not None:
+        targets.append(_picture(options.plot, options.force))
+        if targets[0].resolve() == targets[1].resolve():
+            raise ParameterError(f"--out and --plot are both {shown(options.out)}; give two files.")
+    at = None if options.at is None else _at(options.at)
+    if options.verdict_only:
+        _stream(options, x, y, disk, contact, at)
+        return
+    try:
+        with _bar("cells") as progress:
+            dataset = stability_map(
+                options.family, x=x, y=y, disk=disk, contact=contact, at=at,
+                certify=options.certify, levels=options.levels, modes=options.modes,
+                progress=progress,
+                checkpoint=options.checkpoint,
+            )  # fmt: skip
+        with together():
+            if options.plot:
+                with whole(targets[1], overwrite=options.force) as picture:
+                    _draw(dataset, picture)
+            write_map(dataset, targets[0], overwrite=options.force)
+    except KeyboardInterrupt:
+        if options.checkpoint is None or targets[0] in named():
+            raise
+        raise KeyboardInterrupt(
+            f"interrupted; finished cells are kept in {path_text(options.checkpoint)}: give the "
+            "same command again to go on"
+        ) from None
+    if options.checkpoint is not None:
+        remove_parts(options.checkpoint)
+    from ..base.verdict import CODES
+
+    counts = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
+    record: dict[str, Any] = {
+        "out": str(targets[0]),
+        "plot": str(targets[1]) if options.plot else None,
+        "verdicts": counts,
+        "boundary_points": dataset.sizes["boundary_point"],
+        "boundary_unresolved": int(dataset.attrs["boundary_unresolved"]),
+    }
+    if options.certify:
+        record["certified"] = True
+        record["proved_area"] = float(dataset.attrs["box_proved"])
+    if options.json:
+        print(json_text(record))
+        return
+    cells = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
+    proved = f"; {dataset.attrs['box_comment']}" if options.certify else ""
+    print(
+        f"{' and '.join(map(str, targets))}: {cells}; {record['boundary_points']} boundary points"
+        + proved
+    )
+
+
+def _stream(options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any, at: Any) -> None:
+    from ..maps.netcdf import read_map
+    from ..maps.stream import stream_map
+
+    for name in ("plot", "certify", "modes", "checkpoint"):
+        if getattr(options, name):
+            raise ParameterError(
+                f"--{name} does not go with --verdict-only; leave one of them out."
+            )
+    with _bar("cells") as progress:
+        path = stream_map(
+            options.family, x=x, y=y, out=options.out, disk=disk, contact=contact, at=at,
+            overwrite=options.force, progress=progress,
+        )  # fmt: skip
+    with read_map(path, lazy=True) as dataset:
+        record = {"out": str(path), "cells": dataset.verdict.size, "method": dataset.method}
+    if options.json:
+        print(json_text(record))
+    else:
+        print(f"{path}: {record['cells']} verdicts; {record['method']}")
+
+
+def _draw(dataset: Any, target: Any) -> None:
+    from ..figures.canvas import save_figure
+    from ..figures.diagram import diagram
+
+    figure = diagram(dataset, title=str(dataset.attrs["title"]).split(":")[0])
+    save_figure(figure, target)

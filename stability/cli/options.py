@@ -1,0 +1,125 @@
+"""Options that commands share, and their texts."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, NoReturn
+
+from ..base.errors import ParameterError, shown
+from .terminal import check, say
+
+FAMILY_HELP = "rolling, spinning, tumbling, circling (rough disk) or precession (smooth disk)"
+
+MOST_VALUES = 1000
+"""Numbers in a list of a table, each of which takes a line or more."""
+
+CONTACTS = "smooth, viscous, linear-viscous, rough"
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that answers a bad argument with one sentence and exit code 2."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        # argparse takes -1e-3, -inf and -1,2 for options; here they are numbers to be judged
+        self._negative_number_matcher = re.compile(r"^-(\d|\.\d|inf|nan).*$")
+
+    def error(self, message: str) -> NoReturn:
+        say(f"{message.rstrip('.')}; see `{self.prog} --help`.")
+        raise SystemExit(2)
+
+
+def _physics(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--mu", type=float, help="friction coefficient (viscous; c = mu m g for linear)"
+    )
+    parser.add_argument("--contact", default="viscous", help=f"{CONTACTS} (default viscous)")
+    parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
+    parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
+    for name in ("mass", "radius", "gravity"):
+        parser.add_argument(f"--{name}", type=float, help="of the disk (default 1)")
+    parser.add_argument("--certify", action="store_true",
+                        help="prove every verdict, in rational arithmetic or balls")  # fmt: skip
+
+
+def _disk(options: argparse.Namespace) -> Any:
+    from ..bodies.disk import Disk
+
+    given = {n: getattr(options, n) for n in ("mass", "radius", "k", "gravity")}
+    given = {n: v for n, v in given.items() if v is not None}
+    if options.disk is None:
+        return Disk(**given)
+    if given:
+        raise ParameterError(f"--{next(iter(given))} and --disk are both given; give one of them.")
+    return Disk.named(options.disk)
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ParameterError(f"{name} is {shown(text)}; a number is needed.") from None
+
+
+def _at(text: str) -> float | list[float]:
+    parts = [_number(part, "at") for part in str(text).split(",")]
+    return parts[0] if len(parts) == 1 else parts
+
+
+def _list(text: str) -> list[float]:
+    if text.count(",") >= MOST_VALUES:
+        raise argparse.ArgumentTypeError(
+            f"{text.count(',') + 1} numbers are given, at most {MOST_VALUES}; make several tables"
+        )
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{shown(text)} is not a comma-separated list of numbers"
+        ) from None
+
+
+def _axis(text: str, which: str) -> Any:
+    parts = text.split(":")
+    if len(parts) not in (4, 5):
+        raise ParameterError(f"{which} is {shown(text)}; give NAME:LO:HI:N or NAME:LO:HI:N:log.")
+    name, low, high, count, *rest = parts
+    try:
+        number = int(count)
+    except ValueError:
+        raise ParameterError(
+            f"{which} has {shown(count)} points; a whole number is needed."
+        ) from None
+    return (name, _number(low, which), _number(high, which), number, *rest)
+
+
+def _picture(path: str, force: bool) -> Any:
+    from ..storage.targets import PICTURES, check_suffix, check_target
+
+    return check_target(check_suffix(path, PICTURES, "--plot"), overwrite=force)
+
+
+@contextmanager
+def _bar(unit: str) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on standard error, shown once the work has taken a second."""
+    from tqdm import tqdm
+
+    if sys.stderr is None:
+        yield lambda *_: None
+        return
+    bar = tqdm(total=None, unit=f" {unit}", delay=1, disable=None, leave=False, file=sys.stderr)
+
+    def update(done: int, total: int) -> None:
+        check()
+        if bar.total != total:
+            bar.reset(total)
+        bar.update(done - bar.n)
+
+    try:
+        yield update
+    finally:
+        bar.close()

@@ -1,0 +1,74 @@
+"""The command `spectrum`."""
+
+from __future__ import annotations
+
+import argparse
+
+from ..base.errors import ParameterError, shown
+from ..storage.json_text import json_text
+from .options import _at, _disk
+
+# --- commands ---
+
+
+def _spectrum(options: argparse.Namespace) -> None:
+    from ..bodies.contact import law_named
+    from ..bodies.disk_families import AT
+    from ..spectra.spectrum import spectrum
+
+    if (options.at is None) == (options.lean is None):
+        raise ParameterError("give --at, or for tumbling --lean, and not both.")
+    disk = _disk(options)
+    contact = law_named(options.contact, options.mu)
+    at = None if options.at is None else _at(options.at)
+    parts = AT.get(options.family, ("at",))
+    if isinstance(at, list) and len(at) != len(parts):
+        raise ParameterError(
+            f"at is {shown(options.at)}; {options.family} takes {' and '.join(parts)}, "
+            f"{len(parts)} number{'s' * (len(parts) > 1)}."
+        )
+    result = spectrum(
+        options.family, at=at, lean=options.lean, disk=disk, contact=contact,
+        certify=options.certify, escalate=not options.no_escalate,
+    )  # fmt: skip
+    parameters = {n: float(getattr(disk, n)) for n in ("mass", "radius", "k", "gravity")}
+    if options.mu is not None:
+        parameters["mu"] = options.mu
+    record = {
+        "family": options.family,
+        "contact": options.contact,
+        "parameters": parameters,
+        "at": at if at is not None else float(result.at[0]),
+        "eigenvalues": [[float(v.real) + 0.0, float(v.imag) + 0.0] for v in result.eigenvalues],
+        "structural_zeros": result.structural_zeros,
+        "abscissa": result.abscissa + 0.0,
+        "verdict": result.verdict.word,
+        "nonlinear": result.nonlinear.word,
+        "abscissa_error": result.abscissa_error,
+        "certified": result.certified,
+        "radius": list(result.radius),
+        "modes": list(result.modes.labels),
+        "reason": result.reason,
+        "unit": "√(g/R)" if disk.dimensionless else "1/s",
+    }
+    if options.lean is not None:
+        record["lean"] = options.lean
+    if options.json:
+        print(json_text(record))
+        return
+    if at is None:
+        where = [f"lean = {options.lean:g}"]
+    else:
+        given = at if isinstance(at, list) else [at]
+        where = [f"{n} = {v:g}" for n, v in zip(AT[options.family], given, strict=True)]
+    rest = [
+        f"{n} = {v:g}" for n, v in parameters.items() if n in ("k", "mu") or not disk.dimensionless
+    ]
+    print(f"{options.family}, {options.contact} contact, at {', '.join([*where, *rest])}")
+    print(f"verdict     {result.verdict.value}")
+    print(f"nonlinear   {result.nonlinear.value}")
+    print(f"reason      {result.reason}")
+    print(f"eigenvalues [{record['unit']}]")
+    for value, r, label in zip(result.eigenvalues, result.radius, result.modes.labels, strict=True):
+        off = f"   within {r:.0e}" if result.certified else ""
+        print(f"  {value.real + 0.0:+.12e} {value.imag + 0.0:+.12e}i{off}   {label}")

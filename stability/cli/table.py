@@ -1,0 +1,103 @@
+"""The command `table`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from ..base.errors import ParameterError, shown
+from ..storage.json_text import json_text
+from .options import _bar
+
+
+def _table(options: argparse.Namespace) -> None:
+    from ..base.errors import NameUnknownError
+    from ..tables.registry import TABLES, records
+    from ..tables.render import text
+
+    if options.name not in TABLES:
+        raise NameUnknownError(f"table is {shown(options.name)}; known are {', '.join(TABLES)}.")
+    settings = _table_settings(options)
+    formulas: list[Any] = []
+    with _bar("lines") as progress:
+        if options.name in ("conditions", "hopf", "launches"):
+            settings["progress"] = progress
+        rows = [] if options.latex else records(options.name, **settings)
+        if options.name == "conditions":
+            from ..derivation.formulas import rows as formula_rows
+
+            laws = settings.get("laws", ("smooth", "viscous", "rough"))
+            formulas = formula_rows(laws, settings.get("k", (0.25, 0.5)), progress)
+    if options.latex:
+        from ..derivation.formulas import latex
+
+        print("\n\n".join(latex(f) for f in formulas))
+        return
+    if options.json:
+        from dataclasses import asdict
+
+        body: dict[str, Any] = {
+            "table": options.name,
+            "heading": f"{TABLES[options.name]} (recomputed)",
+            "rows": rows,
+        }
+        if formulas:
+            body["formulas"] = [asdict(f) for f in formulas]
+        print(json_text(body))
+        return
+    disk = settings.get("disk")
+    if formulas:
+        from ..tables.render import formula_lines
+
+        print("\n".join(formula_lines(formulas)))
+    print(text(options.name, rows, "√(g/R)" if disk is None or disk.dimensionless else "rad/s"))
+
+
+def _table_settings(options: argparse.Namespace) -> dict[str, Any]:
+    """Options of a table as arguments of its function; what does not belong is refused."""
+    from ..bodies.contact import law_named
+    from ..bodies.disk import Disk
+
+    name = options.name
+    settings: dict[str, Any] = {}
+    if options.latex and (name != "conditions" or options.json):
+        raise ParameterError("--latex goes with `table conditions`, without --json.")
+    _table_launch(options, settings)
+    if name not in ("conditions", "drift", "hopf", "launches"):
+        for key in ("k", "mu", "contact", "mass", "radius", "gravity"):
+            if getattr(options, key) is not None:
+                raise ParameterError(
+                    f"--{key} goes with `table conditions`, `drift`, `hopf` and `launches` only; "
+                    "leave it out."
+                )
+        return settings
+    for key in ("k", "mu"):
+        if getattr(options, key) is not None:
+            settings[key] = getattr(options, key)
+    if options.contact is not None:
+        law_named(options.contact, None if options.mu is None else options.mu[0], needed=False)
+        key = "laws" if name == "conditions" else "law"
+        settings[key] = [options.contact] if name == "conditions" else options.contact
+    scales = {n: getattr(options, n) for n in ("mass", "radius", "gravity")}
+    settings["disk"] = Disk(**{n: v for n, v in scales.items() if v is not None})
+    if "k" in settings:
+        Disk(k=settings["k"])
+    return settings
+
+
+def _table_launch(options: argparse.Namespace, settings: dict[str, Any]) -> None:
+    """The options of `table drift` and `table launches`."""
+    name = options.name
+    if options.tilt is not None:
+        if name not in ("drift", "launches"):
+            raise ParameterError(
+                "--tilt goes with `table drift` and `launches` only; leave it out."
+            )
+        if name == "launches" and len(options.tilt) > 1:
+            raise ParameterError(f"--tilt is {options.tilt}; `table launches` takes one tilt.")
+        settings["tilt"] = options.tilt[0] if name == "launches" else options.tilt
+    for key in ("at", "time"):
+        if getattr(options, key) is not None:
+            if name != "launches":
+                raise ParameterError(f"--{key} goes with `table launches` only; leave it out.")
+            settings[key] = getattr(options, key)

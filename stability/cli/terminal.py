@@ -1,0 +1,181 @@
+"""The terminal of a command: its streams, and the signals that stop it."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from ..base.errors import one_line
+from ..storage.files import STOPS, named
+from ..storage.targets import path_text
+
+
+class Stop:
+    """What stopped a command, if something has."""
+
+    def __init__(self) -> None:
+        self.number = 0
+        self._before = len(named())
+
+    @property
+    def code(self) -> int:
+        """Exit code, as a shell gives it."""
+        return 128 + (self.number or int(signal.SIGINT))
+
+    @property
+    def sentence(self) -> str:
+        """What was written until then."""
+        files: list[Path] = named()[self._before :]
+        if not files:
+            return "interrupted; nothing was written"
+        more = f" and {len(files) - 1} more" if files[1:] else ""
+        return f"interrupted; {path_text(files[0])}{more} had been written, whole"
+
+    def check(self) -> None:
+        """Raise again what a library has swallowed."""
+        if self.number:
+            raise KeyboardInterrupt
+
+
+_stops: list[Stop] = []
+
+
+def check() -> None:
+    """Raise KeyboardInterrupt if the running command was asked to stop and went on all the same."""
+    if _stops:
+        _stops[-1].check()
+
+
+@contextmanager
+def stoppable() -> Iterator[Stop]:
+    """Let SIGTERM and SIGHUP end a command as Ctrl-C does, so that nothing is left behind.
+
+    A signal that is ignored (`nohup`), or that a program around this one handles, stays so.
+    """
+    stop = Stop()
+    if threading.current_thread() is not threading.main_thread():
+        yield stop
+        return
+
+    def end(number: int, _: Any) -> None:
+        stop.number = number
+        raise KeyboardInterrupt
+
+    def quiet(swallowed: Any) -> None:  # in a destructor, say; `check` raises it again
+        if not issubclass(swallowed.exc_type, KeyboardInterrupt):
+            hook(swallowed)
+
+    hook, sys.unraisablehook = sys.unraisablehook, quiet
+    before = {n: signal.getsignal(n) for n in STOPS}
+    plain = (signal.SIG_DFL, signal.default_int_handler)
+    mine = {n: handler for n, handler in before.items() if handler in plain}
+    for number in mine:
+        signal.signal(number, end)
+    _stops.append(stop)
+    try:
+        yield stop
+    finally:
+        _stops.pop()
+        sys.unraisablehook = hook
+        for number, handler in mine.items():
+            signal.signal(number, handler)
+
+
+def prepare() -> bool:
+    """Make the streams fit for any text; False where there is no standard output.
+
+    A closed descriptor 0, 1 or 2 is opened on nothing: otherwise the next file would take its
+    number, and what libraries print would go into that file.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and not stream.closed:
+            # a terminal that lacks √ shows its code instead
+            with suppress(OSError, ValueError):
+                stream.reconfigure(errors="backslashreplace")
+    return sys.stdout is not None and not sys.stdout.closed
+
+
+def say(sentence: str) -> None:
+    """A message on standard error, if there is one that takes it.
+
+    Parameters
+    ----------
+    sentence
+        What to say.
+    """
+    with suppress(OSError, ValueError, AttributeError):
+        print(f"stability: {one_line(sentence)}", file=sys.stderr, flush=True)
+
+
+def drop_output() -> None:
+    """Throw away what standard output still holds and cannot write; leave it where it leads."""
+    try:
+        number = sys.stdout.fileno()
+        kept = os.dup(number)
+    except (AttributeError, OSError, ValueError):
+        return
+    null = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(null, number)
+        with suppress(OSError, ValueError):
+            sys.stdout.flush()
+    finally:
+        os.dup2(kept, number)
+        os.close(kept)
+        os.close(null)
+
+
+LEAST_MEMORY = 640 * 2**20
+"""Bytes of address space below which libraries do not load: OpenBLAS aborts or never returns."""
+
+
+def allowed_memory() -> int:
+    """Bytes of address space that the process may have."""
+    try:
+        import resource
+    except ImportError:  # not on Windows
+        return 2**63
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return 2**63 if limit == resource.RLIM_INFINITY else limit
+
+
+STARVED = (
+    "bad_alloc", "failed to map segment", "annot allocate memory", "nable to allocate",
+    "can't start new thread", "out of memory", "ot enough memory",
+)  # fmt: skip
+"""What libraries say where memory ends, each in its own class of error."""
+
+
+def starved(reason: BaseException | None) -> bool:
+    """Whether an error comes from too little memory, in Python or in a library.
+
+    Parameters
+    ----------
+    reason
+        The error; what caused it counts too.
+
+    Examples
+    --------
+    >>> starved(MemoryError()), starved(RuntimeError("std::bad_alloc")), starved(KeyError("x"))
+    (True, True, False)
+    """
+    limited = allowed_memory() < 2**62
+    while reason is not None:
+        if isinstance(reason, MemoryError) or any(word in str(reason) for word in STARVED):
+            return True
+        if limited and isinstance(reason, ImportError):  # of a library that says no more than that
+            return True
+        reason = reason.__cause__ or reason.__context__
+    return False

@@ -1,0 +1,151 @@
+"""The cells of the charts as CSV: one line for each, every raw timing in it."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..jobs.journal import Cell
+from .spectrum.hardness import EDGES
+
+
+def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """A table as CSV.
+
+    Parameters
+    ----------
+    columns
+        Their names.
+    rows
+        Their values.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> csv_text(("a", "b"), [(1, "x, y")]).splitlines()
+    ['a,b', '1,"x, y"']
+    """
+    handle = io.StringIO(newline="")
+    writer = csv.writer(handle)
+    writer.writerow(columns)
+    writer.writerows(rows)
+    return handle.getvalue()
+
+
+def _middle(values: Sequence[float] | None) -> Any:
+    return float(np.median(values)) if values else ""
+
+
+def _timings(values: Sequence[float] | None) -> str:
+    return " ".join(f"{v:.3e}" for v in values or ())
+
+
+def _known(value: Any) -> Any:
+    return "" if value is None else value
+
+
+def spectrum_csv(cells: Mapping[str, Cell]) -> str:
+    """One line for each route and hardness class.
+
+    Parameters
+    ----------
+    cells
+        By key.
+
+    Returns
+    -------
+    str
+    """
+    columns = (
+        "hardness", "route", "status", "points", "wrong", "undecided", "worst_eigenvalue_error",
+        "worst_abscissa_error", "first_call_s", "one_point_s", "a_point_of_many_s",
+        "one_point_timings_s", "many_timings_s", "message",
+    )  # fmt: skip
+    rows = []
+    for key, cell in cells.items():
+        if not key.startswith("spectrum/"):
+            continue
+        _, hardness, route = key.split("/")
+        v = cell.value
+        if v is None:
+            rows.append((hardness, route, cell.status, *[""] * 10, cell.message))
+            continue
+        worst = ["" if v[q] is None else max(v[q]) for q in ("eigenvalues", "abscissa")]
+        rows.append((
+            hardness, route, cell.status, v["count"], v["wrong"], v["undecided"], *worst,
+            v["first"], _middle(v["one"]), _middle(v["many"]), _timings(v["one"]),
+            _timings(v["many"]), "",
+        ))  # fmt: skip
+    return csv_text(columns, rows)
+
+
+def boundary_csv(cells: Mapping[str, Cell]) -> str:
+    """One line for each route and boundary.
+
+    Parameters
+    ----------
+    cells
+        By key.
+
+    Returns
+    -------
+    str
+    """
+    columns = ("route", "family", "contact", "k", "mu", "relative_error", "stated_half_width",
+               "seconds", "status")  # fmt: skip
+    rows: list[Sequence[Any]] = []
+    for key, cell in cells.items():
+        if not key.startswith("boundary/"):
+            continue
+        route = key.split("/")[1]
+        for i, edge in enumerate(EDGES):
+            where = (*edge[:3], _known(edge[3]))
+            if cell.value is None:
+                rows.append((route, *where, "", "", "", cell.status))
+            elif (seconds := cell.value["seconds"][i]) is not None:
+                error = cell.value["error"][i]
+                rows.append((route, *where, _known(error), _known(cell.value["width"][i]), seconds,
+                             "not found" if error is None else "found"))  # fmt: skip
+    return csv_text(columns, rows)
+
+
+def motion_csv(cells: Mapping[str, Cell]) -> str:
+    """One line for each scene, driver and tolerance.
+
+    Parameters
+    ----------
+    cells
+        By key.
+
+    Returns
+    -------
+    str
+    """
+    metrics = ("final", "path", "audit", "event", "stated")
+    columns = ("scene", "driver", "tolerance", "outcome", *(f"{m}_error" for m in metrics[:4]),
+               "stated_error", "median_s", "timings_s", "first_call_s", "message")  # fmt: skip
+    rows: list[Sequence[Any]] = []
+    for key, cell in cells.items():
+        if not key.startswith("motion/"):
+            continue
+        _, which, driver = key.split("/")
+        if cell.value is None:
+            rows.append((which, driver, *[""] * 9, "", f"{cell.status}: {cell.message}"))
+            continue
+        for tolerance, row in zip(cell.value["tolerance"], cell.value["rows"], strict=True):
+            if row["message"]:
+                rows.append((which, driver, tolerance, *[""] * 8, _known(cell.value["first"]),
+                             row["message"]))  # fmt: skip
+                continue
+            rows.append((
+                which, driver, tolerance, row["outcome"], *(_known(row[m]) for m in metrics),
+                _middle(row["seconds"]), _timings(row["seconds"]), cell.value["first"], "",
+            ))  # fmt: skip
+    return csv_text(columns, rows)

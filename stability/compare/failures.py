@@ -1,0 +1,301 @@
+"""The catalogue of failures: hard cases against methods, as a table of marks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..base.errors import StabilityError
+from ..jobs.journal import CRASHED, DONE, LATE, REFUSED, Cell
+from ..jobs.processes import Task
+from .csv_files import csv_text
+from .marks import BY_WORD, HONEST, Judgement, Mark
+from .motion import drivers
+from .motion.cases import MOTION_CASES
+from .spectrum.cases import CASES, DECADES
+from .spectrum.measure import ROUTES
+from .spectrum.package_routes import OWN
+
+ROUTE_NAMES = (
+    "forward-1e-4", "forward", "forward-1e-12", "central", "complex-step", "ad-raw", "ad",
+    "ad-1e-9", "sympy", "sympy-solved", "polynomial", "hurwitz", "mpmath-30", "mpmath-50",
+    "mpmath-100", *(r.name for r in OWN),
+)  # fmt: skip
+"""Columns of the linear part."""
+DRIVER_NAMES = (
+    "rk4", "rk45-default", "rk45", "rough-model", "smooth-model", "regularised", "dop853", "lsoda",
+    "radau", "bdf", "cvodes", "idas", "heyoka", "unchecked", "simulate", "simulate-fine",
+)  # fmt: skip
+"""Columns of the part on motion."""
+LIMIT = 4.0
+"""Seconds that a cell may take."""
+LINEAR, MOTION = "linear", "motion"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One cell of the catalogue."""
+
+    part: str
+    """linear or motion."""
+    group: str
+    """Heading of the case."""
+    case: str
+    """Its name."""
+    method: str
+    """Name of the route or driver."""
+    mark: Mark | None
+    """The mark; None where the question is not one for the method."""
+    digits: float
+    """Digits or decades left; NaN if none."""
+    note: str
+    """What was seen."""
+
+
+def tasks() -> list[list[Task]]:
+    """The cells: one process for each method."""
+    linear = [
+        [Task(f"failure/{LINEAR}/{case}/{name}", weigh, (case, name), LIMIT) for case in CASES]
+        for name in ROUTE_NAMES
+    ]
+    motion = [
+        [Task(f"failure/{MOTION}/{case}/{name}", weigh_motion, (case, name), LIMIT)
+         for case in MOTION_CASES]
+        for name in DRIVER_NAMES
+    ]  # fmt: skip
+    return sorted([*linear, *motion], key=_slow, reverse=True)
+
+
+def _slow(group: list[Task]) -> bool:
+    """Whether a group takes long, and so is begun first."""
+    method = group[0].arguments[1]
+    return method.startswith(("mpmath", "rk45")) or method in ("bdf", "radau")
+
+
+def weigh(case: str, method: str) -> dict[str, Any] | None:
+    """One cell of the linear part, as JSON holds it.
+
+    Parameters
+    ----------
+    case, method
+        Names.
+    """
+    return _kept(CASES[case]().judge(ROUTES[method]()))
+
+
+def weigh_motion(case: str, method: str) -> dict[str, Any] | None:
+    """One cell of the part on motion.
+
+    Parameters
+    ----------
+    case, method
+        Names.
+    """
+    return _kept(MOTION_CASES[case]().judge(drivers.driver(method)))
+
+
+def _kept(judgement: Judgement | None) -> dict[str, Any] | None:
+    if judgement is None:
+        return None
+    return {"mark": judgement.mark.word, "digits": judgement.digits, "note": judgement.note,
+            "steps": judgement.steps}  # fmt: skip
+
+
+def attempt(judge: Callable[[], Judgement | None]) -> Judgement | None:
+    """A judgement made in this process: an exception is a mark too.
+
+    Parameters
+    ----------
+    judge
+        Makes the judgement.
+
+    Returns
+    -------
+    Judgement or None
+
+    Examples
+    --------
+    >>> attempt(lambda: 1 / 0).mark.word
+    'crashed'
+    """
+    try:
+        return judge()
+    except StabilityError as error:
+        return Judgement(Mark.REFUSED, note=str(error))
+    except Exception as error:
+        return Judgement(Mark.CRASHED, note=f"{type(error).__name__}: {error}")
+
+
+def entries(cells: Mapping[str, Cell]) -> list[Entry]:
+    """The catalogue's cells, case by case.
+
+    Parameters
+    ----------
+    cells
+        By key, as `tasks` names them.
+
+    Returns
+    -------
+    list of Entry
+    """
+    found = []
+    parts: list[tuple[str, Mapping[str, Any], Sequence[str]]] = [
+        (LINEAR, CASES, ROUTE_NAMES), (MOTION, MOTION_CASES, DRIVER_NAMES),
+    ]  # fmt: skip
+    for part, cases, methods in parts:
+        for case in cases.values():
+            for method in methods:
+                mark, digits, note = _read(cells[f"failure/{part}/{case.name}/{method}"])
+                found.append(Entry(part, case.group, case.name, method, mark, digits, note))
+    return found
+
+
+def _read(cell: Cell) -> tuple[Mark | None, float, str]:
+    nan = float("nan")
+    if cell.status == DONE:
+        if cell.value is None:
+            return None, nan, ""
+        return BY_WORD[cell.value["mark"]], cell.value["digits"], cell.value["note"]
+    mark = {REFUSED: Mark.REFUSED, CRASHED: Mark.CRASHED, LATE: Mark.LATE}[cell.status]
+    return mark, nan, cell.message
+
+
+def ladder(cells: Mapping[str, Cell]) -> dict[str, list[dict[str, int]]]:
+    """For each route and distance from a boundary, how many boundaries have which mark.
+
+    Parameters
+    ----------
+    cells
+        By key.
+
+    Returns
+    -------
+    dict
+        Lists along `DECADES` of counts by word; boundaries without an answer are not counted.
+    """
+    found = {}
+    for method in ROUTE_NAMES:
+        counts = [dict.fromkeys(("right", "undecided", "wrong"), 0) for _ in DECADES]
+        for case in CASES.values():
+            value = cells[f"failure/{LINEAR}/{case.name}/{method}"].value
+            for count, word in zip(counts, (value or {}).get("steps", ()), strict=False):
+                count[word] += 1
+        found[method] = counts
+    return found
+
+
+def own_methods() -> dict[str, bool]:
+    """Whether each method is one that the package takes by default.
+
+    Returns
+    -------
+    dict
+        Of the package's methods alone.
+    """
+    routes = {r.name: r.default for r in ROUTES.values() if r.own}
+    return routes | {d.name: d.default for d in drivers.DRIVERS.values() if d.own}
+
+
+def misleading(found: Sequence[Entry]) -> list[Entry]:
+    """The cells in which a route that the package takes by default is not honest.
+
+    Parameters
+    ----------
+    found
+        From `entries`.
+
+    Returns
+    -------
+    list of Entry
+        Empty, as it must be.
+    """
+    defaults = {name for name, default in own_methods().items() if default}
+    return [e for e in found if e.method in defaults and e.mark and e.mark not in HONEST]
+
+
+# --- as text ---
+
+
+def as_csv(found: Sequence[Entry]) -> str:
+    """The catalogue as CSV: one line a cell.
+
+    Parameters
+    ----------
+    found
+        From `entries`.
+
+    Returns
+    -------
+    str
+    """
+    rows = []
+    for e in found:
+        digits = "" if e.digits != e.digits else f"{e.digits:g}"
+        mark = "" if e.mark is None else e.mark.word
+        rows.append((e.part, e.group, e.case, e.method, mark, digits, e.note))
+    return csv_text(("part", "group", "case", "method", "mark", "digits", "note"), rows)
+
+
+def as_markdown(found: Sequence[Entry]) -> str:
+    """The catalogue as Markdown: a table for each part, then what each case is.
+
+    Parameters
+    ----------
+    found
+        From `entries`.
+
+    Returns
+    -------
+    str
+    """
+    lines = ["# Where methods fail", "", "Marks:", ""]
+    lines += [f"* {mark.value}" for mark in Mark]
+    lines += [
+        "",
+        "Numbers are digits, or for a boundary the decades of distance, that are left.",
+        "",
+    ]
+    for part, heading in ((LINEAR, "Linear analysis"), (MOTION, "Motion")):
+        mine = [e for e in found if e.part == part]
+        methods = list(dict.fromkeys(e.method for e in mine))
+        lines += [f"## {heading}", "", "| case | " + " | ".join(methods) + " |"]
+        lines.append("|" + " --- |" * (len(methods) + 1))
+        for case in dict.fromkeys(e.case for e in mine):
+            row = {e.method: e for e in mine if e.case == case}
+            lines.append(f"| {case} | " + " | ".join(_word(row[m]) for m in methods) + " |")
+        lines += ["", "| case | what happens | how the truth is known |", "| --- | --- | --- |"]
+        lines += [f"| {n} | {what} | {how} |" for n, (what, how) in texts(part).items()]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def texts(part: str) -> dict[str, tuple[str, str]]:
+    """What happens in each case, and how its truth is known.
+
+    Parameters
+    ----------
+    part
+        linear or motion.
+
+    Returns
+    -------
+    dict
+        By name of the case.
+
+    Examples
+    --------
+    >>> texts("motion")["lifts off"][0]
+    'gn reaches zero at t = 16.1165'
+    """
+    cases: dict[str, Mapping[str, Any]] = {LINEAR: CASES, MOTION: MOTION_CASES}
+    made = {name: case() for name, case in cases[part].items()}
+    return {name: (case.physics, case.known) for name, case in made.items()}
+
+
+def _word(entry: Entry) -> str:
+    if entry.mark is None:
+        return ""
+    if entry.mark in (Mark.DEGRADED, Mark.WRONG) and entry.digits == entry.digits:
+        return f"{entry.mark.word} ({entry.digits:.0f})"
+    return entry.mark.word

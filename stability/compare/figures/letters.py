@@ -1,0 +1,139 @@
+"""Letters beside markers, placed where they hide nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+SMALL = 6.0
+"""Size of the smallest text [pt]."""
+
+HALO = [withStroke(linewidth=1.2, foreground="white")]
+"""Keeps a letter readable on a line."""
+
+REACH = np.array([5.0, 6.5, 9.0, 12.0, 16.0, 21.0, 27.0, 34.0, 42.0])
+"""How far from its marker a letter may be [pt]."""
+
+
+@dataclass(frozen=True)
+class Letter:
+    """A letter that goes beside a marker."""
+
+    x: float
+    """Of the marker."""
+    y: float
+    """Of the marker."""
+    text: str
+    """What is written."""
+    colour: str
+    """Of the text."""
+
+
+def lettered(own: Sequence[bool]) -> list[str]:
+    """Capitals for the package's, small letters for people's.
+
+    Parameters
+    ----------
+    own
+        Which are the package's.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> lettered([False, True, False])
+    ['a', 'A', 'b']
+    """
+    return [
+        chr(ord("A" if mine else "a") + sum(o == mine for o in own[:i]))
+        for i, mine in enumerate(own)
+    ]
+
+
+def letters(axes: Axes, marks: Sequence[Letter]) -> None:
+    """Letters beside their markers, moved apart; a thin line leads back where one moved far.
+
+    Parameters
+    ----------
+    axes
+        The panel, its limits set.
+    marks
+        What is to be written.
+    """
+    if not marks:
+        return
+    scale = 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    at = axes.transData.transform([(m.x, m.y) for m in marks]) * scale
+    half = np.array([(0.3 * SMALL * len(m.text) + 0.8, 0.42 * SMALL) for m in marks])
+    room = np.array([axes.bbox.p0, axes.bbox.p1]) * scale
+    off = _apart(at, half, room, _drawn(axes, scale))
+    for mark, shift in zip(marks, off, strict=True):
+        far, wide = np.hypot(*shift) > 8, len(mark.text) > 2 and abs(shift[0]) > 9
+        # from the near end of a wide text
+        start = (float(shift[0] < 0) if wide else 0.5, 0.5)
+        arrow = {"arrowstyle": "-", "linewidth": 0.35, "color": mark.colour, "shrinkA": 0.5,
+                 "shrinkB": 1.5, "relpos": start} if far else None  # fmt: skip
+        axes.annotate(mark.text, (mark.x, mark.y), tuple(shift), textcoords="offset points",
+                      fontsize=SMALL, color=mark.colour, ha="center", va="center",
+                      path_effects=HALO, arrowprops=arrow, zorder=6)  # fmt: skip
+
+
+def _drawn(axes: Axes, scale: float) -> NDArray[Any]:
+    """Points along all lines of a panel and about its markers [pt]."""
+    found = [np.zeros((0, 2))]
+    about = np.array([(1.6, 0.0), (-1.6, 0.0), (0.0, 1.6), (0.0, -1.6)])
+    for line in axes.lines:
+        corners = axes.transData.transform(line.get_xydata()) * scale
+        if line.get_marker() != "None":
+            found.append((corners[:, None] + about).reshape(-1, 2))
+        for a, b in zip(corners[:-1], corners[1:], strict=True):
+            count = int(np.hypot(*(b - a)) / 1.5) + 2 if np.isfinite([a, b]).all() else 0
+            found.append(a + np.linspace(0, 1, count)[:, None] * (b - a))
+    return np.concatenate(found)
+
+
+def _apart(
+    at: NDArray[Any], half: NDArray[Any], room: NDArray[Any], lines: NDArray[Any]
+) -> NDArray[Any]:
+    """Offsets of the letters: each in turn goes where it disturbs the others least."""
+    angles = np.arange(24) * np.pi / 12 + 0.01
+    round_ = np.stack([np.cos(angles), np.sin(angles)], -1)
+    tries = (REACH[:, None, None] * round_).reshape(-1, 2)
+    off = np.full(at.shape, np.inf)
+    for _ in range(4):
+        for i in range(len(at)):
+            # a wide text starts beside its marker instead of over it
+            here = tries + np.sign(np.round(tries, 1)) * np.array([half[i, 0] - 2.5, 0.0])
+            spots = at[i] + here
+            struck = (np.abs(spots[:, None] - lines) < half[i] + 0.2).all(axis=-1).sum(axis=-1)
+            cost = np.hypot(*tries.T) + np.minimum(4.0 * (struck > 0) + 0.8 * struck, 14.0)
+            outside = (spots - half[i] < room[0] + 1) | (spots + half[i] > room[1] - 1)
+            cost = cost + 500.0 * outside.any(axis=-1)
+            others = np.arange(len(at)) != i
+            for centre, size, price in (((at + off)[others], half[others], 300.0),
+                                        (at, np.full_like(at, 1.7), 40.0)):  # fmt: skip
+                gap = np.abs(spots[:, None] - centre) - half[i] - size
+                cost = cost + price * (gap < 0).all(axis=-1).sum(axis=-1)
+            cost = cost + 12.0 * _crossings(at[i], spots, at[others], (at + off)[others])
+            off[i] = here[int(cost.argmin())]
+    return off
+
+
+def _crossings(start: Any, ends: Any, starts: Any, stops: Any) -> Any:
+    """How many leading lines each new one would cross."""
+
+    def side(a: Any, b: Any, c: Any) -> Any:
+        return (b - a)[..., 0] * (c - a)[..., 1] - (b - a)[..., 1] * (c - a)[..., 0]
+
+    known = np.isfinite(stops).all(axis=-1)
+    a, b, c, d = start, ends[:, None], starts[known], stops[known]
+    apart = side(a, b, c) * side(a, b, d) < 0
+    return (apart & (side(c, d, a + 0 * b) * side(c, d, b) < 0)).sum(axis=-1)

@@ -1,0 +1,355 @@
+"""Ways to a motion: the package's integrators, what people write, and smaller models.
+
+A driver is one class with `run`; `tolerances` are what it is given from loose to tight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...base.errors import NameUnknownError, shown
+from ...base.types import Floats
+from ...bodies.contact import RegularisedCoulomb, Rough, Smooth
+from ...integrators.selection import METHODS
+from .reference_motions import Scene
+
+DECADES = tuple(10.0**-d for d in (3, 4, 6, 8, 10, 12, 14))
+"""Tolerances of an integrator in the charts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What a driver says of a scene."""
+
+    times: Floats
+    """Times of the states, shape (t,): the asked ones as far as it went."""
+    states: Floats
+    """Shape (t, 6)."""
+    outcome: str
+    """Its outcome in a word; moving where a driver knows no other."""
+    end_time: float
+    """When it ended; the last time where it did not."""
+    audit: float | None = None
+    """Largest error of its energy account over the initial energy, where it keeps one."""
+    stated: float | None = None
+    """Its own estimate of the error of the last state, where it gives one."""
+    events: tuple[tuple[str, float], ...] = ()
+    """Kind and time of events of dry friction."""
+
+
+class Driver:
+    """A way to a motion; subclasses name it and say how."""
+
+    name: ClassVar[str]
+    """Name in tables and on the command line."""
+    title: ClassVar[str]
+    """What it is, in a few words."""
+    own: ClassVar[bool] = False
+    """Whether it is one of the package's."""
+    default: ClassVar[bool] = False
+    """Whether the package takes it when nothing else is asked."""
+    tolerances: ClassVar[tuple[float, ...]] = DECADES
+    """What it is given in the charts, from loose to tight."""
+    usual: ClassVar[float] = 1e-9
+    """What it is given in the catalogue of failures."""
+
+    def takes(self, scene: Scene) -> bool:  # noqa: ARG002
+        """Whether the scene is one for this driver."""
+        return True
+
+    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+        """The motion at times, the first of them 0."""
+        raise NotImplementedError
+
+
+# --- the package ---
+
+
+class Simulated(Driver):
+    """`simulate` with one integrator and without its check by shadows."""
+
+    own = True
+    method: ClassVar[str]
+    check: ClassVar[bool] = False
+
+    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+        """By the public function."""
+        return simulated(
+            scene, scene.contact(), times, method=self.method, tolerance=tolerance,
+            check=self.check,
+        )  # fmt: skip
+
+
+class Default(Simulated):
+    """`simulate` as it is when nothing is asked: integrator by stiffness, each launch checked."""
+
+    name, title, default = "simulate", "simulate(): automatic integrator, checked by shadows", True
+    method, check = "auto", True
+
+
+class Unchecked(Simulated):
+    """The same without the check."""
+
+    name, title = "unchecked", "simulate(check=False): automatic integrator"
+    method = "auto"
+
+
+class Fine(Simulated):
+    """The default with a finer tolerance."""
+
+    name, title = "simulate-fine", "simulate(tolerance=1e-14), checked"
+    method, check, usual = "auto", True, 1e-14
+
+
+def _single(method: str) -> type[Driver]:
+    words = {"name": method, "title": f"simulate(method='{method}', check=False)"}
+    body = {**words, "method": method, "__doc__": f"`simulate` by {method}, unchecked."}
+    made: type[Driver] = type(method.capitalize(), (Simulated,), body)
+    return made
+
+
+def simulated(scene: Scene, contact: Any, times: Floats, **options: Any) -> Motion:
+    """A scene by `simulate` under some law.
+
+    Parameters
+    ----------
+    scene
+        Disk and start.
+    contact
+        The law.
+    times
+        Times, the first of them 0.
+    **options
+        As for `simulate`.
+
+    Returns
+    -------
+    Motion
+    """
+    from ...bodies.disk_equations import STATES
+    from ...motion.result import BY_CODE
+    from ...motion.simulate import simulate
+
+    run = simulate(scene.disk(), contact, list(scene.start), times, **options)
+    states = np.stack([run[name].values for name in STATES], axis=-1)
+    outcome = BY_CODE[int(run.outcome)].word
+    kept = np.isin(run.time.values, times)
+    ended = _events(run.event_kind.values.tolist(), run.event_time.values.tolist())
+    return Motion(
+        run.time.values[kept], states[kept],
+        "moving" if outcome == "settled" else outcome,  # contact lasted, which is what is asked
+        float(run.end_time), float(run.energy_error),
+        float(run.final_error) if "final_error" in run else None, ended,
+    )  # fmt: skip
+
+
+def _events(kinds: list[str], times: list[float]) -> tuple[tuple[str, float], ...]:
+    """Events of dry friction; a reversal is a rest that ends as it begins."""
+    found: list[tuple[str, float]] = []
+    for kind, time in zip(kinds, times, strict=True):
+        parts = ("stick", "slip") if kind == "reverse" else (kind,)
+        found += [(part, time) for part in parts]
+    return tuple(found)
+
+
+# --- what people write ---
+
+
+@lru_cache(maxsize=8)
+def _rates(law: str) -> Callable[[Any, Any], Any]:
+    """The right-hand side as a function of (state, parameters), fast for one point."""
+    from ...integrators.flow import flow
+
+    which = flow(law)
+    own = len(which.system.states)
+    pad = len(which.names) - own
+
+    def rates(y: Any, p: Any) -> Any:
+        return which.quick.rates(p, np.concatenate([y, np.zeros(pad)]))[:own]
+
+    return rates
+
+
+def _plain(scene: Scene) -> tuple[Callable[[float, Any], Any], Any]:
+    """f(t, y) and the start, without events or an account of energy."""
+    rates = _rates(scene.law)
+    p = np.array([scene.k, *([] if scene.mu is None else [scene.mu]), 1e-6])
+    own = 4 if scene.law == "rough" else 6
+    return lambda _t, y: rates(y, p), np.array(scene.start[:own])
+
+
+def _six(states: Any) -> Floats:
+    return np.pad(states, ((0, 0), (0, 6 - states.shape[1])))
+
+
+class RungeKutta45(Driver):
+    """SciPy's `solve_ivp` as it comes, with the tolerance set: no events."""
+
+    name, title = "rk45", "solve_ivp (RK45), no events"
+    tolerances = DECADES[:6]
+
+    def takes(self, scene: Scene) -> bool:
+        """Smooth equations only."""
+        return scene.law != "coulomb"
+
+    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+        """By `scipy.integrate.solve_ivp`."""
+        return self.solved(scene, times, rtol=tolerance, atol=tolerance)
+
+    def solved(self, scene: Scene, times: Floats, **options: float) -> Motion:
+        """`solve_ivp` with options of its own."""
+        from scipy.integrate import solve_ivp
+
+        f, start = _plain(scene)
+        found = solve_ivp(f, times[[0, -1]], start, t_eval=times, **options)
+        if not found.success:
+            raise ArithmeticError(found.message)
+        if not np.isfinite(found.y).all():
+            raise ArithmeticError("a state that is not finite")
+        return Motion(found.t, _six(found.y.T), "moving", float(found.t[-1]))
+
+
+class AsItComes(RungeKutta45):
+    """The same with the tolerances that SciPy takes when none are given."""
+
+    name, title, usual = "rk45-default", "solve_ivp with its defaults (rtol 1e-3), no events", 1e-3
+
+    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:  # noqa: ARG002
+        """By `scipy.integrate.solve_ivp`, nothing set."""
+        return self.solved(scene, times)
+
+
+class FixedStep(Driver):
+    """The classical Runge-Kutta method with a fixed step; gn looked at after each step."""
+
+    name, title = "rk4", "RK4 with a fixed step; gn looked at between steps"
+    tolerances = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
+    usual = 0.05
+
+    def takes(self, scene: Scene) -> bool:
+        """Smooth equations only."""
+        return scene.law != "coulomb"
+
+    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+        """`tolerance` is the step."""
+        from ...integrators.flow import flow
+
+        f, y = _plain(scene)
+        which = flow(scene.law)
+        p = np.array([scene.k, *([] if scene.mu is None else [scene.mu]), 1e-6])
+        pad = np.zeros(len(which.names) - len(y))
+        rows = [y]
+        for a, b in zip(times[:-1], times[1:], strict=True):
+            count = max(1, round((b - a) / tolerance))
+            h = (b - a) / count
+            for i in range(count):
+                y = _step(f, y, h)
+                values, _ = which.quick.watch(p, np.concatenate([y, pad]))
+                if not np.isfinite(y).all():
+                    raise ArithmeticError("a state that is not finite")
+                if values[0] <= 0:
+                    states = _six(np.array(rows))
+                    return Motion(times[: len(rows)], states, "lift-off", a + (i + 1) * h)
+            rows.append(y)
+        return Motion(times, _six(np.array(rows)), "moving", float(times[-1]))
+
+
+def _step(f: Callable[[float, Any], Any], y: Any, h: float) -> Any:
+    with np.errstate(all="ignore"):
+        a = f(0.0, y)
+        b = f(0.0, y + h / 2 * a)
+        c = f(0.0, y + h / 2 * b)
+        d = f(0.0, y + h * c)
+        return y + h / 6 * (a + 2 * b + 2 * c + d)
+
+
+# --- smaller models ---
+
+
+class RoughInstead(Driver):
+    """The disk that cannot slip, for one that hardly does."""
+
+    name, title = "rough-model", "the rough disk in place of large friction"
+    tolerances = DECADES[::2]
+
+    def takes(self, scene: Scene) -> bool:
+        """For viscous friction; how good it is, is what is asked."""
+        return scene.law == "viscous"
+
+    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+        """`simulate` of the rough disk from the same start without its slip."""
+        scene = replace(scene, start=(*scene.start[:4], 0.0, 0.0))
+        return simulated(
+            scene, Rough(), times, method="auto", tolerance=tolerance, check=False
+        )  # fmt: skip
+
+
+class SmoothInstead(RoughInstead):
+    """The disk on ice, for one with little friction."""
+
+    name, title = "smooth-model", "the smooth disk in place of small friction"
+
+    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+        """`simulate` of the smooth disk from the same start."""
+        return simulated(
+            scene, Smooth(), times, method="auto", tolerance=tolerance, check=False
+        )  # fmt: skip
+
+
+class Regularised(Driver):
+    """Dry friction made smooth: mu gn v/√(v² + ε²)."""
+
+    name, title = "regularised", "dry friction regularised, ε = tolerance"
+    tolerances = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+    usual = 1e-4
+
+    def takes(self, scene: Scene) -> bool:
+        """For dry friction."""
+        return scene.law == "coulomb"
+
+    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+        """`simulate` of the regularised law, integrated finely."""
+        law = RegularisedCoulomb(scene.mu or 0.0, tolerance)
+        return simulated(scene, law, times, method="auto", tolerance=1e-9, check=False)
+
+
+SINGLE: tuple[type[Driver], ...] = tuple(_single(m) for m in METHODS)
+OWN: tuple[type[Driver], ...] = (Default, Unchecked, *SINGLE)
+"""The package's integrators."""
+PEOPLE: tuple[type[Driver], ...] = (RungeKutta45, FixedStep)
+MODELS: tuple[type[Driver], ...] = (RoughInstead, SmoothInstead, Regularised)
+_EVERY: tuple[type[Driver], ...] = (*OWN, *PEOPLE, *MODELS, Fine, AsItComes)
+DRIVERS = {d.name: d for d in _EVERY}
+"""Every driver by name."""
+
+
+def driver(name: str) -> Driver:
+    """A driver by its name.
+
+    Parameters
+    ----------
+    name
+        A key of `DRIVERS`.
+
+    Returns
+    -------
+    Driver
+
+    Raises
+    ------
+    NameUnknownError
+        If there is none.
+
+    Examples
+    --------
+    >>> driver("simulate").default
+    True
+    """
+    if name not in DRIVERS:
+        raise NameUnknownError(f"driver is {shown(name)}; known are {', '.join(DRIVERS)}.")
+    return DRIVERS[name]()

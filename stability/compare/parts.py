@@ -1,0 +1,130 @@
+"""Parts of the report, and where routes stand in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from . import failures as catalogue
+from .motion import dataset as motion_data
+from .motion import measure as works
+from .motion.reference_motions import scene
+from .spectrum import dataset as spectral_data
+from .spectrum.hardness import classes
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+SPECTRUM, MOTION, FAILURES = "spectrum", "motion", "failures"
+
+METRICS = {
+    "path": "the whole path", "final": "the last state", "audit": "the energy account",
+    "event": "the time of the end or of the events",
+}  # fmt: skip
+"""Errors of motions, in words."""
+
+QUANTITIES = {
+    "eigenvalues": "eigenvalues", "abscissa": "the abscissa", "verdict": "verdicts",
+    "boundary": "places of boundaries",
+}  # fmt: skip
+"""What is charted of spectra, in words."""
+
+
+@dataclass(frozen=True)
+class Plate:
+    """One figure of a report."""
+
+    stem: str
+    """File name without suffix."""
+    caption: str
+    """What was computed."""
+    draw: Callable[[], Figure]
+    """Draws it."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of a report that is whole."""
+
+    name: str
+    """spectrum, motion or failures."""
+    plates: tuple[Plate, ...]
+    """Its figures."""
+    data: tuple[str, ...]
+    """Names of its files of numbers."""
+    chart: Any
+    """Its dataset, or the entries of the catalogue."""
+
+
+# --- what the charts say ---
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Where one of the package's default routes stands in a panel."""
+
+    panel: str
+    """What is asked, and where."""
+    route: str
+    """The route."""
+    on_front: bool
+    """Whether it is on the Pareto front."""
+    factor: float
+    """Its time over that of the fastest route that is as accurate."""
+    rival: str
+    """That route."""
+
+
+def standings(one: Part) -> list[Standing]:
+    """The standing of the package's default routes in every panel of a chart.
+
+    Parameters
+    ----------
+    one
+        The part: spectrum or motion.
+
+    Returns
+    -------
+    list of Standing
+    """
+    found = []
+    defaults = {name for name, default in catalogue.own_methods().items() if default}
+    panels: list[tuple[str, Any]] = []
+    if one.name == SPECTRUM:
+        for quantity, text in QUANTITIES.items():
+            for kind in classes() if quantity != "boundary" else ("",):
+                place = spectral_data.standing(one.chart, quantity, kind)
+                panels.append((f"{text}, {kind}".rstrip(", "), place))
+    else:
+        for which in works.CHARTED:
+            for metric, text in METRICS.items():
+                if metric != "event" or scene(which).ends or scene(which).events:
+                    place = motion_data.standing(one.chart, which, metric)
+                    panels.append((f"{text}, {which}", place))
+    for panel, places in panels:
+        for route, place in places.items():
+            if route in defaults:
+                found.append(Standing(panel, route, place.on_front, place.factor, place.rival))
+    return found
+
+
+def nearest(found: Sequence[Standing]) -> dict[str, Standing]:
+    """Of the default routes in each panel the one on the front, or nearest to it.
+
+    Parameters
+    ----------
+    found
+        From `standings`.
+
+    Returns
+    -------
+    dict
+        By panel.
+    """
+    best: dict[str, Standing] = {}
+    for one in found:
+        if one.panel not in best or one.factor < best[one.panel].factor:
+            best[one.panel] = one
+    return best

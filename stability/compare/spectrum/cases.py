@@ -1,0 +1,387 @@
+"""Hard cases of the linear analysis, each a small named object with its truth.
+
+A case is one class: its physics, how the truth is known, the points, and what is asked there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...base.verdict import CODES, Verdict
+from ..marks import Judgement, Mark, by_error
+from .hardness import DEGREES, EDGES, MEETINGS, _points, beside, coalescence
+from .measure import errors
+from .points import Points
+from .routes import Answer, Route, check
+
+DECADES = tuple(range(1, 16))
+"""Distances from a boundary, as powers of a tenth."""
+ASKED = 1e-6
+"""Relative error asked of a growth rate."""
+ASKED_EIGENVALUES = 1e-9
+"""Error asked of eigenvalues, over the largest modulus."""
+IN_BALLS = "the graph's characteristic polynomial in balls of 1024 bits"
+
+
+class Case:
+    """A hard case of the linear analysis.
+
+    Subclasses give the four texts, `points` and, where it is not a verdict that is asked,
+    `question`; from these a route is asked and its answer judged.
+    """
+
+    name: ClassVar[str]
+    """Name in tables."""
+    group: ClassVar[str]
+    """Heading under which it stands."""
+    physics: ClassVar[str]
+    """What happens there."""
+    known: ClassVar[str] = IN_BALLS
+    """How the truth is known."""
+    question: ClassVar[str] = "verdict"
+    """verdict, growth (the abscissa) or eigenvalues."""
+
+    def points(self) -> Points:
+        """Where it is asked."""
+        raise NotImplementedError
+
+    def ask(self, route: Route) -> Answer:
+        """The route's answer."""
+        return route.answer(self.points())
+
+    def judge(self, route: Route) -> Judgement | None:
+        """The route's mark; None where it has no such answer.
+
+        Parameters
+        ----------
+        route
+            The route.
+        """
+        points, answer = self.points(), self.ask(route)
+        check(points, answer)
+        if self.question == "verdict":
+            return self.judge_verdicts(points, answer)
+        eigenvalues, abscissa = errors(points, answer)
+        if self.question == "eigenvalues":
+            return None if eigenvalues is None else by_error(float(eigenvalues.max()),
+                                                             ASKED_EIGENVALUES)  # fmt: skip
+        if abscissa is None:
+            return None
+        worst = int(abscissa.argmax())
+        stated = None
+        if answer.bound is not None:
+            scale = np.abs(points.truth.abscissa)
+            share = np.asarray(answer.bound) / np.where(scale > 0, scale, 1.0)
+            worst = int(np.maximum(abscissa, share * (share >= 0.1)).argmax())
+            stated = float(share[worst])
+        return by_error(float(abscissa[worst]), ASKED, stated)
+
+    def judge_verdicts(self, points: Points, answer: Answer) -> Judgement:
+        """Right only if every verdict is."""
+        codes, true = answer.codes, points.truth.codes
+        open_ = codes == CODES[Verdict.UNDECIDED]
+        wrong = ~open_ & (codes != true)
+        note = f"{int((codes == true).sum())} of {len(points)} right"
+        if wrong.any():
+            return Judgement(Mark.WRONG, note=f"{note}, {int(wrong.sum())} wrong")
+        if not open_.any():
+            return Judgement(Mark.RIGHT, note=note)
+        return Judgement(Mark.UNDECIDED if open_.all() else Mark.DEGRADED, note=note)
+
+
+class Ladder(Case):
+    """Verdicts on both sides of a boundary, at relative distances 1e-1 to 1e-15."""
+
+    group = "verdict at 10⁻¹…10⁻¹⁵ from a boundary"
+    where: ClassVar[tuple[Any, ...]]
+
+    def points(self) -> Points:
+        """Both sides of each distance."""
+        return _ladder(self.where)
+
+    def steps(self, route: Route) -> list[str]:
+        """The mark at each distance, from far to near: right, undecided or wrong."""
+        points, answer = self.points(), self.ask(route)
+        check(points, answer)
+        open_ = (answer.codes == CODES[Verdict.UNDECIDED]).reshape(-1, 2)
+        right = (answer.codes == points.truth.codes).reshape(-1, 2)
+        wrong = (~open_ & ~right).any(axis=1)
+        return [
+            "wrong" if w else ("undecided" if o else "right")
+            for w, o in zip(wrong, open_.any(axis=1), strict=True)
+        ]
+
+    def judge(self, route: Route) -> Judgement:
+        """Its digits are the decades down to which it is right."""
+        steps = self.steps(route)
+        held = next((i for i, s in enumerate(steps) if s != "right"), len(steps))
+        note = f"right to 1e-{held}" if held else "right at no distance"
+        if "wrong" in steps:
+            first = steps.index("wrong") + 1
+            note += f", wrong at 1e-{first}" + (" and nearer" if first < len(steps) else "")
+            mark = Mark.WRONG
+        elif held == len(steps):
+            mark = Mark.RIGHT
+        else:
+            mark, note = Mark.DEGRADED if held else Mark.UNDECIDED, note + ", then undecided"
+        return Judgement(mark, held, note, tuple(steps))
+
+
+@lru_cache(maxsize=32)
+def _ladder(where: tuple[Any, ...]) -> Points:
+    return beside(where, [10.0**-d for d in DECADES])
+
+
+def _rung(where: Sequence[Any]) -> type[Case]:
+    family, law, k, mu = where[:4]
+    friction = "" if mu is None else f", mu = {mu:g}"
+    name = f"{family}, {law}, k = {k:g}{friction}"
+    return type(
+        "Ladder", (Ladder,),
+        {"name": name, "where": tuple(where), "__doc__": Ladder.__doc__,
+         "physics": "the growth rate vanishes there: its sign hangs on its last digits"},
+    )  # fmt: skip
+
+
+LADDERS: tuple[type[Case], ...] = tuple(_rung(e) for e in EDGES)
+
+
+class DoubleZero(Case):
+    """Two structural zeros of rolling."""
+
+    name = "two structural zeros"
+    group = "structure and coalescence"
+    physics = "stable rolling: two eigenvalues are zero by structure, and computed as ±1e-17"
+
+    def points(self) -> Points:
+        """Well inside the stable region."""
+        return _points("rolling", "viscous", 0.25, [0.3, 1.0, 3.0, 10.0], [2.0, 2.5, 3.0, 5.0])
+
+
+class JordanSmooth(Case):
+    """Smooth spinning and rolling exactly on their thresholds."""
+
+    name = "Jordan block, smooth disk"
+    group = DoubleZero.group
+    physics = "exactly at omega3² = 1/(4k) two further zeros join in a Jordan block"
+    known = "exact: k = 1/4, omega3 = 1, where the reduced polynomial is λ²"
+
+    def points(self) -> Points:
+        """The doubles that lie on it."""
+        return _points("rolling", "smooth", [0.25, 0.0625], None, [1.0, 2.0])
+
+
+class JordanSpinning(JordanSmooth):
+    """Smooth spinning on its threshold."""
+
+    name = "Jordan block, smooth disk spinning"
+    physics = "exactly at phi_dot² = 1/k"
+    known = "exact: k = 1/4, phi_dot = 2"
+
+    def points(self) -> Points:
+        """The doubles that lie on it."""
+        return _points("spinning", "smooth", [0.25, 0.0625], None, [2.0, 4.0])
+
+
+class JordanRough(JordanSmooth):
+    """Rough rolling exactly on its threshold."""
+
+    name = "Jordan block, rough disk"
+    physics = "a hoop exactly at omega3² = 1/(2(2k+1)) = 1/4"
+    known = "exact: k = 1/2, omega3 = 1/2"
+
+    def points(self) -> Points:
+        """The double that lies on it."""
+        return _points("rolling", "rough", 0.5, None, [0.5])
+
+
+class ViscousAtRough(Case):
+    """Viscous rolling at the rough threshold, where a third zero joins the two structural ones."""
+
+    name = "viscous rolling at the rough threshold"
+    group = DoubleZero.group
+    question = "eigenvalues"
+    physics = "a third zero joins the two by structure in a Jordan block; the others are asked"
+
+    def points(self) -> Points:
+        """A hoop at omega3 = 1/2."""
+        return _points("rolling", "viscous", 0.5, [0.1, 1.0, 10.0], [0.5, 0.5, 0.5])
+
+
+class Coalescing(Case):
+    """Two eigenvalues that meet."""
+
+    name = "coalescing eigenvalues"
+    group = DoubleZero.group
+    question = "eigenvalues"
+    physics = "double, with one eigenvector: it moves by the root of any change, 1e-16 → 1e-8"
+    where: ClassVar[tuple[Any, ...]] = MEETINGS[0]
+
+    def points(self) -> Points:
+        """The doubles on both sides."""
+        family, k, mu, low, high = self.where
+        at = coalescence(family, k, mu, low, high)
+        return _points(family, "viscous", k, mu, [at, math.nextafter(at, math.inf)])
+
+
+class CoalescingTumbling(Coalescing):
+    """The same for tumbling."""
+
+    name = "coalescing eigenvalues, tumbling"
+    where = MEETINGS[3]
+
+
+class BranchPoint(Case):
+    """Where tumbling leaves spinning."""
+
+    name = "branch point, on spinning"
+    group = DoubleZero.group
+    physics = "spinning at phi_dot² = 1/k, where tumbling leaves it: one more zero"
+    known = "exact: k = 1/4, phi_dot = 2; and k = 1/16, phi_dot = 4"
+
+    def points(self) -> Points:
+        """The doubles on it, at several mu."""
+        return _points(
+            "spinning", "viscous", [0.25, 0.25, 0.0625], [0.3, 4.0, 1.0], [2.0, 2.0, 4.0]
+        )
+
+
+class BesideBranch(Case):
+    """Tumbling that has just left spinning."""
+
+    name = "branch point, on tumbling"
+    group = DoubleZero.group
+    physics = "tumbling that leans by 1e-3 to 1e-7: an eigenvalue of order lean² beside the zero"
+
+    def points(self) -> Points:
+        """Leans of the double π/2."""
+        return _points("tumbling", "viscous", 0.25, 4.0, np.pi / 2 - np.array([1e-3, 1e-5, 1e-7]))
+
+
+class _Limit(Case):
+    """A limit of friction."""
+
+    family: ClassVar[str]
+    at: ClassVar[float]
+    mus: ClassVar[tuple[float, ...]]
+
+    def points(self) -> Points:
+        """Over the whole limit."""
+        mu = np.array(self.mus)
+        return _points(self.family, "viscous", 0.3, mu, np.full(len(mu), self.at))
+
+
+def _limit(family: str, at: float, question: str, *, large: bool) -> type[Case]:
+    mus = tuple(10.0**d for d in (range(2, 9) if large else range(-10, -1)))
+    limit = "mu → ∞ (1e2…1e8)" if large else "mu → 0 (1e-2…1e-10)"
+    physics = (
+        "growth rates O(1/mu) beside decay rates O(mu): they look like round-off" if large
+        else "the limit is singular: the smooth disk's zeros split by O(mu)"
+    )  # fmt: skip
+    body = {
+        "name": f"{family}, {limit}: {question}", "group": "limits of friction",
+        "question": question, "family": family, "at": at, "mus": mus, "physics": physics,
+        "__doc__": _Limit.__doc__,
+    }  # fmt: skip
+    return type("Limit", (_Limit,), body)
+
+
+LIMITS: tuple[type[Case], ...] = tuple(
+    _limit(family, at, question, large=large)
+    for large in (False, True)
+    for family, at in (("rolling", 1.2), ("spinning", 2.5), ("tumbling", 0.7))
+    for question in ("verdict", "growth")
+)
+
+
+class _Flat(Case):
+    """A hoop that tumbles nearly flat."""
+
+    degrees: ClassVar[float]
+
+    def points(self) -> Points:
+        """At several mu, for many of which it is truly unstable."""
+        theta = math.radians(self.degrees)
+        return _points("tumbling", "viscous", 0.5, [0.1, 1.0, 3.0], [theta] * 3)
+
+
+def _flat(degrees: float, question: str) -> type[Case]:
+    body = {
+        "name": f"hoop at {degrees:g}° from flat: {question}", "group": "tumbling hoop",
+        "question": question, "degrees": degrees, "__doc__": _Flat.__doc__,
+        "physics": "growth rates down to 1e-12 beside frequencies of 30: real, not round-off",
+    }  # fmt: skip
+    return type("Flat", (_Flat,), body)
+
+
+FLATS: tuple[type[Case], ...] = tuple(_flat(d, q) for d in DEGREES for q in ("verdict", "growth"))
+
+
+class Upright(Case):
+    """The upright families by formulas that a computer algebra system has solved for."""
+
+    name = "1/cosθ left by computer algebra"
+    group = "how the Jacobian is made"
+    question = "eigenvalues"
+    physics = "rolling is upright, where cosθ/cosθ is 0/0, and the double π/2 is not upright"
+
+    def points(self) -> Points:
+        """Rolling."""
+        return _points("rolling", "viscous", 0.25, [0.3, 1.0], [1.2, 2.0])
+
+
+class DifferenceStep(Case):
+    """A step of a difference that suits no state."""
+
+    name = "step of a finite difference"
+    group = Upright.group
+    question = "growth"
+    physics = (
+        "tumbling 1e-3 rad from flat: growth of 4e-7 beside rates of 60, and no step suits both"
+    )
+
+    def points(self) -> Points:
+        """One point, mu = 1."""
+        return _points("tumbling", "viscous", 0.25, [1.0], [1e-3])
+
+
+class NonSteady(Case):
+    """A state that is no steady motion."""
+
+    name = "non-steady operating point"
+    group = Upright.group
+    physics = "rolling with a tilt and slip: a Jacobian exists, a spectrum of a motion does not"
+    known = "its rates do not vanish: the right answer is to refuse"
+
+    def points(self) -> Points:
+        """One state."""
+        state = np.array([[np.pi / 2 - 0.05, 0.0, 0.1, 1.2, 0.01, 0.0]])
+        one = np.ones(1)
+        return Points("rolling", "viscous", 0.25 * one, 0.3 * one, 1.2 * one, given=state)
+
+    def ask(self, route: Route) -> Answer:
+        """As a state, not as a member of a family."""
+        return route.at_state(self.points())
+
+    def judge(self, route: Route) -> Judgement | None:
+        """Any spectrum at all is wrong; a refusal arrives as an exception."""
+        if route.own and type(route).at_state is Route.at_state:
+            return None  # it takes members of families only
+        answer = self.ask(route)
+        if (answer.codes == CODES[Verdict.UNDECIDED]).all():
+            return Judgement(Mark.UNDECIDED)
+        return Judgement(Mark.WRONG, note="a verdict of a motion that is not steady")
+
+
+_EVERY: tuple[type[Case], ...] = (
+    *LADDERS, DoubleZero, JordanSmooth, JordanSpinning, JordanRough, ViscousAtRough, Coalescing,
+    CoalescingTumbling, BranchPoint, BesideBranch, *FLATS, *LIMITS, Upright, DifferenceStep,
+    NonSteady,
+)  # fmt: skip
+CASES = {c.name: c for c in _EVERY}
+"""Every case of the linear analysis by name."""

@@ -1,0 +1,96 @@
+"""Routes with many digits: the AD Jacobian and its eigenvalues in mpmath's arithmetic."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...algebra.number_types import Algebra
+from ...base.types import Floats
+from ...base.verdict import CODES, Verdict
+from .points import Points
+from .routes import Answer, Route, jacobian_program
+
+
+class ManyDigits(Route):
+    """The AD Jacobian's graph and a QR iteration in mpmath's arithmetic."""
+
+    name, title = "mpmath-30", "AD Jacobian and eigenvalues by mpmath, 30 digits"
+    arrays = False
+    digits: ClassVar[int] = 30
+
+    def answer(self, points: Points) -> Answer:
+        """One point after the other."""
+        import mpmath
+
+        rows = []
+        with mpmath.workdps(self.digits):
+            for x, p in zip(self._states(points), points.parameters, strict=True):
+                rows.append(self._spectrum(points, x, p))
+        values = np.array([[complex(v) for v in row] for row in rows])
+        tops = np.array([float(max(v.real for v in row)) for row in rows])
+        codes = [CODES[self._verdict(row)] for row in rows]
+        return Answer(np.array(codes, dtype=np.int8), values, tops)
+
+    def _states(self, points: Points) -> list[list[Any]]:
+        """The states with upright, and tumbling's phi_dot, to all digits."""
+        import mpmath
+
+        rows = []
+        for i, row in enumerate(points.states):
+            x = [mpmath.mpf(float(v)) for v in row]
+            if points.given is not None:
+                pass
+            elif points.family == "tumbling":
+                if points.lean is not None:
+                    x[0] = mpmath.pi / 2 - mpmath.mpf(float(points.lean[i]))
+                k = mpmath.mpf(float(points.k[i]))
+                x[2] = 1 / mpmath.sqrt(k * mpmath.sin(x[0]))
+            else:
+                x[0] = mpmath.pi / 2
+            rows.append(x)
+        return rows
+
+    def _spectrum(self, points: Points, x: list[Any], p: Floats) -> list[Any]:
+        import mpmath
+
+        program = jacobian_program(points.law)
+        q = [mpmath.mpf(float(v)) for v in p]
+        matrix = mpmath.matrix(program.dense(_mpmath_algebra(), [x, q]))
+        values = sorted(mpmath.eig(matrix, left=False, right=False), key=abs)
+        return list(values[points.zeros :])
+
+    def _verdict(self, values: list[Any]) -> Verdict:
+        top = max(v.real for v in values)
+        # what a double root of so many digits may be split by
+        small = 10.0 ** (-self.digits // 2 + 3)
+        if abs(top) <= small * max(1, max(abs(v) for v in values)):
+            return Verdict.NEUTRAL
+        return Verdict.UNSTABLE if top > 0 else Verdict.STABLE
+
+
+class MoreDigits(ManyDigits):
+    """The same with 50 digits."""
+
+    name, title = "mpmath-50", "AD Jacobian and eigenvalues by mpmath, 50 digits"
+    digits = 50
+
+
+class MostDigits(ManyDigits):
+    """The same with 100 digits."""
+
+    name, title = "mpmath-100", "AD Jacobian and eigenvalues by mpmath, 100 digits"
+    digits = 100
+
+
+@lru_cache(maxsize=1)
+def _mpmath_algebra() -> Algebra:
+    import mpmath
+
+    return Algebra(
+        "mpmath", lambda v: mpmath.mpf(v),
+        {"sin": mpmath.sin, "cos": mpmath.cos, "tan": mpmath.tan, "sqrt": mpmath.sqrt,
+         "exp": mpmath.exp, "pow": mpmath.power, "fabs": mpmath.fabs},
+    )  # fmt: skip

@@ -1,0 +1,120 @@
+"""The package's own routes to a spectrum, in the shape of those of `routes`."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...base.verdict import CODES
+from ...maps.growth_rates import GrowthKernel
+from ...maps.verdict_filter import Filtered
+from ...spectra.certificate import verdict
+from ...spectra.result import Spectrum
+from ...spectra.spectrum import spectrum
+from .points import Points
+from .routes import Answer, Route
+
+
+def _somewhere(points: Points, *, certify: bool) -> Spectrum:
+    """A family that claims to hold the given state; the package looks whether it is steady."""
+    from ...bodies.disk_equations import disk_system
+    from ...systems.family import Family
+
+    assert points.given is not None
+    system, law = disk_system(points.law), points.contact()
+    held = dict(zip(system.states, points.given[0].tolist(), strict=True))
+    at = held.pop("omega3")
+    family = Family(
+        system, "claimed", ("omega3",), held=held, unknown={}, equations=(),
+        typical={"omega3": at, "k": 0.3, "mu": 0.7}, conservative=law.conservative,
+    )  # fmt: skip
+    p = dict(zip(system.parameters, points.parameters[0].tolist(), strict=True))
+    return spectrum(family, at=at, certify=certify, **p)
+
+
+def _told(found: Spectrum) -> Answer:
+    return Answer(
+        np.atleast_1d(found.codes), np.atleast_2d(found.eigenvalues),
+        np.atleast_1d(found.abscissa), np.atleast_1d(found.abscissa_error),
+    )  # fmt: skip
+
+
+def _arguments(points: Points) -> dict[str, Any]:
+    from ...bodies.disk import Disk
+
+    place = {"at": points.at} if points.lean is None else {"lean": points.lean}
+    return {**place, "disk": Disk(k=points.k), "contact": points.contact()}
+
+
+class Deflated(Route):
+    """`spectrum`: each eigenvalue in a disc; points that the discs leave open are certified."""
+
+    name, title = "spectrum", "spectrum(): discs about eigenvalues; what they leave open is proved"
+    own, default = True, True
+    certify: ClassVar[bool] = False
+
+    def answer(self, points: Points) -> Answer:
+        """By the public function, all points at once."""
+        given: dict[str, Any] = _arguments(points)
+        return _told(spectrum(points.family, certify=self.certify, **given))
+
+    def at_state(self, points: Points) -> Answer:
+        """As a family of the user's."""
+        return _told(_somewhere(points, certify=self.certify))
+
+
+class Certified(Deflated):
+    """`spectrum(certify=True)`: rational arithmetic and balls."""
+
+    name, title = "certified", "spectrum(certify=True): rational arithmetic and balls"
+    default, arrays, certify = False, False, True
+
+
+class MapKernel(Route):
+    """What `stability_map` does at each cell: exact polynomials, a filter, factors with bounds."""
+
+    name, title = "map", "stability_map(): exact polynomials in doubles with bounds"
+    own, default = True, True
+
+    def answer(self, points: Points) -> Answer:
+        """By the kernels of maps, on scattered points."""
+        question = points.problem()
+        codes, _ = Filtered(question).codes(question.values)
+        growth = GrowthKernel(question, modes=True)(question.values, scattered=True)
+        return Answer(codes, growth.values, growth.abscissa, growth.error)
+
+
+class MapVerdict(Route):
+    """The verdicts of `stability_map` alone."""
+
+    name, title = "map-verdict", "stability_map(), verdicts alone: exact conditions, filtered"
+    own, default = True, True
+
+    def answer(self, points: Points) -> Answer:
+        """By the filter of maps."""
+        question = points.problem()
+        codes, _ = Filtered(question).codes(question.values)
+        return Answer(codes)
+
+
+class ExactVerdict(Route):
+    """A proved verdict alone, one point after the other."""
+
+    name, title = "exact-verdict", "exact conditions over Q; a verdict alone"
+    own, arrays = True, False
+
+    def answer(self, points: Points) -> Answer:
+        """By `stability.spectra.certificate.verdict`."""
+        question = points.problem()
+        rows = zip(
+            *(np.broadcast_to(v, (len(points),)).tolist() for v in question.values.values()),
+            strict=True,
+        )
+        ones = (dict(zip(question.values, row, strict=True)) for row in rows)
+        codes = [CODES[verdict(question, one)] for one in ones]
+        return Answer(np.array(codes, dtype=np.int8))
+
+
+OWN: tuple[type[Route], ...] = (Deflated, Certified, MapKernel, MapVerdict, ExactVerdict)
+"""The package's routes."""

@@ -1,0 +1,390 @@
+"""The routes that people take from equations of motion to eigenvalues and a verdict.
+
+A route is one class: `matrices` for those that go through LAPACK, or `answer` for the rest.  What
+all of them are given: the members as doubles, the equations of motion, and how many zeros the
+spectrum has by structure, which is more than people know.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...algebra.number_types import Algebra
+from ...algebra.program import Program
+from ...base.types import Complexes, Floats
+from ...base.verdict import CODES, Verdict
+from .points import Points
+
+SMALL = 1e-9
+"""What people's scripts take for zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a route says at N points."""
+
+    codes: NDArray[np.int8]
+    """Verdict flags, shape (N,)."""
+    eigenvalues: Complexes | None = None
+    """Shape (N, n), structural zeros removed; None if the route has none."""
+    abscissa: Floats | None = None
+    """Largest real part, shape (N,)."""
+    bound: Floats | None = None
+    """The route's own bound on the error of the abscissa, shape (N,); None if it states none."""
+
+
+def check(points: Points, answer: Answer) -> None:
+    """See that an answer has the shapes and kinds that it should have.
+
+    Parameters
+    ----------
+    points
+        What was asked.
+    answer
+        What a route says.
+
+    Raises
+    ------
+    ArithmeticError
+        If it has not, or holds a number that is not finite.
+    """
+    count, codes = len(points), np.asarray(answer.codes)
+    if codes.shape != (count,) or codes.dtype.kind not in "iu":
+        raise ArithmeticError(f"verdicts of shape {codes.shape} for {count} points")
+    if not np.isin(codes, list(CODES.values())).all():
+        raise ArithmeticError("verdict flags that mean nothing")
+    wide = points.member.system.x.numel() - points.zeros
+    for name, shape in (("eigenvalues", (count, wide)), ("abscissa", (count,))):
+        values = getattr(answer, name)
+        if values is not None and (
+            np.shape(values) != shape or not np.isfinite(np.asarray(values, dtype=complex)).all()
+        ):
+            raise ArithmeticError(f"{name} of a wrong shape, or not finite")
+
+
+class Route:
+    """A route to spectra; subclasses name it and say how.
+
+    `matrices` returns the linearisation at each point; from it everything else follows the way
+    people do it: LAPACK, the smallest moduli dropped as structural zeros, the sign of the largest
+    real part against `small`.  A route of another kind overrides `answer`.
+    """
+
+    name: ClassVar[str]
+    """Name in tables and on the command line."""
+    title: ClassVar[str]
+    """What it is, in a few words."""
+    own: ClassVar[bool] = False
+    """Whether it is one of the package's."""
+    default: ClassVar[bool] = False
+    """Whether the package takes it when nothing else is asked."""
+    arrays: ClassVar[bool] = True
+    """Whether it takes many points at once, so that its time falls with their number."""
+    small: ClassVar[float] = SMALL
+    """Real parts up to this count as zero."""
+
+    def matrices(self, points: Points) -> Floats:
+        """The linearisation, shape (N, n, n)."""
+        raise NotImplementedError
+
+    def answer(self, points: Points) -> Answer:
+        """Eigenvalues and verdicts at points."""
+        return self.judged(points, np.linalg.eigvals(self.matrices(points)).astype(complex))
+
+    def at_state(self, points: Points) -> Answer:
+        """The answer at states that may not be steady: most routes do not look."""
+        return self.answer(points)
+
+    def judged(self, points: Points, values: Complexes) -> Answer:
+        """What eigenvalues, structural zeros among them, say."""
+        order = np.argsort(np.abs(values), axis=1, kind="stable")[:, points.zeros :]
+        kept = np.take_along_axis(values, order, axis=1)
+        abscissa = kept.real.max(axis=1)
+        codes = np.full(len(points), CODES[Verdict.NEUTRAL], dtype=np.int8)
+        codes[abscissa > self.small] = CODES[Verdict.UNSTABLE]
+        codes[abscissa < -self.small] = CODES[Verdict.STABLE]
+        return Answer(codes, kept, abscissa)
+
+
+# --- differences of the rates ---
+
+
+def rates(points: Points, x: Floats) -> Floats:
+    """The rates at states of the points' disks, without a look at where they have a meaning.
+
+    Parameters
+    ----------
+    points
+        For the parameters.
+    x
+        States, shape (N, n).
+
+    Returns
+    -------
+    ndarray
+        Shape (N, n).
+    """
+    arguments = [list(x.T), list(points.parameters.T)]
+    found: Floats = _rates(points.law).arrays(arguments, (len(points),))[0][..., 0]
+    return found
+
+
+class ForwardDifferences(Route):
+    """Columns (f(x + h e) - f(x)) / h with h = √ε."""
+
+    name, title = "forward", "forward differences, h = 1.5e-8; LAPACK"
+    step: ClassVar[float] = 2.0**-26
+
+    def matrices(self, points: Points) -> Floats:
+        """One for each point."""
+        x = points.states
+        base = rates(points, x)
+        columns = []
+        for j in range(x.shape[1]):
+            moved = x.copy()
+            moved[:, j] += self.step
+            columns.append((rates(points, moved) - base) / self.step)
+        return np.stack(columns, axis=-1)
+
+
+class LongForwardDifferences(ForwardDifferences):
+    """The same with a step that is too long."""
+
+    name, title = "forward-1e-4", "forward differences, h = 1e-4; LAPACK"
+    step = 1e-4
+
+
+class ShortForwardDifferences(ForwardDifferences):
+    """The same with a step that is too short."""
+
+    name, title = "forward-1e-12", "forward differences, h = 1e-12; LAPACK"
+    step = 1e-12
+
+
+class CentralDifferences(Route):
+    """Columns (f(x + h e) - f(x - h e)) / 2h with h = ε^(1/3)."""
+
+    name, title = "central", "central differences, h = 6e-6; LAPACK"
+    step: ClassVar[float] = float(np.finfo(float).eps) ** (1 / 3)
+
+    def matrices(self, points: Points) -> Floats:
+        """One for each point."""
+        x, columns = points.states, []
+        for j in range(x.shape[1]):
+            up, down = x.copy(), x.copy()
+            up[:, j] += self.step
+            down[:, j] -= self.step
+            columns.append((rates(points, up) - rates(points, down)) / (2 * self.step))
+        return np.stack(columns, axis=-1)
+
+
+class ComplexStep(Route):
+    """Im f(x + i h e) / h with h = 1e-30: no difference, no cancellation (Squire & Trapp 1998)."""
+
+    name, title = "complex-step", "complex step, h = 1e-30; LAPACK"
+    step: ClassVar[float] = 1e-30
+
+    def matrices(self, points: Points) -> Floats:
+        """One for each point."""
+        program = _rates(points.law)
+        x, p = points.states.astype(complex), points.parameters
+        columns = []
+        for j in range(x.shape[1]):
+            moved = x.copy()
+            moved[:, j] += 1j * self.step
+            values = program.run(_COMPLEX, [list(moved.T), list(p.T)])[0]
+            columns.append(np.stack(np.broadcast_arrays(*values), axis=-1).imag / self.step)
+        return np.stack(columns, axis=-1)
+
+
+def _complex_algebra() -> Algebra:
+    from ...algebra.number_types import numpy_algebra
+
+    plain = numpy_algebra()
+    return replace(plain, name="complex numpy", constant=complex)
+
+
+@lru_cache(maxsize=8)
+def _rates(law: str) -> Program:
+    """The right-hand side as a program; states that are not reached have a rate of zero."""
+    import casadi as ca
+
+    from ...bodies.disk_equations import disk_system
+
+    system = disk_system(law)
+    return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
+
+
+_COMPLEX = _complex_algebra()
+
+
+# --- automatic and symbolic Jacobians ---
+
+
+@lru_cache(maxsize=8)
+def jacobian_program(law: str) -> Program:
+    """The Jacobian of the rates as a program; built once for each law.
+
+    Parameters
+    ----------
+    law
+        A key of `stability.bodies.contact.LAWS`.
+
+    Returns
+    -------
+    Program
+    """
+    import casadi as ca
+
+    from ...bodies.disk_equations import disk_system
+
+    system = disk_system(law)
+    return Program(ca.Function("jacobian", [system.x, system.p], [system.jacobian]))
+
+
+def automatic(points: Points) -> Floats:
+    """CasADi's Jacobian of the rates at the points, in doubles.
+
+    Parameters
+    ----------
+    points
+        The points.
+
+    Returns
+    -------
+    ndarray
+        Shape (N, n, n).
+    """
+    arguments = [list(points.states.T), list(points.parameters.T)]
+    found: Floats = jacobian_program(points.law).arrays(arguments, (len(points),))[0]
+    return found
+
+
+class AutomaticJacobian(Route):
+    """CasADi's Jacobian of the rates, LAPACK, and the sign of the largest real part."""
+
+    name, title = "ad", "AD Jacobian; LAPACK; sign"
+    small = 0.0
+
+    def matrices(self, points: Points) -> Floats:
+        """One for each point."""
+        return automatic(points)
+
+
+class AutomaticRaw(AutomaticJacobian):
+    """The same with the zeros left in: the first thing one writes."""
+
+    name, title = "ad-raw", "AD Jacobian; LAPACK; sign of the largest real part of all"
+
+    def judged(self, points: Points, values: Complexes) -> Answer:  # noqa: ARG002
+        """Every eigenvalue counts, structural zeros too."""
+        abscissa = values.real.max(axis=1)
+        codes = np.where(abscissa > 0, CODES[Verdict.UNSTABLE], CODES[Verdict.STABLE])
+        codes = np.where(abscissa == 0, CODES[Verdict.NEUTRAL], codes)
+        return Answer(codes.astype(np.int8), None, abscissa)
+
+
+class AutomaticTolerance(AutomaticJacobian):
+    """The same; eigenvalues and real parts below 1e-9 count as zero, wherever they come from."""
+
+    name, title = "ad-1e-9", "AD Jacobian; LAPACK; below 1e-9 is zero"
+    small = SMALL
+
+    def judged(self, points: Points, values: Complexes) -> Answer:
+        """Every eigenvalue below 1e-9 is dropped, and no other."""
+        abscissa = np.where(np.abs(values) > SMALL, values.real, -np.inf).max(axis=1)
+        abscissa = np.where(np.isfinite(abscissa), abscissa, 0.0)
+        codes = super().judged(points, values)
+        flags = np.full(len(points), CODES[Verdict.NEUTRAL], dtype=np.int8)
+        flags[abscissa > SMALL] = CODES[Verdict.UNSTABLE]
+        flags[abscissa < -SMALL] = CODES[Verdict.STABLE]
+        return Answer(flags, codes.eigenvalues, abscissa)
+
+
+class SymbolicJacobian(Route):
+    """SymPy's equations with the mass matrix kept, differentiated and lambdified."""
+
+    name, title = "sympy", "SymPy, mass matrix kept, lambdify; LAPACK"
+
+    def matrices(self, points: Points) -> Floats:
+        """One for each point."""
+        from .sympy_disk import kept_mass
+
+        return kept_mass(points.law)(points.states, points.parameters)
+
+
+class SolvedSymbolically(Route):
+    """SymPy's equations solved for the accelerations first, which leaves 1/cosθ."""
+
+    name, title = "sympy-solved", "SymPy, accelerations solved for, lambdify; LAPACK"
+
+    def matrices(self, points: Points) -> Floats:
+        """One for each point."""
+        from .sympy_disk import solved
+
+        return solved(points.law)(points.states, points.parameters)
+
+
+# --- polynomials ---
+
+
+class PolynomialRoots(Route):
+    """Characteristic polynomial in doubles by Faddeev and LeVerrier, then `numpy.roots`."""
+
+    name, title = "polynomial", "AD Jacobian; characteristic polynomial; numpy.roots"
+
+    def answer(self, points: Points) -> Answer:
+        """Roots of each polynomial, structural zeros divided out."""
+        polynomials = _faddeev(automatic(points))
+        kept = polynomials[:, : polynomials.shape[1] - points.zeros]
+        values = np.array([np.roots(row) for row in kept])
+        return self.judged(points, np.pad(values, ((0, 0), (points.zeros, 0))))
+
+
+class Hurwitz(Route):
+    """The signs of Routh's array in doubles: a verdict without eigenvalues."""
+
+    name, title = "hurwitz", "AD Jacobian; characteristic polynomial; Routh's array in doubles"
+
+    def answer(self, points: Points) -> Answer:
+        """Verdicts alone."""
+        polynomials = _faddeev(automatic(points))
+        kept = polynomials[:, : polynomials.shape[1] - points.zeros]
+        codes = [self._even(row) if points.even else self._routh(row) for row in kept]
+        return Answer(np.array([CODES[c] for c in codes], dtype=np.int8))
+
+    @staticmethod
+    def _even(row: Floats) -> Verdict:
+        return Verdict.UNSTABLE if row[-1] < 0 else Verdict.NEUTRAL
+
+    @staticmethod
+    def _routh(row: Floats) -> Verdict:
+        here, below = list(row[::2]), list(row[1::2])
+        first = [here[0]]
+        while below:
+            first.append(below[0])
+            if below[0] == 0:
+                return Verdict.NEUTRAL
+            ratio, padded = here[0] / below[0], [*below[1:], 0.0]
+            here, below = (
+                below,
+                [a - ratio * b for a, b in zip(here[1:], padded, strict=False)],
+            )
+        return Verdict.STABLE if min(first) > 0 else Verdict.UNSTABLE
+
+
+def _faddeev(matrices: Floats) -> Floats:
+    """Coefficients of det(λ - A), highest first, shape (N, n + 1)."""
+    n = matrices.shape[-1]
+    coefficients = [np.ones(len(matrices))]
+    power = np.broadcast_to(np.eye(n), matrices.shape)
+    for i in range(1, n + 1):
+        product = matrices @ power
+        coefficients.append(-np.trace(product, axis1=1, axis2=2) / i)
+        power = product + coefficients[-1][:, None, None] * np.eye(n)
+    return np.stack(coefficients, axis=-1)

@@ -1,0 +1,1 @@
+"""SymPy at work, offline: exact polynomials, conditions, formulas, proofs of completeness."""

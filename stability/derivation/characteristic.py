@@ -1,0 +1,143 @@
+"""Characteristic polynomials over Q, derived by SymPy from the graph of a family.
+
+Nothing here is typed in: the Jacobian at a family is read from the CasADi graph in SymPy's algebra,
+with the sine and cosine of theta as symbols, what the family solves for is eliminated, and the
+determinant is factored.  `stability.bodies.disk_polynomials` keeps the result as package data;
+tests/test_exact.py derives it anew and compares.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import sympy
+
+from ..algebra.number_types import sympy_algebra
+from ..base.errors import StabilityError
+from ..bodies.disk_families import disk_family
+from ..systems.family import Family
+
+LAM, K, MU, SIN, COS = sympy.symbols("lam k mu s c")
+AT, SQUARE, M = sympy.symbols("at z M")
+VARIABLES = {
+    "rolling": (K, M, SQUARE),
+    "spinning": (K, M, SQUARE),
+    "tumbling": (K, M, SIN),
+    "circling": (K, SQUARE, SIN),
+    "precession": (K, SQUARE, SIN),
+}
+"""What the coefficients depend on: k, M = mu*², and z = at*² or s = sinθ (or both)."""
+TRIG = sympy.Poly(SIN**2 + COS**2 - 1, COS)
+
+
+@dataclass(frozen=True)
+class Derived:
+    """The reduced characteristic polynomial of a family and law, and what decides its verdict."""
+
+    zeros: int
+    """Multiplicity of the factor λ."""
+    even: bool
+    """Whether the rest is even in λ."""
+    factors: tuple[sympy.Poly, ...]
+    """Irreducible factors of the rest over Q, polynomials in σ; λ = σ mu for a law with mu."""
+
+
+def derive(family: str, law: str) -> Derived:
+    """The characteristic polynomial of a disk's family under a law, from its graph.
+
+    Parameters
+    ----------
+    family, law
+        Names.
+
+    Returns
+    -------
+    Derived
+
+    Raises
+    ------
+    StabilityError
+        If the graph does not have the form that this derivation relies on; nothing is assumed.
+
+    Examples
+    --------
+    >>> derive("spinning", "rough").factors[0].as_expr()
+    k*lam**2 + k*z + lam**2 + z - 1
+    """
+    resolved = disk_family(family, law)
+    matrix, relation = _matrix(resolved)
+    whole = sympy.Poly(matrix.charpoly(LAM).as_expr(), LAM)
+    numerator = sympy.fraction(sympy.together(whole.as_expr()))[0]
+    reduced = _reduced(sympy.expand(numerator), relation)
+    _, factors = sympy.factor_list(reduced, *sorted(reduced.free_symbols, key=str))
+    zeros = sum(n for f, n in factors if f.as_expr() == LAM)
+    kept = [(sympy.sympify(f), n) for f, n in factors if sympy.sympify(f).has(LAM)]
+    rest = [f for f, n in kept if f != LAM for _ in range(n)]
+    even = all(_even(f) for f in rest)
+    polys = tuple(_scaled(f, VARIABLES[family], even) for f in rest)
+    return Derived(zeros, even, tuple(sorted(polys, key=lambda p: (p.degree(), str(p)))))
+
+
+def _matrix(family: Family) -> tuple[sympy.Matrix, sympy.Poly | None]:
+    """The Jacobian at the family in SymPy, and the relation that its unknown obeys."""
+    algebra = sympy_algebra()
+    functions = dict(algebra.functions) | {"sin": lambda _: SIN, "cos": lambda _: COS}
+    algebra = replace(algebra, functions=functions)
+    theta, unknown = sympy.symbols("theta unknown")  # theta is swallowed by sine and cosine
+    a = [theta if name == "theta" else AT for name in family.at]
+    q = [K, MU][: len(family.parameters)]
+    graph = family.graph
+    if not family.unknown or family.closed:
+        u = [sympy.Integer(0)] * len(family.unknown)
+        return sympy.Matrix(graph.matrix.dense(algebra, [a, u, q])), None
+    residual = graph.residual.dense(algebra, [a, [unknown], q])[0][0]
+    top = sympy.fraction(sympy.together(residual))[0]
+    found = [f for f, _ in sympy.factor_list(top)[1] if f.has(unknown)]
+    if len(found) != 1:
+        raise StabilityError(f"the equation of {family.name} has no single factor to solve.")
+    matrix = sympy.Matrix(graph.matrix.dense(algebra, [a, [unknown], q]))
+    return matrix, sympy.Poly(found[0], unknown)
+
+
+def _reduced(top: sympy.Expr, relation: sympy.Poly | None) -> sympy.Expr:
+    """The numerator modulo the family's relation and cos² + sin² = 1, free of sin-cos signs."""
+    if relation is not None:
+        unknown = relation.gen
+        rest = sympy.rem(sympy.Poly(top, unknown), relation)
+        top = sympy.fraction(sympy.together(rest.as_expr()))[0]
+        if sympy.sympify(top).has(unknown):
+            # only a common power of the unknown may be left, which is not zero
+            top = sympy.Poly(top, unknown)
+            if len(top.terms()) != 1:
+                raise StabilityError("the characteristic polynomial keeps the family's unknown.")
+            top = top.LC()
+    top = sympy.rem(sympy.Poly(top, COS), TRIG)
+    if len(top.terms()) != 1:
+        raise StabilityError("the characteristic polynomial keeps cosθ, not only its square.")
+    return sympy.factor_terms(sympy.expand(top.LC()))
+
+
+def _even(factor: sympy.Expr) -> bool:
+    return all(power % 2 == 0 for (power,) in sympy.Poly(factor, LAM).monoms())
+
+
+def _scaled(factor: sympy.Expr, variables: tuple[sympy.Symbol, ...], even: bool) -> sympy.Poly:
+    """A factor with M = mu², z = at² and, where it is not even, λ = σ mu; leading sign positive.
+
+    The flow reversed in time is the flow with mu reversed, so each factor is even or odd in
+    (λ, mu) together and only mu² is left after the scaling; that is checked, not assumed.
+    """
+    poly = sympy.Poly(factor, LAM, MU, AT)
+    total = min(i + j for i, j, _ in poly.monoms())
+    expression = sympy.Integer(0)
+    for (i, j, n), c in poly.terms():
+        power = (i + j if not even else j) - (0 if even else total)
+        if power % 2 or n % 2:
+            raise StabilityError(f"the factor {factor} is not even in (λ, mu) and at.")
+        expression += c * LAM**i * M ** (power // 2) * SQUARE ** (n // 2)
+    result = sympy.Poly(sympy.expand(expression), LAM, *variables)
+    result = result.primitive()[1]
+    lead = result.as_expr().subs(
+        {K: sympy.Rational(1, 3), M: 1, SQUARE: 1, SIN: sympy.Rational(1, 2)}
+    )
+    return -result if sympy.Poly(lead, LAM).LC() < 0 else result

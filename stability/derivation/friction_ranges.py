@@ -1,0 +1,192 @@
+"""How verdicts along a family change with mu: cylindrical decomposition of its condition.
+
+The pattern of verdicts along the family can change only where a leading coefficient, an end value
+or a discriminant of the condition vanishes; it is read off at one exact sample in between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import sympy
+
+from .characteristic import SIN, SQUARE, K, M
+
+Expr = Any
+"""A SymPy expression; SymPy states no types."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """An interval of mu over which the verdicts along a family have one pattern."""
+
+    low: str
+    """mu*² at its low end, exactly if rational, else 20 digits (0 for none)."""
+    high: str
+    """mu*² at its high end, likewise (oo for none)."""
+    mu_low: float
+    """mu* at its low end."""
+    mu_high: float
+    """mu* at its high end."""
+    pattern: str
+    """Verdicts in order along the family, with what separates them."""
+
+
+class Line:
+    """The flutter condition along a family: verdicts in order, for each mu.
+
+    Parameters
+    ----------
+    family
+        spinning or tumbling.
+    condition
+        In k, M = mu*² and z = at*² or s = sinθ; positive where stable.
+    """
+
+    def __init__(self, family: str, condition: Expr) -> None:
+        self.family, self.condition = family, condition
+        self.x = SQUARE if family == "spinning" else SIN
+        # spinning is asked beyond its static boundary z = 1/k; tumbling for s in (0, 1)
+        self.low: Expr = 1 / K if family == "spinning" else sympy.Integer(0)
+        self.high: Expr = sympy.oo if family == "spinning" else sympy.Integer(1)
+        self.obligation = ""
+
+    def critical(self, condition: Expr) -> list[Expr]:
+        """Factors in M (and k) at whose zeros the pattern may change."""
+        return [f for f in self._factors(condition) if f.has(M) and f != M]
+
+    def _factors(self, condition: Expr) -> list[Expr]:
+        """Factors of the leading and lowest coefficient, the discriminant and the end values."""
+        poly = sympy.Poly(condition, self.x)
+        found = [poly.LC(), sympy.discriminant(poly.as_expr(), self.x), poly.nth(0)]
+        ends = [e for e in (self.low, self.high) if e is not sympy.oo]
+        found += [sympy.fraction(sympy.together(condition.subs(self.x, e)))[0] for e in ends]
+        factors: dict[Expr, None] = {}
+        for expression_ in found:
+            for factor, _ in sympy.factor_list(sympy.expand(expression_))[1]:
+                factors[sympy.expand(factor)] = None
+        return list(factors)
+
+    def for_one_k(self, k: Expr) -> list[Range]:
+        """Ranges of mu for one inertia factor."""
+        condition = self.condition.subs(K, k)
+        line = Line(self.family, condition)
+        line.low = self.low.subs(K, k)
+        critical = line.critical(condition)
+        roots: list[Expr] = []
+        for factor in critical:
+            roots += [r for r in sympy.Poly(factor, M).real_roots(radicals=False) if r > 0]
+        roots = sorted(set(roots), key=lambda r: sympy.N(r, 40))
+        self.obligation = (
+            "checked: between consecutive critical mu*² (zeros in mu*² of the leading coefficient, "
+            "the end values and the discriminant of the flutter condition) no boundary is born or "
+            "dies; the pattern is that of an exact sample in each"
+        )
+        edges: list[Expr] = [sympy.Integer(0), *roots, sympy.oo]
+        samples = [_between(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        patterns = [line.pattern(condition.subs(M, m)) for m in samples]
+        return _merged(edges, patterns)
+
+    def for_every_k(self) -> list[Range] | None:
+        """Ranges of mu whose ends are functions of k, or None if k in (0, 1/2] is no one cell."""
+        critical = self.critical(self.condition)
+        half = sympy.Rational(1, 2)
+        # a factor without M may change the pattern at a k of its own
+        watched: list[Expr] = [
+            f for f in self._factors(self.condition) if f.has(K) and not f.has(M)
+        ]
+        alone = len(watched)
+        for factor in critical:
+            poly = sympy.Poly(factor, M)
+            watched += [poly.LC(), poly.nth(0)]
+            if poly.degree() > 1:
+                watched.append(sympy.discriminant(factor, M))
+        watched += [sympy.resultant(a, b, M) for a, b in combinations(critical, 2)]
+        for expression_ in watched:
+            for factor, _ in sympy.factor_list(sympy.expand(expression_))[1]:
+                if factor.has(K) and _roots_in(sympy.Poly(factor, K), half):
+                    return None
+        sample = self.for_one_k(sympy.Rational(1, 4))
+        symbolic: list[Range] = []
+        ends = {str(r.low): r for r in sample} | {str(r.high): r for r in sample}
+        names: dict[str, str] = {"0": "0", "oo": "oo"}
+        for end in ends:
+            for factor in critical:
+                poly = sympy.Poly(factor, M)
+                if end not in names and poly.degree() == 1:
+                    value = sympy.factor(-poly.nth(0) / poly.nth(1))
+                    if value.subs(K, sympy.Rational(1, 4)) == sympy.sympify(end):
+                        names[end] = str(value)
+        if any(end not in names for end in ends):
+            return None
+        for r in sample:
+            symbolic.append(Range(names[r.low], names[r.high], r.mu_low, r.mu_high, r.pattern))
+        self.obligation = (
+            f"checked: {len(critical)} critical polynomials in mu*² (leading coefficient, end "
+            "values and discriminant of the flutter condition), whose "
+            f"{len(watched) - alone} leading and constant coefficients, discriminants and pairwise "
+            f"resultants, and the {alone} factors that hold no mu, have no zero for k in (0, 1/2]; "
+            "so the order of their roots, and the pattern between them, is that of k = 1/4"
+        )
+        return symbolic
+
+    def pattern(self, condition: Expr) -> str:
+        """Verdicts in order along the family, at one mu and k."""
+        poly = sympy.Poly(condition, self.x)
+        roots = [r for r in sorted(set(poly.real_roots(radicals=False))) if r > self.low]
+        roots = [r for r in roots if self.high is sympy.oo or r < self.high]
+        ends = [self.low, *roots, self.high]
+        signs = []
+        for a, b in zip(ends[:-1], ends[1:], strict=True):
+            at = _between(a, b)
+            signs.append("stable" if poly.eval(at) > 0 else "unstable")
+        kept = [s for i, s in enumerate(signs) if i == 0 or s != signs[i - 1]]
+        if self.family == "spinning":
+            return f"{', then '.join(kept)} beyond the static boundary" if len(kept) == 1 else (
+                f"{', then '.join(kept)} as phi_dot grows beyond the static boundary")  # fmt: skip
+        return f"{kept[0]} for every theta" if len(kept) == 1 else (
+            f"{', then '.join(kept)} as the disk goes from flat to upright")  # fmt: skip
+
+
+def _between(a: Expr, b: Expr) -> Expr:
+    """A rational strictly between two real algebraic numbers, the second perhaps infinite."""
+    if b is sympy.oo:
+        return sympy.ceiling(a) + 1
+    low, high = (sympy.Rational(str(sympy.N(v, 60))) for v in (a, b))
+    middle, slack = (low + high) / 2, (high - low) / 10
+    digits = 1
+    while True:  # the shortest decimal that is well between
+        short = sympy.Rational(str(sympy.N(middle, digits)))
+        if low + slack < short < high - slack:
+            return short
+        digits += 1
+
+
+def _roots_in(poly: sympy.Poly, high: Expr) -> bool:
+    """Whether a polynomial in k has a zero in (0, high]."""
+    return poly.degree() > 0 and bool(poly.count_roots(0, high) - (poly.eval(0) == 0))
+
+
+def _merged(edges: Sequence[Expr], patterns: Sequence[str]) -> list[Range]:
+    out: list[Range] = []
+    start = 0
+    for i, pattern in enumerate(patterns):
+        if i + 1 < len(patterns) and patterns[i + 1] == pattern:
+            continue
+        low, high = edges[start], edges[i + 1]
+        out.append(Range(
+            _exactly(low), _exactly(high), float(sympy.sqrt(sympy.N(low, 30))),
+            float("inf") if high is sympy.oo else float(sympy.sqrt(sympy.N(high, 30))), pattern,
+        ))  # fmt: skip
+        start = i + 1
+    return out
+
+
+def _exactly(value: Expr) -> str:
+    """A rational as it is; of another algebraic number 20 digits."""
+    if value.is_rational or value is sympy.oo:
+        return str(value)
+    return f"{sympy.N(value, 20)}…"

@@ -1,0 +1,304 @@
+"""Hurwitz's conditions over Q: which polynomials decide a verdict, and proofs of the others.
+
+By the criterion of Liénard and Chipart a real polynomial with positive leading coefficient is
+stable exactly when some of its coefficients and Hurwitz determinants are positive.  If one of these
+is negative, some root lies in the right half plane, because a polynomial without such a root is a
+limit of stable ones.  So a point at which none vanishes is decided by signs alone.  Most of the
+conditions hold everywhere, or follow from another; `decisive` proves that and keeps the rest.
+
+Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV §§ 6, 13; tests/test_exact.py.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any
+
+import sympy
+
+from ..base.errors import FileError, StabilityError
+from ..bodies.contact import LAWS
+from ..bodies.disk_families import FAMILIES, ONLY
+from ..bodies.disk_polynomials import digest
+from ..storage.files import together, whole
+from .characteristic import LAM, SIN, Derived, K, derive
+
+Expr = Any
+"""A SymPy expression; SymPy states no types."""
+SLACK = sympy.symbols("u t v", positive=True)
+"""Positive unknowns that stand for a strict inequality."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One of the polynomials whose signs are the verdict: all positive, or some negative."""
+
+    kind: str
+    """static (an eigenvalue through zero), flutter (a pair through the axis) or auxiliary."""
+    polynomial: sympy.Poly
+    """In k, M = mu*² and z = at*² or s = sinθ; positive on the stable (or neutral) side."""
+
+
+@dataclass(frozen=True)
+class Obligation:
+    """A condition that holds wherever the others do, with its proof."""
+
+    name: str
+    """Which condition."""
+    polynomial: Expr
+    """The factors that are in question."""
+    proof: str
+    """A sentence; the substitution in it turns every coefficient positive."""
+
+
+def determinants(polynomial: sympy.Poly) -> list[Expr]:
+    """Hurwitz determinants of order 1 … n, factored.
+
+    Parameters
+    ----------
+    polynomial
+        In one variable, with symbolic coefficients.
+
+    Returns
+    -------
+    list of Expr
+
+    Examples
+    --------
+    >>> x, a = sympy.symbols("x a")
+    >>> determinants(sympy.Poly(x**3 + a * x**2 + x + 1, x))
+    [a, a - 1, a - 1]
+    """
+    a = polynomial.all_coeffs()
+    n = len(a) - 1
+
+    def entry(i: int, j: int) -> Expr:
+        place = 2 * (j + 1) - (i + 1)
+        return a[place] if 0 <= place <= n else sympy.Integer(0)
+
+    whole = sympy.Matrix(n, n, entry)
+    return [sympy.factor(whole[:i, :i].det(method="berkowitz")) for i in range(1, n + 1)]
+
+
+def conditions(derived: Derived) -> list[tuple[str, Expr]]:
+    """Polynomials all of whose signs must be positive, by name, for every factor.
+
+    For an even factor q(λ²), linear in λ², the conditions are those of q: λ² negative.
+
+    Parameters
+    ----------
+    derived
+        From `derive`.
+
+    Returns
+    -------
+    list of (str, Expr)
+    """
+    out: list[tuple[str, Expr]] = []
+    for factor in derived.factors:
+        poly = sympy.Poly(factor.as_expr(), LAM)
+        if derived.even:
+            if poly.degree() != 2:
+                raise StabilityError(f"{factor.as_expr()} is not linear in λ².")
+            lead, _, constant = poly.all_coeffs()
+            out += [("leading coefficient", lead), ("constant term", constant)]
+            continue
+        n = poly.degree()
+        a = poly.all_coeffs()
+        out.append(("leading coefficient", a[0]))
+        # Liénard-Chipart: every second coefficient from the constant, every second determinant
+        out += [
+            ("constant term" if i == n else f"coefficient of λ^{n - i}", a[i])
+            for i in range(n, 0, -2)
+        ]
+        found = determinants(poly)
+        out += [(f"Hurwitz determinant {i}", found[i - 1]) for i in range(n - 1, 0, -2)]
+    return [(name, sympy.factor(value)) for name, value in out]
+
+
+def positive(expression: Expr, given: Expr | None = None) -> str | None:
+    """A proof that an expression is positive for k in (0, 1/2], s in (0, 1), M > 0, z > 0.
+
+    Parameters
+    ----------
+    expression
+        Rational in k, M, z, s.
+    given
+        A polynomial that may be taken as positive; it must be linear in some variable.
+
+    Returns
+    -------
+    str or None
+        The proof, or None if this way finds none.
+
+    Examples
+    --------
+    >>> positive(K * SIN**2 + 1 - SIN)
+    'every coefficient is positive after k = 1/(2 + u), s = 1/(1 + t)'
+    """
+    u, t, v = SLACK
+    domain = [(K, sympy.Integer(1), 2 + u, "k = 1/(2 + u)"),
+              (SIN, sympy.Integer(1), 1 + t, "s = 1/(1 + t)")]  # fmt: skip
+    trials: list[list[tuple[sympy.Symbol, Expr, Expr, str]]] = [[]]
+    if given is not None:
+        trials = []
+        for variable in sorted(given.free_symbols - {K}, key=str):
+            poly = sympy.Poly(given, variable)
+            if poly.degree() == 1 and positive(poly.LC()):
+                said = f"{variable} from {given} = v > 0"
+                trials.append([(variable, v - poly.nth(0), poly.LC(), said)])
+    for trial in trials:
+        steps = [*trial, *domain]
+        result, words = expression, []
+        for variable, top, bottom, said in steps:
+            if result.has(variable):
+                result = _inserted(result, variable, top, bottom)
+                words.append(said)
+        if _all_positive(result):
+            text = "every coefficient is positive"
+            return text + (f" after {', '.join(words)}" if words else "")
+    return None
+
+
+def _inserted(expression: Expr, variable: sympy.Symbol, top: Expr, bottom: Expr) -> Expr:
+    """The expression at variable = top/bottom, times the power of bottom > 0 that clears it."""
+    poly = sympy.Poly(expression, variable)
+    n = poly.degree()
+    return sympy.expand(sum(c * top**i * bottom ** (n - i) for (i,), c in poly.terms()))
+
+
+def _all_positive(expression: Expr) -> bool:
+    """Whether every coefficient is positive, and the value is so also at u = 0 (k = 1/2)."""
+    free = sorted(expression.free_symbols, key=str)
+    if not free:
+        return bool(expression > 0)
+    poly = sympy.Poly(expression, *free)
+    return all(c > 0 for c in poly.coeffs()) and poly.as_expr().subs(SLACK[0], 0) != 0
+
+
+def decisive(derived: Derived) -> tuple[list[Condition], list[Obligation]]:
+    """The conditions that decide, and the proofs of those that need not be asked.
+
+    Parameters
+    ----------
+    derived
+        From `derive`.
+
+    Returns
+    -------
+    conditions, obligations
+
+    Examples
+    --------
+    >>> from .derivation import derive
+    >>> [str(c.polynomial.as_expr()) for c in decisive(derive("rolling", "viscous"))[0]]
+    ['2*k*z - 1']
+    """
+    proved: list[Obligation] = []
+    asked: dict[Expr, str] = {}
+    for name, value in conditions(derived):
+        doubtful = sympy.Integer(1)
+        sign, factors = sympy.factor_list(value)
+        sign = sympy.sign(sign)
+        for factor, power in factors:
+            if positive(factor):
+                continue
+            if power % 2 == 0:
+                raise StabilityError(f"the {name} has a square factor, {factor}.")
+            if positive(-factor):
+                sign = -sign
+                continue
+            doubtful = doubtful * factor
+        if doubtful == 1:
+            if sign < 0:
+                raise StabilityError(f"the {name} is negative everywhere: never stable.")
+            proved.append(Obligation(name, value, positive(value) or "factor by factor"))
+            continue
+        asked.setdefault(sympy.expand(sign * doubtful), name)
+    for expression, name in list(asked.items()):
+        others = sorted((o for o in asked if o != expression), key=lambda o: len(o.args))
+        reason = next((p for o in others if (p := positive(expression, o))), None)
+        if reason:
+            del asked[expression]
+            proved.append(Obligation(name, expression, reason))
+    return [_condition(e, name, derived) for e, name in asked.items()], proved
+
+
+def _condition(expression: Expr, name: str, derived: Derived) -> Condition:
+    kind = "auxiliary"
+    if name == "constant term":
+        kind = "static"
+    elif name in {f"Hurwitz determinant {sympy.Poly(f.as_expr(), LAM).degree() - 1}"
+                  for f in derived.factors}:  # fmt: skip
+        kind = "flutter"
+    variables: Sequence[sympy.Symbol] = derived.factors[0].gens[1:]
+    return Condition(kind, sympy.Poly(expression, *variables))
+
+
+def catalogue() -> dict[str, Any]:
+    """Every family's polynomials and conditions, derived again for `disk_polynomials`.
+
+    Returns
+    -------
+    dict
+        JSON-able; `make derive` writes it to stability/bodies/disk_polynomials.json.
+    """
+    cases: dict[str, Any] = {}
+    for law in LAWS:
+        for family in FAMILIES:
+            if ONLY.get(family, law) != law:
+                continue
+            derived = derive(family, law)
+            names = derived.factors[0].gens[1:]
+            used = [x for x in names if any(f.has(x) for f in derived.factors)]
+            factors = [sympy.Poly(f.as_expr(), LAM).all_coeffs()[::-1] for f in derived.factors]
+            found, _ = decisive(derived)
+            cases[f"{family} {law}"] = {
+                "variables": [str(x) for x in used],
+                "zeros": int(derived.zeros),
+                "even": bool(derived.even),
+                "factors": [[_terms(c, used) for c in factor] for factor in factors],
+                "conditions": [
+                    {"kind": c.kind, "terms": _terms(c.polynomial.as_expr(), used)} for c in found
+                ],
+            }
+    return {"format": 1, "cases": cases}
+
+
+def _terms(expression: Expr, variables: Sequence[sympy.Symbol]) -> list[list[int]]:
+    if expression == 0:
+        return []
+    poly = sympy.Poly(expression, *variables)
+    return [[int(c), *map(int, powers)] for powers, c in poly.terms()]
+
+
+def write(path: str, source: str | None = None) -> None:
+    """Derive everything and write it, one case to a line.
+
+    Parameters
+    ----------
+    path
+        The file.
+    source
+        Source of `stability.bodies.disk_polynomials`, in which the digest of the file is to stand;
+        none where the file is not the package's.
+    """
+    found = catalogue()
+    lines = [f"{json.dumps(key)}: {json.dumps(case)}" for key, case in found["cases"].items()]
+    body = ",\n".join(lines)
+    content = f'{{"format": 1, "cases": {{\n{body}\n}}}}\n'.encode()
+    with together():
+        with whole(path, overwrite=True) as beside:
+            beside.write_bytes(content)
+        if source is not None:
+            text = FilePath(source).read_text(encoding="utf-8")
+            line = f'DIGEST = "{digest(content)}"'
+            text, count = re.subn(r'^DIGEST = "[0-9a-f]+"$', line, text, flags=re.MULTILINE)
+            if count != 1:
+                raise FileError(f"{source} has {count} lines for the digest; one is needed.")
+            with whole(source, overwrite=True) as beside:
+                beside.write_text(text, encoding="utf-8")

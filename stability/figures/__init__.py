@@ -1,0 +1,1 @@
+"""Datasets to figures and films; matplotlib is imported here and above only."""

@@ -1,0 +1,179 @@
+"""Films only: a motion as GIF or MP4, or as a page that can be turned and played."""
+
+from __future__ import annotations
+
+from .canvas import figure_style  # isort: skip
+
+import json
+import os
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base.checks import callback, positive
+from ..base.errors import ParameterError
+from ..motion.dataset import FORMAT
+from ..motion.result import BY_CODE
+from ..storage.files import whole
+from ..storage.targets import FILMS, check_suffix, check_target
+from .film import FINE, Scene, caption_of, inner_radius, unit_of, write_gif, write_mp4
+from .pose import LINEAR, POSED, resample
+from .single_run import events_of
+
+if TYPE_CHECKING:
+    import xarray
+
+
+KEPT = (
+    "time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "mass", "radius",
+    "gravity", "k",
+)  # fmt: skip
+"""What else a film needs of a dataset."""
+SHORTEST, LONGEST = 4.0, 20.0
+"""Range of a film's length when none is asked [s]."""
+MOST_FRAMES, MOST_SAMPLES = 10_000, 20_000
+"""Frames in a film; samples in a page, which thins a longer motion evenly."""
+
+
+def animate(
+    dataset: xarray.Dataset,
+    path: str | os.PathLike[str],
+    *,
+    fps: float = 25,
+    seconds: float | None = None,
+    overwrite: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> FilePath:
+    """Write a motion as a film (.gif, .mp4), or as a page to turn and play (.html).
+
+    Parameters
+    ----------
+    dataset
+        A single run from `simulate` with `pose=True`.
+    path
+        File to write; its suffix says what.
+    fps
+        Frames in a second, at most 100; a GIF counts in hundredths of a second and takes the
+        nearest it can, at most 50.  A page draws as fast as the screen.
+    seconds
+        Length of the film [s]; when left out the motion's own, within 4 to 20.
+    overwrite
+        Whether an existing file may be replaced.
+    progress
+        Called with (frames done, frames in all).
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ParameterError
+        If the dataset is not a single run with pose and two samples, or a number is not accepted.
+    FileError
+        If the file cannot be written, or MP4 is asked for without ffmpeg; nothing is left
+        half-written.
+
+    Examples
+    --------
+    >>> import tempfile, stability as st
+    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.4}, 3.0, pose=True)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     animate(run, FilePath(folder) / "fall.html").name
+    'fall.html'
+    """
+    callback(progress)
+    motion = _single(dataset)
+    suffix = check_suffix(path, FILMS).suffix.lower()
+    check_target(path, overwrite=overwrite)
+    first, last = motion["time"][[0, -1]]
+    length, rate = min(max(last - first, SHORTEST), LONGEST), _number("fps", fps, 100.0)
+    if seconds is not None:
+        length = _number("seconds", seconds, 3600.0)
+    if suffix == ".gif":
+        rate = 100 / max(2, round(100 / rate))
+    if suffix != ".html" and rate * length > MOST_FRAMES:
+        count = f"{rate * length:.6g} frames"
+        raise ParameterError(f"fps × seconds is {count}; at most {MOST_FRAMES} are drawn.")
+    report = progress or (lambda *_: None)
+    with whole(path, overwrite=overwrite) as beside:
+        if suffix == ".html":
+            beside.write_text(_page(dataset, motion, length), encoding="utf-8")
+            report(1, 1)
+            return FilePath(path)
+        frames = max(2, round(rate * length))
+        fine = resample(motion, np.linspace(first, last, (frames - 1) * FINE + 1))
+        with figure_style({}):
+            scene = Scene(fine, dataset, (last - first) / length)
+            (write_gif if suffix == ".gif" else write_mp4)(beside, scene, rate, report)
+    return FilePath(path)
+
+
+def _number(name: str, value: Any, most: float) -> float:
+    number = positive(name, value)
+    if not isinstance(number, float) or not 1e-3 <= number <= most:
+        raise ParameterError(f"{name} is {value}; give one number from 0.001 to {most:g}.")
+    return number
+
+
+def _single(dataset: Any) -> dict[str, Any]:
+    """The series of a single run with pose, or a sentence why not."""
+    import xarray
+
+    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
+        raise ParameterError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
+    if "phi" not in dataset:
+        raise ParameterError("the dataset has no pose; call simulate with pose=True.")
+    lost = [n for n in (*POSED, *LINEAR, *KEPT) if n not in dataset.variables]
+    if lost:
+        raise ParameterError(
+            f"the dataset has no {lost[0]}; give what simulate returns, unchanged."
+        )
+    if dataset.theta.dims != ("time",):
+        sizes = dict(dataset.theta.sizes)
+        raise ParameterError(f"the dataset has sizes {sizes}; take one launch by isel(launch=0).")
+    # one of several holds its last state after its end
+    kept = int((dataset.running == 1).sum()) if "running" in dataset else None
+    motion = {n: dataset[n].values[:kept].astype(float) for n in ("time", *POSED, *LINEAR)}
+    if (count := len(motion["time"])) < 2:
+        raise ParameterError(f"the dataset has {count} sample(s) of the motion; give at least 2.")
+    finite = all(np.isfinite(v).all() for v in motion.values())
+    if not finite or not (np.diff(motion["time"]) > 0).all():
+        raise ParameterError("the dataset has NaN or times that do not rise; give a whole motion.")
+    return motion | {"radius": float(dataset.radius)}
+
+
+def _page(dataset: xarray.Dataset, motion: dict[str, Any], length: float) -> str:
+    """The page: the template with the motion in it."""
+    times, series = motion["time"], motion
+    if len(times) > MOST_SAMPLES:
+        series = resample(motion, np.linspace(times[0], times[-1], MOST_SAMPLES))
+    data: dict[str, Any] = {n: _digits(series[n], 9) for n in ("time", *POSED)}
+    data |= {n: _digits(series[n], 6) for n in LINEAR}
+    if "mode" in dataset:
+        at = np.searchsorted(times, series["time"], side="right") - 1
+        data["mode"] = dataset["mode"].values[at].astype(int).tolist()
+    log = events_of(dataset)
+    data["event_time"] = _digits([time for time, _ in log], 9)
+    data["event_kind"] = [word for _, word in log]
+    outcome = BY_CODE[int(dataset.outcome)]
+    data |= {
+        "title": str(dataset.attrs.get("title", "motion of a disk")),
+        "caption": caption_of(dataset), "outcome": outcome.word, "sentence": outcome.value,
+        "evidence": str(dataset.evidence.values), "seconds": length,
+        "weight": float(dataset.mass * dataset.gravity),
+        "radius": motion["radius"], "inner": inner_radius(dataset),
+        "time_unit": unit_of(dataset, "time"), "force_unit": unit_of(dataset, "normal_force"),
+    }  # fmt: skip
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    template = resources.files(__package__).joinpath("animation.html")
+    # no "<" in the data, so that nothing in it can end the script element
+    return template.read_text(encoding="utf-8").replace("@MOTION@", text.replace("<", "\\u003c"))
+
+
+def _digits(values: Any, digits: int) -> list[float]:
+    return [float(f"{v:.{digits}g}") for v in values]

@@ -1,0 +1,77 @@
+"""Caption of the figure of one motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..motion.result import BY_CODE
+from .single_run import one_launch
+
+if TYPE_CHECKING:
+    import xarray
+
+
+STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
+
+GIVEN = {
+    "mass": ("m", " kg"), "radius": ("R", " m"), "gravity": ("g", " m/s²"), "k": ("k", ""),
+    "mu": ("μ", ""), "c": ("c", " kg/s"), "epsilon": ("ε", " m/s"),
+}  # fmt: skip
+"""Symbol and SI unit of a parameter; the μ of viscous friction is in s/m."""
+
+
+def caption(dataset: xarray.Dataset) -> str:
+    """What was computed and what came of it, in two sentences.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`, one launch.
+
+    Returns
+    -------
+    str
+        Body, contact law, span of time, method, tolerance; outcome and evidence.
+
+    Raises
+    ------
+    ParameterError
+        In one sentence, on several launches or a missing series.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> run = st.simulate(st.Disk(), st.Smooth(), {"theta": 1.0}, 5.0)
+    >>> caption(run).split("  ")[1].split(",")[0]
+    'Outcome: flat'
+    """
+    needed = (*STATES, "outcome", "evidence", "end_time", "energy_error", "method")
+    motion = one_launch(dataset, needed)
+    data, plain = motion.data, bool(dataset.attrs.get("dimensionless", 0))
+    law = str(dataset.attrs.get("contact", ""))
+    second = " √(R/g)" if plain else " s"
+    units = GIVEN | ({"mu": ("μ", " s/m")} if law == "viscous" else {})
+    given = [
+        f"{symbol} = {float(data[name]):.4g}{'' if plain else unit}"
+        for name, (symbol, unit) in units.items() if name in data.coords
+    ]  # fmt: skip
+    start = [
+        f"{name} = {float(data[name][0]):.4g}{'' if plain else ' ' + data[name].attrs['units']}"
+        for name in STATES
+    ]
+    return (
+        f"Motion of a disk with {law} contact "
+        f"({', '.join(given)}{', dimensionless' if plain else ''}) from {', '.join(start)} at time "
+        f"{motion.times[0]:.4g} to {motion.times[-1]:.4g}{second}, by {data.method.item()} at "
+        f"tolerance {tolerance_of(dataset):.3g}; the energy audit closes to "
+        f"{float(data.energy_error):.1g} of the initial energy.  "
+        f"Outcome: {BY_CODE[int(data.outcome)].word}, at time {float(data.end_time):.4g}{second} "
+        f"({data.evidence.item()})."
+    )
+
+
+def tolerance_of(dataset: xarray.Dataset) -> float:
+    """The tolerance that the integrator was given."""
+    return float(dataset.attrs.get("tolerance_used", dataset.attrs.get("tolerance", np.nan)))

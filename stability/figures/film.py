@@ -1,0 +1,271 @@
+"""Frames of a film: the disk on its plane, drawn for GIF and MP4."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from functools import partial
+from importlib import import_module
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.animation import FFMpegWriter
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
+from PIL import Image
+from scipy.ndimage import uniform_filter1d
+
+from ..base.errors import FileError
+from ..base.types import Floats
+from ..motion.result import BY_CODE
+from .pose import POSED, geometry
+
+if TYPE_CHECKING:
+    import xarray
+
+
+Report = Callable[[int, int], None]
+
+BLUE, PALE, EDGE, VERMILION = "#0072B2", "#7db8da", "#004a75", "#D55E00"
+GREY, INK, WORDS = "#7a7a7a", "#222222", "#555555"
+FINE = 8
+"""Steps of the drawn path for each frame."""
+SIZE, DPI = (7.2, 5.0), 100
+"""Frame [in] and dots per inch; both products are even, as video codecs ask."""
+ELEVATION, ASIDE, WIDEST, CLOSE = math.radians(24), math.radians(42), 7.0, 4.0
+"""Camera: above the plane, and aside of the axis at the start; half width of the view [R], the
+widest that takes in the whole path, and when following."""
+THIN = 0.93
+"""Inner radius drawn for a hoop [R], whose own would leave nothing to see."""
+
+
+def inner_radius(dataset: xarray.Dataset) -> float:
+    """Inner radius to draw [R]: 0 for a disk, that of the annulus with this k otherwise.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`.
+
+    Returns
+    -------
+    float
+    """
+    return min(math.sqrt(max(4 * float(dataset.k) - 1, 0.0)), THIN)
+
+
+def unit_of(dataset: xarray.Dataset, name: str) -> str:
+    """The unit of a series, in words where it is dimensionless.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`.
+    name
+        The series.
+
+    Returns
+    -------
+    str
+    """
+    attributes = dataset[name].attrs
+    return str(attributes.get("unit_in_words", attributes.get("units", "")))
+
+
+def caption_of(dataset: xarray.Dataset) -> str:
+    """The parameters, in words; the scales only where they are not 1.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`.
+
+    Returns
+    -------
+    str
+    """
+    plain = bool(dataset.attrs.get("dimensionless", 0))
+    units = {"mass": " kg", "radius": " m", "gravity": " m/s²"}
+    shown = [
+        f"{name} = {float(value):.6g}{units.get(str(name), '')}"
+        for name, value in dataset.coords.items()
+        if value.ndim == 0 and not (plain and name in units)
+    ]
+    return f"{dataset.attrs.get('contact', '')} contact, {', '.join(shown)}"
+
+
+class Scene:
+    """The figure of a film, its camera, and everything in it; `show` puts it at a frame."""
+
+    def __init__(self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float) -> None:
+        self.motion, self.seen = motion, geometry(motion)
+        self.frames = (len(motion["time"]) - 1) // FINE + 1
+        self.unit, self.inner = unit_of(dataset, "time"), inner_radius(dataset)
+        self.figure = Figure(figsize=SIZE, dpi=DPI, facecolor="white")
+        FigureCanvasAgg(self.figure)
+        self.axes = self.figure.add_axes((0, 0, 1, 1))
+        self.axes.axis("off")
+        self._aim(float(motion["phi"][0]) + ASIDE)
+        (self.grid,) = self.axes.plot([], [], color="#d9d9d9", lw=0.8)
+        self.shadow = self._patch("#00000026", "none")
+        (self.trail,) = self.axes.plot([], [], color=VERMILION, lw=1.6)
+        (self.path,) = self.axes.plot([], [], color=GREY, lw=0.9)
+        self.body = self._patch(BLUE, EDGE)
+        self.mark = self._patch(VERMILION, "none")
+        (self.ticks,) = self.axes.plot([], [], color="white", lw=1.0)
+        (self.spot,) = self.axes.plot([], [], "o", color=INK, ms=3.5)
+        # the disk hides what lies on the plane, for all of it is above
+        layers = (self.grid, self.shadow, self.trail, self.path, self.body, self.mark, self.ticks)
+        for order, artist in enumerate((*layers, self.spot)):
+            artist.set_zorder(order)
+        put = partial(self.figure.text, fontsize=9, color=WORDS)
+        self.clock = put(0.03, 0.94, "", fontsize=12, color=INK)
+        self.places = int(np.clip(2 - np.floor(np.log10(pace)), 0, 12))
+        put(0.97, 0.94, f"1 s of film = {pace:.3g} {self.unit}", ha="right")
+        put(0.97, 0.895, f"outcome: {BY_CODE[int(dataset.outcome)].word}", ha="right")
+        put(0.03, 0.03, caption_of(dataset))
+
+    def _patch(self, face: str, edge: str) -> PathPatch:
+        patch = PathPatch(Path([[0.0, 0.0]]), facecolor=face, edgecolor=edge, linewidth=1.2)
+        self.axes.add_patch(patch)
+        return patch
+
+    def _aim(self, azimuth: float) -> None:
+        """Camera and limits: the whole path if it fits, else one that follows the disk."""
+        (c, ce), (s, se) = np.cos([azimuth, ELEVATION]), np.sin([azimuth, ELEVATION])
+        self.to_camera = np.array([ce * c, ce * s, se])
+        self.screen = np.array([[-s, c, 0.0], [-se * c, -se * s, ce]]).T
+        radius, aspect = self.seen.radius, SIZE[0] / SIZE[1]
+        ground = self.seen.centre * [1, 1, 0] + [0, 0, 0.6 * radius]
+        middle = (ground.min(axis=0) + ground.max(axis=0)) / 2
+        spread = np.abs((ground - middle) @ self.screen).max(axis=0) / radius + [1.2, 1.6]
+        self.half = max(float(spread[0]), float(spread[1]) * aspect, 0.7 * CLOSE)
+        self.target = np.broadcast_to(middle, ground.shape)
+        if self.half > WIDEST:
+            self.half = CLOSE
+            # a camera that lags a little keeps the grid calm; it never loses the disk
+            calm = uniform_filter1d(ground, max(3, len(ground) // 8), axis=0, mode="nearest")
+            self.target = ground - np.clip(ground - calm, -1.2 * radius, 1.2 * radius)
+        x, y = self.half * radius, self.half * radius / aspect
+        self.axes.set(xlim=(-x, x), ylim=(-y, y))
+
+    def _lines(self, target: Floats) -> Floats:
+        """The plane's grid about the target, one square for each R, beyond the frame."""
+        reach = math.ceil(2.3 * self.half)
+        across = np.repeat(np.arange(-reach, reach + 1.0), 3)
+        ends = np.tile([-reach, reach, np.nan], 2 * reach + 1)
+        lines = np.vstack([np.stack([across, ends], -1), np.stack([ends, across], -1)])
+        lines = (lines + np.round(target[:2] / self.seen.radius)) * self.seen.radius
+        return np.pad(lines, ((0, 0), (0, 1)))
+
+    def play(self, report: Report) -> Iterator[Any]:
+        """Show each frame in turn; the canvas, to be drawn."""
+        for frame in range(self.frames):
+            self.show(frame)
+            yield self.figure.canvas
+            report(frame + 1, self.frames)
+
+    def show(self, frame: int) -> None:
+        """Put everything where it is at a frame."""
+        i, turn = frame * FINE, np.linspace(0, 2 * math.pi, 73)
+        here = geometry({n: self.motion[n][i] for n in POSED} | {"radius": self.seen.radius})
+        target = self.target[i]
+
+        def flat(points: Floats) -> Floats:
+            return np.asarray((points - target) @ self.screen)
+
+        def outline(*loops: Floats) -> Path:
+            return Path.make_compound_path(*(Path(flat(p), closed=True) for p in loops))
+
+        rims = [here.points(turn)[0]]
+        if self.inner:
+            rims.append(here.points(turn[::-1], self.inner)[0])
+        self.grid.set_data(*flat(self._lines(target)).T)
+        self.shadow.set_path(outline(*(rim * [1, 1, 0] for rim in rims)))
+        self.body.set_path(outline(*rims))
+        # the two faces differ, so that the eye can tell which one it sees
+        self.body.set_facecolor(BLUE if self.to_camera @ here.axis[0] > 0 else PALE)
+        wide = np.linspace(-1, 1, 9) * (0.1 + 0.12 * self.inner)
+        ends = np.repeat([1.0, self.inner, 1.0], [9, 9, 1])
+        wedge = here.points(np.concatenate([wide, wide[::-1], wide[:1]]), ends)[0]
+        self.mark.set_path(outline(wedge))
+        quarter = np.repeat([0.5, 1.0, 1.5], 3) * math.pi
+        self.ticks.set_data(*flat(here.points(quarter, [self.inner, 1.0, np.nan] * 3)[0]).T)
+        self.trail.set_data(*flat(self.seen.contact[: i + 1]).T)
+        self.path.set_data(*flat(self.seen.centre[: i + 1]).T)
+        self.spot.set_data(*flat(here.contact).T)
+        time, lean = self.motion["time"][i], math.degrees(self.motion["theta"][i])
+        self.clock.set_text(f"t = {time:.{self.places}f} {self.unit},  θ = {lean:.1f}°")
+
+
+def write_gif(path: FilePath, scene: Scene, rate: float, report: Report) -> None:
+    """Write a scene as a GIF.
+
+    Parameters
+    ----------
+    path
+        File to write.
+    scene
+        What to show.
+    rate
+        Frames in a second.
+    report
+        Called with (frames done, frames in all).
+    """
+    # one palette for all frames, undithered: still parts stay still, and the file small
+    colours = np.array([to_rgba(c)[:3] for c in (BLUE, PALE, EDGE, VERMILION, GREY, INK)])
+    mixed = 1 + np.linspace(0, 1, 32)[:, None, None] * (colours - 1)
+    palette = Image.new("P", (1, 1))
+    palette.putpalette((255 * mixed).round().astype(np.uint8).tobytes())
+
+    def pictures() -> Iterator[Image.Image]:
+        for canvas in scene.play(report):
+            canvas.draw()
+            picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+            yield picture.quantize(palette=palette, dither=Image.Dither.NONE)
+
+    film, pause = pictures(), round(1000 / rate)
+    with path.open("wb") as file:  # for Pillow leaves its own open if a frame fails
+        next(film).save(file, "GIF", save_all=True, append_images=film, duration=pause, loop=0)
+
+
+def _ffmpeg() -> str:
+    """The ffmpeg program, from the system or from a package."""
+    try:
+        return str(shutil.which("ffmpeg") or import_module("imageio_ffmpeg").get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        message = "an .mp4 needs ffmpeg; `pip install stability[video]`, or take .gif."
+        raise FileError(message) from None
+
+
+def write_mp4(path: FilePath, scene: Scene, rate: float, report: Report) -> None:
+    """Write a scene as an MP4.
+
+    Parameters
+    ----------
+    path, scene, rate, report
+        As for `write_gif`.
+
+    Raises
+    ------
+    FileError
+        If there is no ffmpeg, or it fails.
+    """
+    program, speed = _ffmpeg(), cast(int, rate)  # it takes fractions too
+    # 4:2:0, which every player shows, and the index in front, so that a page can start it
+    options = ["-pix_fmt", "yuv420p", "-movflags", "+faststart"]
+    writer = FFMpegWriter(fps=speed, codec="libx264", extra_args=options)
+    try:
+        with rc_context({"animation.ffmpeg_path": program}):
+            with writer.saving(scene.figure, str(path), DPI):
+                for _ in scene.play(report):
+                    writer.grab_frame()
+    except (subprocess.CalledProcessError, BrokenPipeError):
+        raise FileError(f"{program} could not make the film; take .gif.") from None

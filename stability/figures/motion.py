@@ -1,0 +1,343 @@
+"""Figures only: one motion in time and in the plane, its energy, and a caption that says it all."""
+
+from __future__ import annotations
+
+from .canvas import STYLE, figure_style  # isort: skip
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
+
+from ..motion.result import BY_CODE, Outcome
+from .diagram import SYMBOLS, UNITS
+from .single_run import Motion, one_launch
+from .style import COLUMN, spacing
+
+if TYPE_CHECKING:
+    import xarray
+
+from .caption import STATES, tolerance_of
+
+PAGE = 7.0
+"""Width of a figure over two journal columns [in]."""
+IN_LATEX = UNITS | {
+    "√(R/g)": r"$\sqrt{R/g}$", "√(gR)": r"$\sqrt{gR}$", "m g": r"$mg$", "m g R": r"$mgR$",
+    "R": r"$R$",
+}  # fmt: skip
+"""LaTeX unit by its words."""
+ENERGIES = ("potential", "kinetic", "dissipated")
+POSE = ("contact_x", "contact_y", "centre_x", "centre_y")
+# apart for every common colour vision, and in grey by the dashes
+STROKES: tuple[dict[str, Any], ...] = (
+    {"color": "#0072B2", "linestyle": "-", "linewidth": 1.0},
+    {"color": "#D55E00", "linestyle": (0, (4, 1.4)), "linewidth": 1.0},
+    {"color": "#000000", "linestyle": (0, (4, 1.2, 1, 1.2)), "linewidth": 0.9},
+)
+FILLS = (("#56B4E9", ""), ("#F0E442", "////"), ("#CC79A7", "...."))
+"""Colour and hatching of each of `ENERGIES`."""
+# the palest end of the map would be lost on white paper
+TIME_MAP = ListedColormap(matplotlib.colormaps["viridis"](np.linspace(0, 0.92, 256)))
+PANELS = (
+    ("inclination", ("theta",)), ("rates", ("theta_dot", "phi_dot", "omega3")),
+    ("slip", ("slip_x", "slip_y")), ("normal force", ("normal_force",)),
+)  # fmt: skip
+"""Words and lines of each panel over time."""
+START: dict[str, Any] = {"marker": "o", "ls": "", "color": "black", "mfc": "none"}
+END: dict[str, Any] = {"marker": "s", "ls": "", "color": "black"}
+
+
+def states(dataset: xarray.Dataset) -> Figure:
+    """The states and the normal force over time, one panel below the other.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`, one launch.
+
+    Returns
+    -------
+    Figure
+        One journal column wide; sticking is hatched, events are upright lines with a word.
+
+    Raises
+    ------
+    ParameterError
+        In one sentence, on several launches or a missing series.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.5, "omega3": 1.2}, 9.0)
+    >>> len(states(run).axes)
+    4
+    """
+    motion = one_launch(dataset, (*STATES, "normal_force"))
+    return _drawn(COLUMN, 4.7, lambda page: _draw_states(page, motion))
+
+
+def paths(dataset: xarray.Dataset) -> Figure:
+    """The paths of the contact point and of the centre in the plane, time told by colour.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate` with `pose=True`, one launch.
+
+    Returns
+    -------
+    Figure
+        One journal column wide; the path is dashed where the disk sticks.
+
+    Raises
+    ------
+    ParameterError
+        In one sentence, on several launches or a missing pose.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> start = {"theta": 1.5, "omega3": 1.2}
+    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), start, 9.0, pose=True)
+    >>> paths(run).axes[0].get_xlabel()
+    '$X$  [$R$]'
+    """
+    motion = one_launch(dataset, POSE)
+    return _drawn(COLUMN, 3.2, lambda page: _draw_paths(page, motion))
+
+
+def energy(dataset: xarray.Dataset) -> Figure:
+    """Where the energy is, stacked to its constant total, and how well the audit closes.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`, one launch.
+
+    Returns
+    -------
+    Figure
+        One journal column wide.
+
+    Raises
+    ------
+    ParameterError
+        In one sentence, on several launches or a missing series.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.5, "omega3": 1.2}, 9.0)
+    >>> [axes.get_yscale() for axes in energy(run).axes]
+    ['linear', 'log']
+    """
+    motion = one_launch(dataset, (*ENERGIES, "energy", "audit"))
+    return _drawn(COLUMN, 3.3, lambda page: _draw_energy(page, motion))
+
+
+def motion_figure(dataset: xarray.Dataset) -> Figure:
+    """States, paths and energy of one launch on one figure.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`, one launch; the paths are left out where it has no pose.
+
+    Returns
+    -------
+    Figure
+        Two journal columns wide.
+
+    Raises
+    ------
+    ParameterError
+        In one sentence, on several launches or a missing series.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.5, "omega3": 1.2}, 9.0)
+    >>> figure = motion_figure(run)
+    >>> len(figure.axes), float(figure.get_figwidth())
+    (6, 7.0)
+    """
+    motion = one_launch(dataset, (*STATES, "normal_force", *ENERGIES, "energy", "audit"))
+
+    def draw(page: Any) -> None:
+        left, right = page.subfigures(1, 2)
+        _draw_states(left, motion)
+        if posed:
+            upper, right = right.subfigures(2, 1)
+            _draw_paths(upper, motion)
+        _draw_energy(right, motion)
+
+    posed = all(name in dataset for name in POSE)
+    return _drawn(PAGE, 5.6 if posed else 4.4, draw)
+
+
+def _drawn(width: float, height: float, draw: Callable[[Any], None]) -> Figure:
+    with figure_style(STYLE):
+        figure = Figure(figsize=(width, height), layout="constrained")
+        spacing(figure, hspace=0.02, wspace=0.03, h_pad=0.02, w_pad=0.03)
+        draw(figure)
+        figure.draw_without_rendering()  # ticks take their style when first drawn
+    return figure
+
+
+def _unit(data: xarray.Dataset, name: str) -> str:
+    attributes = data[name].attrs
+    unit = attributes.get("unit_in_words", attributes.get("units", "1"))
+    return "" if unit == "1" else f"[{IN_LATEX.get(unit, unit)}]"
+
+
+def _legend(axes: Axes, handles: list[Line2D] | None = None) -> None:
+    """Above the panel, where it can hide no data."""
+    shown = handles or axes.get_legend_handles_labels()[0]
+    axes.legend(
+        handles=shown, loc="lower right", bbox_to_anchor=(1.02, 0.98), fontsize=6.5,
+        ncols=len(shown) if len(shown) < 5 else 3, frameon=False, handlelength=2.2, borderpad=0.1,
+        columnspacing=1.1, handletextpad=0.4,
+    )  # fmt: skip
+
+
+def _draw_states(page: Any, motion: Motion) -> None:
+    panels = page.subplots(len(PANELS), 1, sharex=True)
+    data, times = motion.data, motion.times
+    for axes, (word, names) in zip(panels, PANELS, strict=True):
+        for name, stroke in zip(names, STROKES, strict=False):
+            axes.plot(times, data[name].values, label=SYMBOLS.get(name), **stroke)
+        symbol = SYMBOLS.get(names[0], "") if len(names) == 1 else ""
+        axes.set_ylabel(f"{word}\n{symbol} {_unit(data, names[0])}".replace("\n ", "\n"))
+        axes.yaxis.set_major_locator(MaxNLocator(5))
+        for start, stop in motion.sticking:
+            axes.axvspan(start, stop, facecolor="#e4e4e4", edgecolor="#9a9a9a", hatch="////",
+                         linewidth=0, zorder=0)  # fmt: skip
+        for t, _ in motion.events:
+            axes.axvline(t, color="#404040", linewidth=0.5, zorder=1)
+    panels[0].axhline(np.pi / 2, color="#404040", linestyle="--", linewidth=0.7, zorder=1)
+    panels[0].annotate(r"$\pi/2$", (1.01, np.pi / 2), xycoords=("axes fraction", "data"),
+                       va="center", fontsize=6.5, annotation_clip=False)  # fmt: skip
+    low, high = panels[0].get_ylim()
+    panels[0].set_ylim(min(low, high - 0.02), max(high, low + 0.02))  # not down to rounding errors
+    panels[0].ticklabel_format(useOffset=False)
+    panels[3].axhline(0, color="#404040", linewidth=0.7, zorder=1)
+    _steady(panels, data)
+    for axes in panels[1:3]:
+        _legend(axes)
+    _words(panels[0], motion)
+    panels[-1].set_xlim(times[0], times[-1])
+    panels[-1].set_xlabel(f"time $t$  {_unit(data, 'time')}")
+    page.align_ylabels()
+
+
+def _steady(panels: list[Axes], data: xarray.Dataset) -> None:
+    """Dotted, the steady motion that was settled on."""
+    if "nearest_at" not in data or BY_CODE[int(data.outcome)] is not Outcome.SETTLED:
+        return
+    family, at = str(data.nearest_family.values), float(data.nearest_at)
+    dots: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0}
+    if family == "tumbling":
+        panels[0].axhline(at, label="steady", **dots)
+        _legend(panels[0])
+        scale = np.sqrt(float(data.gravity) / float(data.radius) / float(data.k) / np.sin(at))
+        at = float(np.copysign(scale, data.phi_dot.values[-1]))
+    panels[1].axhline(at, label="steady", **dots)
+
+
+def _words(axes: Axes, motion: Motion) -> None:
+    """The word of each event over its line; of a crowd only those that can be read."""
+    room = 0.035 * (motion.times[-1] - motion.times[0])
+    marks = motion.events
+    if not marks:  # a slice whose events are not known
+        marks = [((a + b) / 2, "sticking") for a, b in motion.sticking]
+    free: list[float] = []
+    # the end comes first: it is the one that matters most
+    for t, word in marks[-1:] + marks[:-1]:
+        if all(abs(t - other) > room for other in free):
+            free.append(t)
+            axes.text(t, 1.03, word, rotation=90, fontsize=6.5, ha="center", va="bottom",
+                      transform=axes.get_xaxis_transform())  # fmt: skip
+
+
+def _draw_paths(page: Any, motion: Motion) -> None:
+    data, times, axes = motion.data, motion.times, page.subplots()
+    shade: dict[str, Any] = {"cmap": TIME_MAP, "norm": Normalize(times[0], times[-1])}
+    for name, width in (("contact", 1.8), ("centre", 0.8)):
+        x, y = data[f"{name}_x"].values, data[f"{name}_y"].values
+        corners = np.column_stack([x, y])
+        # each piece runs into the next, so that no seams show
+        pieces = [corners[i : i + 3] for i in range(len(x) - 1)]
+        axes.add_collection(LineCollection(pieces, array=(times[1:] + times[:-1]) / 2, **shade,
+                            linewidths=width, rasterized=len(x) > 20_000,
+                            zorder=2 if width > 1 else 3))  # fmt: skip
+        # the start is larger and hollow, so that an end on top of it does not hide it
+        axes.plot(x[:1], y[:1], markersize=4 + 1.6 * width, zorder=4, **START)
+        axes.plot(x[-1:], y[-1:], markersize=2 + 1.2 * width, zorder=4, **END)
+    for a, b in motion.sticking:
+        # white gaps over the colours, since a line of many colours cannot be dashed
+        when = np.union1d([a, b], times[(times > a) & (times < b)])
+        x, y = (np.interp(when, times, data[f"contact_{c}"].values) for c in "xy")
+        axes.plot(x, y, color="white", linewidth=2.4, dashes=(0.7, 1.3), dash_capstyle="butt",
+                  label="gaps", zorder=2.5)  # fmt: skip
+    # a disk that spins on the spot must not be blown up to its rounding errors
+    spot = 0.02 * float(data.radius) * np.array([[-1, -1], [1, 1]])
+    axes.update_datalim([data.centre_x.values[0], data.centre_y.values[0]] + spot)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.autoscale_view()
+    for axis, letter in ((axes.xaxis, "X"), (axes.yaxis, "Y")):
+        axis.set_major_locator(MaxNLocator(5))
+        axis.set_label_text(f"${letter}$  {_unit(data, 'centre_x')}")
+    axes.ticklabel_format(useOffset=False)
+    _legend(axes, _keys(bool(motion.sticking)))
+    bar = page.colorbar(ScalarMappable(**shade), ax=axes, pad=0.02, aspect=30, fraction=0.05)
+    bar.set_label(f"time $t$  {_unit(data, 'time')}")
+
+
+def _keys(sticks: bool) -> list[Line2D]:
+    ink: dict[str, Any] = {"color": "#303030"}
+    slides = Line2D([], [], linewidth=1.8, label="contact, sliding" if sticks else "contact", **ink)
+    stuck = Line2D([], [], linewidth=1.8, dashes=(1.7, 1), label="contact, sticking", **ink)
+    centre = Line2D([], [], linewidth=0.8, label="centre", **ink)
+    ends = [Line2D([], [], label="start", markersize=5, **START),
+            Line2D([], [], label="end", markersize=4, **END)]  # fmt: skip
+    return [slides, *([stuck] if sticks else []), centre, *ends]
+
+
+def _draw_energy(page: Any, motion: Motion) -> None:
+    data, times = motion.data, motion.times
+    upper, lower = page.subplots(2, 1, sharex=True, height_ratios=(1.5, 1))
+    first = float(data.energy.values[0])
+    layers = np.stack([data[name].values for name in ENERGIES])
+    fills = upper.stackplot(times, layers, colors=[c for c, _ in FILLS], labels=ENERGIES)
+    for fill, (_, hatch) in zip(fills, FILLS, strict=True):
+        fill.set(hatch=hatch, edgecolor="#606060", linewidth=0)
+    for line in np.cumsum(layers, axis=0):
+        upper.plot(times, line, color="black", linewidth=0.3)
+    upper.set_ylabel(f"energy\n{_unit(data, 'energy')}")
+    upper.set_ylim(0, 1.04 * float(layers.sum(axis=0).max()))
+    upper.set_xlim(times[0], times[-1])
+    _legend(upper)
+    audit = np.abs(data.audit.values) / first
+    seen = np.where(audit > 0, audit, np.nan)  # a log axis has no zero; a gap says so
+    lower.set_yscale("log")
+    lower.plot(times, seen, label="audit", marker=".", markersize=1.2, linewidth=0.7,
+               color=STROKES[0]["color"])  # fmt: skip
+    tolerance = tolerance_of(data)
+    lower.axhline(tolerance, label="tolerance of a step", color="black", linestyle="--",
+                  linewidth=0.8)  # fmt: skip
+    shown = np.append(seen[audit > 0], tolerance)
+    lower.set_ylim(shown.min() / 5, shown.max() * 5)
+    _legend(lower)
+    lower.yaxis.set_major_locator(LogLocator(numticks=6))
+    lower.yaxis.set_minor_locator(NullLocator())
+    lower.set_ylabel("|audit| over\ninitial energy")
+    lower.set_xlabel(f"time $t$  {_unit(data, 'time')}")
+    page.align_ylabels()

@@ -1,0 +1,202 @@
+"""The SciPy routes: DOP853, LSODA, Radau and BDF on the CasADi graph, watched step by step."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..base.types import Floats
+from .flow import Evaluator
+from .leg import UNRESOLVED, Budget, End, Leg, Path
+
+FINEST = 100 * np.finfo(float).eps
+"""Smallest relative tolerance that SciPy accepts."""
+NAMES = {"dop853": "DOP853", "lsoda": "LSODA", "radau": "Radau", "bdf": "BDF"}
+"""SciPy's class by the name of the method."""
+ULPS = 4 * np.finfo(float).eps
+"""Relative accuracy to which an event is located."""
+STIFF = ("lsoda", "radau", "bdf")
+"""Those that use the Jacobian, which is automatic."""
+LOOKS = 1.0
+"""Looks at the guards in a unit of time, over the fastest angular velocity: a longer step has some
+within."""
+MOST_LOOKS = 1000
+"""And at most."""
+
+
+def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
+    """Run one leg with a SciPy solver and locate the first guard that reaches zero.
+
+    After each step the guards and their rates are evaluated at its end, and within it where it is
+    long for the motion's pace.  A sign change, or a lowest point, is resolved on the solver's dense
+    output.
+
+    Parameters
+    ----------
+    leg
+        What is asked.
+    method
+        A key of `NAMES`.
+    clock
+        Values of the last state variable, which must rise, at which to sample in place of times;
+        the run ends when all of them are reached, and the path begins at the first of them.
+
+    Returns
+    -------
+    Path
+    """
+    from scipy import integrate as scipy_integrate
+
+    run = Evaluator(leg.flow, leg.p)
+    options: dict[str, Any] = {"rtol": max(leg.tolerance, FINEST), "atol": leg.absolute}
+    if method in STIFF:
+        options["jac"] = run.jacobian
+    samples, budget = _Samples(leg, clock), Budget(leg.seconds)
+    steps, last = 0, float(leg.times[-1])
+    if len(leg.times) == 1:
+        return Path(leg.start[None], None, 0)
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")  # a solver's trouble is reported by its status
+        solver = getattr(scipy_integrate, NAMES[method])(
+            run.rates, float(leg.times[0]), leg.start, last, **options
+        )
+        good, time = leg.start.copy(), float(leg.times[0])
+        before = run.watch(leg.start)
+        while solver.status == "running" and not samples.done:
+            message = solver.step() if steps < leg.max_steps else None
+            steps += 1
+            too_many = steps > leg.max_steps or budget.spent
+            if too_many or solver.status == "failed" or not np.isfinite(solver.y).all():
+                many = budget.message if budget.spent else f"more than {leg.max_steps} steps"
+                why = message or (many if too_many else "the state is not finite")
+                return Path(samples.kept, End(UNRESOLVED, time, good, why), steps - too_many)
+            after = run.watch(solver.y)
+            found = _first_zero(solver, run, before, after)
+            samples.take(solver, None if found is None else found[0])
+            if found is not None:
+                end = End(found[1], found[0], solver.dense_output()(found[0]))
+                return Path(samples.kept, end, steps)
+            before, good, time = after, solver.y.copy(), float(solver.t)
+    return Path(samples.kept, None, steps)
+
+
+class _Samples:
+    """What is kept of a run: the states at given times, or at given values of a clock."""
+
+    def __init__(self, leg: Leg, clock: Floats | None) -> None:
+        self.clock = clock
+        self.wanted = leg.times if clock is None else clock
+        self.states = np.empty((len(self.wanted), len(leg.start)))
+        self.filled = 0
+        if clock is None:
+            self.states[0], self.filled = leg.start, 1
+
+    @property
+    def kept(self) -> Floats:
+        return self.states[: self.filled]
+
+    @property
+    def done(self) -> bool:
+        """Whether a clock has nothing more to ask; times are asked to the end anyway."""
+        return self.clock is not None and self.filled == len(self.wanted)
+
+    def take(self, solver: Any, until: float | None) -> None:
+        """Keep what was asked within the last step, up to an event in it."""
+        reached = solver.t if until is None else until
+        value = reached
+        if self.clock is not None:
+            value = solver.y[-1] if until is None else solver.dense_output()(until)[-1]
+        upto = int(np.searchsorted(self.wanted, value, "right" if until is None else "left"))
+        if upto <= self.filled:
+            return
+        dense, wanted = solver.dense_output(), self.wanted[self.filled : upto]
+        if self.clock is not None:
+            wanted = np.array([_when(dense, w, solver.t_old, reached) for w in wanted])
+        self.states[self.filled : upto] = dense(wanted).T
+        if self.clock is None and until is None and wanted[-1] == solver.t:
+            self.states[upto - 1] = solver.y
+        self.filled = upto
+
+
+def _when(dense: Any, value: float, low: float, high: float) -> float:
+    """The time within a step at which its clock shows a value."""
+    from scipy.optimize import brentq
+
+    ends = [float(dense(t)[-1]) - value for t in (low, high)]
+    if ends[0] >= 0:
+        return low
+    if ends[1] <= 0:
+        return high
+    return float(brentq(lambda t: float(dense(t)[-1]) - value, low, high, xtol=1e-300, rtol=ULPS))
+
+
+def _first_zero(
+    solver: Any, run: Evaluator, before: tuple[Floats, Floats], after: tuple[Floats, Floats]
+) -> tuple[float, str] | None:
+    """The first zero of a guard within the last step, and the guard's name."""
+    step = solver.t - solver.t_old
+    _, *rates = solver.y[:4].tolist()
+    parts, dense = 1, None
+    if run.paced and LOOKS * step * math.hypot(1.0, *rates) > 1:
+        pace = max(1.0, *(abs(r) for r in rates))
+        parts = int(min(max(1.0, np.ceil(LOOKS * step * pace)), MOST_LOOKS))
+    times, seen = [solver.t_old, solver.t], [before, after]
+    if parts > 1:
+        dense = solver.dense_output()
+        times = np.linspace(solver.t_old, solver.t, parts + 1).tolist()
+        seen = [before, *(run.watch(dense(t)) for t in times[1:-1]), after]
+    found: list[tuple[float, str]] = []
+    for low, high, one, two in zip(times, times[1:], seen, seen[1:], strict=False):
+        step = high - low
+        for i, name in enumerate(run.flow.guards):
+            # positive at the end, and no lowest point within
+            if two[0][i] > 0 and not (step * one[1][i] < 0 < step * two[1][i]):
+                continue
+            if dense is None:
+                dense = solver.dense_output()
+            zero = _locate(partial(_value, run, dense, i), low, high)
+            if zero is not None:
+                found.append((zero, name))
+        if found:
+            break
+    return min(found, default=None)
+
+
+def _value(run: Evaluator, dense: Any, i: int, t: float) -> float:
+    """Guard i on the dense output."""
+    return float(run.watch(dense(t))[0][i])
+
+
+def _locate(guard: Callable[[float], float], low: float, high: float) -> float | None:
+    """The first zero of a falling guard on [low, high], if it has one."""
+    from scipy.optimize import brentq, minimize_scalar
+
+    grid = np.linspace(low, high, 9)
+    values = np.array([guard(t) for t in grid])
+    below = np.flatnonzero(~(values > 0))
+    below = below[below > 0]  # a run starts with its guards positive, or at zero and rising
+    if below.size == 0:
+        lowest = int(np.argmin(values))
+        bracket = grid[max(lowest - 1, 0)], grid[min(lowest + 1, 8)]
+        best = minimize_scalar(guard, bounds=bracket, method="bounded")
+        if not best.fun < 0:
+            return None
+        left, right = bracket[0], float(best.x)
+    else:
+        left, right = grid[below[0] - 1], grid[below[0]]
+    if not np.isfinite(guard(right)):
+        return None
+    if guard(left) <= 0:
+        return float(left)
+    return float(brentq(guard, left, right, xtol=1e-15 * max(1.0, abs(right)), rtol=ULPS))
+
+
+METHODS: dict[str, Callable[[Leg], Path]] = {
+    name: partial(integrate, method=name) for name in NAMES
+}
+"""The SciPy routes by name."""

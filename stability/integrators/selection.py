@@ -1,0 +1,270 @@
+"""The integrators by name, and which of them `auto` takes: the cheaper by a model of both costs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..base.checks import known
+from ..base.errors import ParameterError
+from ..base.types import Floats
+from . import scipy_methods as stepping
+from . import sundials, taylor
+from .leg import UNRESOLVED, Budget, Integrate, Leg, Path
+
+HEYOKA = "heyoka"
+DRY = "disk, coulomb"
+"""Name of the system whose Jacobian does not exist without slip."""
+METHODS: dict[str, Integrate] = {
+    HEYOKA: taylor.integrate, **stepping.METHODS, **sundials.METHODS,
+}  # fmt: skip
+"""Every integrator by name; heyoka is there where it is installed."""
+FINEST = {
+    HEYOKA: taylor.FINEST, **dict.fromkeys(stepping.METHODS, stepping.FINEST),
+    **dict.fromkeys(sundials.METHODS, sundials.FINEST),
+}  # fmt: skip
+"""The smallest tolerance that each passes on to its library."""
+TURN, TURN_POWER = {HEYOKA: 500.0, "dop853": 190.0}, 0.12
+"""An explicit method is dearer where stiffness exceeds TURN (tolerance / 1e-6)^-TURN_POWER: dearer
+for the error that it ends with, which for Taylor's is far below that of CVODES at one tolerance."""
+PATIENCE = 4.0
+"""Steps of an explicit method per TURN and unit of time after which `auto` takes it for stiff."""
+EXPLICIT_TIGHT = 1e-10
+"""Without heyoka: tolerance from which DOP853 takes over from CVODES, which is of order 5."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The integrator of a leg and why."""
+
+    method: str
+    """Its name."""
+    reason: str
+    """One sentence."""
+
+
+def check_method(method: str) -> str:
+    """The name of an integrator that can run here, or `auto`.
+
+    Parameters
+    ----------
+    method
+        What the user asked for.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    NameUnknownError
+        If there is no such integrator.
+    ParameterError
+        If it is not installed.
+
+    Examples
+    --------
+    >>> check_method("lsoda")
+    'lsoda'
+    """
+    known("method", method, ("auto", *METHODS))
+    if method == "auto":
+        return "auto"
+    if method == HEYOKA and not taylor.available():
+        raise ParameterError(
+            "method is 'heyoka', which is not installed; install stability[heyoka], or take "
+            "another method."
+        )
+    return method
+
+
+def stiffness(legs: Sequence[Leg], enough: Floats | float = 0.0) -> Floats:
+    """Fastest rate of the linearised motion over the rate of the motion itself.
+
+    The Jacobian is taken at the start, and there without slip, which is where a stiff motion soon
+    is: while a disk slides fast its normal force, and with it the stiffness, can be small.
+
+    Parameters
+    ----------
+    legs
+        What is asked; they share their flow.
+    enough
+        Below this a bound will do.
+
+    Returns
+    -------
+    ndarray
+        Largest modulus of an eigenvalue of the Jacobian, over the largest angular velocity or 1,
+        one for each leg; an upper bound of it (the row-sum norm) where that is below `enough`.
+    """
+    flow = legs[0].flow
+    own = len(flow.system.states)
+    points = np.array([leg.start for leg in legs])
+    p = np.array([leg.p for leg in legs])
+    pace = np.maximum(1.0, np.abs(points[:, 1:4]).max(axis=1))
+    matrices = [flow.jacobians(points, p)[:, :own, :own]]
+    if own == 6 and flow.system.name != DRY and points[:, 4:6].any():
+        points[:, 4:6] = 0.0
+        matrices.append(flow.jacobians(points, p)[:, :own, :own])
+    with np.errstate(all="ignore"):
+        bounds = [np.abs(m).sum(axis=2).max(axis=1) / pace for m in matrices]
+        fastest = np.max(bounds, axis=0)
+        dear = np.flatnonzero(~(fastest < enough))
+        if dear.size:
+            fastest[dear] = np.max([_fastest(m[dear]) / pace[dear] for m in matrices], axis=0)
+    return np.asarray(fastest)
+
+
+def _fastest(matrices: Floats) -> Floats:
+    """The spectral radius of each matrix; infinite where it is not finite."""
+    finite = np.isfinite(matrices).all(axis=(1, 2))
+    radius = np.full(len(matrices), np.inf)
+    radius[finite] = np.abs(np.linalg.eigvals(matrices[finite])).max(axis=1)
+    return radius
+
+
+def explicit() -> str:
+    """The best explicit method that is installed.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> explicit() in METHODS
+    True
+    """
+    return HEYOKA if taylor.available() else "dop853"
+
+
+def choose(legs: Sequence[Leg]) -> list[Choice]:
+    """What `auto` takes for each leg.
+
+    An explicit method's steps are bounded by its stability, so their number grows in proportion to
+    the stiffness; an implicit one's do not, but grow faster as the tolerance falls.
+    `benchmarks/motion.py` draws both curves.
+
+    Parameters
+    ----------
+    legs
+        What is asked; they share their flow.
+
+    Returns
+    -------
+    list of Choice
+    """
+    turns = np.array([_turn(leg) for leg in legs])
+    found = zip(legs, turns.tolist(), stiffness(legs, turns).tolist(), strict=True)
+    return [_choice(leg, turn, stiff) for leg, turn, stiff in found]
+
+
+def _choice(leg: Leg, turn: float, stiff: float) -> Choice:
+    if stiff > turn:
+        return Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
+    name, only = explicit(), ""
+    if not taylor.available():
+        only = ", and heyoka is not installed"
+        if leg.tolerance > EXPLICIT_TIGHT:
+            name, only = "cvodes", ", but heyoka is not installed"
+    why = f"stiffness up to {stiff:.3g}, below {turn:.3g}: explicit is cheaper{only}"
+    return Choice(name, why)
+
+
+def _turn(leg: Leg) -> float:
+    return float(TURN[explicit()] * (leg.tolerance / 1e-6) ** -TURN_POWER)
+
+
+def _patient(leg: Leg) -> Leg:
+    """The leg with no more steps than an explicit method takes where it is the cheaper one."""
+    pace = max(1.0, float(np.abs(leg.start[1:4]).max()))
+    span = float(leg.times[-1] - leg.times[0]) * pace
+    most = 20_000 + PATIENCE * _turn(leg) * span
+    return replace(leg, max_steps=int(min(leg.max_steps, most)))
+
+
+def run(
+    legs: Sequence[Leg],
+    method: str = "auto",
+    *,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[list[Path], list[Choice]]:
+    """Run legs of one flow and number of times.
+
+    Parameters
+    ----------
+    legs
+        What is asked.
+    method
+        A key of `METHODS`, or `auto`: then a leg on which its integrator gives up is tried with
+        another.
+    workers
+        Threads for heyoka's batches.
+    progress
+        Called with (done, total).
+
+    Returns
+    -------
+    paths, choices
+        One each for every leg.
+    """
+    auto = method == "auto"
+    choices = choose(legs) if auto else [Choice(method, "asked for")] * len(legs)
+    asked = legs
+    if auto:
+        legs = [
+            _patient(leg) if choice.method != "cvodes" else leg
+            for leg, choice in zip(legs, choices, strict=True)
+        ]
+    paths: list[Path | None] = [None] * len(legs)
+    total, done = len(legs), 0
+
+    def advance(count: int) -> None:
+        nonlocal done
+        done += count
+        if progress is not None:
+            progress(done, total)
+
+    groups: dict[float, list[int]] = {}
+    for i, (leg, choice) in enumerate(zip(legs, choices, strict=True)):
+        if choice.method == HEYOKA:
+            groups.setdefault(leg.tolerance, []).append(i)
+    for mine in groups.values():
+        if len(mine) == 1:
+            continue
+        found = taylor.integrate_many([legs[i] for i in mine], workers, advance)
+        for i, path in zip(mine, found, strict=True):
+            paths[i] = path
+    for i, leg in enumerate(legs):
+        known = paths[i]
+        path = known if known is not None else _timed(choices[i].method, leg)
+        if known is None:
+            advance(1)
+        gave_up = path.end is not None and path.end.kind == UNRESOLVED
+        if auto and gave_up and path.steps < asked[i].max_steps:
+            path, choices[i] = _second(asked[i], path, choices[i])
+        paths[i] = path
+    return [p for p in paths if p is not None], choices
+
+
+def _timed(method: str, leg: Leg) -> Path:
+    """The path by one method, with the computing time that it took."""
+    budget = Budget(leg.seconds)
+    path = METHODS[method](leg)
+    return replace(path, seconds=budget.used)
+
+
+def _second(leg: Leg, first: Path, choice: Choice) -> tuple[Path, Choice]:
+    """Another integrator where the chosen one gave up; the first answer if it does no better."""
+    assert first.end is not None
+    if first.seconds >= leg.seconds:
+        return first, choice
+    other = "lsoda" if choice.method == "cvodes" else "cvodes"
+    second = _timed(other, replace(leg, seconds=leg.seconds - first.seconds))
+    second = replace(second, seconds=first.seconds + second.seconds)
+    if second.end is not None and second.end.kind == UNRESOLVED:
+        return replace(first, seconds=second.seconds), choice
+    return second, Choice(other, f"{choice.method} gave up at {first.end.time:.6g}")

@@ -1,0 +1,471 @@
+"""Dry friction without regularisation: sliding, landing, sticking, and the passage between them.
+
+The slip is a vector, so |vA| → 0 is an event of codimension two: no signed function of the state
+crosses zero there.  Near it the slip is taken in polar form with the logarithm of its size,
+vA = e^ℓ (cos α, sin α), and time is stretched by dt = |vA| dτ.  Then
+
+    dℓ/dτ = f(α, …),   dα/dτ = h(α, …)
+
+is smooth up to |vA| = 0 (f and h are the slip's acceleration along and across its direction), and
+a motion that comes to rest tends to a direction with h = 0, f < 0.  It has landed when |vA| has
+fallen below `REST`; what is left of the time, |vA|/|f|, is below rounding.
+
+At rest `stability.integrators.friction_at_rest` lists every continuation.  Exactly one must be
+left; none or several end the run with an outcome that says so.  tests/test_coulomb.py holds all
+this against an inertial formulation and against the limit of regularised friction.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from ..base.types import Floats
+from ..bodies.disk_equations import disk_system
+from .flow import CONE, FLAT, LIFT_OFF, NO_CONTACT, POSE, Flow, _pose_rates, flow
+from .friction_at_rest import continuations, polish, slip_acceleration, sticking_force
+from .leg import UNRESOLVED, Budget, End, Leg, Path
+from .scipy_methods import integrate as integrate_scipy
+from .selection import METHODS, explicit
+
+NEAR = 1e-3
+"""Slip speed below which the polar form takes over [√(gR)]."""
+AWAY = 2e-3
+"""Slip speed at which it hands back."""
+REST = 1e-15
+"""Slip speed that counts as rest: what is left of the landing is below rounding."""
+ONSET = 1e-4
+"""Time over which an onset of slip is a series, times the fastest angular velocity or √(g/R); its
+error is of the order of its cube."""
+DEPARTURE = 1e-6
+"""Step by which a slip with f > 0 leaves rest, in the same unit; its error is of the order of its
+square."""
+STRETCHED = 1e12
+"""Longest stretched time of one landing or onset."""
+ONSET_GRID = 401
+"""Points over the stiff part of an onset."""
+TRANSITIONS = 10_000
+"""Transitions after which a run gives up."""
+SMALL, LANDED, LEFT = "small", "landed", "left"
+STICK, SLIP, REVERSE, NON_UNIQUE = "stick", "slip", "reverse", "non-unique"
+SLIDING, STICKING = 0, 1
+"""Modes of a sample."""
+
+
+@dataclass(frozen=True, eq=False)
+class Transition:
+    """A passage from sliding to sticking or back."""
+
+    kind: str
+    """`stick`, `slip`, or `reverse`: the slip passes through zero and sets in again at once."""
+    time: float
+    """When."""
+    state: Floats
+    """y there (that of sliding, with no slip)."""
+    direction: float
+    """Direction of the slip before sticking, or of the slip that sets in: angle from x̂ [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class DryPath:
+    """A motion with dry friction."""
+
+    path: Path
+    """y of sliding at the asked times, and the end."""
+    modes: Floats
+    """`SLIDING` or `STICKING` at each sample."""
+    transitions: list[Transition]
+    """In order of time."""
+    mode: int
+    """The mode in which it ended."""
+
+
+@lru_cache(maxsize=4)
+def polar_flow(*, pose: bool) -> Flow:
+    """Sliding in polar form and stretched time: y with ln|vA|, α for the slip, then the time.
+
+    Parameters
+    ----------
+    pose
+        As for `flow`.
+
+    Returns
+    -------
+    Flow
+        Parameters k, mu, flat; y ends with the time.
+    """
+    system = disk_system("coulomb", direction=True)
+    y = ca.SX.sym("y", 8 + (len(POSE) if pose else 0))
+    size, angle = ca.exp(y[4]), y[5]
+    slip = [size * ca.cos(angle), size * ca.sin(angle)]
+    x = ca.vertcat(y[:4], *slip)
+    k, mu = system.p[0], system.p[1]
+    seen = system.observables
+    inner = [system.rhs, seen["normal_force"], seen["determinant"], seen["power"]]
+    rates, normal, determinant, power = ca.substitute(
+        inner, [system.x, system.p], [x, ca.vertcat(k, mu, angle)]
+    )
+    along = ca.cos(angle) * rates[4] + ca.sin(angle) * rates[5]
+    across = ca.cos(angle) * rates[5] - ca.sin(angle) * rates[4]
+    rhs = [size * rates[:4], along, across, size * power]
+    names = ["theta", "theta_dot", "phi_dot", "omega3", "log_slip", "direction", "work"]
+    if pose:
+        rhs.append(size * _pose_rates(x, ca.vertcat(*slip), y[7:11]))
+        names += POSE
+    flat = ca.SX.sym("flat")
+    guards = {
+        LIFT_OFF: normal * determinant, FLAT: ca.sin(y[0]) - flat, NO_CONTACT: determinant,
+        LANDED: y[4] - math.log(REST), LEFT: math.log(AWAY) - y[4],
+    }  # fmt: skip
+    return Flow(
+        system, y, ca.vertcat(k, mu, flat), ca.vertcat(*rhs, size), guards,
+        (*names, "time"),
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=4)
+def sliding_flow(*, pose: bool) -> Flow:
+    """Sliding as the plain equations, with a guard where the slip becomes small.
+
+    Parameters
+    ----------
+    pose
+        As for `flow`.
+
+    Returns
+    -------
+    Flow
+    """
+    plain = flow("coulomb", pose=pose)
+    small = plain.x[4] ** 2 + plain.x[5] ** 2 - NEAR**2
+    return dataclasses.replace(plain, guards={**plain.guards, SMALL: small})
+
+
+@lru_cache(maxsize=4)
+def held_flow(*, pose: bool) -> Flow:
+    """Sticking without its guards, for the brief start of an onset, which lies beyond the cone.
+
+    Parameters
+    ----------
+    pose
+        As for `flow`.
+
+    Returns
+    -------
+    Flow
+    """
+    return dataclasses.replace(flow("coulomb", pose=pose, sticking=True), guards={})
+
+
+class _Dry:
+    """One run through its modes; y is that of sliding (with slip), whatever the mode."""
+
+    def __init__(self, leg: Leg, method: str, pose: bool) -> None:
+        self.leg, self.method, self.pose = leg, method, pose
+        self.k, self.mu = (float(v) for v in leg.p[:2])
+        self.times = leg.times
+        self.time, self.y = float(leg.times[0]), leg.start.copy()
+        self.rows: list[Floats] = [leg.start.copy()]
+        self.modes: list[int] = []
+        self.transitions: list[Transition] = []
+        self.steps = 0
+        self.budget = Budget(leg.seconds)
+        self.onset = 0.0  # stretched time for which the slip has hardly begun, and is stiff
+        self.end: End | None = None
+
+    def run(self) -> DryPath:
+        size = math.hypot(self.y[4], self.y[5])
+        mode = self._rest(None) if size <= REST else SLIDING
+        self.modes.append(STICKING if mode == STICKING else SLIDING)
+        last = float(self.times[-1])
+        while self.end is None and self.time < last:
+            if len(self.transitions) > TRANSITIONS:
+                self._stop(UNRESOLVED, f"more than {TRANSITIONS} transitions")
+            elif self.steps > self.leg.max_steps:
+                self._stop(UNRESOLVED, f"more than {self.leg.max_steps} steps")
+            elif self.budget.spent:
+                self._stop(UNRESOLVED, self.budget.message)
+            elif mode == STICKING:
+                mode = self._stick()
+            elif math.hypot(self.y[4], self.y[5]) <= NEAR:
+                mode = self._near()
+            else:
+                mode = self._slide()
+        path = Path(np.array(self.rows), self.end, self.steps, self.budget.used)
+        return DryPath(path, np.array(self.modes, dtype=float), self.transitions, mode)
+
+    # --- one mode each: run to its end, and say the next ---
+
+    def _slide(self) -> int:
+        kind = self._advance(sliding_flow(pose=self.pose), self.y, SLIDING, lambda y: y)
+        if kind is not None and kind != SMALL:
+            self._stop(kind)
+        elif kind == SMALL:  # step inside, so that rounding cannot hold it at the border
+            self.y[4:6] *= NEAR * (1 - 1e-12) / math.hypot(self.y[4], self.y[5])
+        return SLIDING
+
+    def _stick(self) -> int:
+        stick = flow("coulomb", pose=self.pose, sticking=True)
+        start, first = np.delete(self.y, [4, 5]), len(self.rows)
+        kind = self._advance(stick, start, STICKING, lambda y: np.insert(y, [4, 4], 0.0, axis=-1))
+        if self._ambiguous(first):
+            return STICKING
+        if kind == CONE:
+            return self._onset()
+        if kind is not None:
+            self._stop(kind)
+        return STICKING
+
+    def _ambiguous(self, first: int) -> bool:
+        """Whether slip could also have set in at a sample of sticking: then the run ends there.
+
+        Below mu = 2√(k(k+1)) the continuation is unique (docs/dry-friction.md), and nothing is
+        looked for.
+        """
+        if self.mu < 2 * math.sqrt(self.k * (self.k + 1)):
+            return False
+        for i in range(first, len(self.rows)):
+            ways = continuations(self.rows[i][:4], self.k, self.mu)
+            if ways.directions or ways.lifts:
+                self.time, self.y = float(self.times[i]), self.rows[i].copy()
+                del self.rows[i + 1 :], self.modes[i + 1 :]
+                lifts = ", and the contact can lift off" if ways.lifts else ""
+                why = f"while sticking slip can set in at {ways.directions} rad{lifts}"
+                self._stop(NON_UNIQUE, why)
+                return True
+        return False
+
+    def _near(self) -> int:
+        """Polar form: to rest, back to plain sliding, or to an end."""
+        state = np.append(self.y, self.time)
+        state[4] = math.log(math.hypot(self.y[4], self.y[5]))
+        state[5] = math.atan2(self.y[5], self.y[4])
+        path = self._setting_in(state) if self.onset else None
+        self.onset = 0.0
+        if path is None or path.end is None:
+            leg = self._polar_leg(path.states[-1] if path else state, np.array([0.0, STRETCHED]))
+            path = integrate_scipy(leg, method="lsoda", clock=self.times[len(self.rows) :])
+            self.steps += path.steps
+            for row in path.states:
+                self._sample(self._cartesian(row), SLIDING)
+        if path.end is None:  # the last sample was reached, or nothing happens any more
+            if len(self.rows) < len(self.times):
+                self._stop(UNRESOLVED, "the slip neither ends nor grows")
+            self.time = float(self.times[-1])
+            return SLIDING
+        self.time, self.y = float(path.end.state[-1]), self._cartesian(path.end.state)
+        if path.end.kind == LANDED:
+            angle = float(path.end.state[5])
+            self.y[4:6] = 0.0
+            return self._rest(angle)
+        if path.end.kind != LEFT:
+            self._stop(path.end.kind, path.end.message)
+        return SLIDING
+
+    def _polar_leg(self, state: Floats, span: Floats) -> Leg:
+        tolerance = max(self.leg.tolerance / 10, 1e-14)
+        which = polar_flow(pose=self.pose)
+        return self._leg(which, state, span, tolerance)
+
+    def _leg(self, which: Flow, start: Floats, times: Floats, tolerance: float) -> Leg:
+        """A leg with the computing time that is left."""
+        most, left = self.leg.max_steps, self.budget.left
+        return Leg(which, self.leg.p, start, times, tolerance, most, left)
+
+    def _setting_in(self, state: Floats) -> Path:
+        """The first part of an onset, which is stiff: the direction adjusts at once.
+
+        Samples come from cubics through the grid in time, with the rates at both ends.
+        """
+        from scipy.interpolate import CubicHermiteSpline
+
+        # even in the logarithm of time: t from the first instant to a hundred times it
+        grid = (1 - 1 / np.geomspace(1.0, 100.0, ONSET_GRID)) * (self.onset / 0.99)
+        # an even grid in stretched time would be as fine as the onset is slow: 50 000 looks
+        leg = dataclasses.replace(self._polar_leg(state, grid), dense=True)
+        path = METHODS["cvodes"](leg)
+        self.steps += path.steps
+        known = path.states if path.end is None else np.vstack([path.states, path.end.state])
+        due = self.times[len(self.rows) :]
+        due = due[due <= known[-1, -1]]
+        if due.size:
+            own = np.array([self._cartesian(row) for row in known])
+            rates = np.array(flow("coulomb", pose=self.pose).rates(own.T, self.leg.p)).T
+            # a loose run's time may stand still or go back by its error: only later times count
+            latest = np.maximum.accumulate(known[:, -1])
+            keep = np.append(True, known[1:, -1] > latest[:-1])
+            cubic = CubicHermiteSpline(known[keep, -1], own[keep], rates[keep])
+            for row in cubic(due):
+                self._sample(row, SLIDING)
+        return path
+
+    def _cartesian(self, state: Floats) -> Floats:
+        """The state of plain sliding from that in polar form."""
+        y = state[: len(self.y)].copy()
+        size = math.exp(state[4])
+        y[4:6] = size * math.cos(state[5]), size * math.sin(state[5])
+        return y
+
+    def _rest(self, arrival: float | None) -> int:
+        """At rest: the one way on, or an end."""
+        ways = continuations(self.y[:4], self.k, self.mu)
+        if ways.count == 1 and ways.sticks:
+            if arrival is not None:
+                self._note(STICK, arrival)
+            return STICKING
+        if ways.count == 1 and ways.directions:
+            return self._depart(ways.directions[0], arrival)
+        if ways.count == 0 and ways.ratio <= 1 + 1e-9:  # on the edge of the cone
+            return self._onset()
+        kind = NO_CONTACT if ways.count == 0 else NON_UNIQUE
+        if ways.lifts and not ways.pressed:
+            kind = LIFT_OFF
+        self._stop(
+            kind,
+            f"|F|/(mu gn) of sticking is {ways.ratio:.6g}, slip can set in at "
+            f"{[round(a, 6) for a in ways.directions]} rad"
+            + (", and the contact can lift off" if ways.lifts else ""),
+        )
+        return STICKING
+
+    def _depart(self, angle: float, arrival: float | None) -> int:
+        """Leave rest at once in a direction with f > 0: the slip grows in proportion to time."""
+        self._note(SLIP if arrival is None else REVERSE, angle)
+        system = disk_system("coulomb", direction=True)
+        plain = flow("coulomb", pose=self.pose)
+        rates = np.array(plain.rates(self._along(angle), self.leg.p)).ravel()
+        rates[:6] = system.rates(self.y[:6], [self.k, self.mu, angle])
+        due = float(self.times[len(self.rows)])
+        step = min(self._brief(DEPARTURE), (due - self.time) / 2)
+        step = self._before_a_guard(plain, step, rates)
+        self.y += step * rates
+        self.time += step
+        return SLIDING
+
+    def _before_a_guard(self, plain: Flow, step: float, rates: Floats) -> float:
+        """A step that is short enough for no guard to be passed."""
+        for _ in range(60):
+            there = self.y + step * rates
+            if (plain.margins(there, self.leg.p)[0] > 0).all():
+                break
+            step /= 4
+        return step
+
+    def _along(self, angle: float) -> Floats:
+        """The state with the least slip in a direction, where the plain rates have a meaning."""
+        y = self.y.copy()
+        y[4:6] = REST * math.cos(angle), REST * math.sin(angle)
+        return y
+
+    def _onset(self) -> int:
+        """Leave the friction cone: slip sets in against the force, and grows as time squared."""
+        _, fx, fy = sticking_force(self.y[:4], self.k)
+        angle = math.atan2(-fy, -fx)
+        others = [
+            a for a in continuations(self.y[:4], self.k, self.mu).directions
+            if math.cos(a - angle) < 0.999
+        ]  # fmt: skip
+        if others:
+            self._stop(NON_UNIQUE, f"at the edge of the cone slip can also set in at {others} rad")
+            return STICKING
+        before, when, span = self.y.copy(), self.time, self._brief(ONSET)
+        due = self.times[len(self.rows) :]
+        due = due[due < when + span]
+        grid = np.concatenate([[when], due[due > when], [when + span]])
+        leg = self._leg(held_flow(pose=self.pose), np.delete(before, [4, 5]), grid, 1e-13)
+        stuck = np.insert(METHODS["dop853"](leg).states, [4, 4], 0.0, axis=-1)
+        after = stuck[-1]
+        angle = polish(after[:4], self.k, self.mu, angle)
+        f = float(slip_acceleration(after[:4], self.k, self.mu, np.array([angle]))[0][0])
+        for t, row in zip(leg.times[1:-1], stuck[1:-1], strict=True):
+            share = (t - when) / span
+            excess = self._excess(after, angle, span) - after if f > 0 else 0.0 * after
+            excess[1:] *= share**2
+            excess[0] *= share**3
+            self._sample(row + excess, SLIDING if f > 0 else STICKING)
+        self.time = when + span
+        if f <= 0:  # the cone was only grazed
+            self.y = after
+            return STICKING
+        self.transitions.append(Transition(SLIP, when, before, angle))
+        # with |vA| = c t²/2 the stretched time from t to ever is 2/(c t), and f = c t
+        self.y, self.onset = self._excess(after, angle, span), 0.99 * 2 / f
+        return SLIDING
+
+    def _brief(self, share: float) -> float:
+        """A short time: a share of that in which the disk turns by a radian."""
+        return share / max(1.0, float(np.abs(self.y[1:4]).max()))
+
+    def _excess(self, stuck: Floats, angle: float, span: float) -> Floats:
+        """The state after a brief time of slip, from that of sticking.
+
+        The excess acceleration has grown in proportion to time, so that velocities gain a half of
+        it and angles a sixth.
+        """
+        slipping = disk_system("coulomb", direction=True).rates(stuck[:6], [self.k, self.mu, angle])
+        held = disk_system("rough").rates(stuck[:4], [self.k])
+        excess = slipping - np.append(held, [0.0, 0.0])
+        y = stuck.copy()
+        y[1:6] += excess[1:6] * span / 2
+        y[0] += excess[1] * span**2 / 6
+        return y
+
+    # --- book-keeping ---
+
+    def _advance(
+        self, which: Flow, start: Floats, mode: int, back: Callable[[Floats], Floats],
+    ) -> str | None:  # fmt: skip
+        """Run a flow over the samples that are left; the guard that ended it, or None."""
+        rest = self.times[len(self.rows) :]
+        times = np.concatenate([[self.time], rest])
+        leg = self._leg(which, start, times, self.leg.tolerance)
+        auto = self.method == "auto"
+        path = METHODS[explicit() if auto else self.method](leg)
+        if auto and path.end is not None and path.end.kind == UNRESOLVED:
+            path = METHODS["lsoda"](leg)
+        self.steps += path.steps
+        for row in path.states[1:]:
+            self._sample(back(row), mode)
+        if path.end is None:
+            self.time, self.y = float(self.times[-1]), self.rows[-1].copy()
+            return None
+        self.time, self.y = path.end.time, back(path.end.state).copy()
+        if path.end.kind == UNRESOLVED:
+            self._stop(UNRESOLVED, self.budget.message if self.budget.spent else path.end.message)
+        return path.end.kind
+
+    def _sample(self, y: Floats, mode: int) -> None:
+        self.rows.append(y)
+        self.modes.append(mode)
+
+    def _note(self, kind: str, angle: float) -> None:
+        self.transitions.append(Transition(kind, self.time, self.y.copy(), angle))
+
+    def _stop(self, kind: str, message: str = "") -> None:
+        if self.end is None:
+            self.end = End(kind, self.time, self.y.copy(), message)
+
+
+def integrate(leg: Leg, method: str = "auto", *, pose: bool = False) -> DryPath:
+    """Run one launch with dry friction through sliding and sticking.
+
+    Parameters
+    ----------
+    leg
+        With the flow `flow("coulomb", pose=pose)`, parameters (k, mu, flat).
+    method
+        The integrator of sliding and sticking; landings and onsets take LSODA.
+    pose
+        Whether y holds the pose.
+
+    Returns
+    -------
+    DryPath
+    """
+    return _Dry(leg, method, pose).run()

@@ -1,0 +1,275 @@
+"""The CasADi routes: CVODES on the explicit graph, IDAS on the implicit one; good where stiff.
+
+A CasADi integrator runs through its whole grid in one call and cannot be stopped on the way.  So a
+leg is first run as a whole; the guards are then checked on the grid, and only where one of them
+falls, or where the library gave up, the interval is taken again in small pieces.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from contextlib import redirect_stderr
+from functools import lru_cache, partial
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ..base.types import Floats
+from .flow import Flow
+from .leg import UNRESOLVED, Budget, End, Leg, Path
+
+FILL = 200
+"""Intervals at which the guards are checked at least."""
+LOOKS, MOST_LOOKS = 10.0, 50_000
+"""How often in a unit of time, over the fastest angular velocity at the start, and at most."""
+EARLY, EARLY_LOOKS = 1e-6, 25
+"""Looks within the first of these intervals: from this part of it on, evenly in the logarithm."""
+FINEST = 1e-15
+"""Smallest tolerance that is passed on."""
+STEPS = 5_000
+"""Steps within one interval of the grid after which the library gives up."""
+ZERO = 1e-6
+"""What a guard may be off zero at an event."""
+SHORTEST = 1e-10
+"""Length of an interval, relative to the whole, below which a failure is final."""
+
+
+@lru_cache(maxsize=64)
+def _integrator(
+    flow: Flow, plugin: str, tolerance: tuple[float, float], steps: int, grid: bytes
+) -> tuple[Any, Any]:
+    """A CasADi integrator over a grid of fractions of a span T, and the function for its z0."""
+    span = ca.SX.sym("span")
+    problem = {"x": flow.x, "p": ca.vertcat(flow.p, span), "ode": span * flow.rhs}
+    guess = None
+    if plugin == "idas":
+        system = flow.system
+        assert system.mass is not None
+        assert system.forcing is not None
+        z = ca.SX.sym("z", len(system.unknowns))
+        by_name = dict(zip(system.unknowns, ca.vertsplit(z), strict=True))
+        own = [by_name.get(f"d_{s}", flow.rhs[i]) for i, s in enumerate(system.states)]
+        rest = flow.rhs[len(own) :]
+        problem |= {
+            "z": z, "ode": span * ca.vertcat(*own, rest), "alg": system.mass @ z - system.forcing,
+        }  # fmt: skip
+        guess = ca.Function("z0", [flow.x, flow.p], [ca.solve(system.mass, system.forcing)])
+    options = {
+        "reltol": tolerance[0], "abstol": tolerance[1], "max_num_steps": steps,
+        "disable_internal_warnings": True, "show_eval_warnings": False,
+    }  # fmt: skip
+    if plugin == "idas":
+        options["suppress_algebraic"] = True
+    fractions = np.frombuffer(grid).tolist()
+    return ca.integrator("run", plugin, problem, 0.0, fractions, options), guess
+
+
+def _run(leg: Leg, plugin: str, start: Floats, times: Floats) -> tuple[Floats, int] | None:
+    """States at times[1:], from times[0]; None where the library gave up or left finite numbers."""
+    span = float(times[-1] - times[0])
+    fractions = (times[1:] - times[0]) / span
+    fractions[-1] = 1.0
+    tolerance = max(leg.tolerance, FINEST), max(leg.absolute, FINEST * 1e-3)
+    most = min(STEPS, leg.max_steps)
+    run, guess = _integrator(leg.flow, plugin, tolerance, most, fractions.tobytes())
+    given = {"x0": start, "p": np.append(leg.p, span)}
+    if guess is not None:
+        given["z0"] = guess(start, leg.p)
+    said = io.StringIO()
+    try:
+        with redirect_stderr(said):  # the library prints what the return value says
+            found = np.array(run(**given)["xf"]).T
+    except RuntimeError:
+        if "KeyboardInterrupt" in said.getvalue():  # CasADi takes it for a failure of the graph
+            raise KeyboardInterrupt from None
+        return None
+    steps = int(run.stats().get("nsteps", 0))
+    return (found, steps) if np.isfinite(found).all() else None
+
+
+def integrate(leg: Leg, *, plugin: str) -> Path:
+    """Run one leg with CVODES or IDAS.
+
+    Parameters
+    ----------
+    leg
+        What is asked.
+    plugin
+        `cvodes` or `idas`.
+
+    Returns
+    -------
+    Path
+    """
+    times = leg.times
+    if len(times) == 1:
+        return Path(leg.start[None], None, 0)
+    grid = _grid(leg)
+    at = np.searchsorted(grid, times)
+    whole = _run(leg, plugin, leg.start, grid)
+    if whole is None:
+        rest, end, steps = _march(leg, plugin, grid, leg.start)
+        known = np.vstack([leg.start[None], rest])
+        return Path(known[at[at < len(known)]], end, steps)
+    known, steps = np.vstack([leg.start[None], whole[0]]), whole[1]
+    if steps > leg.max_steps:
+        end = End(UNRESOLVED, float(times[0]), leg.start, f"more than {leg.max_steps} steps")
+        return Path(leg.start[None], end, leg.max_steps)
+    for i in _suspects(leg, grid, known):  # nearly always a low that stays above zero
+        _, end, more = _march(leg, plugin, grid[i : i + 2], known[i])
+        steps += more
+        if end is not None:
+            known = known[: i + 1]
+            return Path(known[at[at < len(known)]], end, steps)
+    return Path(known[at], None, steps)
+
+
+def _grid(leg: Leg) -> Floats:
+    """Times at which guards are looked at: those asked, and as many as the motion's pace needs.
+
+    A stiff motion first has its slip decay, over a time that the eye of an even grid would miss.
+    """
+    times = leg.times
+    if leg.dense:
+        return times
+    span = float(times[-1] - times[0])
+    pace = max(1.0, float(np.abs(leg.start[1:4]).max()))
+    count = int(min(max(FILL, LOOKS * span * pace), MOST_LOOKS))
+    even = np.linspace(times[0], times[-1], count + 1)
+    early = times[0] + (even[1] - even[0]) * np.geomspace(EARLY, 0.7, EARLY_LOOKS)
+    grid = np.union1d(times, np.union1d(even, early))
+    grid = grid[np.append(True, np.diff(grid) > 1e-14 * max(abs(times[-1]), 1e-300))]
+    return np.union1d(grid, times)
+
+
+def dips(g0: float, g1: float, d0: float, d1: float) -> bool:
+    """Whether a guard with these values and slopes on [0, 1] may come near zero within.
+
+    Parameters
+    ----------
+    g0, g1
+        Values at both ends.
+    d0, d1
+        Slopes there, times the length of the interval.
+
+    Returns
+    -------
+    bool
+        Whether the cubic through them falls below four fifths of the smaller value.
+
+    Examples
+    --------
+    >>> dips(1.0, 1.0, -4.0, 4.0), dips(1.0, 2.0, 0.5, 0.5)
+    (True, False)
+    """
+    if d0 >= 0 or d1 <= 0:
+        return False
+    s = np.linspace(0.0, 1.0, 9)
+    cubic = (
+        g0 * (1 + 2 * s) * (1 - s) ** 2 + d0 * s * (1 - s) ** 2
+        + g1 * s**2 * (3 - 2 * s) + d1 * s**2 * (s - 1)
+    )  # fmt: skip
+    return bool(cubic.min() < 0.8 * min(g0, g1))
+
+
+def _falls(steps: Floats, values: Floats, rates: Floats) -> Any:
+    """For each interval whether a guard ends it below zero, or may dip below within it."""
+    bad: Any = ~(values[1:] > 0).all(axis=-1)
+    turning = (rates[:-1] < 0) & (rates[1:] > 0)
+    for i, j in np.argwhere(turning):
+        h = steps[i]
+        bad[i] |= dips(values[i, j], values[i + 1, j], h * rates[i, j], h * rates[i + 1, j])
+    return bad
+
+
+def _suspects(leg: Leg, grid: Floats, states: Floats) -> list[int]:
+    """The intervals in which a guard may reach zero."""
+    values, rates = leg.flow.margins(states, leg.p)
+    return [int(i) for i in np.flatnonzero(_falls(np.diff(grid), values, rates))]
+
+
+def _march(leg: Leg, plugin: str, grid: Floats, start: Floats) -> tuple[Floats, End | None, int]:
+    """Interval by interval, each checked, with pieces as short as it takes."""
+    rows: list[Floats] = []
+    end: End | None = None
+    state, time, steps = start, float(grid[0]), 0
+    # the library cannot be stopped on the way: the time is looked at between the pieces
+    shortest, budget = SHORTEST * float(leg.times[-1] - leg.times[0]), Budget(leg.seconds)
+    for target in grid[1:]:
+        piece = float(target) - time
+        while time < target:
+            if budget.spent:
+                end = End(UNRESOLVED, time, state, budget.message)
+                return np.array(rows).reshape(-1, len(start)), end, steps
+            piece = min(piece, float(target) - time)
+            full = piece == float(target) - time
+            fine = np.linspace(time, float(target) if full else time + piece, 9)
+            got = _run(leg, plugin, state, fine)
+            if got is None:
+                piece /= 8
+                steps += min(STEPS, leg.max_steps)
+                if piece < shortest or steps > leg.max_steps:
+                    end = End(UNRESOLVED, time, state, f"{plugin} made no further step")
+                    return np.array(rows).reshape(-1, len(start)), end, steps
+                continue
+            steps += got[1]
+            if steps > leg.max_steps:
+                end = End(UNRESOLVED, time, state, f"more than {leg.max_steps} steps")
+                return np.array(rows).reshape(-1, len(start)), end, steps
+            states = np.vstack([state[None], got[0]])
+            for fall in _suspects(leg, fine, states):
+                end = _locate(leg, plugin, fine[fall : fall + 2], states[fall])
+                if end is not None:
+                    return np.array(rows).reshape(-1, len(start)), end, steps
+            state, time = got[0][-1], float(fine[-1])
+        rows.append(state)
+    return np.array(rows).reshape(-1, len(start)), None, steps
+
+
+def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
+    """The first guard that reaches zero within a short interval, by bisection on its length."""
+    from scipy.optimize import brentq, minimize_scalar
+
+    low, high = float(span[0]), float(span[1])
+
+    def at(t: float) -> Floats:
+        if t <= low:
+            return start
+        got = _run(leg, plugin, start, np.array([low, t]))
+        return np.full_like(start, np.nan) if got is None else got[0][-1]
+
+    ends: list[tuple[float, str]] = []
+    for i, name in enumerate(leg.flow.guards):
+
+        def guard(t: float, i: int = i) -> float:
+            value = float(leg.flow.margins(at(t), leg.p)[0][i])
+            return value if np.isfinite(value) else -1.0
+
+        right = high
+        if guard(high) > 0:
+            best = minimize_scalar(guard, bounds=(low, high), method="bounded")
+            if not best.fun < 0:
+                continue
+            right = float(best.x)
+        if guard(low) <= 0:
+            ends.append((low, name))
+            continue
+        xtol = 4 * np.finfo(float).eps * max(1.0, abs(high))
+        ends.append((float(brentq(guard, low, right, xtol=xtol)), name))
+    if not ends:
+        return None
+    when, name = min(ends)
+    state = at(when)
+    index = list(leg.flow.guards).index(name)
+    left = abs(float(leg.flow.margins(state, leg.p)[0][index]))
+    if not left < ZERO:  # the integrator failed there, or the state is not finite
+        return End(UNRESOLVED, low, start, f"{plugin} made no further step")
+    return End(name, when, state)
+
+
+METHODS: dict[str, Callable[[Leg], Path]] = {
+    name: partial(integrate, plugin=name) for name in ("cvodes", "idas")
+}
+"""The CasADi routes by name."""

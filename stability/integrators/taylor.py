@@ -1,0 +1,332 @@
+"""The Taylor route: heyoka integrates the same graph, one launch or many at once (optional)."""
+
+from __future__ import annotations
+
+import copy
+import importlib.util
+import math
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache, partial
+from threading import Lock
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ..algebra.number_types import Algebra
+from ..algebra.program import Program
+from ..base.types import Floats
+from ..jobs.pipeline import in_order
+from .flow import NO_CONTACT, Flow
+from .leg import UNRESOLVED, VISCOUS, Budget, End, Leg, Path, guard_at
+
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+"""Threads that a batch takes when none are stated."""
+FINEST = 1e-16
+"""Smallest tolerance that is passed on."""
+NEWTON, SHIFT = 3, 1e-3
+"""Steps by which an event is put on its guard's zero, and the longest of them [√(R/g)]."""
+QUIET = 20_000
+"""Steps before the computing time is looked at: to ask at each step costs a tenth."""
+
+
+@cache
+def available() -> bool:
+    """Whether heyoka is installed.
+
+    Returns
+    -------
+    bool
+    """
+    return importlib.util.find_spec("heyoka") is not None
+
+
+@cache
+def heyoka_algebra() -> Algebra:
+    """Expressions of heyoka.
+
+    Returns
+    -------
+    Algebra
+    """
+    import heyoka as hy
+
+    hy.set_logger_level_critical()  # it logs to standard output, which is the user's
+    names = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh")
+    table: dict[str, Callable[..., Any]] = {n: getattr(hy, n) for n in (*names, "tanh")}
+    table["pow"] = lambda x, y: x**y
+    return Algebra("heyoka", hy.expression, table)
+
+
+def _expressions(flow: Flow) -> tuple[list[Any], list[Any], Any]:
+    """Symbols, rates and the product of the guards: one event in place of several."""
+    import heyoka as hy
+
+    product = ca.SX(1)
+    for name, guard in flow.guards.items():
+        if name == NO_CONTACT and VISCOUS in flow.system.name:
+            continue  # it vanishes with gn D only: a change of both signs would hide in the product
+        product = product * guard
+    program = Program(ca.Function("taylor", [flow.x, flow.p], [flow.rhs, product]))
+    symbols = list(hy.make_vars(*flow.names))
+    parameters = [hy.par[i] for i in range(flow.p.numel())]
+    algebra = heyoka_algebra()
+    values = program.dense(algebra, [symbols, parameters])
+    guard = program.run(algebra, [symbols, parameters])[1][0]
+    return symbols, [row[0] for row in values], guard
+
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """A compiled integrator, lent to one thread at a time."""
+
+    spare: list[Any]
+    """Copies that nobody uses now."""
+    build: Callable[[], Any]
+    """Makes the first."""
+    lock: Any
+    """Guards the list."""
+
+    def take(self) -> Any:
+        with self.lock:
+            if len(self.spare) > 1:
+                return self.spare.pop()
+            if not self.spare:
+                self.spare.append(self.build())
+            return copy.deepcopy(self.spare[0])
+
+    def give(self, integrator: Any) -> None:
+        with self.lock:
+            if len(self.spare) <= CORES:
+                self.spare.append(integrator)
+
+
+@lru_cache(maxsize=64)
+def _single(flow: Flow, tolerance: float) -> _Held:
+    def build() -> Any:
+        import heyoka as hy
+
+        symbols, rates, guard = _expressions(flow)
+        event = hy.t_event(guard, direction=hy.event_direction.negative)
+        return hy.taylor_adaptive(
+            list(zip(symbols, rates, strict=True)), np.zeros(len(symbols)),
+            pars=np.zeros(flow.p.numel()), tol=tolerance, t_events=[event],
+        )  # fmt: skip
+
+    return _Held([], build, Lock())
+
+
+def integrate(leg: Leg) -> Path:
+    """Run one leg with heyoka's adaptive Taylor integrator and its event detection.
+
+    Parameters
+    ----------
+    leg
+        What is asked.
+
+    Returns
+    -------
+    Path
+    """
+    import heyoka as hy
+
+    held = _single(leg.flow, max(leg.tolerance, FINEST))
+    ta = held.take()
+    ta.state[:] = leg.start
+    ta.pars[:] = leg.p
+    ta.time = leg.times[0]
+    ta.reset_cooldowns()
+    budget = Budget(leg.seconds)
+    quiet = min(QUIET, leg.max_steps)
+    outcome, _, _, steps, _, states = ta.propagate_grid(leg.times, max_steps=quiet)
+    if outcome == hy.taylor_outcome.step_limit and leg.max_steps > quiet:
+        left = np.append(ta.time, leg.times[len(states) :])
+        most = leg.max_steps - quiet
+        outcome, _, _, more, _, rest = ta.propagate_grid(left, max_steps=most, callback=budget)
+        steps, states = steps + more, np.vstack([states, rest[1:]])
+    end = None
+    if outcome != hy.taylor_outcome.time_limit:
+        end = _end(leg, outcome, float(ta.time), ta.state.copy(), np.asarray(states))
+        if outcome == hy.taylor_outcome.cb_stop:
+            end = replace(end, message=budget.message)
+        states = states[: max(1, int(np.searchsorted(leg.times, end.time)))]
+    held.give(ta)
+    return _sound(leg, Path(np.asarray(states), end, int(steps)))
+
+
+def _sound(leg: Leg, path: Path) -> Path:
+    """The path, or an unresolved one where an event was lost: a guard is negative at the end.
+
+    heyoka says so in its log when it could not isolate a root, and goes on.
+    """
+    if path.end is not None:
+        return path
+    last = path.states[-1]
+    if (leg.flow.margins(last, leg.p)[0] > 0).all() and (np.sin(path.states[:, 0]) > 0).all():
+        return path
+    end = End(UNRESOLVED, float(leg.times[0]), leg.start, "heyoka lost an event")
+    return Path(leg.start[None], end, path.steps)
+
+
+def _end(leg: Leg, outcome: Any, time: float, state: Floats, states: Floats) -> End:
+    event = int(outcome) > -(2**32) - 1
+    if np.isfinite(state).all() and math.isfinite(time):
+        if event:
+            return _on_guard(leg, time, state)
+        return End(UNRESOLVED, time, state, f"heyoka stopped: {outcome}")
+    good = int(np.isfinite(states).all(axis=1).sum()) - 1  # the start is one of them
+    return End(UNRESOLVED, float(leg.times[good]), states[good], f"heyoka stopped: {outcome}")
+
+
+def _on_guard(leg: Leg, time: float, state: Floats) -> End:
+    """The end at an event, moved along the motion to where its guard is zero.
+
+    At a loose tolerance the event lies on the step's polynomial, beside the guard's zero.
+    """
+    kind = guard_at(leg.flow, leg.p, state)
+    index = list(leg.flow.guards).index(kind)
+    rates = leg.flow.quick.rates
+    for _ in range(NEWTON):
+        value, rate = (float(part[index]) for part in leg.flow.margins(state, leg.p))
+        step = -value / rate if rate < 0 else 0.0
+        if not abs(step) < SHIFT:  # not a crossing that straightens out
+            break
+        time, state = time + step, state + step * rates(leg.p, state)
+    return End(kind, time, state)
+
+
+class _Stop:
+    """Notes the end of a lane of a batch, and parks the lane where it can do no harm.
+
+    The other lanes go on, so the ended one has to follow some motion: it spins upright without
+    friction, fast enough to be stable, which costs it few steps.
+    """
+
+    def __init__(self, frictions: Sequence[int]) -> None:
+        self.ends: dict[int, tuple[float, Floats]] = {}
+        self.frictions = frictions
+
+    def __call__(self, ta: Any, _sign: Any, lane: int) -> bool:
+        if lane not in self.ends:
+            self.ends[lane] = float(ta.time[lane]), ta.state[:, lane].copy()
+        ta.state[:, lane] = 0.0
+        ta.state[0, lane] = math.pi / 2
+        ta.state[2, lane] = 2.0 / math.sqrt(ta.pars[0, lane])
+        for index in self.frictions:
+            ta.pars[index, lane] = 0.0
+        return True
+
+
+@lru_cache(maxsize=64)
+def _batch(flow: Flow, tolerance: float) -> _Held:
+    def build() -> Any:
+        import heyoka as hy
+
+        symbols, rates, guard = _expressions(flow)
+        names = flow.system.parameters
+        stop = _Stop([names.index("mu")] if "mu" in names else [])
+        event = hy.t_event_batch(guard, callback=stop, direction=hy.event_direction.negative)
+        width = hy.recommended_simd_size()
+        return hy.taylor_adaptive_batch(
+            list(zip(symbols, rates, strict=True)),
+            np.zeros((len(symbols), width)), pars=np.ones((flow.p.numel(), width)),
+            tol=tolerance, t_events=[event],
+        )  # fmt: skip
+
+    return _Held([], build, Lock())
+
+
+def integrate_many(
+    legs: Sequence[Leg], workers: int | None = None, progress: Callable[[int], None] | None = None
+) -> list[Path]:
+    """Run many legs of one flow and tolerance: as many at once as the processor has lanes.
+
+    Parameters
+    ----------
+    legs
+        What is asked; they share flow, number of times and tolerance.
+    workers
+        Threads; as many as there are cores when left out.  Each has an integrator of its own.
+    progress
+        Called with the number of legs that were finished since the last call.
+
+    Returns
+    -------
+    list of Path
+        In the order of the legs; a lane's result does not depend on the number of workers.
+    """
+    held = _batch(legs[0].flow, max(legs[0].tolerance, FINEST))
+    first = held.take()
+    width: int = first.batch_size
+    held.give(first)
+    groups = [range(i, min(i + width, len(legs))) for i in range(0, len(legs), width)]
+    paths: list[Path | None] = [None] * len(legs)
+
+    def run(group: range) -> None:
+        ta = held.take()
+        for i, path in zip(group, _lanes(ta, [legs[i] for i in group]), strict=True):
+            paths[i] = path
+        held.give(ta)
+
+    threads = min(workers or CORES, len(groups))
+    tasks = [(len(group), partial(run, group)) for group in groups]
+    with ThreadPoolExecutor(threads) as pool, closing(in_order(pool, tasks, len(tasks))) as results:
+        for done, _ in results if threads > 1 else ((n, task()) for n, task in tasks):
+            if progress is not None:
+                progress(done)
+    return [path for path in paths if path is not None]
+
+
+_ASKING = Lock()
+"""Held by the thread of a batch that asks CasADi something."""
+
+
+def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
+    """One batch; lanes that have no launch repeat the last one."""
+    import heyoka as hy
+
+    width = ta.batch_size
+    filled = legs + legs[-1:] * (width - len(legs))
+    stop: _Stop = ta.t_events[0].callback
+    grid = np.column_stack([leg.times for leg in filled])
+
+    def propagate(**options: Any) -> Floats:
+        ta.state[:] = np.column_stack([leg.start for leg in filled])
+        ta.pars[:] = np.column_stack([leg.p for leg in filled])
+        ta.set_time([float(leg.times[0]) for leg in filled])
+        ta.reset_cooldowns()
+        stop.ends.clear()
+        found: Floats = ta.propagate_grid(grid, **options)[1]
+        return found
+
+    most = max(leg.max_steps for leg in legs)
+    states = propagate(max_steps=min(QUIET, most))
+    limited = any(r[0] == hy.taylor_outcome.step_limit for r in ta.propagate_res)
+    if limited and most > QUIET:  # begun again, now with an eye on the time
+        states = propagate(max_steps=most, callback=Budget(sum(g.seconds for g in legs)))
+    with _ASKING:
+        return _read(ta, legs, states, stop)
+
+
+def _read(ta: Any, legs: list[Leg], states: Floats, stop: _Stop) -> list[Path]:
+    """The paths of a batch that has run; asks the graph for its guards."""
+    import heyoka as hy
+
+    paths = []
+    for lane, leg in enumerate(legs):
+        outcome, _, _, steps = ta.propagate_res[lane]
+        if outcome != hy.taylor_outcome.time_limit:
+            paths.append(integrate(leg))  # one lane failed and stopped all: each for itself
+            continue
+        mine, end = states[:, :, lane], None
+        if lane in stop.ends:
+            when, where = stop.ends[lane]
+            end = _on_guard(leg, when, where)
+            when = end.time
+            mine = mine[: np.searchsorted(leg.times, when)]
+        paths.append(_sound(leg, Path(mine, end, int(steps))))
+    return paths

@@ -1,0 +1,1 @@
+"""Work in pieces that may be interrupted and resumed.  Imports `storage`."""

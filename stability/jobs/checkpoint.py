@@ -1,0 +1,118 @@
+"""Checkpoints: finished pieces of a job, kept in a folder until the job is done."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import zipfile
+from contextlib import suppress
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import FileError, shown
+from ..storage.checksum import sealed, unsealed
+from ..storage.files import whole
+from ..storage.litter import clear
+from ..storage.targets import check_folder, path_text, place, refusing
+
+Chunk = dict[str, NDArray[Any]]
+
+
+class Parts:
+    """Finished chunks in a folder, for a map that may be interrupted and gone on with.
+
+    Parameters
+    ----------
+    folder
+        Where they are kept; made if it is missing.
+    key
+        What the map is of; a folder that holds the parts of another map is refused.
+
+    Raises
+    ------
+    FileError
+        If the folder cannot be used, or belongs to another map.
+    """
+
+    NAME = "map.json"
+
+    def __init__(self, folder: str | PathLike[str], key: dict[str, Any]) -> None:
+        if not isinstance(folder, (str, PathLike)) or not str(folder):
+            raise FileError(f"the checkpoint folder is {shown(folder)}; give the name of a folder.")
+        self.folder = check_folder(folder)
+        wanted = json.dumps(key, sort_keys=True, indent=1)
+        self.label = hashlib.sha256(wanted.encode()).hexdigest()
+        note = self.folder / self.NAME
+        words = f"the checkpoint folder {path_text(folder)}"
+        with refusing(words, "used"):
+            self.folder.mkdir(exist_ok=True)
+            if note.is_file():
+                if note.read_bytes() != wanted.encode():
+                    raise FileError(
+                        f"{words} belongs to another map, or is damaged; choose another folder or "
+                        "remove it."
+                    )
+            elif any(self.folder.iterdir()):
+                raise FileError(f"{words} holds other files; choose another.")
+            else:
+                with whole(note, result=False) as beside:
+                    beside.write_text(wanted, encoding="utf-8")
+
+    def load(self, start: int) -> Chunk | None:
+        """A finished chunk, or None; a damaged one, or one of another map, counts as not there.
+
+        Parameters
+        ----------
+        start
+            Its first cell.
+
+        Returns
+        -------
+        dict of ndarray or None
+        """
+        with suppress(OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+            stored = (self.folder / f"{start}.npz").read_bytes()
+            content = unsealed(stored, f"{self.label} {start}")
+            if content is not None:
+                with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+                    return dict(arrays)
+        return None
+
+    def save(self, start: int, chunk: Chunk) -> None:
+        """Keep a finished chunk with its checksum.
+
+        Parameters
+        ----------
+        start
+            Its first cell.
+        chunk
+            Its arrays by name.
+        """
+        content = io.BytesIO()
+        np.savez(content, allow_pickle=False, **chunk)
+        with whole(self.folder / f"{start}.npz", overwrite=True, result=False) as beside:
+            beside.write_bytes(sealed(content.getbuffer(), f"{self.label} {start}"))
+
+
+def remove_parts(folder: str | PathLike[str]) -> None:
+    """Remove the files that `Parts` wrote, and the folder if nothing else is in it.
+
+    Parameters
+    ----------
+    folder
+        The checkpoint folder.
+    """
+    where = place(folder)
+    with suppress(OSError):
+        if not (where / Parts.NAME).is_file():
+            return
+        clear(where, always=True)
+        for path in where.glob("*.npz"):
+            if path.stem.isdigit():
+                path.unlink()
+        (where / Parts.NAME).unlink()
+        where.rmdir()

@@ -1,0 +1,272 @@
+"""Cells of a comparison: each done in a process that may fail, and kept as soon as it is done.
+
+A group of tasks shares one fresh process, in order; several groups may run side by side.  A task
+that raises, exceeds its limit of time or takes its process down is recorded as that, and the rest
+of its group goes on in another process.  Finished cells are lines of a journal in the folder of the
+comparison, so that a run that was stopped goes on where it was.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from multiprocessing.connection import Connection, wait
+from typing import Any
+
+from ..base.errors import StabilityError
+from ..storage.files import STOPS, deaf
+from .following import follow
+from .journal import CRASHED, DONE, LATE, REFUSED, Cell, Journal
+
+START = 120.0
+"""Seconds that a process may take to start."""
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Set to 1 in the processes: small matrices are no work for several threads."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One cell to be done."""
+
+    key: str
+    """Its name, unique in the comparison."""
+    function: Callable[..., Any]
+    """Of a module, so that a process finds it; returns what JSON can hold."""
+    arguments: tuple[Any, ...]
+    """Its arguments."""
+    limit: float = 60.0
+    """Seconds after which it is given up."""
+
+
+# --- running ---
+
+
+def run(
+    groups: Sequence[Sequence[Task]],
+    journal: Journal,
+    *,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, Cell]:
+    """Do what the journal does not hold yet.
+
+    Parameters
+    ----------
+    groups
+        Tasks that share a process, in order; each group starts in a fresh one.
+    journal
+        Where finished cells are, and go.
+    workers
+        Groups at a time.
+    progress
+        Called with (cells done, cells in all).
+
+    Returns
+    -------
+    dict
+        Every cell by key.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C, with a sentence that says that finished cells are kept.
+    """
+    lanes_at_most = min(workers, os.cpu_count() or 1)
+    total = sum(len(group) for group in groups)
+    waiting = [[t for t in group if t.key not in journal.cells] for group in groups]
+    waiting = [group for group in waiting if group]
+    done = total - sum(len(group) for group in waiting)
+    lanes: list[_Lane] = []
+    try:
+        while waiting or lanes:
+            while waiting and len(lanes) < lanes_at_most:
+                lanes.append(_Lane(waiting.pop(0)))
+            if progress is not None:
+                progress(done, total)
+            for lane, cell in _ended(lanes):
+                journal.add(cell)
+                done += 1
+                if not lane.left:
+                    lane.stop()
+                    lanes.remove(lane)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"interrupted; {done} of {total} finished cells are kept in {journal.path.parent}: "
+            "give the same command again to go on"
+        ) from None
+    finally:
+        for lane in lanes:
+            lane.stop()
+    if progress is not None:
+        progress(done, total)
+    return {task.key: journal.cells[task.key] for group in groups for task in group}
+
+
+class _Lane:
+    """A process that works through a group."""
+
+    def __init__(self, tasks: Sequence[Task]) -> None:
+        self.left = list(tasks)
+        self._start()
+
+    def _start(self) -> None:
+        context = _context()
+        self.pipe, theirs = context.Pipe()
+        self.process = context.Process(target=_work, args=(theirs,), daemon=True)
+        try:
+            with _single_threads(), deaf():  # a signal to stop is for this process to handle
+                self.process.start()
+            theirs.close()
+            if not self.pipe.poll(START):
+                raise EOFError
+            self.pipe.recv()
+        except KeyboardInterrupt:
+            self.stop()
+            raise
+        except (EOFError, OSError):
+            self.stop()
+            raise StabilityError(
+                "the processes that do the work cannot start; in a script, make the call under "
+                "`if __name__ == '__main__':`."
+            ) from None
+        self._next()
+
+    def _next(self) -> None:
+        task = self.left[0]
+        self.since = time.monotonic()
+        # the start of the process is not the task's
+        self.deadline = self.since + 1.5 * task.limit + 10.0
+        with contextlib.suppress(OSError):
+            self.pipe.send((task.function, task.arguments, task.limit))
+
+    def outcome(self) -> Cell | None:
+        """The cell that has ended just now, if one has."""
+        task = self.left[0]
+        found: Cell | None = None
+        dead = False
+        if self.pipe.poll():
+            try:
+                status, value, message, seconds = self.pipe.recv()
+                found = Cell(task.key, status, value, message, seconds)
+            except (EOFError, OSError):
+                dead = True
+        if found is None and not dead and time.monotonic() > self.deadline:
+            found = Cell(task.key, LATE, None, f"no answer in {task.limit:g} s", task.limit)
+            dead = True
+        elif dead or (found is None and not self.process.is_alive()):
+            dead = True
+            self.process.join(5)
+            code = self.process.exitcode
+            took = time.monotonic() - self.since
+            found = Cell(task.key, CRASHED, None, f"its process ended with code {code}", took)
+        if found is None:
+            return None
+        self.left.pop(0)
+        if dead or found.status == LATE:
+            self.stop()
+            if self.left:
+                self._start()
+        elif self.left:
+            self._next()
+        return found
+
+    def stop(self) -> None:
+        """End the process."""
+        if self.process.pid is not None:
+            self.process.kill()
+            self.process.join()
+        self.pipe.close()
+
+
+def _ended(lanes: list[_Lane]) -> Iterator[tuple[_Lane, Cell]]:
+    wait([lane.pipe for lane in lanes], timeout=0.5)
+    for lane in list(lanes):
+        cell = lane.outcome()
+        if cell is not None:
+            yield lane, cell
+
+
+@contextlib.contextmanager
+def _single_threads() -> Iterator[None]:
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ |= dict.fromkeys(THREADS, "1")
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def _context() -> Any:
+    """A server that forks processes with the libraries imported, where the system has one.
+
+    Each process is fresh as far as graphs and compiled code go, which is what a first call pays.
+    """
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    wanted = ["numpy", "casadi", "scipy.integrate", "flint", "xarray", "stability.motion.simulate",
+              "stability.spectra.certificate", "stability.spectra.spectrum"]  # fmt: skip
+    if find_spec("heyoka") is not None:
+        wanted.append("heyoka")
+    context.set_forkserver_preload(wanted)
+    return context
+
+
+class Late(BaseException):
+    """The limit of time, from within a task; one that has part of an answer may catch it."""
+
+
+def _work(pipe: Connection) -> None:
+    """Answer tasks until the pipe closes."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(signal, "pthread_sigmask"):  # SIGTERM ends it, blocked as it was at its birth
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
+    follow(os.getppid())
+    with contextlib.suppress(OSError):  # the parent has ended
+        _answer(pipe)
+
+
+def _answer(pipe: Connection) -> None:
+    import signal
+    import warnings
+
+    pipe.send("ready")
+    warnings.simplefilter("ignore")  # what a route warns of is counted as its error
+
+    def late(*_: Any) -> None:
+        raise Late
+
+    timer = hasattr(signal, "setitimer")
+    if timer:
+        signal.signal(signal.SIGALRM, late)
+    while True:
+        try:
+            function, arguments, limit = pipe.recv()
+        except (EOFError, OSError):
+            return
+        start = time.perf_counter()
+        try:
+            if timer:
+                signal.setitimer(signal.ITIMER_REAL, limit)
+            answer: tuple[str, Any, str] = (DONE, function(*arguments), "")
+        except StabilityError as error:
+            answer = (REFUSED, None, str(error))
+        except Late:
+            answer = (LATE, None, f"no answer in {limit:g} s")
+        except Exception as error:
+            answer = (CRASHED, None, f"{type(error).__name__}: {error}"[:300])
+        finally:
+            if timer:
+                signal.setitimer(signal.ITIMER_REAL, 0)
+        pipe.send((*answer, time.perf_counter() - start))

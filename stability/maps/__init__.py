@@ -1,0 +1,1 @@
+"""Parameter grids: verdicts and growth rates over two axes."""

@@ -1,0 +1,256 @@
+"""The cells of a map, worked through in chunks by threads, and kept on the way if asked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.axis import Grid
+from ..base.errors import DomainError, ParameterError
+from ..base.types import Floats, Progress
+from ..base.verdict import CODES, Verdict
+from ..base.version import __version__
+from ..jobs.checkpoint import Chunk, Parts
+from ..jobs.pipeline import in_order
+from ..spectra.certificate import verdict
+from ..spectra.deflation import reduce
+from ..spectra.eigenvalues import decide, eigenvalues
+from ..spectra.problem import Problem
+from ..systems.multiplicity import certain
+from ..systems.structural_zeros import structure
+from .dataset import EXACT, GRAPH
+from .growth_rates import GrowthKernel, steady_memory
+from .verdict_tiles import GridVerdicts
+
+CHUNK = 16384
+"""Cells that are worked on at once: small enough for the cache, large enough for NumPy."""
+BAND = 262144
+"""The same for the exact route, in whole rows: large enough that threads do not wait for Python."""
+
+
+LEFT = "left"
+"""In a chunk, beside its arrays: how many of its cells the exact route took over."""
+MOST_CELLS = 10**9
+"""Largest map; its arrays take 33 bytes a cell."""
+
+
+class Cells:
+    """The arrays of a map, filled chunk by chunk.
+
+    Parameters
+    ----------
+    question
+        The question.
+    axes
+        x and y.
+    modes
+        Whether all eigenvalues are kept.
+    """
+
+    def __init__(self, question: Problem, axes: tuple[Grid, Grid], modes: bool) -> None:
+        self.question, self.axes = question, axes
+        self.shape = axes[1].count, axes[0].count
+        if math.prod(self.shape) > MOST_CELLS:
+            raise ParameterError(
+                f"the map has {math.prod(self.shape):.3g} cells; at most {MOST_CELLS:.0e} are "
+                "accepted."
+            )
+        self.abscissa = np.empty(self.shape)
+        self.error = np.empty(self.shape)
+        self.frequency = np.empty(self.shape)
+        self.codes = np.zeros(self.shape, dtype=np.int8)
+        self.values = None
+        self.exact = question.exact is not None
+        self.handed_on = 0
+        family = question.family
+        zeros = structure(family).zeros  # established here, before the threads start
+        self._certain = self.exact or certain(family)
+        if modes:
+            count = len(family.system.states) - zeros
+            self.values = np.empty((*self.shape, count), dtype=complex)
+        if self.exact:
+            self._verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
+            self._growth = GrowthKernel(question, modes=modes)
+            self.chunk = max(1, BAND // self.shape[1]) * self.shape[1]
+            steady_memory()
+        else:
+            self.chunk = CHUNK
+
+    @property
+    def route(self) -> str:
+        """How the cells were worked out, in words."""
+        if not self.exact:
+            return GRAPH
+        return f"{EXACT} ({self.handed_on} of {math.prod(self.shape)} cells there)"
+
+    def key(self) -> dict[str, Any]:
+        """What the map is of, for a checkpoint: numbers in full, so that another map is told apart.
+
+        Returns
+        -------
+        dict
+        """
+        swept = {g.name for g in self.axes}
+        family = self.question.family
+        return {
+            "software": __version__,
+            "system": family.system.name,
+            "graph": str(family.system.rhs),
+            "family": family.name,
+            "axes": [[g.name, g.low, g.high, g.count, g.log] for g in self.axes],
+            "values": {n: float(v) for n, v in self.question.values.items() if n not in swept},
+            "modes": self.values is not None,
+            "chunk": self.chunk,
+            "route": EXACT if self.exact else GRAPH,
+        }
+
+    def fill(self, workers: int, progress: Progress | None, parts: Parts | None = None) -> None:
+        """Work through the chunks: members here, since CasADi is not shared; spectra in threads.
+
+        Parameters
+        ----------
+        workers
+            Threads.
+        progress
+            Called with (cells done, cells in all), or None.
+        parts
+            Where finished chunks are kept, or None.
+        """
+        total = math.prod(self.shape)
+        done = 0
+
+        def tasks() -> Iterator[tuple[int, Callable[[], Chunk]]]:
+            nonlocal done
+            for start in range(0, total, self.chunk):
+                chunk = parts.load(start) if parts is not None else None
+                if chunk is not None and self._fits(start, chunk):
+                    done += self._place(start, chunk)
+                else:
+                    yield start, self._task(start, total)
+
+        with (
+            ThreadPoolExecutor(workers) as pool,
+            closing(in_order(pool, tasks(), 4 * workers)) as results,
+        ):
+            for start, chunk in results:
+                if parts is not None:
+                    parts.save(start, chunk)
+                done += self._place(start, chunk)
+                if progress:
+                    progress(done, total)
+        if progress:
+            progress(total, total)
+
+    def settle(self) -> None:
+        """Decide in balls every cell that double precision left open."""
+        xs, ys = self.axes[0].values, self.axes[1].values
+        for i, j in np.argwhere(self.codes == CODES[Verdict.UNDECIDED]):
+            swept = {self.axes[0].name: float(xs[j]), self.axes[1].name: float(ys[i])}
+            values = {n: float(v) for n, v in (dict(self.question.values) | swept).items()}
+            self.codes[i, j] = CODES[verdict(self.question, values)]
+            self.handed_on += 1
+
+    def _task(self, start: int, total: int) -> Callable[[], Chunk]:
+        if self.exact:
+            return partial(self._band, start, total)
+        return partial(self._work, *self._inputs(start, total))
+
+    def _band(self, start: int, total: int) -> Chunk:
+        """Whole rows by the exact route, which no CasADi function takes part in."""
+        rows = slice(start // self.shape[1], min(start + self.chunk, total) // self.shape[1])
+        x, y = self.axes
+        values = dict(self.question.values)
+        values |= {x.name: x.values[None, :], y.name: y.values[rows, None]}
+        codes, left = self._verdicts(x.values, y.values[rows])
+        growth = self._growth(values)
+        chunk: Chunk = {
+            LEFT: np.array([left + growth.handed_on]),
+            "codes": codes.reshape(-1), "abscissa": growth.abscissa, "error": growth.error,
+            "frequency": growth.frequency,
+        }  # fmt: skip
+        if growth.values is not None:
+            chunk["values"] = growth.values
+        return chunk
+
+    def _inputs(self, start: int, total: int) -> tuple[Floats, Floats, Floats, Floats]:
+        xs, ys = self.axes[0].values, self.axes[1].values
+        row, column = np.divmod(np.arange(start, min(start + CHUNK, total)), self.shape[1])
+        swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
+        values = dict(self.question.values) | swept
+        a, q, rate, _ = self.question.arrays(values)
+        return a, q, rate, self.question.family.solve(a, q)
+
+    def _work(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
+        family = self.question.family
+        if self.question.law is None:
+            family.checked_states(a, u, q)
+        watch = not self._certain
+        reduced = reduce(family, a, q, u, self.question.roundings, watch=watch)
+        even = family.conservative and self._certain
+        values, radius = eigenvalues(reduced, even=even)
+        codes = decide(values, radius, even=even)
+        if watch:
+            self._restore(values, radius, codes, (a, q, u), reduced.supported)
+        lead = values[:, -1]
+        chunk: Chunk = {
+            "codes": codes,
+            "abscissa": lead.real * rate,
+            "error": (radius + (values.real - lead.real[:, None])).max(axis=1) * rate,
+            "frequency": np.abs(lead.imag) * rate,
+        }
+        if self.values is not None:
+            chunk["values"] = values * rate[:, None]
+        return chunk
+
+    def _restore(
+        self, values: Any, radius: Floats, codes: NDArray[np.int8],
+        place: tuple[Floats, Floats, Floats], supported: NDArray[np.intp],
+    ) -> None:  # fmt: skip
+        """Put back the leading eigenvalue of members that have fewer zeros than typical ones."""
+        usual = structure(self.question.family).zeros
+        for count in range(usual):
+            rows = np.flatnonzero(supported == count)
+            if not len(rows):
+                continue
+            if self.values is not None:
+                raise DomainError(
+                    f"{self.question.family.name} has {usual} eigenvalues that are zero by "
+                    f"structure at typical members but {count} somewhere on this map; leave out "
+                    "modes, or map that part by itself."
+                )
+            a, q, u = (part[rows] for part in place)
+            reduced = reduce(self.question.family, a, q, u, self.question.roundings, count)
+            all_values, discs = eigenvalues(reduced, even=False)
+            codes[rows] = decide(all_values, discs, even=False)
+            kept = values.shape[1]
+            values[rows], radius[rows] = all_values[:, -kept:], discs[:, -kept:]
+
+    def _fits(self, start: int, chunk: Chunk) -> bool:
+        """Whether a stored chunk is whole: every array, of the right length and type."""
+        count = min(self.chunk, math.prod(self.shape) - start)
+        names = ["codes", "abscissa", "error", "frequency"]
+        names += ["values"] if self.values is not None else []
+        kept = [n for n in chunk if n != LEFT]
+        return sorted(kept) == sorted(names) and all(
+            chunk[n].shape == (count, *getattr(self, n).shape[2:])
+            and chunk[n].dtype == getattr(self, n).dtype
+            for n in names
+        )
+
+    def _place(self, start: int, chunk: Chunk) -> int:
+        count = len(chunk["codes"])
+        for name, array in chunk.items():
+            if name == LEFT:  # counted here, and so in a map that is resumed too
+                self.handed_on += int(array[0])
+                continue
+            whole_array = getattr(self, name)
+            flat = whole_array.reshape(-1, *whole_array.shape[2:])
+            flat[start : start + count] = array
+        return count

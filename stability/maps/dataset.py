@@ -1,0 +1,233 @@
+"""A map as a labelled dataset: units, flag meanings, provenance."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base.verdict import CODES
+from ..base.version import __version__
+from ..spectra.problem import Problem
+from ..systems.structural_zeros import structure
+
+if TYPE_CHECKING:
+    import xarray
+
+    from ..base.axis import Grid
+    from ..boundary.curves import Curves
+    from .proved_boxes import Boxes
+
+
+EXACT = (
+    "exact polynomials of the family: verdicts by a floating-point filter with a proved bound, "
+    "growth rates from real factors with Gershgorin bounds; what these leave open in extended "
+    "precision, then in rational arithmetic or balls"
+)
+
+GRAPH = (
+    "eigenvalues of the AD Jacobian with structural zeros removed through null vectors "
+    "(LAPACK), error discs by running error analysis and Gershgorin's theorem"
+)
+
+
+FORMAT = "stability map 1"
+"""Marks a file as one of ours."""
+LIBRARIES = ("casadi", "numpy", "scipy", "python-flint", "xarray")
+LONG_NAMES = {
+    "omega3": "axial angular velocity",
+    "phi_dot": "precession rate",
+    "theta": "axis inclination",
+    "lean": "lean from upright",
+    "k": "inertia factor",
+    "mu": "friction coefficient",
+    "c": "linear friction coefficient",
+    "mass": "mass",
+    "radius": "radius",
+    "gravity": "gravity",
+}
+"""What an axis is called in words."""
+
+
+def provenance(
+    question: Problem, axes: tuple[Grid, Grid] | None = None, route: str = GRAPH
+) -> dict[str, Any]:
+    """How a result came about: versions, parameters, method, tolerances.
+
+    Parameters
+    ----------
+    question
+        The question.
+    axes
+        The axes of a map, which are not fixed parameters.
+    route
+        How the numbers were worked out.
+
+    Returns
+    -------
+    dict
+        Strings and numbers that fit in a file's attributes.
+    """
+    family = question.family
+    swept = {g.name for g in axes or ()}
+    fixed = {n: v for n, v in question.values.items() if n not in swept}
+    how = structure(family)
+    if family.conservative:
+        route += "; conservative law, decided by the sign of λ²"
+    return {
+        "format": FORMAT,
+        "title": f"{family.name} of {family.system.name}: spectral stability",
+        "family": family.name,
+        "system": family.system.name,
+        "contact": question.law.name if question.law else "",
+        "at": ", ".join(family.at),
+        "parameters": json.dumps({n: float(v) for n, v in fixed.items()}, sort_keys=True),
+        "axes": " ".join(g.text for g in axes or ()),
+        "dimensionless": int(question.dimensionless),
+        "structural_zeros": how.zeros,
+        "structural_zeros_how": how.how,
+        "method": route,
+        "tolerances": "verdicts only where the error discs decide; each boundary point is a "
+        "bracket of half-width boundary_error proved in ball arithmetic (Routh's array)",
+        "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
+        "204-231, linearisation recomputed" if question.law else "user's system",
+        "software": f"stability {__version__}",
+        "versions": ", ".join(f"{n} {version(n)}" for n in LIBRARIES)
+        + f", python {platform.python_version()}",
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "Conventions": "CF-1.11",
+    }  # fmt: skip
+
+
+def axis_attributes(question: Problem, name: str) -> dict[str, str]:
+    """Long name and unit of an axis.
+
+    Parameters
+    ----------
+    question
+        The question.
+    name
+        Axis name.
+
+    Returns
+    -------
+    dict
+    """
+    meaning = question.family.at[0] if name == "at" else name
+    long = LONG_NAMES.get(meaning, meaning) if question.law is not None else meaning
+    attributes = {"units": question.units.get(name, "1"), "long_name": long, "quantity": meaning}
+    if question.dimensionless and question.law is not None:
+        scale = {"omega3": "√(g/R)", "phi_dot": "√(g/R)", "mu": "1/√(gR)", "c": "m √(g/R)",
+                 "mass": "m", "radius": "R", "gravity": "g"}  # fmt: skip
+        if meaning in scale:
+            attributes["unit_in_words"] = scale[meaning]
+    return attributes
+
+
+def assemble(
+    question: Problem, axes: tuple[Grid, Grid], cells: Any, curves: Curves | None,
+    boxes: Boxes | None = None,
+) -> xarray.Dataset:  # fmt: skip
+    """The dataset of a map.
+
+    Parameters
+    ----------
+    question, axes
+        What was asked.
+    cells
+        Filled arrays.
+    curves
+        Boundary curves, or None.
+    boxes
+        Proved boxes, or None.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    import xarray
+
+    dims = axes[1].name, axes[0].name
+    rate = question.units["rate"]
+    words = {"units": rate} | ({"unit_in_words": "√(g/R)"} if question.dimensionless else {})
+    flags = {
+        "flag_values": np.array(list(CODES.values()), dtype=np.int8),
+        "flag_meanings": " ".join(v.word for v in CODES),
+        "long_name": "spectral verdict",
+        "comment": "; ".join(str(v.value) for v in CODES),
+    }
+    variables: dict[str, Any] = {
+        "abscissa": (dims, cells.abscissa, words | {"long_name": "largest growth rate"}),
+        "abscissa_error": (dims, cells.error, words | {"long_name": "error bound of abscissa"}),
+        "frequency": (
+            dims, cells.frequency,
+            words | {"long_name": "frequency of the eigenvalue with the largest real part"},
+        ),
+        "verdict": (dims, cells.codes, flags),
+    }  # fmt: skip
+    if cells.values is not None:
+        variables["eigenvalues"] = ((*dims, "mode"), cells.values, words | {
+            "long_name": "eigenvalues, structural zeros removed, sorted by real part"})  # fmt: skip
+    if curves is not None:
+        variables |= _boundary_variables(question, axes, curves, words)
+    if boxes is not None:
+        variables |= _box_variables(question, axes, boxes, flags)
+    coordinates = {g.name: ((g.name,), g.values, axis_attributes(question, g.name)) for g in axes}
+    attributes = provenance(question, axes, cells.route)
+    if curves is not None:
+        attributes["boundary_unresolved"] = curves.unresolved
+    if boxes is not None:
+        attributes |= {
+            "box_levels": boxes.levels,
+            "box_proved": boxes.proved,
+            "box_comment": f"share {boxes.proved:.6f} of the map's area is proved; the strip that "
+            f"encloses every change of verdict is made of boxes 2^-{boxes.levels} of each axis "
+            "wide (in its logarithm on a logarithmic axis)",
+        }
+    return xarray.Dataset(variables, coordinates, attributes)
+
+
+def _box_variables(
+    question: Problem, axes: tuple[Grid, Grid], boxes: Boxes, flags: Mapping[str, Any]
+) -> dict[str, Any]:
+    long = {"long_name": "verdict proved everywhere in the box, 0 in the enclosing strip"}
+    out: dict[str, Any] = {"box_verdict": (("box",), boxes.codes, dict(flags) | long)}
+    for axis, ends in zip(axes, (boxes.x, boxes.y), strict=True):
+        words = axis_attributes(question, axis.name)
+        words["long_name"] += ", low and high end of the box"
+        out[f"box_{axis.name}"] = (("box", "end"), ends, words)
+    return out
+
+
+def _boundary_variables(
+    question: Problem, axes: tuple[Grid, Grid], curves: Curves, words: Mapping[str, str]
+) -> dict[str, Any]:
+    from ..boundary.curves import KINDS
+
+    d = ("boundary_point",)
+    kinds = {
+        "flag_values": np.array(list(KINDS.values()), dtype=np.int8),
+        "flag_meanings": " ".join(k.word for k in KINDS),
+        "comment": "; ".join(str(k.value) for k in KINDS),
+    }
+    along_axis = {
+        "flag_values": np.array([0, 1], dtype=np.int8),
+        "flag_meanings": " ".join(g.name for g in axes),
+        "long_name": "axis along which the point was refined",
+    }
+    return {
+        f"boundary_{axes[0].name}": (d, curves.x, axis_attributes(question, axes[0].name)),
+        f"boundary_{axes[1].name}": (d, curves.y, axis_attributes(question, axes[1].name)),
+        "boundary_axis": (d, curves.axis, along_axis),
+        "boundary_error": (d, curves.error, {
+            "long_name": "half-width of the proved bracket, in the unit of boundary_axis"}),
+        "boundary_kind": (d, curves.kind, kinds),
+        "boundary_frequency": (d, curves.frequency, dict(words) | {
+            "long_name": "frequency of the crossing pair"}),
+        "boundary_curve": (d, curves.curve, {"long_name": "polyline that the point belongs to"}),
+    }  # fmt: skip

@@ -1,0 +1,264 @@
+"""Whole rectangles of parameters with one proved verdict, and the strip that encloses a boundary.
+
+A rectangle is halved in both directions until the conditions of its family keep their signs on all
+of it, or it is as narrow as was asked.  For the disk the conditions are the polynomials of
+`stability.bodies.disk_polynomials`, bounded over many boxes at once by the mean value form; a
+user's family goes through Routh's array in wide balls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..algebra.polynomial import Polynomial
+from ..algebra.running_error import UNIT
+from ..base.axis import Grid
+from ..base.checks import whole_number
+from ..base.errors import NoMemberError
+from ..base.types import Floats, Progress
+from ..base.verdict import CODES, Verdict, best
+from ..bodies.disk_polynomials import Exact
+from ..spectra.problem import Problem
+
+MOST_LEVELS = 16
+"""Deepest bisection; an axis is then cut into 65 536."""
+SLACK = 64 * UNIT
+"""Relative slack of every product of bounds, more than its few roundings."""
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """Rectangles that cover a map."""
+
+    x: Floats
+    """Low and high end along x, shape (N, 2)."""
+    y: Floats
+    """Low and high end along y, shape (N, 2)."""
+    codes: NDArray[np.int8]
+    """Flag of the verdict that is proved everywhere in the box, 0 in the strip, shape (N,)."""
+    levels: int
+    """How often the map was halved; boxes of the strip are 2^-levels of each axis wide."""
+
+    @property
+    def proved(self) -> float:
+        """Share of the map's area that is proved."""
+        size = np.log if (self.x > 0).all() and (self.y > 0).all() else np.asarray
+        area = np.diff(size(self.x), axis=1)[:, 0] * np.diff(size(self.y), axis=1)[:, 0]
+        return float(area[self.codes != 0].sum() / area.sum())
+
+
+class Interval:
+    """A closed interval of nonnegative numbers, elementwise, rounded outwards."""
+
+    def __init__(self, low: Any, high: Any) -> None:
+        self.low, self.high = low, high
+
+    def __mul__(self, other: Interval) -> Interval:
+        return Interval(self.low * other.low * (1 - SLACK), self.high * other.high * (1 + SLACK))
+
+    def __truediv__(self, other: Interval) -> Interval:
+        return Interval(self.low / other.high * (1 - SLACK), self.high / other.low * (1 + SLACK))
+
+
+def prove_boxes(
+    question: Problem, axes: tuple[Grid, Grid], levels: int, progress: Progress | None = None
+) -> Boxes:
+    """Cover a map with rectangles of one proved verdict and a strip of narrow ones.
+
+    Parameters
+    ----------
+    question
+        The question.
+    axes
+        x and y.
+    levels
+        How often the map may be halved in both directions.
+    progress
+        Called with (boxes looked at, a bound on them).
+
+    Returns
+    -------
+    Boxes
+
+    Raises
+    ------
+    ParameterError
+        If levels is not between 0 and `MOST_LEVELS`.
+
+    Examples
+    --------
+    >>> from stability.bodies.contact import Viscous
+    >>> from stability.bodies.disk import Disk
+    >>> from stability.spectra.problem import disk_problem
+    >>> question = disk_problem("rolling", Disk(), Viscous(1.0), 1.0)
+    >>> axes = Grid("at", 0.1, 3.0, 9), Grid("mu", 0.1, 1.0, 9)
+    >>> boxes = prove_boxes(question, axes, 6)
+    >>> round(boxes.proved, 2), sorted(set(boxes.codes.tolist()))
+    (0.99, [0, 1, 2])
+    """
+    levels = whole_number("levels", levels, 0, MOST_LEVELS)
+    judge = BoxConditions(question) if question.exact is not None else _WideBalls(question)
+    edges = [_edges(axis, levels) for axis in axes]
+    i = j = np.zeros(1, dtype=np.int64)
+    found: list[tuple[Any, Any, Any]] = []
+    done = 0
+    for level in range(levels + 1):
+        width = 1 << (levels - level)
+        span = [(e[n * width], e[(n + 1) * width]) for e, n in zip(edges, (i, j), strict=True)]
+        codes = judge({axes[0].name: span[0], axes[1].name: span[1]})
+        done += len(codes)
+        if progress:
+            progress(done, done + 4 * int((codes == 0).sum()) * (level < levels))
+        keep = codes != 0 if level < levels else np.ones(len(codes), dtype=bool)
+        found.append((np.stack(span[0], -1)[keep], np.stack(span[1], -1)[keep], codes[keep]))
+        i, j = i[~keep], j[~keep]
+        i = np.concatenate([2 * i, 2 * i + 1, 2 * i, 2 * i + 1])
+        j = np.concatenate([2 * j, 2 * j, 2 * j + 1, 2 * j + 1])
+        if not len(i):
+            break
+    x, y, c = (np.concatenate(part) for part in zip(*found, strict=True))
+    return Boxes(x, y, c.astype(np.int8), levels)
+
+
+def _edges(axis: Grid, levels: int) -> Floats:
+    return Grid(axis.name, axis.low, axis.high, (1 << levels) + 1, axis.log).values
+
+
+Spans = Mapping[str, tuple[Floats, Floats]]
+
+
+class BoxConditions:
+    """Verdicts proved over whole boxes from the exact conditions, vectorised.
+
+    Parameters
+    ----------
+    question
+        About a family with an exact polynomial.
+    """
+
+    def __init__(self, question: Problem) -> None:
+        assert question.exact is not None
+        self.question = question
+        self.exact: Exact = question.exact
+        self.parts = [_Range(p) for _, p in self.exact.conditions]
+
+    def __call__(self, spans: Spans) -> NDArray[np.int8]:
+        """Verdict flags, 0 where none is proved.
+
+        Parameters
+        ----------
+        spans
+            Low and high ends by name of what varies, shapes (N,).
+
+        Returns
+        -------
+        ndarray
+            Shape (N,).
+        """
+        count = len(next(iter(spans.values()))[0])
+        values: dict[str, Any] = {}
+        upright = np.zeros(count, dtype=bool)
+        for name, value in self.question.values.items():
+            low, high = spans.get(name, (value, value))
+            low, high = (np.broadcast_to(np.asarray(v, dtype=float), (count,)) for v in (low, high))
+            angle = name in ("lean", "theta") or (name == "at" and "s" in self.exact.variables)
+            if angle:
+                upright |= _upright(name, low, high)
+                values[name] = (name, low, high)
+            else:
+                inside = (low <= 0) & (high >= 0)
+                if name == "phi_dot":  # circling and precession, which have no member there
+                    upright |= inside
+                least = np.where(inside, 0.0, np.minimum(np.abs(low), np.abs(high)))
+                values[name] = Interval(least, np.maximum(np.abs(low), np.abs(high)))
+        with np.errstate(all="ignore"):
+            point = self.question.point(values, sine=_sine)
+            assert point is not None
+            box = [p if isinstance(p, Interval) else Interval(p, p) for p in point]
+            signs = [part(box) for part in self.parts]
+        good: Any = np.ones(count, dtype=bool)
+        bad: Any = np.zeros(count, dtype=bool)
+        for sign in signs:
+            good, bad = good & (sign > 0), bad | (sign < 0)
+        codes = np.zeros(count, dtype=np.int8)
+        codes[good] = CODES[best(even=self.exact.even)]
+        codes[bad] = CODES[Verdict.UNSTABLE]
+        codes[upright] = 0  # there the static boundary itself runs through the box
+        return codes
+
+
+def _upright(name: str, low: Floats, high: Floats) -> NDArray[np.bool_]:
+    """Whether a box may hold the right angle: no double theta is one, a lean of 0 is."""
+    if name == "lean":
+        return (low <= 0) & (high >= 0)
+    return (low <= np.pi / 2) & (high > np.pi / 2)
+
+
+def _sine(values: Mapping[str, Any]) -> Interval:
+    name, low, high = values["lean"] if "lean" in values else values["theta"]
+    ends = (np.cos(low), np.cos(high)) if name == "lean" else (np.sin(low), np.sin(high))
+    top = np.where(_upright(name, low, high), 1.0, np.maximum(*ends) * (1 + SLACK))
+    return Interval(np.minimum(*ends) * (1 - SLACK), np.minimum(top, 1.0))
+
+
+class _Range:
+    """Sign of a polynomial over boxes by the mean value form."""
+
+    def __init__(self, polynomial: Polynomial) -> None:
+        self.value = polynomial.parts
+        self.slopes = [polynomial.derivative(n).parts for n in polynomial.variables]
+        most = max(p.roundings(dict.fromkeys(polynomial.variables, 1)) for p in self.value)
+        self.error = 4 * (most + 4) * UNIT
+
+    def __call__(self, box: list[Interval]) -> NDArray[np.int8]:
+        """1: positive everywhere, proved; -1: negative everywhere; 0: open."""
+        low, high = [b.low for b in box], [b.high for b in box]
+        middle = [0.5 * (b.low + b.high) for b in box]
+        plus, minus = self.value[0](*middle), self.value[1](*middle)
+        spread: Any = self.error * (plus + minus)
+        for b, m, (up, down) in zip(box, middle, self.slopes, strict=True):
+            if np.all(b.low == b.high):
+                continue
+            # |∂P| is at most the larger of these over the box
+            steepest = np.maximum(up(*high) - down(*low), down(*high) - up(*low))
+            steepest = steepest + self.error * (up(*high) + down(*high))
+            reach = np.maximum(b.high - m, m - b.low) * (1 + SLACK)
+            spread = spread + reach * steepest * (1 + SLACK)
+        size = plus - minus
+        sure = np.abs(size) > spread  # NaN, from an overflow, is not sure
+        return np.where(sure, np.sign(size), 0).astype(np.int8)
+
+
+class _WideBalls:
+    """Routh's array in balls as wide as the box, for a family without an exact polynomial."""
+
+    BITS = 96
+
+    def __init__(self, question: Problem) -> None:
+        self.question = question
+
+    def __call__(self, spans: Spans) -> NDArray[np.int8]:
+        count = len(next(iter(spans.values()))[0])
+        return np.array([self._one(spans, n) for n in range(count)], dtype=np.int8)
+
+    def _one(self, spans: Spans, n: int) -> int:
+        from flint import arb
+
+        from ..algebra.balls import precision
+        from ..spectra.certificate import in_balls
+
+        with precision(self.BITS):
+            values = {name: arb(float(v)) for name, v in self.question.values.items()}
+            for name, (low, high) in spans.items():
+                values[name] = arb(float(low[n])).union(arb(float(high[n])))
+            a, q, _ = self.question.reduce(values, lambda v: v.sqrt())
+            try:
+                found = in_balls(self.question.family, a, q)
+            except NoMemberError:
+                return 0
+        return CODES[found] if found is not None else 0

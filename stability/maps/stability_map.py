@@ -1,0 +1,131 @@
+"""Parameter grids: abscissa and verdict over two axes, with the boundaries between verdicts."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+from ..base.axis import Grid
+from ..base.checks import flag, whole_number
+from ..base.errors import ParameterError
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..boundary.curves import trace
+from ..jobs.checkpoint import Parts
+from ..systems.family import Family
+from .cells import Cells
+from .proved_boxes import MOST_LEVELS, prove_boxes
+
+if TYPE_CHECKING:
+    import xarray
+
+from ..base.types import Progress
+from ..jobs.pipeline import check_run
+from ..spectra.arguments import Axis, prepare
+
+MOST_CELLS = 100_000_000
+"""Largest map in memory."""
+
+
+def stability_map(
+    family: str | Family,
+    *,
+    x: Axis,
+    y: Axis,
+    disk: Disk | None = None,
+    contact: Contact | type[Contact] | None = None,
+    at: ArrayLike | None = None,
+    certify: bool = False,
+    levels: int | None = None,
+    boundaries: bool = True,
+    modes: bool = False,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+    **parameters: ArrayLike,
+) -> xarray.Dataset:
+    """Abscissa, verdict and the boundaries between verdicts over two parameters.
+
+    Parameters
+    ----------
+    family
+        Name of a disk's family, or a `Family`.
+    x, y
+        Axes as (name, low, high, n) or (name, low, high, n, "log"): any two of `at`, `k`, `mu`,
+        `mass`, `radius`, `gravity`; `lean` for tumbling, `theta`, `phi_dot` for circling and
+        precession; for a `Family`, its own names.
+    disk, contact, at
+        The rest, as for `spectrum`.  An axis takes the place of the value given here; where `mu` is
+        an axis, contact may be left out (viscous) or be the class of a law.
+    certify
+        Whether whole boxes of the map are proved too, with the boundary enclosed in a strip of
+        narrow ones, and every cell that double precision leaves open is decided in balls.
+    levels
+        How often the map may be halved for that; as fine as the cells when left out.
+    boundaries
+        Whether to find the boundary curves.
+    modes
+        Whether to keep all eigenvalues (complex, dimension `mode`).
+    workers
+        Threads; all processors when left out.
+    progress
+        Called with (cells done, cells in all) now and then.
+    checkpoint
+        Folder in which finished cells are kept, so that the same call goes on where an interrupted
+        one stopped; it may be removed afterwards.
+    **parameters
+        For a `Family`: its fixed parameters by name.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions and coordinates named like the axes, y first.  Variables: `abscissa`,
+        `abscissa_error` (a bound), `frequency` (of the eigenvalue with the largest real part),
+        `verdict` (CF flags); along `boundary_point`: `boundary_X` for each axis X,
+        `boundary_error`, `boundary_axis` (along which the error is meant), `boundary_kind`,
+        `boundary_frequency`, `boundary_curve` (which polyline); if certified, along `box`: `box_X`
+        (low and high end) and `box_verdict` (proved on all of the box, 0 in the strip).
+        Attributes hold units, versions, parameters, method and tolerances.
+
+    Raises
+    ------
+    StabilityError
+        One sentence that says what is wrong and what is accepted.
+
+    Source: every number has an independent oracle in tests/test_maps.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> m = st.stability_map("spinning", x=("at", 1, 4, 7), y=("mu", 0.1, 2, 5))
+    >>> m.abscissa.dims, m.abscissa.shape
+    (('mu', 'at'), (5, 7))
+    """
+    certify, boundaries = flag("certify", certify), flag("boundaries", boundaries)
+    modes = flag("modes", modes)
+    if levels is not None and not certify:
+        raise ParameterError("levels goes with certify=True; leave it out or certify.")
+    if levels is not None:
+        levels = whole_number("levels", levels, 0, MOST_LEVELS)
+    check_run(workers, progress)
+    axes = Grid.of(x, "x"), Grid.of(y, "y")
+    if (total := axes[0].count * axes[1].count) > MOST_CELLS:
+        raise ParameterError(
+            f"the map has {total:.3g} cells, at most {MOST_CELLS:.0e} are kept in memory; take "
+            "fewer points, or stream_map (`--verdict-only`), which writes a file."
+        )
+    question = prepare(family, axes, disk, contact, at, parameters)
+    cells = Cells(question, axes, modes)
+    parts = Parts(checkpoint, cells.key()) if checkpoint is not None else None
+    cells.fill(workers or os.cpu_count() or 1, progress, parts)
+    from .dataset import assemble
+
+    boxes = None
+    if certify:
+        finest = (max(g.count for g in axes) - 1).bit_length()
+        boxes = prove_boxes(question, axes, min(finest, 12) if levels is None else levels)
+        cells.settle()
+    curves = trace(question, axes, cells.codes, cells.abscissa, progress) if boundaries else None
+    return assemble(question, axes, cells, curves, boxes)

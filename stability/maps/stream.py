@@ -1,0 +1,249 @@
+"""Verdict maps too large for memory: worked out band by band, straight into their file."""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+import shutil
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.axis import Grid
+from ..base.errors import FileError, ParameterError
+from ..base.types import Progress
+from ..base.verdict import CODES
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..jobs.pipeline import check_run, in_order
+from ..spectra.arguments import Axis, prepare
+from ..storage.checksum import ATTRIBUTE, STATEMENT, seal
+from ..storage.files import postponed, whole
+from ..storage.targets import NETCDF, check_suffix, check_target, path_text
+from .dataset import axis_attributes, provenance
+from .growth_rates import steady_memory
+from .verdict_tiles import GridVerdicts
+
+BAND = 2**20
+"""Cells of a band of rows."""
+MOST_CELLS = 10**11
+"""Largest streamed map."""
+
+METHOD = (
+    "verdicts from the exact stability conditions: whole tiles proved at once, cells beside the "
+    "boundary by a floating-point filter with a proved bound, what it leaves open in rational "
+    "arithmetic or balls"
+)
+
+
+def stream_map(
+    family: str,
+    *,
+    x: Axis,
+    y: Axis,
+    out: str | os.PathLike[str],
+    disk: Disk | None = None,
+    contact: Contact | type[Contact] | None = None,
+    at: ArrayLike | None = None,
+    workers: int | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Path:
+    """Proved verdicts over two parameters, written to a file in bands, however large the map.
+
+    Parameters
+    ----------
+    family
+        Name of a disk's family.
+    x, y
+        Axes, as for `stability_map`.
+    out
+        NetCDF file to write; `read_map(out, lazy=True)` opens it without loading it.
+    disk, contact, at
+        As for `stability_map`.
+    workers
+        Threads beside the one that writes; one when left out, since bands are short.
+    overwrite
+        Whether an existing file may be replaced.
+    progress
+        Called with (cells done, cells in all).
+
+    Returns
+    -------
+    Path
+        The file.  It is whole or not there.
+
+    Raises
+    ------
+    StabilityError
+        One sentence that says what is wrong and what is accepted.
+
+    Source: tests/test_kernels.py; the figures of benchmarks/kernels.py.
+
+    Examples
+    --------
+    >>> import tempfile, stability as st
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = stream_map("spinning", x=("at", 1, 4, 50), y=("mu", 0.1, 2, 40),
+    ...                       out=Path(folder) / "map.nc")
+    ...     st.read_map(file).verdict.shape
+    (40, 50)
+    """
+    if not isinstance(family, str):
+        raise ParameterError(
+            "family is not a name; maps are streamed for the disk's families, which have exact "
+            "polynomials. Use stability_map for one's own."
+        )
+    check_run(workers, progress)
+    axes = Grid.of(x, "x"), Grid.of(y, "y")
+    question = prepare(str(family), axes, disk, contact, at, {})
+    total = axes[0].count * axes[1].count
+    if total > MOST_CELLS:
+        raise ParameterError(
+            f"the map has {total:.3g} cells; at most {MOST_CELLS:.0e} are streamed."
+        )
+    target = check_target(check_suffix(out, NETCDF), overwrite=overwrite)
+    free = shutil.disk_usage(target.parent).free
+    if free < total + 2**24:
+        raise FileError(
+            f"{path_text(target)} may need {total / 2**20:.0f} MiB, and {free / 2**20:.0f} MiB are "
+            "free there."
+        )
+    steady_memory()
+    verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
+    with whole(target, overwrite=overwrite) as beside:
+        with _Sink(beside) as sink:
+            # an exception within HDF5's own calls of the sink, Ctrl-C too, takes the process down
+            file = None
+            try:
+                with postponed():
+                    file, variable = _created(sink, question, axes)
+                left = _fill(variable, sink, verdicts, axes, workers or 1, progress)
+                with postponed():
+                    file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
+                    file.attrs[ATTRIBUTE] = STATEMENT
+            finally:
+                if file is not None:
+                    with postponed():
+                        file.close()
+            sink.check()
+        seal(beside)
+    return Path(out)
+
+
+class _Sink(io.RawIOBase):
+    """A file that HDF5 writes to and that never fails: a failure is told by `check`.
+
+    HDF5 takes the process down when it closes a file that it could not write.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("r+b", buffering=0)
+        self._error: OSError | None = None
+
+    def check(self) -> None:
+        """Raise what went wrong, if something has."""
+        if self._error is not None:
+            raise self._error
+
+    def readable(self) -> bool:
+        return True
+
+    def writable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+    def truncate(self, size: int | None = None) -> int:
+        with self._kept():
+            self._file.truncate(size)
+        return size or 0
+
+    def readinto(self, buffer: Any) -> int:
+        view = memoryview(buffer).cast("B")
+        got = self._file.readinto(view) or 0
+        view[got:] = bytes(len(view) - got)  # what could not be written
+        return len(view)
+
+    def write(self, data: Any) -> int:
+        view = memoryview(data).cast("B")
+        count = len(view)
+        with self._kept():
+            while len(view) and self._error is None:
+                view = view[self._file.write(view) or 0 :]
+        return count
+
+    def close(self) -> None:
+        with self._kept():
+            self._file.close()
+        super().close()
+
+    @contextmanager
+    def _kept(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self._error = self._error or error
+
+
+def _created(path: _Sink, question: Any, axes: tuple[Grid, Grid]) -> tuple[Any, Any]:
+    import h5netcdf
+
+    file = h5netcdf.File(path, "w")
+    file.dimensions = {g.name: g.count for g in axes}
+    for grid in axes:
+        coordinate = file.create_variable(grid.name, (grid.name,), float, data=grid.values)
+        coordinate.attrs.update(axis_attributes(question, grid.name))
+    rows = min(_rows(axes), axes[1].count)
+    verdict = file.create_variable(
+        "verdict", (axes[1].name, axes[0].name), np.int8,
+        chunks=(rows, min(axes[0].count, BAND)), compression="gzip", compression_opts=1,
+    )  # fmt: skip
+    verdict.attrs.update({
+        "flag_values": np.array(list(CODES.values()), dtype=np.int8),
+        "flag_meanings": " ".join(v.word for v in CODES),
+        "long_name": "spectral verdict",
+    })  # fmt: skip
+    file.attrs.update(provenance(question, axes, METHOD))
+    return file, verdict
+
+
+def _rows(axes: tuple[Grid, Grid]) -> int:
+    return max(1, BAND // axes[0].count)
+
+
+def _fill(
+    variable: Any, sink: _Sink, verdicts: GridVerdicts, axes: tuple[Grid, Grid], workers: int,
+    progress: Progress | None,
+) -> int:  # fmt: skip
+    """Bands in order, a few in flight; returns how many cells went to exact arithmetic."""
+    xs, ys = axes[0].values, axes[1].values
+    step, total = _rows(axes), math.prod(g.count for g in axes)
+    bands = (
+        (first, partial(verdicts, xs, ys[first : first + step]))
+        for first in range(0, len(ys), step)
+    )
+    left = 0
+    with ThreadPoolExecutor(workers) as pool, closing(in_order(pool, bands, workers)) as results:
+        for first, (codes, open_cells) in results:
+            with postponed():
+                variable[first : first + len(codes), :] = codes
+            sink.check()
+            left += open_cells
+            if progress:
+                progress(min((first + step) * len(xs), total), total)
+    return left

@@ -1,0 +1,1 @@
+"""Launches and what becomes of them."""

@@ -1,0 +1,398 @@
+"""A motion as a labelled dataset: states, observables, events, units, provenance; NetCDF."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections import Counter
+from dataclasses import replace
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base.types import Floats
+from ..base.version import __version__
+from ..bodies.disk_equations import STATES
+from ..integrators.flow import POSE, POSE_UNIT, flow
+from ..integrators.stick_slip import SLIDING, STICKING
+from .result import BY_CODE, Outcome
+
+if TYPE_CHECKING:
+    import xarray
+
+    from .result import Result, Settings
+    from .starts import Launches
+
+from .observables import OBSERVED, observe
+
+FORMAT = "stability trajectory 1"
+"""Marks a file as one of ours."""
+LONG = {
+    "theta": ("axis inclination", "angle"), "theta_dot": ("nutation rate", "rate"),
+    "phi_dot": ("precession rate", "rate"), "omega3": ("axial angular velocity", "rate"),
+    "slip_x": ("slip along x̂, across the disk", "speed"),
+    "slip_y": ("slip along ŷ, along the disk's tangent", "speed"),
+    "energy": ("energy", "energy"), "kinetic": ("kinetic energy", "energy"),
+    "potential": ("potential energy", "energy"),
+    "dissipated": ("energy lost to friction since the start", "energy"),
+    "audit": ("energy plus what was lost, less the energy at the start", "energy"),
+    "normal_force": ("normal force", "force"), "force_x": ("contact force along x̂", "force"),
+    "force_y": ("contact force along ŷ", "force"), "power": ("power lost to friction", "power"),
+    "phi": ("precession angle", "angle"), "psi": ("relative spin angle", "angle"),
+    "centre_x": ("centre, X", "length"), "centre_y": ("centre, Y", "length"),
+    "contact_x": ("contact point, X", "length"), "contact_y": ("contact point, Y", "length"),
+}  # fmt: skip
+"""Long name and kind of unit of each series."""
+SI = {
+    "angle": "rad", "rate": "rad/s", "speed": "m/s", "energy": "J", "force": "N", "power": "W",
+    "length": "m", "time": "s",
+}  # fmt: skip
+IN_WORDS = {
+    "rate": "√(g/R)", "speed": "√(gR)", "energy": "m g R", "force": "m g",
+    "power": "m g √(gR)", "length": "R", "time": "√(R/g)",
+}  # fmt: skip
+"""The dimensionless unit by kind."""
+ACCOUNT = 1e-2
+"""Share of the initial energy by which the account may fail before no outcome is given."""
+LIBRARIES = ("casadi", "numpy", "scipy", "heyoka", "xarray")
+
+
+@cache
+def _versions() -> str:
+    found = []
+    for name in LIBRARIES:
+        try:
+            found.append(f"{name} {version(name)}")
+        except PackageNotFoundError:  # noqa: PERF203 - heyoka is optional
+            continue
+    return ", ".join(found) + f", python {platform.python_version()}"
+
+
+@cache
+def _attributes(name: str, dimensionless: bool) -> dict[str, str]:
+    long, kind = LONG[name]
+    attributes = {"long_name": long, "units": "1" if dimensionless else SI[kind]}
+    if kind == "angle":
+        attributes["units"] = "rad"
+    elif dimensionless:
+        attributes["unit_in_words"] = IN_WORDS[kind]
+    return attributes
+
+
+def assemble(launches: Launches, settings: Settings, results: list[Result]) -> xarray.Dataset:
+    """The dataset that `simulate` returns.
+
+    Parameters
+    ----------
+    launches
+        What was asked.
+    settings
+        How.
+    results
+        One for each launch.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    import xarray
+
+    single = launches.shape == ()
+    dims = _dims(launches.shape)
+    y, running, modes, times = _samples(launches, results, single)
+    heading = None
+    if launches.law == "coulomb":  # a start at rest from which slip sets in at once
+        first = [r.transitions[0].direction if r.transitions else 0.0 for r in results]
+        heading = np.broadcast_to(np.array(first)[:, None], y.shape[:2])
+    series = _series(launches, settings, y, modes, heading)
+    along = (*dims, "time")
+    shape = (*launches.shape, y.shape[1])
+    plain = launches.dimensionless
+    fast: Any = xarray.Variable
+    variables = {
+        n: fast(along, v.reshape(shape), _attributes(n, plain), fastpath=True)
+        for n, v in series.items()
+    }
+    if not single:
+        variables["running"] = fast(along, running.reshape(shape), {
+            "long_name": "whether the run had not ended", "flag_values": [0, 1],
+            "flag_meanings": "ended running"})  # fmt: skip
+    if modes is not None:
+        variables["mode"] = fast(along, modes.astype(np.int8).reshape(shape), {
+            "long_name": "mode of dry friction",
+            "flag_values": np.array([SLIDING, STICKING], dtype=np.int8),
+            "flag_meanings": "sliding sticking"})  # fmt: skip
+    results = _accounted(launches, results, series["audit"])
+    variables |= _summary(launches, results, series["audit"], dims)
+    variables |= _log(launches, results)
+    coordinates = {
+        "time": fast("time", times, {
+            "long_name": "time", "units": "1" if plain else "s",
+            **({"unit_in_words": IN_WORDS["time"]} if plain else {})}, fastpath=True),
+    }  # fmt: skip
+    for name, value in launches.given.items():
+        kept = ((), value) if value.ndim == 0 else (dims, value.reshape(launches.shape))
+        coordinates[name] = fast(*kept, {}, fastpath=True)
+    if not single:  # a slice keeps it, and so tells its own events
+        numbers = np.arange(launches.count).reshape(launches.shape)
+        coordinates["number"] = fast(dims, numbers, {"long_name": "launch, counted flat"},
+                                     fastpath=True)  # fmt: skip
+    return _dataset(variables, coordinates, _provenance(launches, settings, results))
+
+
+def _dataset(
+    variables: dict[str, Any], coordinates: dict[str, Any], attributes: dict[str, Any]
+) -> xarray.Dataset:
+    """A dataset from variables that are known to fit.
+
+    xarray's constructor aligns and copies, which for a short run takes as long as integrating.
+    Where its direct constructor is not to be had, the public one gives the same
+    (tests/test_trajectory.py).
+    """
+    import xarray
+
+    try:
+        import pandas
+        from xarray.core.indexes import PandasIndex
+
+        index = PandasIndex(pandas.Index(coordinates["time"].values, name="time"), "time")
+        coordinates |= index.create_variables({"time": coordinates["time"]})
+        every = coordinates | variables
+        sizes = {d: n for v in every.values() for d, n in zip(v.dims, v.shape, strict=True)}
+        return xarray.Dataset._construct_direct(
+            every, set(coordinates), sizes, attributes, {"time": index}
+        )
+    except (ImportError, AttributeError, TypeError):
+        return xarray.Dataset(variables, coordinates, attributes)
+
+
+def _dims(shape: tuple[int, ...]) -> tuple[str, ...]:
+    if len(shape) <= 1:
+        return ("launch",)[: len(shape)]
+    return tuple(f"launch_{i}" for i in range(len(shape)))
+
+
+def _samples(
+    launches: Launches, results: list[Result], single: bool
+) -> tuple[Floats, Any, Floats | None, Floats]:
+    """The state over (launch, time), where it was still running, the modes, and the times."""
+    asked = launches.times
+    skip = int(asked[0] != 0)  # the start was added in front
+    dry = results[0].modes is not None
+    if single:
+        result = results[0]
+        rows, times = result.path.states[skip:], asked[: len(result.path.states) - skip]
+        modes = result.modes[skip:] if result.modes is not None else None
+        if result.path.end is not None:
+            clock = float(launches.scales["time"])
+            end_time = result.time * clock
+            if len(times) and times[-1] >= end_time:  # ended on a sample, or at the start
+                rows, times = rows[:-1], times[:-1]
+                modes = modes[:-1] if modes is not None else None
+            rows = np.vstack([rows, result.final[None]])
+            times = np.append(times, end_time)
+            modes = np.append(modes, result.last_mode) if modes is not None else None
+        return rows[None], None, modes[None] if modes is not None else None, times
+    width = len(results[0].final)
+    y = np.empty((len(results), len(asked), width))
+    running = np.ones((len(results), len(asked)), dtype=np.int8)
+    held = np.zeros(y.shape[:2]) if dry else None
+    for i, result in enumerate(results):
+        rows = result.path.states[skip:]
+        y[i, : len(rows)] = rows
+        y[i, len(rows) :] = result.final
+        running[i, len(rows) :] = 0
+        if held is not None and result.modes is not None:
+            held[i, : len(rows)] = result.modes[skip:]
+            held[i, len(rows) :] = result.last_mode
+    return y, running, held, asked
+
+
+def _series(
+    launches: Launches,
+    settings: Settings,
+    y: Floats,
+    modes: Floats | None,
+    heading: Floats | None = None,
+) -> dict[str, Floats]:
+    """Every series by name, in the user's units, shape (launch, time)."""
+    which = flow(launches.law, pose=settings.pose)
+    own = len(which.system.states)
+    six, work = which.six(y), y[..., own]
+    seen = observe(launches.law, six, launches.p[:, None, :], modes, heading)
+    found = dict(zip(STATES, np.moveaxis(six, -1, 0), strict=True))
+    found |= dict(zip(OBSERVED, seen, strict=True))
+    found["kinetic"] = found["energy"] - found["potential"]
+    found["dissipated"] = work
+    found["audit"] = found["energy"] + work - launches.energies[:, None]
+    if settings.pose:
+        found |= dict(zip(POSE, POSE_UNIT * np.moveaxis(y[..., own + 1 :], -1, 0), strict=True))
+        reach = np.cos(found["theta"])
+        found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
+        found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])
+    if launches.dimensionless:
+        return {n: found[n] for n in LONG if n in found}
+    s = launches.scales
+    scale = {"rate": s["rate"], "speed": s["speed"], "energy": s["energy"], "force": s["force"],
+             "power": s["force"] * s["speed"], "length": s["length"]}  # fmt: skip
+    units = {kind: v[:, None] if v.ndim else v for kind, v in scale.items()}
+    return {n: found[n] * units.get(LONG[n][1], 1.0) for n in LONG if n in found}
+
+
+def _summary(
+    launches: Launches, results: list[Result], audit: Floats, dims: tuple[str, ...]
+) -> dict[str, Any]:  # fmt: skip
+    """One value for each launch: outcome, evidence, times, the nearest steady motion."""
+    import xarray
+
+    shape, clock = launches.shape, launches.scales["time"]
+    rate = launches.scales["rate"]
+
+    make: Any = xarray.Variable
+
+    def variable(values: Any, **attributes: Any) -> Any:
+        array = np.asarray(values).reshape(shape)
+        return make(dims, array, attributes, fastpath=True)
+
+    near = [r.near for r in results]
+    turning = np.array([n.family != "tumbling" for n in near])
+    first = launches.energies * launches.scales["energy"]
+    second = "1" if launches.dimensionless else "s"
+    return {
+        "outcome": variable(
+            np.array([r.outcome.code for r in results], dtype=np.int8),
+            long_name="what became of the launch",
+            flag_values=np.arange(len(BY_CODE), dtype=np.int8),
+            flag_meanings=" ".join(o.word for o in BY_CODE.values()),
+        ),
+        "evidence": variable([r.evidence for r in results], long_name="why"),
+        "end_time": variable(np.array([r.time for r in results]) * clock,
+                             long_name="end of the run", units=second),
+        "settled_time": variable(np.array([r.settled_at for r in results]) * clock,
+                                 long_name="time from which it stayed near the steady motion, "
+                                 "or the end", units=second),
+        "energy_error": variable(np.abs(audit).max(axis=-1) / first, units="1",
+                                 long_name="largest |audit| over the energy at the start"),
+        "nearest_family": variable([n.family for n in near], long_name="nearest steady motion"),
+        "nearest_at": variable(
+            np.array([n.at for n in near]) * np.where(turning, rate, 1.0),
+            long_name="its phi_dot, theta or omega3",
+            units="1" if launches.dimensionless else "rad/s (theta: rad)",
+        ),
+        "nearest_distance": variable([n.distance for n in near], units="1",
+                                     long_name="dimensionless distance from it"),
+        **_errors(results, clock, variable, second),
+        "steps": variable([r.path.steps for r in results], long_name="steps of the integrator"),
+        "method": variable([r.choice.method for r in results], long_name="integrator"),
+    }  # fmt: skip
+
+
+def _errors(
+    results: list[Result], clock: Floats, variable: Any, second: str
+) -> dict[str, Any]:  # fmt: skip
+    """What shadows say of the final state and of the end's time; nothing if none were asked."""
+    if all(r.doubt is None for r in results):
+        return {}
+    # a run without an outcome has no shadow: its error is without bound
+    state = [r.doubt.final_error if r.doubt else np.inf for r in results]
+    late = [r.doubt.time_error if r.doubt and r.path.end else 0.0 for r in results]
+    return {
+        "final_error": variable(state, units="1",
+                                long_name="estimated error of the final state, the largest over "
+                                "the states, each over 1 or its own size"),
+        "end_time_error": variable(np.array(late) * clock, units=second,
+                                   long_name="estimated error of the end's time"),
+    }  # fmt: skip
+
+
+def _accounted(launches: Launches, results: list[Result], audit: Floats) -> list[Result]:
+    """The results, without the outcome of a run whose energy account does not close."""
+    start = launches.energies * launches.scales["energy"]
+    error = np.abs(audit).max(axis=-1) / np.broadcast_to(start, len(results))
+    if not (error > ACCOUNT).any():
+        return results
+    return [
+        result if error[i] <= ACCOUNT else replace(
+            result, outcome=Outcome.UNRESOLVED,
+            evidence=f"the energy account fails by {error[i]:.1e} of the initial energy",
+        )
+        for i, result in enumerate(results)
+    ]  # fmt: skip
+
+
+def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
+    """The event log: transitions between sliding and sticking, and early ends."""
+    import xarray
+
+    motion = flow(launches.law)  # the six states lie first in y, with or without the pose
+    rows: list[tuple[int, float, str, Floats, float]] = []
+    for i, result in enumerate(results):
+        for t in result.transitions:
+            rows.append((i, t.time, t.kind, t.state[:6], t.direction))
+        end = result.path.end
+        if end is not None:
+            rows.append((i, end.time, result.outcome.word, motion.six(end.state), 0.0))
+    clock = launches.scales["time"]
+    which = np.array([r[0] for r in rows], dtype=np.int64)
+    times = np.array([r[1] for r in rows], dtype=float)
+    states = np.array([r[3] for r in rows], dtype=float).reshape(len(rows), 6)
+    if not launches.dimensionless:
+        for column, name in ((slice(1, 4), "rate"), (slice(4, 6), "speed")):
+            scale = launches.scales[name]
+            states[:, column] *= scale[which][:, None] if scale.ndim else scale
+
+    make: Any = xarray.Variable
+
+    def variable(dims: Any, values: Any, attributes: Any = None) -> Any:
+        return make(dims, values, attributes or {}, fastpath=True)
+
+    return {
+        "event_launch": variable("event", which, {"long_name": "launch, counted flat"}),
+        "event_time": variable("event", times * (clock[which] if clock.ndim else clock),
+                               {"units": "1" if launches.dimensionless else "s"}),
+        "event_kind": variable("event", np.array([r[2] for r in rows], dtype="U12")),
+        "event_state": variable(("event", "state"), states, {
+            "long_name": "state at the event", "columns": " ".join(STATES)}),
+        "event_direction": variable("event", np.array([r[4] for r in rows], dtype=float), {
+            "long_name": "direction of slip from x̂, before sticking or at its onset",
+            "units": "rad"}),
+    }  # fmt: skip
+
+
+def _provenance(launches: Launches, settings: Settings, results: list[Result]) -> dict[str, Any]:
+    used = Counter(r.choice.method for r in results)
+    outcomes = Counter(r.outcome.word for r in results)
+    first = results[0].choice
+    attributes: dict[str, Any] = {
+        "format": FORMAT,
+        "title": f"motion of a disk, {launches.law} contact",
+        "contact": launches.law,
+        "outcome": ", ".join(
+            word if launches.shape == () else f"{count} {word}" for word, count in outcomes.items()
+        ),
+        "method_asked": settings.method,
+        "method": ", ".join(used),
+        "method_reason": first.reason,
+        "tolerance": settings.tolerance,
+        "tolerance_used": results[0].tolerance,
+        "flat": settings.flat,
+        "settle": settings.settle,
+        "max_steps": settings.max_steps,
+        "dimensionless": int(launches.dimensionless),
+        "software": f"stability {__version__}",
+        "versions": _versions(),
+        "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
+        "204-231, integrated",
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "Conventions": "CF-1.11",
+    }
+    if launches.shape == ():
+        attributes["evidence"] = results[0].evidence
+        attributes["outcome_sentence"] = results[0].outcome.value
+        attributes["parameters"] = json.dumps(
+            {n: float(v) for n, v in launches.given.items()}, sort_keys=True
+        )
+    return attributes

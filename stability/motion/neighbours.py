@@ -1,0 +1,326 @@
+"""How far a motion is determined: each launch is run again, more finely and a little off.
+
+The first neighbour is finer than the launch, by a factor that depends on the method: its distance
+is the launch's own error, measured.  It starts off by the tolerance on one side (zeros stay, so
+that a motion in a plane of symmetry keeps its plane).  The second is a thousand times looser, and
+off on the other side by as much: its distance, scaled down, shows how errors grow, and whether a
+border between outcomes is near.  The stated error is the larger of the two, with a factor on each,
+and the unit roundoff of every step, times the largest growth between any two times.
+
+Where the launch's error is larger than the looser neighbour's explains, finer ones follow until two
+agree.  Where neighbours part or end otherwise, one more is as fine as the first, on the other side;
+if one of these ends otherwise, the launch's outcome is not determined at its tolerance, and is not
+given.  This is evidence, not proof: a border between outcomes that runs along the line of the
+starts, within the error of the finer neighbour, is not seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..base.types import Floats
+from .result import Outcome
+
+if TYPE_CHECKING:
+    from .result import Result
+
+from .result import Doubt
+
+FINER = {"heyoka": 1e-2, "cvodes": 1e-2, "idas": 1e-2}
+"""The finer neighbour's tolerance over that of the launch, by method; others `FINE`.
+
+Heyoka's cost hardly rises; the errors of CVODES at two neighbouring decades can be equal by chance.
+"""
+FINE = 1e-1
+"""That of a method whose cost rises faster as the tolerance falls."""
+COARSE = 1e-2
+"""The neighbours' tolerance over that of a launch that is itself coarse."""
+LOOSER = 1e3
+"""The looser neighbour's tolerance over that of the launch, up to `LOOSEST`."""
+LOOSEST = 1e-6
+"""Where no scaling holds any more, and a stiff motion is lost: a launch that is asked less than ten
+times as finely is coarse, and has three finer neighbours instead."""
+ROUNDING = 1e-15
+"""Relative change of a start below which it is lost in rounding."""
+MEASURED = 5.0
+"""Factor on the distance from the finer neighbour, which has an error of its own."""
+MARGIN = 10.0
+"""Factor on a scaled distance, since an error falls a little more slowly than the tolerance."""
+PER_STEP = 2.0 * np.finfo(float).eps
+"""Rounding of one step, relative to 1 or the state's size."""
+CLOSE = 0.03
+"""Distance of states up to which the scaling is trusted."""
+NOTHING = 0.3
+"""Estimate from which on nothing is known of the final state: its error is without bound then."""
+APART = 1e-2
+"""Relative difference of the times of an early end that makes it another end."""
+AGREED = 1 / 3
+"""Distance of two finer neighbours, over the launch's from the finest, at which they agree."""
+TURNS = 4
+"""Finer neighbours that follow at most where two do not agree."""
+LASTING = (Outcome.MOVING, Outcome.SETTLED)
+SIGNS = np.array([1.0, -0.83, 0.71, -0.91, 0.77, 0.87])
+"""Direction of the start's change: fixed, and of no symmetry."""
+COMPARED = 17
+"""Times at which two neighbours are compared."""
+
+Rerun = Callable[[Sequence[int], Floats, Floats], "list[Result]"]
+"""Runs launches (by number) again from starts off by a relative size, at tolerances."""
+
+
+Pair = tuple["Result", "Result"]
+"""Two neighbours of a launch."""
+
+
+def doubts(found: Sequence[Result], finest: Sequence[float], rerun: Rerun) -> list[Doubt | None]:
+    """Judge each launch by its neighbours.
+
+    Parameters
+    ----------
+    found
+        The launches after their runs.
+    finest
+        The smallest tolerance that the integrator of each accepts.
+    rerun
+        Runs some of them again.
+
+    Returns
+    -------
+    list of Doubt or None
+        None where the launch itself has no outcome.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.47, "omega3": 1.0}, 20.0)
+    >>> bool(run.final_error < 1e-6)
+    True
+    """
+    out: list[Doubt | None] = [None] * len(found)
+    for judge, coarse in ((_of_fine, False), (_of_coarse, True)):
+        which = [
+            i for i, r in enumerate(found)
+            if r.outcome is not Outcome.UNRESOLVED and (10 * r.tolerance > LOOSEST) == coarse
+        ]  # fmt: skip
+        if which:
+            limits = np.array([finest[i] for i in which])
+            judged = judge([found[i] for i in which], limits, _of(which, rerun))
+            for i, doubt in zip(which, judged, strict=True):
+                out[i] = _at_end(doubt, found[i])
+    return out
+
+
+def _at_end(doubt: Doubt, one: Result) -> Doubt:
+    """With what a singular end leaves out."""
+    end = one.path.end
+    if end is None or not end.early:
+        return doubt
+    final, late = doubt.final_error + end.short, doubt.time_error + 1.1 * end.early
+    return replace(doubt, final_error=final, time_error=late)
+
+
+def _in_time(one: Result, final: float, others: Sequence[Result]) -> float:
+    """What an error of the final state is in the time of the end, in the neighbours' directions.
+
+    A neighbour's end may be close in time by chance, where its state is not.
+    """
+    lags = None if one.path.end is None else one.path.end.lags
+    if lags is None:
+        return 0.0
+    late = 0.0
+    for other in others:
+        far = _distance(one.final, other.final)
+        if 0 < far < np.inf and np.isfinite(final):
+            moved = np.abs(one.final - other.final)
+            known = moved > 0  # no share of an infinite lag
+            late = max(late, float(lags[known] @ moved[known]) * final / far)
+    return late
+
+
+def _of(which: Sequence[int], rerun: Rerun) -> Rerun:
+    """Rerun for some launches, counted among themselves."""
+
+    def call(some: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
+        return rerun([which[j] for j in some], tolerances, off) if len(some) else []
+
+    return call
+
+
+def _of_fine(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Doubt]:
+    """One finer neighbour on one side, one looser on the other, and more where in doubt."""
+    every = range(len(ones))
+    asked = np.array([r.tolerance for r in ones])
+    own, loose = np.maximum(asked, ROUNDING), np.minimum(LOOSER * asked, LOOSEST)
+    tight = np.maximum(asked * [FINER.get(r.choice.method, FINE) for r in ones], limits)
+    # where nothing finer is to be had, the distance of a looser one is above the launch's own error
+    tight = np.where(tight < asked / 2, tight, 10 * asked)
+    finer = rerun(every, tight, own)
+    failed = [j for j in every if finer[j].outcome is Outcome.UNRESOLVED and tight[j] < asked[j]]
+    tight[failed] = 10 * asked[failed]
+    for j, result in zip(failed, rerun(failed, tight[failed], own[failed]), strict=True):
+        finer[j] = result
+    pairs = list(zip(finer, rerun(every, loose, -loose), strict=True))
+    out = [
+        _estimate(one, pair, float(size), MARGIN * float(mine / size))
+        for one, pair, size, mine in zip(ones, pairs, loose, own, strict=True)
+    ]
+    unsure = [
+        j for j in every
+        if tight[j] < asked[j] and not _converges(ones[j], pairs[j], float(asked[j] / loose[j]))
+    ]  # fmt: skip
+    parted = [j for j in every if not _close(ones[j], pairs[j])]
+    others = rerun(parted, tight[parted], -own[parted])
+    for j, other in zip(parted, others, strict=True):
+        out[j] = _pinched(ones[j], [pairs[j][0], other])
+    unsure = [j for j in unsure if not out[j].contrary and np.isfinite(out[j].final_error)]
+    return _settled(ones, [p[0] for p in pairs], out, unsure, tight, limits, rerun)
+
+
+def _of_coarse(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Doubt]:
+    """Three finer neighbours: the launch itself, and one on each side."""
+    every = range(len(ones))
+    asked = np.array([r.tolerance for r in ones])
+    tight = np.maximum(COARSE * asked, limits)
+    three = [rerun(every, tight, off) for off in (0 * asked, asked, -asked)]
+    return [_pinched(one, others) for one, *others in zip(ones, *three, strict=True)]
+
+
+def _estimate(one: Result, pair: Pair, off: float, scale: float) -> Doubt:
+    """The error from a finer neighbour, and from one that is looser and off by a relative size."""
+    finer, looser = (_distances(one, other) for other in pair)
+    growth = max(_growth(*pair), looser[0] / off)
+    rounding = PER_STEP * one.path.steps
+    final = max(MEASURED * finer[0], scale * looser[0]) + rounding * growth
+    late = max(MEASURED * finer[1], scale * looser[1]) + rounding * (looser[1] / off + one.time)
+    return Doubt(final, max(late, _in_time(one, final, pair)), _contrary(one, [pair[0]]))
+
+
+def _pinched(one: Result, others: Sequence[Result]) -> Doubt:
+    """The error from neighbours that are all finer, wherever they lie."""
+    contrary = _contrary(one, others)
+    if any(other.outcome is Outcome.UNRESOLVED for other in others):
+        return Doubt(np.inf, np.inf, contrary)
+    final, late = np.max([_distances(one, other) for other in others], axis=0)
+    # where neighbours part on the way, that they meet at the end is chance
+    apart = _spread(others[-2], others[-1])
+    size = MEASURED * max(final, apart if apart > CLOSE else 0.0)
+    size += PER_STEP * one.path.steps * _growth(others[-2], others[-1])
+    time = max(float(MEASURED * late), _in_time(one, float(size), others))
+    return Doubt(float(size if size < NOTHING else np.inf), time, contrary)
+
+
+def _close(one: Result, pair: Pair) -> bool:
+    """Whether a launch and its neighbours stay together and end alike."""
+    if not all(_alike(one, other) for other in pair):
+        return False
+    far = max(max(_distances(one, other)) for other in pair)
+    return max(far, _spread(*pair)) <= CLOSE
+
+
+def _converges(one: Result, pair: Pair, ratio: float) -> bool:
+    """Whether the distance falls with the tolerance, at least like its root."""
+    near, between = _distances(one, pair[0]), _distances(*pair)
+    floor = 1e3 * PER_STEP * max(1.0, one.time)
+    return all(a <= max(np.sqrt(ratio) * b, floor) for a, b in zip(near, between, strict=True))
+
+
+def _settled(
+    ones: Sequence[Result], finer: list[Result], out: list[Doubt], unsure: list[int],
+    tight: Floats, limits: Floats, rerun: Rerun,
+) -> list[Doubt]:  # fmt: skip
+    """The estimates, with finer neighbours for unsure launches until two of them agree."""
+    for _ in range(TURNS):
+        unsure = [j for j in unsure if tight[j] > limits[j]]
+        tight[unsure] = np.maximum(tight[unsure] / 10, limits[unsure])
+        more = rerun(unsure, tight[unsure], np.zeros(len(unsure)))
+        left = []
+        for j, result in zip(unsure, more, strict=True):
+            one, before = ones[j], out[j]
+            if result.outcome is Outcome.UNRESOLVED:
+                continue
+            new, between = _distances(one, result), _distances(finer[j], result)
+            size = max(before.final_error, MEASURED * new[0])
+            late = max(before.time_error, MEASURED * new[1], _in_time(one, size, [result]))
+            out[j] = Doubt(size if size < NOTHING else np.inf, late, _contrary(one, [result]))
+            finer[j] = result
+            if any(b > AGREED * n for b, n in zip(between, new, strict=True)):
+                left.append(j)
+        unsure = left
+    for j in unsure:  # no two agree: all that is known is how far they scatter
+        out[j] = Doubt(MEASURED * out[j].final_error, MEASURED * out[j].time_error, out[j].contrary)
+    return out
+
+
+def _distances(one: Result, other: Result) -> tuple[float, float]:
+    """Distance of the final states, and of the times of the end."""
+    if Outcome.UNRESOLVED in (one.outcome, other.outcome):
+        return np.inf, np.inf
+    return _distance(one.final, other.final), abs(one.time - other.time)
+
+
+def _gaps(one: Result, other: Result) -> Floats:
+    """Distances of two neighbours at the times at which both were still running."""
+    count = min(len(one.path.states), len(other.path.states))
+    return _each(one.path.states[:count], other.path.states[:count])
+
+
+def _spread(one: Result, other: Result) -> float:
+    """Half the largest distance of two neighbours on the way."""
+    return float(_gaps(one, other).max()) / 2
+
+
+def _growth(one: Result, other: Result) -> float:
+    """Largest ratio of the distance of two neighbours at the end to one before, and at least 1."""
+    gaps = _gaps(one, other)
+    last = max(gaps[-1], min(_distance(one.final, other.final), 1.0))
+    least = gaps[gaps > 0]
+    return max(1.0, float(last / least.min())) if least.size else 1.0
+
+
+def _each(a: Floats, b: Floats) -> Floats:
+    """Largest difference of the six states of each pair, over 1 or the state's own size."""
+    n = min(a.shape[-1], 6)
+    a, b = a[..., :n], b[..., :n]
+    found: Floats = (np.abs(a - b) / np.maximum(1.0, np.abs(a))).max(axis=-1)
+    return found
+
+
+def _distance(a: Floats, b: Floats) -> float:
+    return float(_each(a, b).max())
+
+
+def _alike(one: Result, other: Result) -> bool:
+    if one.outcome in LASTING and other.outcome in LASTING:
+        both = one.outcome is other.outcome is Outcome.SETTLED
+        return not both or one.near.family == other.near.family
+    return one.outcome is other.outcome and abs(one.time - other.time) <= APART * max(1.0, one.time)
+
+
+def _contrary(one: Result, others: Sequence[Result]) -> str:
+    """How a neighbour ends that ends otherwise; empty where none does."""
+    unlike = [other for other in others if not _alike(one, other)]
+    lost = [other for other in unlike if other.outcome is Outcome.UNRESOLVED]
+    # a neighbour that gives up has met something that a launch that lasted has not
+    if not unlike or (lost and one.outcome not in LASTING):
+        return ""
+    if lost:
+        return (
+            f"a run within the tolerance {one.tolerance:g} of it is unresolved at "
+            f"{lost[0].time:.9g}: {lost[0].evidence}"
+        )
+    other = unlike[0]
+
+    def told(result: Result) -> str:
+        if result.outcome is Outcome.SETTLED:
+            return f"{result.outcome.word} to {result.near.family}"
+        at = "" if result.outcome in LASTING else f" at {result.time:.9g}"
+        return f"{result.outcome.word}{at}"
+
+    return (
+        f"two runs within the tolerance {one.tolerance:g} of each other end differently: "
+        f"{told(one)}, and {told(other)}"
+    )

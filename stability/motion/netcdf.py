@@ -1,0 +1,128 @@
+"""Motions as NetCDF files, and what is asked of a motion."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..base.errors import FileError
+from .dataset import FORMAT
+from .result import BY_CODE, Outcome
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def write_motion(
+    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
+) -> FilePath:
+    """Write a motion to NetCDF-4 with a checksum.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`.
+    path
+        File to write.
+    overwrite
+        Whether an existing file may be replaced.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written; nothing is left half-written.
+
+    Examples
+    --------
+    >>> import tempfile, stability as st
+    >>> run = st.simulate(st.Disk(), st.Rough(), {"theta": 1.2, "phi_dot": 1.0}, [1.0, 2.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     back = read_motion(write_motion(run, FilePath(folder) / "run.nc"))
+    >>> back.identical(run)
+    True
+    """
+    import xarray
+
+    from ..storage.files import whole
+    from ..storage.netcdf import packed
+    from ..storage.targets import NETCDF, check_suffix
+
+    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
+        raise FileError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
+    check_suffix(path, NETCDF)
+    with whole(path, overwrite=overwrite) as beside:
+        beside.write_bytes(packed(dataset))
+    return FilePath(path)
+
+
+def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
+    """Read a motion that `write_motion` wrote.
+
+    Parameters
+    ----------
+    path
+        File to read.
+
+    Returns
+    -------
+    xarray.Dataset
+        In memory; the file is closed.
+
+    Raises
+    ------
+    FileError
+        If there is no such file, or it is damaged, not a NetCDF file, or not one of ours.
+    """
+    from ..storage.reading import opened
+
+    return opened(path, FORMAT, "a motion")
+
+
+def outcome_of(dataset: xarray.Dataset) -> Outcome:
+    """The outcome of a single run.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`, one launch.
+
+    Returns
+    -------
+    Outcome
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> outcome_of(st.simulate(st.Disk(), st.Smooth(), {"theta": 1.0}, 5.0)).word
+    'flat'
+    """
+    return BY_CODE[int(dataset.outcome)]
+
+
+def is_finite(dataset: xarray.Dataset) -> bool:
+    """Whether every number of a motion is finite, which `simulate` promises.
+
+    Estimates of errors may be infinite: nothing is known then.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`.
+
+    Returns
+    -------
+    bool
+    """
+    return all(
+        bool(np.isfinite(v.values).all()) for name, v in dataset.variables.items()
+        if v.dtype.kind == "f" and name not in ("final_error", "end_time_error")
+    ) and math.isfinite(float(dataset.attrs["tolerance"]))  # fmt: skip

@@ -1,0 +1,175 @@
+"""Results of launches: settings, outcomes, errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..base.checks import MOST_WORKERS, Sentences, flag, one_number, whole_number
+from ..base.errors import ParameterError
+from ..base.types import Floats
+from ..integrators.flow import FLAT, LIFT_OFF, NO_CONTACT
+from ..integrators.leg import UNRESOLVED, Path
+from ..integrators.selection import Choice
+from ..integrators.stick_slip import NON_UNIQUE, Transition
+from .settling import Nearest
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """One launch after its run, dimensionless."""
+
+    path: Path
+    """y at the asked times, and the end."""
+    choice: Choice
+    """The integrator and why."""
+    outcome: Outcome
+    """How it ended."""
+    time: float
+    """When: the last time, or that of the event."""
+    final: Floats
+    """y then."""
+    near: Nearest
+    """The nearest steady motion."""
+    settled_at: float
+    """Time from which the distance stayed below the asked one; the end's where not settled."""
+    modes: Floats | None
+    """Sliding or sticking at each sample, for dry friction."""
+    last_mode: int
+    """The mode at the end."""
+    transitions: tuple[Transition, ...]
+    """Between sliding and sticking."""
+    evidence: str
+    """Why the outcome is what it is."""
+    tolerance: float
+    """What the integrator was given: not below what it accepts."""
+    doubt: Doubt | None = None
+    """What its shadow says; None where none was asked, or the run has no outcome."""
+
+
+class Outcome(Sentences):
+    """How a run ended; exactly one of these, each with its time and evidence.
+
+    Examples
+    --------
+    >>> Outcome.LIFT_OFF.word
+    'lift-off'
+    >>> Outcome.MOVING.code
+    0
+    """
+
+    MOVING = "moving: contact lasted and no motion was settled on; ask for later times to see more"
+    SETTLED = (
+        "settled: the state lies so close to an asymptotically stable steady motion that its "
+        "motion is proved, in ball arithmetic, to converge to that one or to a neighbour of the "
+        "same family"
+    )
+    FLAT = "flat: the disk has fallen on its side, where a thin disk's equations of motion end"
+    LIFT_OFF = "lift-off: the normal force has reached zero and the disk leaves the plane"
+    NO_CONTACT = (
+        "no-contact: no contact force continues the motion (D ≤ 0 or no admissible slip, "
+        "Painlevé's paradox); take a smaller mu"
+    )
+    NON_UNIQUE = (
+        "non-unique: dry friction allows more than one continuation from here, and none is chosen; "
+        "take a smaller mu, or RegularisedCoulomb to have one picked"
+    )
+    UNRESOLVED = (
+        "unresolved: the integrator gave up and what came after is not shown; ask for another "
+        "method, a larger max_steps, max_seconds or tolerance"
+    )
+    UNDETERMINED = (
+        "undetermined: neighbours within the tolerance end differently; ask for a finer tolerance "
+        "or an earlier last time"
+    )
+
+    @property
+    def word(self) -> str:
+        """The outcome as one word: the part of the sentence before the colon."""
+        return str(self.value).split(":")[0]
+
+    @property
+    def code(self) -> int:
+        """The flag value in files."""
+        return CODES[self]
+
+
+CODES = {outcome: code for code, outcome in enumerate(Outcome)}
+"""Flag value of each outcome, in arrays and files."""
+
+BY_CODE = {code: outcome for outcome, code in CODES.items()}
+"""Outcome of each flag value."""
+
+OF_END = {
+    LIFT_OFF: Outcome.LIFT_OFF,
+    FLAT: Outcome.FLAT,
+    NO_CONTACT: Outcome.NO_CONTACT,
+    NON_UNIQUE: Outcome.NON_UNIQUE,
+    UNRESOLVED: Outcome.UNRESOLVED,
+}
+"""The outcome of each kind of end."""
+
+LOOSEST, TIGHTEST = 1e-2, 1e-16
+"""Range of `tolerance`."""
+
+PATIENT = 1e7
+"""Largest `max_seconds`."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a run is made; fields as the keywords of `simulate`."""
+
+    method: str
+    """Integrator."""
+    tolerance: float
+    """Error allowed in a step."""
+    pose: bool
+    """Whether the pose is carried along."""
+    flat: float
+    """Angle that counts as flat [rad]."""
+    settle: float
+    """Largest distance that can count as settled."""
+    max_steps: int
+    """Steps after which a run gives up."""
+    workers: int | None
+    """Threads."""
+    check: bool = True
+    """Whether each launch has a shadow."""
+    max_seconds: float = 10.0
+    """Computing time after which a run gives up [s]."""
+
+    def refuse(self) -> None:
+        """Refuse what is out of range, in one sentence."""
+        for name in ("tolerance", "flat", "settle", "max_seconds"):
+            object.__setattr__(self, name, one_number(name, getattr(self, name)))
+        for name in ("pose", "check"):
+            flag(name, getattr(self, name))
+        if not TIGHTEST <= self.tolerance <= LOOSEST:
+            raise ParameterError(
+                f"tolerance is {self.tolerance:g}; give one from {TIGHTEST:g} to {LOOSEST:g}."
+            )
+        if not 0 < self.flat <= 0.1:
+            raise ParameterError(f"flat is {self.flat:g}; give an angle above 0 up to 0.1 rad.")
+        if not 0 <= self.settle <= 0.1:
+            raise ParameterError(f"settle is {self.settle:g}; give a distance from 0 to 0.1.")
+        if not 0 < self.max_seconds <= PATIENT:
+            raise ParameterError(
+                f"max_seconds is {self.max_seconds:g}; give a time above 0 up to {PATIENT:g} s."
+            )
+        for name in ("max_steps", "workers"):
+            value = getattr(self, name)
+            if name == "workers" and value is None:
+                continue
+            whole_number(name, value, most=MOST_WORKERS if name == "workers" else None)
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """What the neighbours say of a launch."""
+
+    final_error: float
+    """Estimated error of the final state: the largest, each over 1 or the state's own size."""
+    time_error: float
+    """Estimated error of the end's time, dimensionless; 0 where the run lasted to the last time."""
+    contrary: str = ""
+    """How the launch's neighbour ends, where it ends otherwise; then the outcome is open."""

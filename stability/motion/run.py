@@ -1,0 +1,234 @@
+"""Launches run in legs, judged, and compared with their neighbours."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ..base.types import Floats
+from ..integrators.flow import FLAT, LIFT_OFF, NO_CONTACT, flow
+from ..integrators.leg import UNRESOLVED, End, Leg, Path
+from ..integrators.painleve import OPEN_END, closer
+from ..integrators.selection import FINEST, Choice, explicit, run
+from ..integrators.stick_slip import SLIDING, DryPath
+from ..integrators.stick_slip import integrate as integrate_dry
+from .neighbours import COMPARED, SIGNS, doubts
+from .result import OF_END, TIGHTEST, Doubt, Outcome, Result, Settings
+from .settling import Nearest, deviation, nearest
+from .starts import Launches
+
+GUARDS = {
+    LIFT_OFF: "normal force times D",
+    FLAT: "sine of theta less that of flat",
+    NO_CONTACT: "D",
+}
+"""What each guard is, in words."""
+
+TOGETHER = 1e-6
+"""D at which a zero of gn D is taken for one of both."""
+
+CHUNK = 4096
+"""Launches that are run and checked together."""
+
+
+def results(
+    launches: Launches, settings: Settings, progress: Callable[[int, int], None] | None = None
+) -> list[Result]:
+    """Run every launch and judge its outcome.
+
+    Parameters
+    ----------
+    launches
+        Checked.
+    settings
+        How.
+    progress
+        As for `simulate`.
+
+    Returns
+    -------
+    list of Result
+        In the order of the launches.
+    """
+    legs, found = _legs(launches, settings), []
+    for first in range(0, len(legs), CHUNK):  # the neighbours of all would fill the memory
+        some = slice(first, first + CHUNK)
+        told = None if progress is None else partial(_later, progress, first, len(legs))
+        found += _checked(legs[some], launches.starts[some], launches, settings, told)
+    return found
+
+
+def _later(
+    progress: Callable[[int, int], None], before: int, total: int, done: int, _: int
+) -> None:
+    progress(before + done, total)
+
+
+def _checked(
+    legs: Sequence[Leg], starts: Floats, launches: Launches, settings: Settings,
+    progress: Callable[[int, int], None] | None,
+) -> list[Result]:  # fmt: skip
+    """Run some launches, and their neighbours."""
+    found = _run(legs, launches, settings, [settings.method] * len(legs), progress)
+    if not settings.check:
+        return found
+
+    left = [settings.max_seconds] * len(legs)  # what the neighbours of each have among them
+
+    def rerun(which: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
+        shadows = [
+            replace(_shadow(legs[i], starts[i], tolerance, size), seconds=left[i])
+            for i, tolerance, size in zip(which, tolerances.tolist(), off.tolist(), strict=True)
+        ]
+        methods = [found[i].choice.method for i in which]
+        results = _run(shadows, launches, settings, methods, None)
+        for i, result in zip(which, results, strict=True):
+            left[i] -= result.path.seconds
+        return results
+
+    judged = doubts(found, [FINEST[r.choice.method] for r in found], rerun)
+    return [_doubted(result, doubt) for result, doubt in zip(found, judged, strict=True)]
+
+
+def _legs(launches: Launches, settings: Settings) -> list[Leg]:
+    which = flow(launches.law, pose=settings.pose)
+    sine = math.sin(settings.flat)
+    lead = launches.times[:1] != 0
+    times = np.concatenate([[0.0], launches.times]) if lead else launches.times
+    clock = launches.scales["time"]
+    # launches of one time scale share their array of times
+    shared = times / float(clock) if clock.ndim == 0 else None
+    return [
+        Leg(
+            which, np.append(p, sine), y,
+            times / float(clock[i]) if shared is None else shared,
+            _finer(settings.tolerance, y), settings.max_steps, settings.max_seconds,
+        )
+        for i, (p, y) in enumerate(zip(launches.p, which.pack(launches.starts), strict=True))
+    ]  # fmt: skip
+
+
+def _shadow(leg: Leg, six: Floats, tolerance: float, off: float) -> Leg:
+    """The leg from a start off by a relative size, with times to compare at."""
+    start = leg.flow.pack(six * (1.0 + off * SIGNS))
+    times = np.linspace(leg.times[0], leg.times[-1], COMPARED)
+    return replace(leg, start=start, times=times, tolerance=tolerance)
+
+
+def _doubted(result: Result, doubt: Doubt | None) -> Result:
+    if doubt is None or not doubt.contrary:
+        return replace(result, doubt=doubt)
+    return replace(result, doubt=doubt, outcome=Outcome.UNDETERMINED, evidence=doubt.contrary)
+
+
+def _run(
+    legs: Sequence[Leg], launches: Launches, settings: Settings, methods: Sequence[str],
+    progress: Callable[[int, int], None] | None,
+) -> list[Result]:  # fmt: skip
+    """Run legs, each by its method, and judge how they ended."""
+    found: list[Result | None] = [None] * len(legs)
+    if launches.law == "coulomb":
+        for i, (leg, method) in enumerate(zip(legs, methods, strict=True)):
+            dry = integrate_dry(leg, method, pose=settings.pose)
+            name = explicit() if method == "auto" else method
+            choice = Choice(name, "sliding and sticking; landings by LSODA, onsets by CVODES")
+            found[i] = _judge(leg, dry.path, choice, launches, settings, dry)
+            if progress is not None:
+                progress(i + 1, len(legs))
+    else:
+        for method in dict.fromkeys(methods):
+            mine = [i for i, name in enumerate(methods) if name == method]
+            paths, choices = run(
+                [legs[i] for i in mine], method, workers=settings.workers, progress=progress
+            )
+            for i, path, choice in zip(mine, paths, choices, strict=True):
+                found[i] = _judge(legs[i], path, choice, launches, settings, None)
+    return [result for result in found if result is not None]
+
+
+def _finer(tolerance: float, y: Floats) -> float:
+    """The tolerance of a launch: finer by a decade for each in which it turns faster than 10.
+
+    The normal force holds products of angular velocities, whose error is theirs times the other.
+    """
+    fast = float(np.abs(y[1:4]).max()) / 10
+    return tolerance if fast <= 1 else max(tolerance * 10.0 ** -np.ceil(np.log10(fast)), TIGHTEST)
+
+
+def _judge(
+    leg: Leg, path: Path, choice: Choice, launches: Launches, settings: Settings,
+    dry: DryPath | None,
+) -> Result:  # fmt: skip
+    why = ""
+    if path.end is not None and dry is None and path.end.kind != FLAT:
+        path, why = closer(leg, path) or (path, "")
+    end: End | None = path.end
+    final = path.states[-1] if end is None else end.state
+    time = float(leg.times[-1]) if end is None else end.time
+    six = leg.flow.six(final)
+    near = nearest(six, launches.law, leg.p[:-1], settings.settle)
+    since = time
+    if end is not None:
+        outcome, evidence = _ending(leg, end)
+        evidence = why or evidence
+        if end.kind in leg.flow.guards and not end.early:
+            path = replace(path, end=replace(end, lags=_lags(leg, end)))
+    else:
+        outcome, evidence = Outcome.MOVING, near.evidence
+        if near.settled:
+            outcome = Outcome.SETTLED
+            since = _since(leg, path, near, settings.settle)
+    return Result(
+        path, choice, outcome, time, final, near, since,
+        dry.modes if dry else None, dry.mode if dry else SLIDING,
+        tuple(dry.transitions) if dry else (),
+        evidence + ("" if launches.dimensionless else " (dimensionless numbers)"),
+        max(leg.tolerance, FINEST[choice.method]),
+    )  # fmt: skip
+
+
+def _lags(leg: Leg, end: End) -> Floats:
+    """How much later the guard of an end vanishes for a change of each entry of the state."""
+    index = list(leg.flow.guards).index(end.kind)
+    rate = abs(float(leg.flow.margins(end.state, leg.p)[1][index]))
+    slope: Floats = np.abs(np.array(leg.flow.guard_slopes(end.state, leg.p))[index])
+    return slope / rate if rate else np.where(slope > 0, np.inf, 0.0)
+
+
+def _ending(leg: Leg, end: End) -> tuple[Outcome, str]:
+    """The outcome of an early end, and its evidence, dimensionless.
+
+    Where dry friction makes D run to zero an integrator gives up: near t* then D goes like the
+    root of t* - t, so that D over twice its rate is what is left.  Or gn D and D reach zero
+    together, at a point that attracts sliding motions, where gn, their ratio, is still positive:
+    no lift-off (Génot & Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653-677, for the planar rod).
+    """
+    if end.kind == OPEN_END:
+        return Outcome.UNDETERMINED, ""
+    margins = zip(*leg.flow.margins(end.state, leg.p), strict=True)
+    seen = {n: (float(v), float(r)) for n, (v, r) in zip(leg.flow.guards, margins, strict=True)}
+    d, d_rate = seen.get(NO_CONTACT, (np.inf, 0.0))
+    if end.kind == LIFT_OFF and abs(d) < TOGETHER:
+        why = "gn D and D have reached zero together: the contact force is not determined there"
+        return Outcome.NO_CONTACT, why
+    if end.kind == UNRESOLVED and d_rate < 0 and d < 1e-2:
+        if d / (2 * -d_rate) < 1e-6 * max(1.0, end.time):
+            why = f"D = {d:.1e} falls at {-d_rate:.1e}: it runs to zero, and the contact force "
+            return Outcome.NO_CONTACT, why + "grows without bound"
+    outcome = OF_END[end.kind]
+    if end.message or end.kind not in seen:
+        return outcome, end.message or end.kind
+    value, rate = seen[end.kind]
+    return outcome, f"{GUARDS[end.kind]} {value:.1e}, falling at {-rate:.4g}"
+
+
+def _since(leg: Leg, path: Path, near: Nearest, within: float) -> float:
+    """The first sample from which the motion stayed within the distance of the family."""
+    _, e = deviation(leg.flow.six(path.states), float(leg.p[0]), near.family)
+    outside = np.flatnonzero(np.linalg.norm(e, axis=-1) > within)
+    first = 0 if outside.size == 0 else min(int(outside[-1]) + 1, len(leg.times) - 1)
+    return float(leg.times[first])

@@ -1,0 +1,133 @@
+"""Simulation: launch a disk, and say what becomes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import callback
+from ..base.errors import ParameterError
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..integrators.flow import CASADI
+from ..integrators.selection import check_method
+from .result import Settings
+from .starts import Launches, gather
+
+if TYPE_CHECKING:
+    import xarray
+
+from .run import results
+
+
+def simulate(
+    disk: Disk,
+    contact: Contact,
+    start: Any,
+    times: ArrayLike,
+    *,
+    method: str = "auto",
+    tolerance: float = 1e-9,
+    pose: bool = False,
+    flat: float = 1e-6,
+    settle: float = 1e-3,
+    max_steps: int = 1_000_000,
+    max_seconds: float = 10.0,
+    check: bool = True,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xarray.Dataset:
+    """The motion of a disk from a start, and what becomes of it.
+
+    Parameters
+    ----------
+    disk
+        The disk; its fields may be arrays.  With m = R = g = 1 every number is dimensionless,
+        otherwise SI.
+    contact
+        `Smooth`, `Viscous`, `LinearViscous`, `Rough`, `Coulomb` (with true sticking) or
+        `RegularisedCoulomb`.
+    start
+        theta, theta_dot, phi_dot, omega3, slip_x, slip_y along the last axis, shape (…, 6)
+        [rad, rad/s, m/s], or a mapping by these names (what is left out is 0).  Four values do for
+        smooth and rough.
+    times
+        Times to report, rising [s], shape (t,), or a last time, which stands for 201 equal steps
+        from 0.  The start is time 0.
+    method
+        `auto` (by stiffness and tolerance), or `heyoka`, `dop853`, `lsoda`, `radau`, `bdf`,
+        `cvodes`, `idas`.
+    tolerance
+        Error allowed in one step, relative and absolute to 1; from 1e-16 to 1e-2.
+    pose
+        Whether to report φ, ψ, and the paths of centre and contact point.
+    flat
+        Angle from 0 or π that counts as flat [rad].
+    settle
+        Largest distance from a steady motion, dimensionless, at which it can count as settled on.
+    max_steps
+        Steps after which a run gives up.
+    max_seconds
+        Computing time of one launch after which its run gives up [s]; the same again for all its
+        neighbours, without which its error is not known.  Other work on the machine does not count.
+    check
+        Whether each launch is run a second time, a little off and less finely, which tells the
+        error of its final state; a launch whose neighbour ends otherwise is *undetermined*.
+    workers
+        Threads for many launches at once; one for each core when left out.
+    progress
+        Called with (launches done, launches in all).
+
+    Returns
+    -------
+    xarray.Dataset
+        States and observables over (…, time), with units; `outcome` (CF flags), `evidence`,
+        `end_time`, `energy_error`, `final_error` (estimated: the largest over the states, each over
+        1 or its own size), `end_time_error` and the nearest steady motion for each launch; the
+        event log
+        along `event`; provenance in the attributes.  A single run that ended early has its end as
+        last sample.  Of several, each holds its last state after its end, where `running` is 0.
+
+    Raises
+    ------
+    StabilityError
+        In one sentence, if something is not accepted: a flat or detached start, D ≤ 0, numbers
+        that are not finite, shapes that do not fit, times that do not rise.
+
+    Source: Przybylska & Rauch-Wojciechowski 2016, Sections 2 and 5; tests/test_motion.py holds
+    it against an inertial-frame formulation and closed forms.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.52, "phi_dot": 2.5}, 200.0)
+    >>> run.attrs["outcome"], str(run.nearest_family.values)
+    ('settled', 'spinning')
+    >>> bool(run.energy_error < 1e-9)
+    True
+    """
+    from .dataset import assemble
+
+    callback(progress)
+    settings = Settings(
+        check_method(method), tolerance, pose, flat, settle, max_steps, workers, check, max_seconds
+    )
+    settings.refuse()
+    with CASADI:  # calls from several threads take turns; a batch uses threads of its own
+        launches = gather(disk, contact, start, times)
+        _not_flat(launches, settings)
+        return assemble(launches, settings, results(launches, settings, progress))
+
+
+def _not_flat(launches: Launches, settings: Settings) -> None:
+    theta = launches.starts[:, 0]
+    # a start within rounding of the border cannot be told from one on it
+    bad = np.flatnonzero(np.minimum(theta, np.pi - theta) <= settings.flat * (1 + 1e-6))
+    if bad.size:
+        raise ParameterError(
+            f"theta of start is {theta[bad[0]]:g}, flat within flat = {settings.flat:g} rad; start "
+            "the disk more upright, or give a smaller flat."
+        )

@@ -1,0 +1,362 @@
+"""Launches: starts, parameters and times, checked and made dimensionless."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra.program import Program
+from ..base.checks import checked, known
+from ..base.errors import DomainError, NameUnknownError, ParameterError, shown
+from ..base.types import Floats
+from ..bodies.contact import MOTION_LAWS, Contact, LinearViscous, RegularisedCoulomb
+from ..bodies.disk import Disk
+from ..bodies.disk_equations import STATES, disk_system
+from ..integrators.flow import moving_system
+from ..integrators.friction_at_rest import continuations
+from ..integrators.stick_slip import REST
+
+LAUNCHES = ("rolling", "spinning")
+"""The two reference launches."""
+
+TILT, TIME = 0.1, 1000.0
+"""Tilt of the symmetry axis [rad] and length of a run [√(R/g)]."""
+
+
+def launch(
+    family: str, *, at: ArrayLike, tilt: ArrayLike = TILT, disk: Disk | None = None
+) -> Floats:
+    """The start of a launch near a steady motion, its symmetry axis tilted.
+
+    Parameters
+    ----------
+    family
+        rolling, spinning or tumbling.
+    at
+        omega3, phi_dot or theta of the steady motion, shape (…) [rad/s or rad].
+    tilt
+        Angle taken from theta, shape (…) [rad].
+    disk
+        The body; needed for tumbling, whose rate depends on it.
+
+    Returns
+    -------
+    ndarray
+        The six states, shape (…, 6), for `simulate`.
+
+    Raises
+    ------
+    NameUnknownError
+        If there is no such family.
+    ParameterError
+        If tumbling is asked without a disk, or an angle leaves (0, π).
+
+    Examples
+    --------
+    >>> launch("rolling", at=1.2, tilt=0.1).round(3).tolist()
+    [1.471, 0.0, 0.0, 1.2, 0.0, 0.0]
+    """
+    known("family", family, (*LAUNCHES, "tumbling"))
+    if disk is None and family == "tumbling":
+        raise ParameterError(
+            "disk is missing; the rate of tumbling depends on the body, as √(g/(k R sinθ)): give "
+            "disk=stability.Disk(...)."
+        )
+    body = _body(disk)
+    where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
+    shapes = where.shape, lean.shape, np.shape(body.k), np.shape(body.rate)
+    try:
+        shape = np.broadcast_shapes(*shapes)
+    except ValueError:
+        raise ParameterError(
+            f"at, tilt and the disk have shapes {', '.join(map(str, shapes))}; make them fit."
+        ) from None
+    six = np.zeros((*shape, 6))
+    six[..., 0] = math.pi / 2 - lean
+    if family == "rolling":
+        six[..., 3] = where
+    elif family == "spinning":
+        six[..., 2] = where
+    else:
+        if ((where <= 0) | (where >= math.pi)).any():
+            raise ParameterError("at of tumbling is theta; it must lie strictly between 0 and π.")
+        six[..., 0] = where - lean
+        six[..., 2] = body.rate / np.sqrt(body.k * np.sin(where))
+    bad = six[..., 0][(six[..., 0] <= 0) | (six[..., 0] >= math.pi)]
+    if bad.size:
+        raise ParameterError(
+            f"the tilt takes theta to {bad.flat[0]:g}; it must stay strictly between 0 and π."
+        )
+    return six
+
+
+def _body(disk: Disk | None) -> Disk:
+    if disk is None:
+        return Disk()
+    if not isinstance(disk, Disk):
+        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
+    return disk
+
+
+FASTEST = 1e9
+"""Largest dimensionless rate or slip of a start: beyond it forces are lost in rounding."""
+ROUGHEST = 1e8
+"""Largest dimensionless friction."""
+LONGEST, BRIEFEST = 1e12, 1e-200
+"""Range of the last time, dimensionless."""
+MOST_LAUNCHES, MOST_SAMPLES = 1_000_000, 20_000_000
+"""Launches of one call, and launches times the times asked, at most: all are held in memory."""
+POINTS = 201
+"""Samples of a run for which only a last time is given."""
+
+
+@dataclass(frozen=True, eq=False)
+class Launches:
+    """N launches of a disk under one law, dimensionless, with the units they came in."""
+
+    law: str
+    """A key of `MOTION_LAWS`."""
+    shape: tuple[int, ...]
+    """The shape the user's arrays broadcast to."""
+    starts: Floats
+    """The six states, shape (N, 6)."""
+    p: Floats
+    """Parameters of the law's system, shape (N, m)."""
+    times: Floats
+    """As the user gave them, shape (t,)."""
+    given: Mapping[str, Floats]
+    """Parameters as the user gave them by name, shape (N,) or ()."""
+    scales: Mapping[str, Floats]
+    """Unit of time, speed, energy, force and length of each launch, shape (N,) or ()."""
+    dimensionless: bool
+    """Whether all units are 1."""
+    energies: Floats
+    """Energy at the start, shape (N,)."""
+
+    @property
+    def count(self) -> int:
+        """N."""
+        return len(self.starts)
+
+
+def gather(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Launches:
+    """Check what `simulate` was given and make it dimensionless.
+
+    Parameters
+    ----------
+    disk, contact, start, times
+        As for `simulate`.
+
+    Returns
+    -------
+    Launches
+
+    Raises
+    ------
+    StabilityError
+        In one sentence, if something is not accepted.
+    """
+    if not isinstance(disk, Disk):
+        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
+    if not isinstance(contact, Contact) or contact.name not in MOTION_LAWS:
+        raise NameUnknownError(
+            f"contact is {shown(contact)}; give one of Smooth(), Viscous(mu), LinearViscous(c), "
+            "Rough(), Coulomb(mu), RegularisedCoulomb(mu, epsilon)."
+        )
+    with np.errstate(all="ignore"):  # what overflows is refused by _check
+        return _gathered(disk, contact, start, times)
+
+
+def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Launches:
+    six = _start(start, contact)
+    when = _times(times)
+    fields = {n: getattr(disk, n) for n in ("mass", "radius", "gravity", "k")} | contact.given
+    if isinstance(contact, RegularisedCoulomb):
+        fields["epsilon"] = contact.epsilon
+    try:
+        shape = np.broadcast_shapes(six.shape[:-1], *(np.shape(v) for v in fields.values()))
+    except ValueError:
+        listed = ", ".join(f"{n} {np.shape(v)}" for n, v in fields.items() if np.shape(v))
+        raise ParameterError(
+            f"start has leading shape {six.shape[:-1]} and the parameters {listed}: they do not "
+            "broadcast; make them fit."
+        ) from None
+    scales = {
+        "time": disk.time, "rate": disk.rate, "speed": disk.speed, "energy": disk.energy,
+        "force": disk.force, "length": disk.radius,
+    }  # fmt: skip
+    flat = {n: _flat(v, shape) for n, v in (fields | scales).items()}
+    count = _count(shape, when)
+    starts = np.broadcast_to(six, (*shape, 6)).reshape(count, 6).copy()
+    if not disk.dimensionless:
+        starts[:, 1:4] *= flat["time"][..., None] if flat["time"].ndim else flat["time"]
+        starts[:, 4:] /= flat["speed"][..., None] if flat["speed"].ndim else flat["speed"]
+    p = np.column_stack([np.broadcast_to(v, (count,)) for v in _parameters(contact, flat).values()])
+    last = when[-1] / scales["time"]
+    if not (np.all(last <= LONGEST) and np.all(last >= BRIEFEST)):
+        raise ParameterError(
+            f"times end at {when[-1]:g}; in units of √(R/g) give a last time from {BRIEFEST:g} to "
+            f"{LONGEST:g}."
+        )
+    energies = _check(contact.name, shape, starts, p)
+    return Launches(
+        contact.name, shape, starts, p, when, {n: flat[n] for n in fields},
+        {n: flat[n] for n in scales}, disk.dimensionless, energies,
+    )  # fmt: skip
+
+
+def _count(shape: tuple[int, ...], when: Floats) -> int:
+    """The number of launches, refused where no memory would hold their samples."""
+    count = math.prod(shape)
+    if count == 0:
+        raise ParameterError(
+            f"start and the parameters have shape {shape}: give a launch at least."
+        )
+    if count > MOST_LAUNCHES or count * len(when) > MOST_SAMPLES:
+        raise ParameterError(
+            f"{count} launches at {len(when)} times are asked; give at most {MOST_LAUNCHES} "
+            f"launches and {MOST_SAMPLES} samples in all, and call again for more."
+        )
+    return count
+
+
+def _parameters(contact: Contact, v: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Dimensionless parameters of the law's system, in order."""
+    q = {"k": v["k"]}
+    if contact.name.startswith("coulomb"):
+        q["mu"] = v["mu"]
+        if "epsilon" in v:
+            q["epsilon"] = v["epsilon"] / v["speed"]
+    elif isinstance(contact, LinearViscous) and "c" in v:
+        q["mu"] = v["c"] / v["mass"] * v["time"]
+    elif contact.coefficient:
+        q["mu"] = v["mu"] * v["speed"]
+    return q
+
+
+def _flat(value: Any, shape: tuple[int, ...]) -> Floats:
+    array = np.asarray(value, dtype=float)
+    return array if array.ndim == 0 else np.broadcast_to(array, shape).reshape(-1)
+
+
+def _start(start: Any, contact: Contact) -> Floats:
+    """The six states as numbers, shape (…, 6)."""
+    if isinstance(start, Mapping):
+        unknown = [n for n in start if n not in STATES]
+        if unknown:
+            raise NameUnknownError(
+                f"start names {shown(unknown[0])}; known are {', '.join(STATES)}."
+            )
+        if "theta" not in start:
+            raise ParameterError("start does not name theta; give at least theta [rad].")
+        columns = [np.asarray(checked(f"start {n}", start.get(n, 0.0))) for n in STATES]
+        try:
+            six = np.stack(np.broadcast_arrays(*columns), axis=-1)
+        except ValueError:
+            raise ParameterError(
+                f"the states of start have shapes {[c.shape for c in columns]}; make them fit."
+            ) from None
+    else:
+        six = np.asarray(checked("start", start), dtype=float)
+        width = six.shape[-1] if six.ndim else 0
+        if width == 4 and not contact.slips:
+            six = np.concatenate([six, np.zeros((*six.shape[:-1], 2))], axis=-1)
+        elif width != 6:
+            raise ParameterError(
+                f"start has shape {six.shape}; its last axis must hold 6 values "
+                f"({', '.join(STATES)})."
+            )
+    if contact.name == "rough" and (six[..., 4:] != 0).any():
+        raise ParameterError(
+            f"slip_x, slip_y of start are {six[..., 4:].reshape(-1, 2).max(axis=0).tolist()}; the "
+            "rough disk does not slip, so both must be 0."
+        )
+    return six
+
+
+def _times(times: Any) -> Floats:
+    """Times to report, rising from 0."""
+    when = np.asarray(checked("times", times), dtype=float)
+    if when.ndim == 0:
+        if when <= 0:
+            raise ParameterError(f"times is {when:g}; give a last time above 0, or an array.")
+        return np.linspace(0.0, float(when), POINTS)
+    if when.ndim != 1:
+        raise ParameterError(f"times has shape {when.shape}; give one axis of rising times.")
+    if when[0] < 0:
+        raise ParameterError(f"times begin at {when[0]:g}; the start is time 0 and comes first.")
+    falls = np.flatnonzero(np.diff(when) <= 0)
+    if falls.size:
+        i = int(falls[0])
+        raise ParameterError(
+            f"times go from {when[i]:g} to {when[i + 1]:g}; they must rise from one to the next."
+        )
+    if when[-1] == 0:
+        raise ParameterError("times end at 0; give a last time above 0.")
+    return when
+
+
+@cache
+def _first_look(law: str) -> Program:
+    """The conditions of a law's system, then gn and the energy."""
+    system = moving_system(law)
+    seen = system.observables
+    values = [c.value for c in system.conditions] + [seen["normal_force"], seen["energy"]]
+    return Program(ca.Function("start", [system.x, system.p], [ca.vertcat(*values)]))
+
+
+def _look(law: str, x: Floats, p: Floats) -> Floats:
+    columns = [list(np.moveaxis(x, -1, 0)), list(np.moveaxis(p, -1, 0))]
+    return np.asarray(_first_look(law).arrays(columns, x.shape[:-1])[0][..., 0])
+
+
+def _check(law: str, shape: tuple[int, ...], starts: Floats, p: Floats) -> Floats:
+    """Refuse starts at which there is no contact, with the reason; the energies of the others."""
+    finite = np.isfinite(starts).all() and np.isfinite(p).all() and (p > 0).all()
+    if not (finite and np.abs(starts).max() < FASTEST):
+        raise ParameterError(
+            "a dimensionless number of the start or the body leaves the range of double precision "
+            f"(rates up to {FASTEST:g}); give values nearer to 1."
+        )
+    if p.shape[1] > 1 and p[:, 1].max() > ROUGHEST:
+        raise ParameterError(
+            f"the dimensionless friction is {p[:, 1].max():.3g}, above {ROUGHEST:g}, where double "
+            "precision cannot resolve the slip; take Rough(), to which the motion tends."
+        )
+    own = len(moving_system(law).states)
+    if law == "coulomb":
+        rest = np.hypot(starts[:, 4], starts[:, 5]) <= REST
+        seen = np.empty((len(starts), 5))
+        seen[~rest] = _look(law, starts[~rest], p[~rest])
+        if rest.any():
+            seen[rest] = _look("rough", starts[rest, :4], p[rest, :1])
+        for i in np.flatnonzero(rest & (seen[:, :2] > 0).all(axis=1)):
+            # it may not stick and yet slip, or do neither although gn of sticking is positive
+            pressed = continuations(starts[i, :4], *p[i]).pressed
+            seen[i, 3] = max(seen[i, 3], 1e-300) if pressed else min(seen[i, 3], 0.0)
+    else:
+        seen = _look(law, starts[:, :own], p)
+    if not (seen[:, :-1] > 0).all():
+        _refuse(law, shape, seen)
+    return seen[:, -1]
+
+
+def _refuse(law: str, shape: tuple[int, ...], seen: Floats) -> None:
+    row = int(np.flatnonzero(~(seen[:, :-1] > 0).all(axis=1))[0])
+    column = int(np.flatnonzero(~(seen[row, :-1] > 0))[0])
+    where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
+    conditions = disk_system(law).conditions
+    value = float(seen[row, column])
+    if column < len(conditions):
+        raise DomainError(f"start{where}: {conditions[column].refusal(value)}")
+    raise DomainError(
+        f"start{where}: the normal force is {value:.4g} m g, which is not positive: "
+        "the disk is not in contact; turn it slower."
+    )

@@ -1,0 +1,80 @@
+"""Modules of version 0.4 that its documents named: each still imports, with a warning."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Sequence
+from importlib import import_module
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any
+
+MOVED = {
+    "stability.contact": ("bodies.contact",),
+    "stability.equations": ("bodies.disk_equations",),
+    "stability.slowflow": ("derivation.centre_manifold",),
+    "stability.formulas": ("derivation.formulas",),
+    "stability.completeness": ("derivation.completeness",),
+    "stability.outcome": ("motion.result",),
+    "stability.plots": ("figures.diagram", "figures.style"),
+    "stability.pictures": ("figures.motion", "figures.caption"),
+    "stability.verdict": ("base.verdict",),
+    "stability.compare.cases": ("compare.spectrum.cases",),
+    "stability.compare.catalogue": ("compare.failures",),
+    "stability.compare.routes": ("compare.spectrum.routes",),
+    "stability.compare.drivers": ("compare.motion.drivers",),
+}
+"""Where the names of each are now."""
+
+
+def found(name: str, old: str, places: Sequence[str]) -> Any:
+    """A name of an old module, from the first new one that has it.
+
+    Parameters
+    ----------
+    name
+        What is asked for.
+    old
+        The old module.
+    places
+        The new ones, within the package.
+    """
+    for place in places:
+        value = getattr(import_module(f"stability.{place}"), name, None)
+        if value is not None:
+            warnings.warn(
+                f"{old} has moved and goes in version 0.6; import {name} from stability.{place}.",
+                DeprecationWarning,
+                stacklevel=3,
+            )
+            return value
+    raise AttributeError(f"module {old!r} has no attribute {name!r}")
+
+
+class _Loader(Loader):
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:  # noqa: ARG002
+        return None  # an empty one, made by Python
+
+    def exec_module(self, module: ModuleType) -> None:
+        old = module.__name__
+
+        def hand_on(name: str) -> Any:
+            return found(name, old, MOVED[old])
+
+        module.__getattr__ = hand_on  # type: ignore[method-assign]
+
+
+class Finder(MetaPathFinder):
+    """Finds the old modules, which have no files."""
+
+    def find_spec(self, fullname: str, *_: Any) -> ModuleSpec | None:
+        """An empty module for an old path; None for every other."""
+        return ModuleSpec(fullname, _Loader()) if fullname in MOVED else None
+
+
+def install() -> None:
+    """Let Python look here last."""
+    if not any(isinstance(finder, Finder) for finder in sys.meta_path):
+        sys.meta_path.append(Finder())

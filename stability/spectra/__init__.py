@@ -1,0 +1,1 @@
+"""Eigenvalues with error discs, and verdicts.  Imports `systems`; some files `bodies`."""

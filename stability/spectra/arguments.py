@@ -1,0 +1,205 @@
+"""Arguments of spectra and maps: names and numbers to a problem."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.axis import Grid
+from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.types import Floats
+from ..bodies.contact import LAWS, Contact, LinearViscous, Viscous
+from ..bodies.disk import Disk
+from ..bodies.disk_families import AT
+from ..systems.family import Family
+from .disk_problem import PHYSICAL, check_axis, disk_problem, disk_roundings, disk_units
+from .problem import Problem, system_problem
+
+Axis = tuple[str, float, float, int] | tuple[str, float, float, int, str]
+
+RESERVED = ("abscissa", "abscissa_error", "frequency", "verdict", "eigenvalues", "mode",
+            "complex_part", "box", "end")  # fmt: skip
+"""Variables and dimensions of every map, which no axis may be called."""
+
+
+def prepare(
+    family: str | Family,
+    axes: Sequence[Grid],
+    disk: Disk | None,
+    contact: Contact | type[Contact] | None,
+    at: ArrayLike | None,
+    parameters: Mapping[str, ArrayLike],
+) -> Problem:
+    """The question of a map, with its axes checked and every other value given.
+
+    Parameters
+    ----------
+    family, disk, contact, at, parameters
+        As for `stability_map`.
+    axes
+        The axes.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    StabilityError
+        If an axis is unknown, or a value is missing or given twice.
+    """
+    names = [g.name for g in axes]
+    given = at
+    if len(set(names)) < len(names):
+        raise ParameterError(f"both axes are {shown(names[0])}; give two different ones.")
+    if isinstance(family, Family):
+        question = problem(family, at, disk, contact, dict(parameters))  # type: ignore[arg-type]
+        known: tuple[str, ...] = (*family.at, *family.parameters)
+    else:
+        tilted = 0.0 if "lean" in names else None  # the axis takes its place
+        at = _pair(family, names, at)
+        question = problem(family, at, disk, _law(contact, axes), dict(parameters), tilted)
+        keys = ("at",) if len(question.family.at) == 1 else question.family.at
+        keys = ("lean",) if tilted is not None else keys
+        known = (*keys, *(n for n in question.names if n not in keys))
+        if isinstance(question.law, LinearViscous):
+            known = tuple(dict.fromkeys((*known, "c", "mu")))
+            if {"c", "mu"} <= set(names):
+                raise ParameterError(
+                    "the axes are c and mu, which are two names for one coefficient; take one."
+                )
+    for name in names:
+        if name not in known:
+            raise NameUnknownError(
+                f"axis is {shown(name)}; known for {question.family.name} are {', '.join(known)}."
+            )
+        if not name or name in RESERVED or name.startswith(("boundary_", "box_")) or "/" in name:
+            raise NameUnknownError(
+                f"axis is {shown(name)}, a name that the map needs for itself; rename the "
+                "parameter."
+            )
+    axis_values = {g.name: g.values for g in axes}
+    for name, values in axis_values.items():
+        check_axis(question, name, values)
+    keys = tuple(n for n in known if n in ("at", "lean", *question.family.at))
+    for key in keys:
+        if key in question.values and key in names and at is not None and at is given:
+            raise ParameterError(f"{key} is given as a value and as an axis; give it once.")
+        if key not in question.values and key not in names:
+            raise ParameterError(f"{key} is missing; make it an axis or give its value.")
+    for name, value in question.values.items():
+        if np.ndim(value) and name not in names:
+            raise ParameterError(f"{name} is an array; what is not an axis must be one number.")
+    kept = dict(question.values)
+    if "c" in names or "mu" in names:  # two names for one coefficient: the axis takes its place
+        kept = {n: v for n, v in kept.items() if n not in ("c", "mu")}
+    merged = kept | {n: v.mean() for n, v in axis_values.items()}
+    from dataclasses import replace
+
+    question = replace(question, values=merged)
+    if question.dimensionless and set(names) & set(PHYSICAL):  # then the numbers are SI after all
+        parts = question.family.at
+        question = replace(
+            question,
+            dimensionless=False,
+            units=disk_units(["at"] if len(parts) == 1 else parts, parts, si=True),
+            roundings=disk_roundings(parts, question.law, si=True),  # type: ignore[arg-type]
+        )
+    _check_members(question, axis_values)
+    return question
+
+
+def _pair(family: Any, names: Sequence[str], at: ArrayLike | None) -> Any:
+    """Both parts of a circling member where one is the axis and `at` is the other."""
+    parts = AT.get(family, ()) if isinstance(family, str) else ()
+    swept = [p for p in parts if p in names]
+    if len(parts) != 2 or len(swept) != 1 or at is None or np.ndim(at):
+        return at
+    return [1.0, at] if swept == [parts[0]] else [at, 1.0]
+
+
+def _law(contact: Any, axes: Sequence[Grid]) -> Contact:
+    swept = next((g for g in axes if g.name in ("mu", "c")), None)
+    if contact is None and swept is None:
+        raise ParameterError(
+            "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough(), or make "
+            "mu an axis."
+        )
+    if contact is None:
+        contact = Viscous
+    if isinstance(contact, Contact):
+        return contact
+    if not isinstance(contact, type) or contact not in LAWS.values():
+        raise NameUnknownError(f"contact is {shown(contact)}; known are {', '.join(LAWS)}.")
+    law: type[Contact] = contact
+    if law.coefficient is None:
+        return law()
+    if swept is None:
+        raise ParameterError(f"mu is missing; give {law.__name__}(mu) or make mu an axis.")
+    return law(1.0)  # type: ignore[call-arg]  # the axis takes its place
+
+
+def _check_members(question: Problem, axis_values: Mapping[str, Floats]) -> None:
+    """Refuse early where the corners of the map have no member."""
+    corners = np.meshgrid(*[v[[0, -1]] for v in axis_values.values()])
+    values = dict(question.values) | {
+        n: c.ravel() for n, c in zip(axis_values, corners, strict=True)
+    }
+    a, q, _, _ = question.arrays(values)
+    question.family.member(a, q)
+
+
+def problem(
+    family: str | Family,
+    at: ArrayLike | None,
+    disk: Disk | None,
+    contact: Contact | None,
+    parameters: dict[str, Any],
+    lean: ArrayLike | None = None,
+) -> Problem:
+    """The question that the arguments of `spectrum` and `stability_map` ask.
+
+    Parameters
+    ----------
+    family
+        Name of a disk's family, or a family of a user's own system.
+    at
+        Family parameter, or None where it is an axis.
+    disk, contact
+        For the disk's families.
+    parameters
+        For a user's family.
+    lean
+        In place of `at` for tumbling.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    StabilityError
+        If they do not fit together.
+    """
+    if isinstance(family, Family):
+        if lean is not None:
+            raise ParameterError(f"lean belongs to the disk's tumbling; {family.name} takes at.")
+        if disk is not None or contact is not None:
+            raise ParameterError(
+                f"disk and contact belong to the disk's families; {family.name} takes "
+                f"{', '.join(family.parameters) or 'no parameters'}."
+            )
+        return system_problem(family, at, parameters)
+    if parameters:
+        raise ParameterError(
+            f"{shown(next(iter(parameters)))} is not an argument here; the disk's numbers go in "
+            "disk=Disk(...) and contact=Viscous(mu)."
+        )
+    if contact is None:
+        raise ParameterError(
+            "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough()."
+        )
+    return disk_problem(family, Disk() if disk is None else disk, contact, at, lean)

@@ -1,0 +1,375 @@
+"""Proved verdicts and eigenvalue enclosures: rational arithmetic where it can be, balls elsewhere.
+
+For the disk everything starts from the exact ratios of the given doubles, mu²gR and at²R/g, and
+from the polynomials over Q of `stability.bodies.disk_polynomials`.  With θ given as a double its
+sine is transcendental (Lindemann), so no condition vanishes there and raising the precision ends; a
+lean of exactly zero is the right angle.  A user's family goes through the same steps: over Q where
+its member and its graph are rational, else in balls with proved zeros.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from flint import acb, arb, fmpq_poly
+from numpy.typing import ArrayLike
+
+from ..algebra.balls import precision, upper
+from ..algebra.exact.number_fields import rational
+from ..algebra.exact.root_balls import clustered, exact_roots, isolated
+from ..algebra.exact.routh import on_the_axis
+from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
+from ..base.verdict import Verdict, best
+from ..bodies.disk_polynomials import Exact
+from ..systems.enclosure import characteristic
+from ..systems.family import Family
+from ..systems.multiplicity import Member, certain
+from ..systems.structural_zeros import structure
+from .eigenvalues import NOT_STEADY, in_words
+from .problem import Problem
+
+BITS = 128
+"""Working precision of the first attempt."""
+MOST_BITS = 8192
+"""Where raising the precision ends: the verdict is then undecided."""
+FINE_BITS = 1024
+"""Where raising it for the eigenvalues ends: those that still coincide are given as clusters."""
+WANTED = 58
+"""Bits of relative accuracy of each real and imaginary part, before rounding to double."""
+
+Balls = list[Any]
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """A proved verdict and enclosures at one point."""
+
+    verdict: Verdict
+    """The verdict; undecided only where the budget of precision ended."""
+    eigenvalues: tuple[complex, ...]
+    """Sorted by real, then imaginary part, in the user's unit of rate; empty if undecided."""
+    radius: tuple[float, ...]
+    """Of the disc about each that holds the exact eigenvalue; 0 where it is exact."""
+    abscissa_error: float
+    """Proved bound on the error of the largest real part."""
+    bits: int
+    """Precision of the balls that decided; 0 for rational arithmetic."""
+
+    @property
+    def how(self) -> str:
+        """How the verdict was proved, in words."""
+        return in_words(self.bits)
+
+
+def certify(
+    question: Problem, values: Mapping[str, float], zeros: int | None = None,
+    member: Member | None = None,
+) -> Certificate:  # fmt: skip
+    """A proved verdict with eigenvalue enclosures at one point.
+
+    Parameters
+    ----------
+    question
+        The question.
+    values
+        Double by name, taken as exact.
+    zeros
+        For a user's family: how many zero eigenvalues are left out; all that are structural and
+        proved to be zero at this point when left out.
+    member
+        For a user's family: the member, where it is at hand.
+
+    Returns
+    -------
+    Certificate
+
+    Examples
+    --------
+    >>> from stability.bodies.contact import Viscous
+    >>> from stability.bodies.disk import Disk
+    >>> from stability.spectra.problem import disk_problem
+    >>> question = disk_problem("rolling", Disk(k=0.5), Viscous(0.3), 1.0)
+    >>> found = certify(question, question.values)  # the boundary is omega3² = 1/(2k) = 1
+    >>> found.verdict.word, found.how
+    ('neutral', 'rational arithmetic')
+    """
+    if question.exact is None:
+        member = member or member_at(question, values)
+        own = structural_zeros(member)
+        zeros = own if zeros is None else zeros
+        decided, bits = of_member(member, own)  # whatever others in a batch have
+        attempt = partial(_member_roots, member, zeros)
+    else:
+        decided, bits = _decided(question.exact, question, values)
+        attempt = partial(_roots, question.exact, question, values)
+    if decided is Verdict.UNDECIDED:
+        return Certificate(decided, (), (), np.inf, bits)
+    precise = BITS
+    while True:
+        last = precise >= FINE_BITS
+        with precision(precise):
+            roots = attempt(last=last)
+            if roots is not None and (last or all(map(_sharp, roots))):
+                return _rounded(decided, roots, bits)
+        precise *= 2
+
+
+def verdict(question: Problem, values: Mapping[str, float]) -> Verdict:
+    """The proved verdict alone.
+
+    Parameters
+    ----------
+    question, values
+        As in `certify`.
+
+    Returns
+    -------
+    Verdict
+    """
+    if question.exact is not None:
+        return _decided(question.exact, question, values)[0]
+    member = member_at(question, values)
+    return of_member(member, structural_zeros(member))[0]
+
+
+def member_at(
+    question: Problem, values: Mapping[str, float], near: ArrayLike | None = None
+) -> Member:
+    """The member of a user's family at exact parameters.
+
+    Parameters
+    ----------
+    question, values
+        As in `certify`.
+    near
+        Unknowns of the member to double precision, shape (u,); found by the family's root-finder
+        when left out.
+
+    Returns
+    -------
+    Member
+    """
+    family = question.family
+    a, q, _ = question.reduce({n: rational(v) for n, v in values.items()}, _irrational)
+    if near is None:
+        rows = [np.array([float(arb(v)) for v in part])[None, :] for part in (a, q)]
+        near = family.solve(*rows)[0]
+    return Member(family, a, q, np.asarray(near, dtype=float).tolist())
+
+
+def structural_zeros(member: Member) -> int:
+    """How many eigenvalues of a member are left out: structural ones, each proved to be zero there.
+
+    Parameters
+    ----------
+    member
+        The member.
+    """
+    if certain(member.family):
+        return structure(member.family).zeros
+    return member.structural[0]
+
+
+# --- verdicts ---
+
+
+def _decided(exact: Exact, question: Problem, values: Mapping[str, float]) -> tuple[Verdict, int]:
+    """The disk's verdict, and the bits of the balls that decided it (0: rational arithmetic)."""
+    given = {name: rational(value) for name, value in values.items()}
+    point = question.point(given, sine=None)
+    if point is None:
+        return _raised(lambda: _by_conditions(exact, question.point(given, sine=ball_sine)))
+    signs = [polynomial(*point) for _, polynomial in exact.conditions]
+    edge = "s" in exact.variables  # s is 1 then, the edge of the domain of the conditions
+    if any(v < 0 for v in signs):
+        return Verdict.UNSTABLE, 0
+    if not edge and all(v > 0 for v in signs):
+        return best(even=exact.even), 0
+    return on_the_axis([fmpq_poly(c) for c in exact.coefficients(point)]), 0
+
+
+def of_member(member: Member, zeros: int) -> tuple[Verdict, int]:
+    """The verdict of a member on all but some zero eigenvalues, and the bits that decided it.
+
+    Parameters
+    ----------
+    member
+        The member.
+    zeros
+        How many eigenvalues, proved to be zero, are left out.
+
+    Returns
+    -------
+    verdict, bits
+        Bits are 0 for rational arithmetic.
+    """
+    if not member.steady:  # a root of the equations, and no steady motion
+        return Verdict.UNDECIDED, NOT_STEADY
+    decided, bits = _without(member, zeros)
+    if decided is Verdict.UNSTABLE or certain(member.family):
+        return decided, bits
+    low, high = member.structural
+    if zeros == low < high and _without(member, high)[0] is not decided:
+        return Verdict.UNDECIDED, bits  # one that is left in may be structural
+    return decided, bits
+
+
+def _without(member: Member, zeros: int) -> tuple[Verdict, int]:
+    if member.rational is not None:
+        if any(c != 0 for c in member.rational[:zeros]):  # no proof would have led here
+            return Verdict.UNDECIDED, 0
+        return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
+    return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]))
+
+
+def _enclosed_verdict(polynomial: Balls) -> Verdict | None:
+    """By Routh's array, or by the roots where that meets a zero; exact zeros count as such.
+
+    A ball equals zero only if it is the exact zero; one that holds zero differs from nothing.
+    """
+    extra = next(i for i, c in enumerate(polynomial) if not c == 0)
+    rest = polynomial[extra:]
+    if len(rest) == 1:
+        return Verdict.NEUTRAL
+    even = len(rest) % 2 == 1 and all(c == 0 for c in rest[1::2])
+    sign = hurwitz_sign(verdict_polynomial(rest, 0, even))
+    if sign == 0:
+        sign = _sign_by_roots(isolated(rest, even))
+    if sign > 0:
+        return Verdict.NEUTRAL if even or extra else Verdict.STABLE
+    return Verdict.UNSTABLE if sign else None
+
+
+def _sign_by_roots(roots: Balls | None) -> int:
+    if roots is not None and any(r.real > 0 for r in roots):
+        return -1
+    return int(roots is not None and all(r.real < 0 for r in roots))
+
+
+def _irrational(value: Any) -> Any:
+    raise AssertionError(f"a user's family takes its numbers as they are, not √{value}")
+
+
+def _raised(attempt: Callable[[], Verdict | None]) -> tuple[Verdict, int]:
+    bits = BITS
+    while bits <= MOST_BITS:
+        with precision(bits):
+            found = attempt()
+        if found is not None:
+            return found, bits
+        bits *= 2
+    return Verdict.UNDECIDED, MOST_BITS
+
+
+def _by_conditions(exact: Exact, point: Any) -> Verdict | None:
+    signs = [arb(polynomial(*point)) for _, polynomial in exact.conditions]
+    if any(v < 0 for v in signs):
+        return Verdict.UNSTABLE
+    if all(v > 0 for v in signs):
+        return best(even=exact.even)
+    return None
+
+
+def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
+    """The verdict everywhere in balls of parameters, by Routh's array at the current precision.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q
+        Family parameters and parameters.
+
+    Returns
+    -------
+    Verdict or None
+        None where the balls do not decide.
+
+    Raises
+    ------
+    NoMemberError
+        If no root is proved to exist there.
+    """
+    if not certain(family):
+        return None  # the count of zeros is proved member by member only
+    even = family.conservative
+    coefficients = characteristic(family, a, q)
+    sign = hurwitz_sign(verdict_polynomial(coefficients, structure(family).zeros, even))
+    return {1: best(even=even), -1: Verdict.UNSTABLE}.get(sign)
+
+
+def ball_sine(given: Mapping[str, Any]) -> Any:
+    """sinθ as a ball from θ, or from the lean π/2 - θ.
+
+    Parameters
+    ----------
+    given
+        Exact number by name.
+    """
+    return arb(given["lean"]).cos() if "lean" in given else arb(given["theta"]).sin()
+
+
+# --- enclosures ---
+
+
+def _roots(
+    exact: Exact, question: Problem, values: Mapping[str, float], *, last: bool
+) -> Balls | None:
+    """Every eigenvalue that is not zero by structure, as a complex ball; None if not isolated."""
+    given = {name: rational(value) for name, value in values.items()}
+    scale, square = question.scale(given)
+    unit = arb(square).sqrt() if scale is None else arb(scale)
+    point = question.point(given, sine=None)
+    place: Any = point or question.point(given, sine=ball_sine)
+    out: Balls = []
+    for factor in exact.coefficients(place):
+        if point is not None:
+            found: Balls | None = exact_roots(fmpq_poly(factor))
+        else:
+            found = isolated(factor, exact.even)
+        if found is None and last:
+            found = clustered([arb(c) / arb(factor[-1]) for c in factor[:-1]] + [arb(1)])
+        if found is None:
+            return None
+        out += [root * unit for root in found]
+    return out
+
+
+def _member_roots(member: Member, zeros: int, *, last: bool) -> Balls | None:
+    """The same for a user's family; at the last precision, clusters where roots coincide."""
+    if member.rational is not None:
+        return exact_roots(fmpq_poly(member.rational[zeros:]))
+    polynomial = member.enclosed()[zeros:]
+    extra = next(i for i, c in enumerate(polynomial) if not c == 0)
+    rest = polynomial[extra:]
+    even = len(rest) % 2 == 1 and all(c == 0 for c in rest[1::2])
+    found = isolated(rest, even) if len(rest) > 1 else []
+    if found is None and last:
+        found = clustered(rest)
+    return None if found is None else [acb(0)] * extra + found
+
+
+def _sharp(root: Any) -> bool:
+    return all(part == 0 or part.rel_accuracy_bits() >= WANTED for part in (root.real, root.imag))
+
+
+def _rounded(decided: Verdict, roots: Balls, bits: int) -> Certificate:
+    """Doubles, and how far the exact eigenvalues are from them at most."""
+    entries = []
+    for root in roots:
+        value = complex(float(root.real.mid()), float(root.imag.mid()))
+        off = abs(root - acb(value.real, value.imag))
+        entries.append((value.real + 0.0, value.imag + 0.0, upper(off), root))
+    entries.sort(key=lambda entry: entry[:2])
+    # in balls: several eigenvalues may share the double that their real parts round to
+    beyond = [root.real - arb(max(entry[0] for entry in entries)) for root in roots]
+    high = max(upper(b) if b > 0 or b.contains(0) else 0.0 for b in beyond)
+    low = min(upper(-b) if b < 0 or b.contains(0) else 0.0 for b in beyond)
+    return Certificate(
+        decided, tuple(complex(e[0], e[1]) for e in entries), tuple(e[2] for e in entries),
+        max(high, low), bits,
+    )  # fmt: skip

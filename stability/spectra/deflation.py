@@ -1,0 +1,331 @@
+"""A linearisation without its structural zeros, each entry with a bound on its error.
+
+Structural zeros are removed through null vectors, never by size: the family's own tangents first,
+then null vectors of what is left, as many as the family's structure has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..algebra.linear_systems import contraction, inverse_of, null_vector, solve
+from ..algebra.running_error import TINY, UNIT, Tracked, tracked_arrays
+from ..base.types import Floats
+from ..systems.family import Family
+from ..systems.structural_zeros import structure
+
+
+def grows(
+    family: Family, a: Floats, q: Floats, u: Floats, zeros: int, roundings: Sequence[int] | None
+) -> NDArray[np.bool_]:
+    """Where the structural zeros are proved not to be semisimple.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q, u
+        Family parameters, parameters and unknowns, shapes (N, ·).
+    zeros
+        How many eigenvalues vanish by structure.
+    roundings
+        As for `stability.spectra.deflation.reduce`.
+
+    Returns
+    -------
+    ndarray of bool
+        Shape (N,); False means that it is not proved.
+
+    Source: G. W. Stewart & J. Sun, Matrix Perturbation Theory (1990), for Weyl's inequality.
+
+    Examples
+    --------
+    >>> import casadi as ca, stability as st
+    >>> x = ca.SX.sym("x", 3)
+    >>> free = st.System("free", x, ca.SX(0, 1), ca.vertcat(x[1], 0, -x[2]),
+    ...                  states=("x", "v", "z"), parameters=())
+    >>> rest = st.Family(free, "rest", at=("x",), held={"v": 0.0, "z": 0.0})
+    >>> st.spectrum(rest, at=1.0).nonlinear.word
+    'grows like t in the linear flow'
+    """
+    if zeros < 2:
+        return np.zeros(len(a), dtype=bool)
+    with np.errstate(all="ignore"):
+        matrix, error = tracked_matrix(family, a, q, u, roundings)
+        for axis in (2, 1):  # rows and columns of like size, by powers of two: exact, same rank
+            size = np.abs(matrix).max(axis=axis, keepdims=True)
+            scale = np.exp2(-np.round(np.log2(np.where(size > 0, size, 1.0))))
+            matrix, error = matrix * scale, error * scale
+        sound = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(error).all(axis=(1, 2))
+        proved = np.zeros(len(a), dtype=bool)
+        if sound.any():
+            n = matrix.shape[-1]
+            sizes = np.linalg.svd(matrix[sound], compute_uv=False)
+            noise = np.sqrt((error[sound] ** 2).sum(axis=(1, 2))) + 8 * n * UNIT * sizes[:, 0]
+            proved[sound] = sizes[:, n - zeros] > 2 * noise
+    return proved
+
+
+class Deflation(NamedTuple):
+    """One structural zero taken out by a similarity with multipliers of at most 1."""
+
+    order: NDArray[np.intp]
+    """Which coordinate comes first, shape (N, n)."""
+    multipliers: Floats
+    """Null vector below its first entry, shape (N, n - 1)."""
+    doubt: Floats
+    """Bound on the error of the multipliers, shape (N, n - 1)."""
+    row: Floats
+    """Coupling of the rest to the removed coordinate, shape (N, n - 1)."""
+
+
+class Reduced(NamedTuple):
+    """A linearisation without its structural zeros."""
+
+    matrix: Floats
+    """Shape (N, m, m)."""
+    error: Floats
+    """Bound on the error of each entry, shape (N, m, m)."""
+    steps: list[Deflation]
+    """How to lift a mode back."""
+    supported: NDArray[np.intp]
+    """How many of the removed eigenvalues are zero within their rounding, in order, shape (N,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where members are, dimensionless: what their linearisation is computed from."""
+
+    a: Floats
+    """Family parameters, shape (N, ·)."""
+    q: Floats
+    """Parameters, shape (N, ·)."""
+    u: Floats
+    """Unknowns, shape (N, ·)."""
+    rate: Floats
+    """Unit of rate, shape (N,) [1/s, or √(g/R)]."""
+    roundings: tuple[int, ...]
+    """How many roundings each column of a and q has behind it."""
+
+    def __getitem__(self, rows: slice) -> Place:
+        a, q, u = self.a[rows], self.q[rows], self.u[rows]
+        return Place(a, q, u, self.rate[rows], self.roundings)
+
+    def reduced(self, family: Family, zeros: int, *, watch: bool = False) -> Reduced:
+        """The linearisation without structural zeros.
+
+        Parameters
+        ----------
+        family, zeros, watch
+            As for `reduce`.
+        """
+        return reduce(family, self.a, self.q, self.u, self.roundings, zeros, watch)
+
+
+def reduce(
+    family: Family,
+    a: Floats,
+    q: Floats,
+    u: Floats | None = None,
+    roundings: Sequence[int] | None = None,
+    zeros: int | None = None,
+    watch: bool = False,
+) -> Reduced:
+    """Linearise at members and take out the structural zeros.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q
+        Family parameters and parameters, dimensionless, shapes (N, ·).
+    u
+        Unknowns from `family.solve`, or None.
+    roundings
+        How many roundings each column of a and q has behind it; none when left out.
+    zeros
+        How many zero eigenvalues are taken out; those of the family's structure when left out.
+    watch
+        Whether each is held against its rounding; if not, all count as supported.
+
+    Returns
+    -------
+    Reduced
+    """
+    u = family.solve(a, q) if u is None else u
+    with np.errstate(all="ignore"):  # `eigenvalues` refuses what is not finite
+        count = structure(family).zeros if zeros is None else zeros
+        given = roundings or [0] * (a.shape[1] + q.shape[1])
+        return _reduce(family, (a, q, u), given, count, watch)
+
+
+def _reduce(
+    family: Family, place: tuple[Floats, Floats, Floats], roundings: Sequence[int], zeros: int,
+    watch: bool,
+) -> Reduced:  # fmt: skip
+    a, q, u = place
+    arguments = _arguments(family, a, q, u, roundings)
+    graph = family.graph
+    matrix, error = tracked_arrays(graph.matrix, arguments, a.shape[:1])[0]
+    steps: list[Deflation] = []
+    sound: list[NDArray[np.bool_]] = []
+    tangents, doubts = tangent_vectors(family, arguments, a.shape[:1])
+    for index in range(min(zeros, tangents.shape[-1])):
+        vector, doubt = _push(tangents[..., index], doubts[..., index], steps)
+        matrix, error, within = _deflate(matrix, error, vector, doubt, steps, watch)
+        sound.append(within)
+    for _ in range(zeros - min(zeros, tangents.shape[-1])):
+        if not np.isfinite(matrix).all():
+            break
+        vector, doubt = null_vector(matrix, error)
+        matrix, error, within = _deflate(matrix, error, vector, doubt, steps, watch)
+        sound.append(within)
+    supported = np.cumprod(np.array(sound, dtype=int).reshape(len(sound), len(a)), axis=0)
+    return Reduced(matrix, error, steps, supported.sum(axis=0))
+
+
+def _arguments(
+    family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence[int]
+) -> list[list[Tracked]]:
+    """Family parameters, unknowns and parameters, each with its error."""
+    cut = a.shape[1]
+    given = [_rounded(a, roundings[:cut]), _rounded(q, roundings[cut:])]
+    doubt = _root_error(family, given, u)
+    return [given[0], [Tracked(c, e) for c, e in zip(u.T, doubt.T, strict=True)], given[1]]
+
+
+def tracked_matrix(
+    family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence[int] | None
+) -> tuple[Floats, Floats]:
+    """The linearisation at members, and a bound on the error of each entry.
+
+    Parameters
+    ----------
+    family, a, q, u, roundings
+        As for `reduce`.
+
+    Returns
+    -------
+    matrix, error
+        Shape (N, n, n) each.
+    """
+    arguments = _arguments(family, a, q, u, roundings or [0] * (a.shape[1] + q.shape[1]))
+    return tracked_arrays(family.graph.matrix, arguments, a.shape[:1])[0]
+
+
+def _rounded(block: Floats, roundings: Sequence[int]) -> list[Tracked]:
+    return [Tracked(c, n * UNIT * np.abs(c)) for c, n in zip(block.T, roundings, strict=True)]
+
+
+def _root_error(family: Family, given: list[list[Tracked]], u: Floats) -> Floats:
+    """Bound on the error of the solved unknowns, by Krawczyk's test to first order.
+
+    The residual goes through the inverse slope; where the slope changes too much within that reach,
+    as next to a double root, nothing bounds the error.
+    """
+    if not u.shape[1] or family.closed:
+        return np.zeros_like(u)
+    exact = [Tracked(c, np.zeros_like(c)) for c in u.T]
+    residual, slope = tracked_arrays(family.graph.residual, [given[0], exact, given[1]], (len(u),))
+    inverse = inverse_of(slope[0])
+    size = np.abs(residual[0]) + residual[1]
+    reach: Floats = 2.01 * (np.abs(inverse) @ size)[..., 0] + 2 * UNIT * np.abs(u)
+    wide = [Tracked(c, e) for c, e in zip(u.T, reach.T, strict=True)]
+    _, over = tracked_arrays(family.graph.residual, [given[0], wide, given[1]], (len(u),))
+    change = contraction(inverse, slope[0], over[1] + np.abs(over[0] - slope[0]))
+    return np.where((change.sum(axis=-1).max(axis=-1) < 0.5)[:, None], reach, np.inf)
+
+
+def tangent_vectors(
+    family: Family, arguments: list[list[Tracked]], shape: tuple[int, ...]
+) -> tuple[Floats, Floats]:
+    """Tangents of the family and a bound on their error, which grows where the equations fold.
+
+    Near a branch point the slope of the unknowns is a quotient of two small numbers; its error is
+    then far above a few roundings, and must reach the error discs.
+    """
+    by_a, by_u, _, r_u, r_a = tracked_arrays(family.graph.tangent, arguments, shape)
+    tangent, error = by_a
+    if family.unknown and not family.closed:
+        slope, doubt = solve(*r_u, *r_a)
+        size, absolute = np.abs(by_u[0]), np.abs(slope)
+        tangent = tangent - by_u[0] @ slope
+        carried = (size + by_u[1])[..., :, :, None] * doubt[..., None, :, :]
+        carried[(size == 0) & (by_u[1] == 0)] = 0.0  # no share of an infinite doubt
+        error = error + carried.sum(axis=-2) + by_u[1] @ absolute
+        error += 4 * (len(family.unknown) * UNIT * (size @ absolute + np.abs(tangent)) + TINY)
+    keep = [i for i, name in enumerate(family.at) if name in family.system.states]
+    return tangent[..., keep], error[..., keep]
+
+
+def _push(vector: Floats, doubt: Floats, steps: Sequence[Deflation]) -> tuple[Floats, Floats]:
+    """A vector of the full space, and its error, in the coordinates left after the steps so far."""
+    for step in steps:
+        ordered = np.take_along_axis(vector, step.order, axis=1)
+        unsure = np.take_along_axis(doubt, step.order, axis=1)
+        size, first = np.abs(step.multipliers), np.abs(ordered[:, :1])
+        vector = ordered[:, 1:] - step.multipliers * ordered[:, :1]
+        doubt = unsure[:, 1:] + size * unsure[:, :1] + step.doubt * first
+        doubt = doubt + 2 * (UNIT * (np.abs(vector) + size * first) + TINY)
+    return vector, doubt
+
+
+def _deflate(
+    matrix: Floats, error: Floats, vector: Floats, doubt: Floats, steps: list[Deflation],
+    watch: bool,
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:  # fmt: skip
+    """Take out one null vector: B = A[1:, 1:] - m ⊗ A[0, 1:] with the largest entry put first.
+
+    Returns B, the error of its entries, and whether A v is zero within its rounding.
+    """
+    count, size = vector.shape
+    pivot = np.abs(vector).argmax(axis=1)
+    order = np.tile(np.arange(size), (count, 1))
+    order[np.arange(count), pivot] = 0
+    order[:, 0] = pivot
+    if (pivot == pivot[:1]).all():  # one order for all rows: plain slices, no gathering
+        pick = np.ix_(np.arange(count), order[0], order[0])
+        matrix, error = matrix[pick], error[pick]
+    else:
+        for axis in (1, 2):
+            index = order[:, :, None] if axis == 1 else order[:, None, :]
+            matrix = np.take_along_axis(matrix, index, axis=axis)
+            error = np.take_along_axis(error, index, axis=axis)
+    vector = np.take_along_axis(vector, order, axis=1)
+    doubt = np.take_along_axis(doubt, order, axis=1)
+    m = vector[:, 1:] / vector[:, :1]
+    least = np.abs(vector[:, :1]) - doubt[:, :1]  # the pivot of the true vector may be zero
+    least = np.where(least > 0, least, 0.0)
+    m_error = (doubt[:, 1:] + np.abs(m) * doubt[:, :1]) / least + UNIT * np.abs(m)
+    row, row_error = matrix[:, 0, 1:], error[:, 0, 1:]
+    product = m[:, :, None] * row[:, None, :]
+    reduced = matrix[:, 1:, 1:] - product
+    size_product = np.abs(product)
+    bound = (
+        error[:, 1:, 1:]
+        + m_error[:, :, None] * (np.abs(row) + row_error)[:, None, :]
+        + np.abs(m)[:, :, None] * row_error[:, None, :]
+        + UNIT * (size_product + np.abs(reduced))
+        + 2 * TINY
+    )
+    bound[least[:, 0] == 0] = np.inf  # nothing is known of what is left
+    steps.append(Deflation(order, m, m_error, row))
+    within = _vanishes(matrix, error, m, m_error) if watch else np.ones(count, dtype=bool)
+    return reduced, bound, within
+
+
+def _vanishes(matrix: Floats, error: Floats, m: Floats, m_error: Floats) -> NDArray[np.bool_]:
+    """Whether A (1, m) is zero within the rounding of A and m."""
+    whole = np.concatenate([np.ones((len(m), 1)), m], axis=1)
+    unsure = np.concatenate([np.zeros((len(m), 1)), m_error], axis=1)
+    size = np.abs(matrix)
+    value = np.abs((matrix @ whole[:, :, None])[..., 0])
+    rough = (size @ unsure[:, :, None] + error @ (np.abs(whole) + unsure)[:, :, None])[..., 0]
+    rough += whole.shape[1] * UNIT * (size @ np.abs(whole)[:, :, None])[..., 0]
+    within: NDArray[np.bool_] = (value <= rough).all(axis=1)
+    return within

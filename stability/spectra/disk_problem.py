@@ -1,0 +1,220 @@
+"""Problems about the families of the disk: units, exact data, roundings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import checked, positive
+from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.types import Floats
+from ..bodies.contact import LAWS, MOTION_LAWS, ZERO_MU, Contact
+from ..bodies.disk import Disk
+from ..bodies.disk_families import AT, disk_family
+from ..bodies.disk_polynomials import exact_polynomial
+from .problem import Problem, _scalar
+
+ANGLES = ("theta",)
+"""States that need no unit."""
+
+PHYSICAL = ("mass", "radius", "gravity")
+"""The disk's dimensional quantities."""
+
+
+def disk_problem(
+    family: str, disk: Disk, contact: Contact, at: ArrayLike | None = None,
+    lean: ArrayLike | None = None,
+) -> Problem:  # fmt: skip
+    """The question about one of the disk's families.
+
+    Parameters
+    ----------
+    family
+        rolling, spinning, tumbling, circling (rough) or precession (smooth).
+    disk, contact
+        The body and the law; their fields may be arrays.
+    at
+        Family parameter; for circling and precession the pair (theta, phi_dot) along the last
+        axis.  None where it is an axis to come.
+    lean
+        In place of theta for tumbling: π/2 - theta [rad], exactly upright at 0.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    StabilityError
+        If the family, the law or a number is not accepted.
+
+    Examples
+    --------
+    >>> from stability.bodies.contact import Viscous
+    >>> disk_problem("rolling", Disk(radius=0.3, gravity=9.81), Viscous(0.2), 5.0).names
+    ('at', 'k', 'mass', 'radius', 'gravity', 'mu')
+    """
+    if not isinstance(family, str):
+        raise NameUnknownError(f"family is {shown(family)}; give a name or a stability.Family.")
+    if isinstance(contact, Contact) and contact.name in MOTION_LAWS and contact.name not in LAWS:
+        raise NameUnknownError(
+            f"contact is {shown(contact)}, dry friction, which has no linearisation of its own; "
+            "inside the friction cone it is Rough()."
+        )
+    if not isinstance(contact, Contact) or contact.name not in LAWS:
+        raise NameUnknownError(
+            f"contact is {shown(contact)}; give one of Smooth(), Viscous(mu), LinearViscous(c), "
+            "Rough()."
+        )
+    if not isinstance(disk, Disk):
+        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
+    resolved = disk_family(family, contact.name)
+    parts = AT[family]
+    keys = ("at",) if len(parts) == 1 else parts
+    values: dict[str, Any] = {}
+    if at is not None:
+        given = np.asarray(checked("at", at), dtype=float)
+        if len(keys) > 1 and (given.ndim == 0 or given.shape[-1] != len(keys)):
+            raise ParameterError(
+                f"at has shape {given.shape}; for {family} it is the pair ({', '.join(keys)}) "
+                "along the last axis."
+            )
+        columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
+        values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
+    if lean is not None:
+        values |= {"lean": checked_lean(family, at, lean)}
+    values |= {"k": disk.k} | {n: getattr(disk, n) for n in PHYSICAL}
+    values |= contact.given
+
+    def reduce(
+        v: Mapping[str, Any], root: Callable[[Any], Any]
+    ) -> tuple[list[Any], list[Any], Any]:
+        time = root(v["radius"] / v["gravity"])
+        if "lean" in v:
+            # no double is π/2, so the right angle takes the type of the lean
+            upright = v["lean"].pi() / 2 if hasattr(v["lean"], "pi") else np.pi / 2
+            v = dict(v) | {"at": upright - v["lean"]}
+        a = [v[k] if p in ANGLES else v[k] * time for k, p in zip(keys, parts, strict=True)]
+        q = [v["k"]]
+        if contact.coefficient:
+            # under the linear law mu means c = mu m g
+            if "mu" in v:
+                q.append(v["mu"] * root(v["gravity"] * v["radius"]))
+            else:
+                q.append(v["c"] / v["mass"] * time)
+        return a, q, 1 / time
+
+    return Problem(
+        resolved, values, disk_units(keys, parts, si=not disk.dimensionless), disk.dimensionless,
+        reduce, lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
+        disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
+        exact_polynomial(family, contact),
+    )  # fmt: skip
+
+
+def disk_units(keys: Sequence[str], parts: Sequence[str], *, si: bool) -> dict[str, str]:
+    """Unit by name of what a question about the disk may vary.
+
+    Parameters
+    ----------
+    keys
+        Names of the family parameters as axes.
+    parts
+        Which states they are.
+    si
+        Whether numbers are SI; else they are dimensionless.
+
+    Returns
+    -------
+    dict
+    """
+    units = {"k": "1", "mass": "kg", "radius": "m", "gravity": "m/s2", "rate": "1/s"}
+    units |= {"mu": "s/m", "c": "kg/s"} | dict.fromkeys(keys, "rad/s")
+    if not si:
+        units = dict.fromkeys(units, "1")
+    units["lean"] = "rad"
+    return units | {k: "rad" for k, p in zip(keys, parts, strict=True) if p in ANGLES}
+
+
+def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
+    """The lean as finite numbers, or a sentence why not.
+
+    Parameters
+    ----------
+    family
+        Only tumbling has one.
+    at
+        Must be None.
+    lean
+        π/2 - theta [rad].
+
+    Raises
+    ------
+    ParameterError
+        If it is out of place or beyond a right angle.
+    """
+    if family != "tumbling":
+        raise ParameterError(f"lean names a member of tumbling; for {family} give at.")
+    if at is not None:
+        raise ParameterError("at and lean are both given; give one of them.")
+    value = checked("lean", lean)
+    bad = np.asarray(value)[np.abs(value) >= np.pi / 2]
+    if bad.size:
+        raise ParameterError(
+            f"lean is {bad.flat[0]:g}; it must lie strictly between -π/2 and π/2, 0 is upright."
+        )
+    return value
+
+
+def disk_roundings(
+    parts: Sequence[str], contact: Contact, *, si: bool, lean: bool = False
+) -> tuple[int, ...]:
+    """Roundings behind each dimensionless number: angles and k are taken as they are.
+
+    Parameters
+    ----------
+    parts
+        Which states are the family parameters.
+    contact
+        The law.
+    si
+        Whether numbers are SI; with m = R = g = 1 nothing is rounded.
+    lean
+        Whether theta comes from the lean.
+
+    Returns
+    -------
+    tuple of int
+    """
+    some = 4 if si else 0
+    angle = 2 if lean else 0
+    turns = (angle if p in ANGLES else some for p in parts)
+    return (*turns, 0, *((some,) * bool(contact.coefficient)))
+
+
+def check_axis(problem: Problem, name: str, values: Floats) -> None:
+    """Refuse an axis whose values the body or the law cannot have.
+
+    Parameters
+    ----------
+    problem
+        The question.
+    name
+        Axis name.
+    values
+        Its values.
+
+    Raises
+    ------
+    ParameterError
+        With the value and what is accepted.
+    """
+    if problem.law is None:
+        return
+    if name in ("mu", "c"):
+        positive(name, values, ZERO_MU)
+    elif name in ("k", *PHYSICAL):
+        Disk(**{name: values})

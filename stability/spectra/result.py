@@ -1,0 +1,211 @@
+"""Spectrum: eigenvalues with error discs, a verdict, and how it was reached."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import ParameterError
+from ..base.types import Complexes, Floats
+from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
+from ..systems.family import Family
+from .deflation import Place
+from .eigenvalues import NOT_STEADY, in_words
+from .modes import Modes, lift, mode_labels, track
+
+GROWS = -2
+"""In place of a verdict's flag value where structural zeros are not semisimple."""
+
+NOT_ASKED = -1
+"""In place of bits where a verdict stands as double precision gave it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Proof:
+    """How the certified points of a spectrum were proved."""
+
+    abscissa_error: Floats
+    """Proved bound on the error of the abscissa, shape (…)."""
+    bits: NDArray[np.int64]
+    """Precision of the balls that decided each verdict, 0 for rational arithmetic, shape (…);
+    `NOT_ASKED` where double precision decided."""
+    escalated: bool = False
+    """Whether only those points were certified that double precision left undecided."""
+
+    def sentence(self, *, certified: bool) -> str:
+        """How far the proof of a single spectrum came, in words."""
+        if self.bits == NOT_STEADY:
+            return "no steady motion: at the root of the equations another rate is not zero"
+        far = "proved" if certified else "undecided within the budget of precision"
+        return f"{far} in {in_words(int(self.bits))}"
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Eigenvalues of the linearisation at members of a family, structural zeros removed.
+
+    Leading axes are parameters; the last axis is the mode.
+
+    Source: this package; each number has an independent oracle in tests/test_spectrum.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> s = st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3))
+    >>> s.verdict.word, round(float(s.abscissa), 6), s.structural_zeros
+    ('stable', -0.142586, 2)
+    """
+
+    family: Family
+    """The family."""
+    at: Floats
+    """Family parameters, shape (…, len(family.at))."""
+    eigenvalues: Complexes
+    """Sorted by real, then imaginary part, shape (…, n) [1/s, or √(g/R)]."""
+    radius: Floats
+    """Error bound of each eigenvalue, shape (…, n): all of them lie in the union of these discs."""
+    structural_zeros: int
+    """How many eigenvalues are left out: zero by structure at every point asked, the least number
+    where points differ."""
+    codes: NDArray[np.int8]
+    """Verdict as flag values (`Verdict.code`), shape (…)."""
+    states: Floats
+    """The steady motions, dimensionless, shape (…, states)."""
+    place: Place
+    """Where the members are, dimensionless, one row per point."""
+    rate: Floats
+    """Unit of the eigenvalues in dimensionless ones, shape (…) or () [1/s]."""
+    scale: Floats
+    """Unit of each state, shape (…, states)."""
+    proof: Proof | None = None
+    """How verdicts and eigenvalues were proved, where they were."""
+    grows: NDArray[np.bool_] | None = None
+    """Where the structural zeros are proved not to be semisimple, shape (…); None where every
+    one of them is a tangent of the family."""
+    note: str = ""
+    """A sentence on structural zeros, where there are fewer here than at typical members."""
+
+    def __repr__(self) -> str:
+        shape = self.eigenvalues.shape[:-1]
+        what = self.verdict.word if not shape else f"{shape} points"
+        return f"<Spectrum of {self.family.name}: {what}, {self.eigenvalues.shape[-1]} eigenvalues>"
+
+    @property
+    def abscissa(self) -> Any:
+        """Largest real part of the eigenvalues, shape (…); a float for a single spectrum."""
+        value = self.eigenvalues.real.max(axis=-1)
+        return float(value) if value.ndim == 0 else value
+
+    @property
+    def certified(self) -> Any:
+        """Whether the verdict is proved, in rational arithmetic or balls, shape (…)."""
+        if self.proof is None:
+            value = np.zeros(self.codes.shape, dtype=bool)
+        else:
+            value = (self.codes != CODES[Verdict.UNDECIDED]) & (self.proof.bits != NOT_ASKED)
+        return bool(value) if value.ndim == 0 else value
+
+    @property
+    def abscissa_error(self) -> Any:
+        """Bound on the error of the abscissa, shape (…)."""
+        real = self.eigenvalues.real
+        # the difference first: it is exact where it matters
+        value = (self.radius + (real - real.max(axis=-1, keepdims=True))).max(axis=-1)
+        if self.proof is not None:
+            value = self.proof.abscissa_error
+        return float(value) if value.ndim == 0 else value
+
+    @property
+    def verdict(self) -> Any:
+        """`Verdict`, or an object array of them, shape (…)."""
+        return _members(self.codes, BY_CODE)
+
+    @property
+    def nonlinear(self) -> Any:
+        """`Nonlinear`, or an object array of them, shape (…): what the motion itself does."""
+        harmless = self.structural_zeros == self.family.tangents
+        stable = Nonlinear.ASYMPTOTIC if harmless else Nonlinear.OPEN
+        if self.family.drifts:
+            stable = Nonlinear.DRIFTS
+        # Neutral with every λ² strictly negative: the integrals confine the motion.
+        kept = Nonlinear.BY_INTEGRALS if self.family.integrals else Nonlinear.OPEN
+        table = {
+            CODES[Verdict.STABLE]: stable,
+            CODES[Verdict.UNSTABLE]: Nonlinear.UNSTABLE,
+            CODES[Verdict.NEUTRAL]: kept,
+            CODES[Verdict.UNDECIDED]: Nonlinear.OPEN,
+        }
+        on_zero = (self.codes == CODES[Verdict.NEUTRAL]) & (
+            np.abs(self.eigenvalues) <= self.radius
+        ).any(axis=-1)
+        codes = np.where(on_zero, CODES[Verdict.UNDECIDED], self.codes)
+        if self.grows is not None:
+            table[GROWS] = Nonlinear.GROWS
+            known = np.isin(codes, [c for c, told in table.items() if told is Nonlinear.OPEN])
+            asked = known & (self.codes != CODES[Verdict.UNDECIDED])
+            codes = np.where(self.grows & asked, GROWS, codes)
+        return _members(np.asarray(codes), table)
+
+    @property
+    def reason(self) -> str:
+        """One sentence on how the verdict was reached, or why it was not; for a single spectrum."""
+        if self.codes.ndim:
+            raise ParameterError("reason is for a single spectrum; ask for one point.")
+        bound = f"largest real part {self.abscissa:.3g}, error bound {self.abscissa_error:.1g}"
+        if self.family.conservative and not self.certified:
+            bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound
+        parts = [bound]
+        if self.proof is not None and self.proof.bits != NOT_ASKED:
+            parts = [self.proof.sentence(certified=self.certified), bound]
+            if self.proof.escalated:
+                parts.insert(0, "double precision left it open")
+        elif self.structural_zeros:
+            count = self.structural_zeros
+            parts.append(
+                f"{count} structural zero{'s' * (count != 1)} removed through null vectors"
+            )
+        return "; ".join([*parts, *filter(None, [self.note])])
+
+    @cached_property
+    def modes(self) -> Modes:
+        """Eigenvectors and readable labels, in the order of the eigenvalues."""
+        values = self.eigenvalues / np.asarray(self.rate)[..., None]
+        reduced = self.place.reduced(self.family, self.structural_zeros)
+        vectors, participation = lift(values, reduced, self.scale)
+        labels = mode_labels(
+            self.eigenvalues, self.radius, participation, self.family.system.states
+        )
+        return Modes(vectors, participation, labels)
+
+    def tracked(self) -> NDArray[np.intp]:
+        """Order that follows each mode along the last parameter axis, by eigenvector overlap.
+
+        Returns
+        -------
+        ndarray
+            Indices of shape (…, points, n): `np.take_along_axis(s.eigenvalues, s.tracked(), -1)`
+            has one mode per column.  Where eigenvalues meet, which of them goes on is a convention.
+
+        Examples
+        --------
+        >>> import numpy as np, stability as st
+        >>> s = st.spectrum("spinning", at=np.linspace(2, 3, 9), contact=st.Viscous(0.3))
+        >>> s.tracked().shape
+        (9, 5)
+        """
+        if not self.codes.ndim:
+            raise ParameterError("tracked is for a branch; give `at` as an array.")
+        return track(self.eigenvalues, self.modes.vectors)
+
+
+def _members(codes: NDArray[np.int8], table: dict[int, Any]) -> Any:
+    if codes.ndim == 0:
+        return table[int(codes)]
+    out = np.empty(codes.shape, dtype=object)
+    for code, member in table.items():
+        out[codes == code] = member
+    return out

@@ -1,0 +1,157 @@
+"""The members that `spectrum` is asked for, and their spectra in double precision, in pieces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import ParameterError
+from ..systems.structural_zeros import structure
+from .deflation import Place, Reduced
+from .eigenvalues import decide, eigenvalues
+from .problem import Problem, broadcast_shape
+
+if TYPE_CHECKING:
+    from ..systems.multiplicity import Member
+
+from ..base.types import Complexes, Floats
+
+PIECE = 2**20
+"""Entries of the linearisations that are worked on at once, so that 80 MB are enough."""
+MOST_VALUES = 10**8
+"""Eigenvalues of one call: a result of 7 GB."""
+
+
+class Rows:
+    """The members asked for, and how many zero eigenvalues are left out of all their spectra.
+
+    Parameters
+    ----------
+    question
+        The question.
+    exact
+        Whether a count that is not proved for the whole family is proved at each member; if not,
+        what is left out is zero within its rounding.
+    """
+
+    def __init__(self, question: Problem, *, exact: bool) -> None:
+        from ..systems.multiplicity import certain
+
+        self.question, self.exact = question, exact
+        family = question.family
+        count = math.prod(broadcast_shape(question.values))
+        size = len(family.system.states)
+        if count * size > MOST_VALUES:
+            raise ParameterError(
+                f"{count} spectra of {size} states are asked for; at most {MOST_VALUES:.0e} "
+                "eigenvalues are kept in memory at once. Ask in pieces, or take stability_map or "
+                "stream_map, which keep less of each."
+            )
+        a, q, rate, self.shape = question.arrays(question.values)
+        self._step = max(1, PIECE // size**2)
+        u = self._joined(len(a), lambda piece: (family.solve(a[piece], q[piece]),))[0]
+        self.place = Place(a, q, u, rate, tuple(question.roundings))
+        self.states: Floats = self._joined(
+            len(a), lambda p: (family.checked_states(a[p], u[p], q[p]),)
+        )[0]
+        self.zeros = structure(family).zeros
+        self.certain = question.exact is not None or certain(family)
+        """Whether that number is proved at every member of the family."""
+        self._members: dict[int, Member] = {}
+        if not self.certain:
+            self.zeros = min(self._proved_zeros() if exact else self._supported())
+
+    def _joined(
+        self, count: int, work: Callable[[slice], tuple[NDArray[Any], ...]]
+    ) -> list[NDArray[Any]]:
+        """What comes of each piece, one array after the other."""
+        pieces = [work(slice(i, i + self._step)) for i in range(0, max(count, 1), self._step)]
+        if len(pieces) == 1:
+            return list(pieces[0])
+        return [np.concatenate(parts) for parts in zip(*pieces, strict=True)]
+
+    def _proved_zeros(self) -> Iterator[int]:
+        from .certificate import structural_zeros
+
+        return (structural_zeros(self.member(row)) for row in range(len(self.place.a)))
+
+    def _supported(self) -> NDArray[np.intp]:
+        """How many zeros of each member are within their rounding."""
+
+        def piece(rows: slice) -> tuple[NDArray[np.intp]]:
+            return (self._reduced(rows, watch=True).supported,)
+
+        return self._joined(len(self.place.a), piece)[0]
+
+    def _reduced(self, rows: slice, *, watch: bool) -> Reduced:
+        return self.place[rows].reduced(self.question.family, self.zeros, watch=watch)
+
+    def spectra(self) -> tuple[Complexes, Floats, NDArray[np.int8]]:
+        """Eigenvalues, error discs and flag values of the verdicts, dimensionless.
+
+        Returns
+        -------
+        values, radius, codes
+            Shapes (N, m), (N, m), (N,).
+        """
+        even = self.question.family.conservative and self.certain
+
+        def piece(rows: slice) -> tuple[NDArray[Any], ...]:
+            watch = self.exact and not self.certain
+            reduced = self._reduced(rows, watch=watch)
+            if watch:  # the zeros are proved; where these vectors are not theirs, nothing is known
+                reduced.error[reduced.supported < self.zeros] = np.inf
+            values, radius = eigenvalues(reduced, even=even)
+            return values, radius, decide(values, radius, even=even)
+
+        values, radius, codes = self._joined(len(self.place.a), piece)
+        return values, radius, codes
+
+    def grows(self) -> NDArray[np.bool_] | None:
+        """Where structural zeros that no tangent of the family explains are not semisimple."""
+        from .deflation import grows
+
+        family, place = self.question.family, self.place
+        if self.zeros == family.tangents or self.question.law is not None:
+            return None
+
+        def piece(rows: slice) -> tuple[NDArray[np.bool_]]:
+            a, q, u = place.a[rows], place.q[rows], place.u[rows]
+            return (grows(family, a, q, u, self.zeros, place.roundings),)
+
+        return self._joined(len(place.a), piece)[0].reshape(self.shape)
+
+    @property
+    def note(self) -> str:
+        """A sentence on zeros that typical members have and these have not, or nothing."""
+        usual = structure(self.question.family).zeros
+        if self.zeros >= usual:
+            return ""
+        return (
+            f"{usual} eigenvalue{'s' * (usual != 1)} vanish{'es' * (usual == 1)} at typical "
+            f"members of {self.question.family.name}, but only {self.zeros} here"
+        )
+
+    @cached_property
+    def _columns(self) -> dict[str, Floats]:
+        """Each number of the members by name, shape (N,)."""
+        arrays = np.broadcast_arrays(*self.question.values.values())
+        return dict(zip(self.question.values, (v.reshape(-1) for v in arrays), strict=True))
+
+    def values(self, row: int) -> dict[str, float]:
+        """The numbers of one member by name."""
+        return {n: float(column[row]) for n, column in self._columns.items()}
+
+    def member(self, row: int) -> Member:
+        """A member of a user's family in exact numbers, made once."""
+        from .certificate import member_at
+
+        if row not in self._members:
+            values = self.values(row)
+            self._members[row] = member_at(self.question, values, self.place.u[row])
+        return self._members[row]

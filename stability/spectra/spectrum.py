@@ -1,0 +1,183 @@
+"""`spectrum`: from a family's name, a disk and a contact law to eigenvalues and a verdict."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..algebra.running_error import UNIT
+from ..base.checks import flag
+from ..base.errors import DomainError, NoMemberError, ParameterError
+from ..base.verdict import CODES, Verdict
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..systems.family import Family
+from .arguments import problem
+from .problem import Problem
+from .result import NOT_ASKED, Proof, Spectrum
+from .rows import Rows
+
+SPEEDS = ("slip_x", "slip_y")
+
+
+def spectrum(
+    family: str | Family,
+    *,
+    at: ArrayLike | None = None,
+    lean: ArrayLike | None = None,
+    disk: Disk | None = None,
+    contact: Contact | None = None,
+    certify: bool = False,
+    escalate: bool = True,
+    **parameters: ArrayLike,
+) -> Spectrum:
+    """Eigenvalues, modes and verdict of the linearisation at members of a family.
+
+    Parameters
+    ----------
+    family
+        `rolling`, `spinning`, `tumbling`, for the rough disk `circling`, for the smooth one
+        `precession`; or a `Family`.
+    at
+        What names the member: omega3 (rolling), phi_dot (spinning) [rad/s], theta (tumbling)
+        [rad], the pair (theta, phi_dot) along the last axis (circling, precession).  Arrays
+        broadcast with the fields of disk and contact.
+    lean
+        In place of `at` for tumbling: π/2 - theta [rad], which is exactly upright at 0; no double
+        theta is.
+    disk
+        The body; the uniform disk with m = R = g = 1 when left out.
+    contact
+        The law.
+    certify
+        Whether every verdict and eigenvalue is proved, in rational arithmetic or balls, so that a
+        verdict is undecided only where the budget of precision ends.
+    escalate
+        Whether points that double precision leaves undecided are certified by themselves; the
+        others keep their error discs.  False forbids it, and what is open stays undecided.
+    **parameters
+        For a family of a user's system: its parameters by name.
+
+    Returns
+    -------
+    Spectrum
+        Leading axes as broadcast; the last axis is the mode.
+
+    Raises
+    ------
+    ParameterError, NameUnknownError, NoMemberError
+        One sentence that says what is wrong and what is accepted.
+
+    Source: linearisation of the equations of Przybylska & Rauch-Wojciechowski 2016, recomputed.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> s = st.spectrum("rolling", at=1.2, contact=st.Viscous(0.3))
+    >>> s.verdict.word
+    'unstable'
+    >>> s.eigenvalues.round(4).tolist()[0]
+    (-1.7739+0j)
+    """
+    if at is None and lean is None:
+        raise ParameterError("at is missing; it names the member of the family.")
+    certify, escalate = flag("certify", certify), flag("escalate", escalate)
+    question = problem(family, at, disk, contact, dict(parameters), lean)
+    rows = Rows(question, exact=certify or escalate)
+    resolved, shape, rate = question.family, rows.shape, rows.place.rate
+    last = 0.0 if question.dimensionless else 4 * UNIT  # of the product with the unit
+    names = resolved.system.states
+    scale = np.ones((len(rate), len(names)))
+    if question.law is not None:
+        speed = np.broadcast_to(question.speed(question.values), shape).reshape(-1)
+        for index, name in enumerate(names):
+            unit = speed if name in SPEEDS else rate
+            scale[:, index] = 1.0 if name == "theta" else unit
+    values, radius, codes = rows.spectra()
+    with np.errstate(all="ignore"):  # a radius may overflow to one without bound
+        values, radius = values * rate[:, None], (radius + last * np.abs(values)) * rate[:, None]
+    if not np.isfinite(values).all():
+        raise DomainError("the eigenvalues overflow double precision; give values nearer to 1.")
+    found = Spectrum(
+        resolved,
+        _shaped(np.column_stack(_given(question)).reshape(-1, len(resolved.at)), shape),
+        _shaped(values, shape),
+        _shaped(radius, shape),
+        rows.zeros,
+        codes.reshape(shape),
+        _shaped(rows.states, shape),
+        rows.place,
+        rate.reshape(shape),
+        _shaped(scale, shape),
+        grows=rows.grows(),
+        note=rows.note,
+    )
+    asked = np.full(len(rate), certify)
+    if escalate:
+        asked |= codes == CODES[Verdict.UNDECIDED]
+    return proved(found, rows, asked, shape, escalated=not certify) if asked.any() else found
+
+
+def proved(
+    found: Spectrum, rows: Rows, asked: NDArray[np.bool_], shape: tuple[int, ...], *,
+    escalated: bool,
+) -> Spectrum:  # fmt: skip
+    """A spectrum with verdicts and eigenvalues replaced by proved ones where that is asked.
+
+    Parameters
+    ----------
+    found
+        From double precision; its modes are kept.
+    rows
+        The members.
+    asked
+        Which of them are certified, shape (N,).
+    shape
+        Leading shape.
+    escalated
+        Whether nobody asked for a proof: a member whose root is not proved to exist then stays
+        undecided, where it is an error otherwise.
+
+    Returns
+    -------
+    Spectrum
+    """
+    from .certificate import certify as one
+
+    flat = found.eigenvalues.reshape(-1, found.eigenvalues.shape[-1]).copy()
+    radius = found.radius.reshape(flat.shape).copy()
+    error = np.asarray(found.abscissa_error, dtype=float).reshape(-1).copy()
+    codes, bits = found.codes.reshape(-1).copy(), np.full(len(flat), NOT_ASKED, dtype=np.int64)
+    for row in map(int, np.flatnonzero(asked)):
+        member = rows.member(row) if rows.question.exact is None else None
+        try:
+            certificate = one(rows.question, rows.values(row), zeros=rows.zeros, member=member)
+        except NoMemberError:
+            if not escalated:
+                raise
+            continue
+        codes[row], bits[row] = certificate.verdict.code, certificate.bits
+        if certificate.eigenvalues:
+            error[row] = certificate.abscissa_error
+            flat[row], radius[row] = certificate.eigenvalues, certificate.radius
+    return replace(
+        found, eigenvalues=flat.reshape(found.eigenvalues.shape),
+        radius=radius.reshape(found.radius.shape), codes=codes.reshape(shape),
+        proof=Proof(error.reshape(shape), bits.reshape(shape), escalated),
+    )  # fmt: skip
+
+
+def _given(question: Problem) -> list[Any]:
+    shape = np.broadcast_shapes(*(np.shape(v) for v in question.values.values()))
+    values = dict(question.values)
+    if "lean" in values:
+        values["at"] = np.pi / 2 - np.asarray(values["lean"])
+    keys = ["at"] if "at" in values else question.family.at
+    return [np.broadcast_to(values[k], shape).reshape(-1) for k in keys]
+
+
+def _shaped(rows: Any, shape: tuple[int, ...]) -> Any:
+    return rows.reshape(*shape, *rows.shape[1:])

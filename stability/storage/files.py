@@ -1,0 +1,257 @@
+"""Files that are whole or not there: written under a temporary name, then renamed together."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..base.errors import FileError
+from .litter import clear, temporary
+from .targets import check_target, path_text, refusing
+
+if TYPE_CHECKING:
+    pass
+
+
+STOPS = tuple(getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, n))
+"""Signals that ask a command to stop."""
+
+
+@dataclass(frozen=True)
+class _Ready:
+    """A file that is whole under its temporary name."""
+
+    beside: Path
+    """Where it is."""
+    target: Path
+    """Where it is to be."""
+    overwrite: bool
+    """Whether it may replace a file."""
+    result: bool
+    """Whether it is a result, and not only kept for a later run."""
+
+    def keep(self) -> Path | None:
+        """A second name for the file that is replaced, until all are named."""
+        if not self.overwrite or not self.target.exists():
+            return None
+        kept = self.target.parent / temporary()
+        try:
+            os.link(self.target, kept)
+        except OSError:  # a file system without hard links
+            shutil.copy2(self.target, kept)
+        return kept
+
+    def name(self) -> None:
+        """Give the file its name unless another has taken it meanwhile."""
+        if self.overwrite:
+            self.beside.replace(self.target)
+            return
+        try:
+            os.link(self.beside, self.target)
+        except FileExistsError:
+            raise FileError(
+                f"{path_text(self.target)} exists by now; choose another name."
+            ) from None
+        except OSError:  # a file system without hard links
+            self.beside.replace(self.target)
+
+    def take_back(self, kept: Path | None) -> None:
+        """Undo the naming."""
+        with suppress(OSError):
+            if kept is None:
+                self.target.unlink()
+            else:
+                kept.replace(self.target)
+
+
+_waiting: ContextVar[list[_Ready]] = ContextVar("files that wait for their names")
+_named: list[Path] = []
+
+
+def named() -> list[Path]:
+    """The files and folders that this process has written so far, in order.
+
+    Returns
+    -------
+    list of Path
+    """
+    return list(_named)
+
+
+def record(path: Path) -> None:
+    """Add a file or folder to those that this process has written.
+
+    Parameters
+    ----------
+    path
+        Its name.
+    """
+    _named.append(path)
+
+
+@contextmanager
+def whole(
+    path: str | os.PathLike[str], *, overwrite: bool = False, result: bool = True
+) -> Iterator[Path]:
+    """A temporary name in the target's folder; renamed if all goes well, removed otherwise.
+
+    Within `together` it is renamed with the others at the end.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    overwrite
+        Whether an existing file may be replaced.
+    result
+        Whether it is a result, and not only kept for a later run.
+
+    Yields
+    ------
+    Path
+        Where to write.
+
+    Raises
+    ------
+    FileError
+        If the target cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with whole(Path(folder) / "a.txt") as name:
+    ...         _ = name.write_text("all of it")
+    ...     (Path(folder) / "a.txt").read_text()
+    'all of it'
+    """
+    target = check_target(path, overwrite=overwrite)
+    clear(target.parent)
+    ready = _Ready(target.parent / temporary(target.suffix), target, overwrite, result)
+    group = _waiting.get(None)
+    mask = os.umask(0)
+    os.umask(mask)
+    try:
+        with refusing(target):
+            os.close(os.open(ready.beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
+            yield ready.beside
+            ready.beside.chmod(0o666 & ~mask)
+            if group is None:
+                _name([ready])
+            else:
+                group.append(ready)
+    finally:
+        if group is None or ready not in group:
+            with suppress(FileNotFoundError):
+                ready.beside.unlink()
+
+
+@contextmanager
+def together() -> Iterator[None]:
+    """Files that are all there or none: each `whole` inside waits for its name until the end.
+
+    Raises
+    ------
+    FileError
+        If a file cannot get its name; then those that had it lose it, and what they replaced is
+        back.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with together():
+    ...         for name in ("a.txt", "b.txt"):
+    ...             with whole(Path(folder) / name) as file:
+    ...                 _ = file.write_text(name)
+    ...         early = (Path(folder) / "a.txt").exists()
+    ...     early, sorted(os.listdir(folder))
+    (False, ['a.txt', 'b.txt'])
+    """
+    if _waiting.get(None) is not None:  # part of a larger group
+        yield
+        return
+    group: list[_Ready] = []
+    token = _waiting.set(group)
+    try:
+        yield
+        _name(group)
+    finally:
+        _waiting.reset(token)
+        for ready in group:
+            with suppress(FileNotFoundError):
+                ready.beside.unlink()
+
+
+def _name(group: list[_Ready]) -> None:
+    """Give every file its name, or none; a signal to stop waits until it is done."""
+    done: list[tuple[_Ready, Path | None]] = []
+    with postponed():
+        try:
+            for ready in group:
+                kept = None
+                try:
+                    with refusing(ready.target):
+                        kept = ready.keep() if len(group) > 1 else None
+                        ready.name()
+                except BaseException:  # it still is what it was
+                    if kept is not None:
+                        kept.unlink()
+                    raise
+                done.append((ready, kept))
+        except BaseException:
+            for ready, kept in reversed(done):
+                ready.take_back(kept)
+            raise
+        for ready, kept in done:
+            if ready.result:
+                _named.append(ready.target)
+            if kept is not None:
+                with suppress(OSError):
+                    kept.unlink()
+
+
+@contextmanager
+def postponed() -> Iterator[None]:
+    """Let signals to stop wait for the end of a short piece of work."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[int] = []
+    before = {n: signal.getsignal(n) for n in STOPS}
+    # a handler that is not Python's, or that ignores, stays as it is
+    held = {n: h for n, h in before.items() if callable(h) or h is signal.SIG_DFL}
+    try:
+        for number in held:
+            signal.signal(number, lambda n, _: came.append(n))
+        yield
+    finally:
+        for number, handler in held.items():
+            signal.signal(number, handler)
+        if came:
+            signal.raise_signal(came[0])
+
+
+@contextmanager
+def deaf() -> Iterator[None]:
+    """Keep signals to stop from the processes started meanwhile; this one gets them afterwards."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    from multiprocessing.resource_tracker import ensure_running
+
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
+    try:
+        ensure_running()  # a helper of multiprocessing, whose start ends the blocking
+        signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

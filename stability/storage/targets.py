@@ -1,0 +1,232 @@
+"""Names of files and folders to write: checked before anything is computed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ..base.errors import FileError, one_line, shown
+from .litter import clear
+
+LONGEST = 120
+"""Characters of a path in a message at most."""
+NETCDF = (".nc", ".nc4", ".netcdf", ".h5", ".hdf5")
+"""Endings of a NetCDF-4 file."""
+PICTURES = (".png", ".pdf", ".svg")
+"""Endings of a figure."""
+FILMS = (".gif", ".mp4", ".html")
+"""Endings of a film."""
+OTHER = (".csv", ".json", ".txt", ".md", ".py", ".jpg", ".jpeg", ".webp", ".zip")
+"""Endings of formats that no command writes into a single file of its own."""
+
+
+def path_text(path: Any) -> str:
+    """A path for a message: one line, its middle left out where it is long.
+
+    Parameters
+    ----------
+    path
+        The path.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> path_text("maps/a.nc")
+    'maps/a.nc'
+    """
+    return one_line(str(path), LONGEST)
+
+
+def place(path: Any) -> Path:
+    """A path from what a user gives, refused where it cannot name a file.
+
+    Parameters
+    ----------
+    path
+        A string or a path.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    FileError
+        If it is neither, or holds NUL or a character that the system cannot write.
+    """
+    try:
+        found = Path(path)
+    except TypeError:
+        raise FileError(f"the file name is {shown(path)}; give a string or a path.") from None
+    text = str(found)
+    try:
+        os.fsencode(text)
+    except UnicodeEncodeError as error:
+        odd = f"U+{ord(text[error.start]):04X}"
+        raise FileError(f"{path_text(text)} is no file name; leave out {odd}.") from None
+    if "\0" in text:
+        raise FileError(f"{path_text(text)} is no file name; leave out NUL.")
+    return found
+
+
+@contextmanager
+def refusing(path: Any, what: str = "written") -> Iterator[None]:
+    """Turn an error of the operating system into a sentence about a path.
+
+    Parameters
+    ----------
+    path
+        The path.
+    what
+        What cannot be done with it.
+
+    Raises
+    ------
+    FileError
+        With the system's reason.
+    """
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error).partition("\n")[0][:100]
+        raise FileError(f"{path_text(path)} cannot be {what}: {reason}.") from None
+
+
+def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
+    """A path with an ending that fits what is written into it; none is an ending of NetCDF.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    endings
+        Endings that are accepted, lower case, the usual one first.
+    option
+        What the path is called on the command line.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    FileError
+        If it ends otherwise.
+
+    Examples
+    --------
+    >>> check_suffix("map.nc", NETCDF).name
+    'map.nc'
+    """
+    found = place(path)
+    suffix = found.suffix.lower()
+    if suffix in endings or (not suffix and tuple(endings) == NETCDF):
+        return found
+    subject = f"{option} is {shown(str(path))}" if option else path_text(path)
+    if len(endings) < 4:
+        listed = " or ".join([", ".join(endings[:-1]), endings[-1]] if endings[1:] else endings)
+    else:
+        listed = endings[0]
+    raise FileError(f"{subject}; the name must end in {listed}.")
+
+
+def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+    """A path that can be written, or a sentence why not; nothing is created.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    overwrite
+        Whether an existing file may be replaced.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    FileError
+        If it exists, is a folder, or its folder is missing or not writable.
+    """
+    from ..base.checks import flag  # here, so that a command starts without NumPy
+
+    overwrite = flag("overwrite", overwrite)
+    target = place(path)
+    with refusing(target):
+        there = os.path.lexists(target)
+        if target.is_symlink():  # write where it points, and leave the link
+            try:
+                target.stat()
+            except FileNotFoundError:
+                there = False
+            target = Path(os.path.realpath(target))
+        if target.is_dir():
+            raise FileError(f"{path_text(target)} is a folder; give the name of a file.")
+        if there and not target.is_file():
+            raise FileError(f"{path_text(target)} is not a regular file; give the name of one.")
+        if there and not overwrite:
+            raise FileError(
+                f"{path_text(target)} exists; choose another name, or replace it with --force "
+                "(overwrite=True)."
+            )
+        folder = target.parent
+        if not folder.is_dir():
+            raise FileError(f"the folder {path_text(folder)} does not exist; create it first.")
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise FileError(
+                f"the folder {path_text(folder)} is not writable; choose another place."
+            )
+        if len(os.fsencode(target.name)) > 255:
+            raise FileError(f"{path_text(target)} cannot be written: the name is too long.")
+    return target
+
+
+def check_folder(path: str | os.PathLike[str], taken: str = "") -> Path:
+    """See that a folder can be made or written into; nothing is created, litter is removed.
+
+    Parameters
+    ----------
+    path
+        The folder.
+    taken
+        The sentence for a folder that holds something already; none where that is no matter.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    FileError
+        If it is a file or named like one, is taken, or its place is missing or not writable.
+    """
+    target = place(path)
+    with refusing(target):
+        if target.is_symlink() and not target.is_dir():
+            target.stat()  # a loop
+            raise FileError(
+                f"{path_text(target)} is a link that leads nowhere; choose another name."
+            )
+        there = target.is_dir()
+        if target.exists() and not there:
+            raise FileError(f"{path_text(target)} is a file; give the name of a folder.")
+        if not there and target.suffix.lower() in (*NETCDF, *PICTURES, *FILMS, *OTHER):
+            raise FileError(f"{path_text(target)} is named like a file; give the name of a folder.")
+        if there:
+            clear(target, always=True)
+        if taken and there and any(target.iterdir()):
+            raise FileError(taken)
+        if not target.parent.is_dir():
+            raise FileError(
+                f"the folder {path_text(target.parent)} does not exist; create it first."
+            )
+        if not os.access(target if there else target.parent, os.W_OK | os.X_OK):
+            raise FileError(f"{path_text(target)} cannot be written: its folder is not writable.")
+    return target

@@ -1,0 +1,1 @@
+"""Any system, any family of steady motions.  Imports `algebra`."""

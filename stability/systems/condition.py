@@ -1,0 +1,39 @@
+"""Conditions: expressions that must be positive for a state to have a meaning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from ..base.checks import instance, real_numbers
+from ..base.errors import ParameterError, shown
+from .system_checks import expression
+
+
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """A quantity that must be positive for the equations to mean anything, and why."""
+
+    value: ca.SX
+    """Expression in the states and parameters; the state is refused where it is not positive."""
+    sentence: str
+    """The reason, as it is shown to the user, with `{value}` where the number goes."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "value", expression("value of a condition", self.value, 1, 1))
+        sentence = instance("sentence of a condition", self.sentence, str, "give a string")
+        try:
+            sentence.format(value=1.0)
+        except (LookupError, ValueError, AttributeError, TypeError):
+            raise ParameterError(
+                f"sentence of a condition is {shown(sentence)}; the only thing in braces is "
+                "{value}, with a format for numbers."
+            ) from None
+
+    def refusal(self, value: float) -> str:
+        """The reason with its value, one sentence."""
+        number = real_numbers("value", value)
+        if number.size != 1:
+            raise ParameterError(f"value has shape {number.shape}; give one number.")
+        return self.sentence.format(value=float(number.item())) + "."

@@ -1,0 +1,415 @@
+"""Families of steady motions: which states they hold, what they solve for, and the root-finder."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra.number_types import Upright
+from ..base.checks import broadcast, instance, rows
+from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
+from ..base.types import Floats
+from .family_graph import FamilyGraph, Frame
+from .steadiness import rate_noise, step_noise
+from .system import System
+from .system_checks import check_family, tables
+
+STEP = 1e-11
+"""A root is accepted where a further Newton step moves it by less than this, relatively."""
+NOISE = 1e-6
+"""Or by rounding alone, where that is less than this, relative to 1 or the root."""
+UNKNOWN = 1e-10
+"""Rates that count as zero, in units of the linearisation, where their rounding has no bound."""
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """A family of steady motions of a `System`, named by one or more parameters `at`.
+
+    Every state is either named in `at`, held at a value, or solved for.  A member is a root of the
+    rates of the states in `equations`; that the other rates vanish too is checked.
+
+    Parameters
+    ----------
+    system
+        The equations of motion.
+    name
+        What the family is called.
+    at
+        Names of the states (or of parameters of the system) that name a member.
+    held
+        Values of the states that are the same along the family; `UPRIGHT` for the exact π/2.
+    unknown
+        First guesses of the states that are solved for.
+    equations
+        States whose rates must vanish, as many as there are unknowns.
+    positive
+        Unknowns that must come out positive.
+    typical
+        A typical size by name of `at` and parameters (1 where left out), about which the spectrum's
+        structure is sampled.
+    conservative
+        Whether the reduced characteristic polynomial is even in λ by structure.
+    integrals
+        Whether first integrals make a spectrally neutral member stable.
+    drifts
+        Whether a slow flow on the centre manifold carries a stable member to its threshold.
+
+    Raises
+    ------
+    NameUnknownError, ParameterError
+        If names do not fit the system.
+
+    Source: physics of the disk's families in tests/test_families.py.
+
+    Examples
+    --------
+    >>> import casadi as ca
+    >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    >>> pendulum = System("pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
+    ...                   states=("angle", "rate"), parameters=("g",))
+    >>> hanging = Family(pendulum, "hanging", at=("g",), held={"angle": 0, "rate": 0})
+    >>> hanging.member([9.81], [])
+    array([0., 0.])
+    """
+
+    system: System
+    """The equations of motion."""
+    name: str
+    """What the family is called."""
+    at: tuple[str, ...]
+    """Names of the states or parameters that name a member."""
+    held: Mapping[str, float | Upright] = field(default_factory=dict)
+    """Values of the states that do not change along the family."""
+    unknown: Mapping[str, float] = field(default_factory=dict)
+    """First guesses of the states solved for."""
+    equations: tuple[str, ...] = ()
+    """States whose rates must vanish."""
+    positive: tuple[str, ...] = ()
+    """Unknowns that must be positive."""
+    typical: Mapping[str, float] = field(default_factory=dict)
+    """Typical sizes by name."""
+    conservative: bool = False
+    """Whether the reduced characteristic polynomial is even in λ."""
+    integrals: bool = False
+    """Whether first integrals make a neutral member stable."""
+    drifts: bool = False
+    """Whether a slow flow on the centre manifold carries a stable member to its threshold."""
+
+    def __post_init__(self) -> None:
+        instance("system", self.system, System, "give a stability.System")
+        check_family(self)
+        for name in (*self.held, *self.unknown, *self.equations):
+            self.system.index(name)
+        for name in self.at:
+            if name not in (*self.system.states, *self.system.parameters):
+                raise NameUnknownError(
+                    f"at is {shown(name)}, neither a state nor a parameter of {self.system.name}."
+                )
+        given = [*self.held, *self.unknown, *(n for n in self.at if n in self.system.states)]
+        for state in self.system.states:
+            if given.count(state) != 1:
+                raise ParameterError(
+                    f"state {shown(state)} of family {self.name} is given {given.count(state)} "
+                    "times; name each state once, in at, held or unknown."
+                )
+        if len(self.unknown) != len(self.equations):
+            raise ParameterError(
+                f"family {self.name} has {len(self.unknown)} unknowns and {len(self.equations)} "
+                "equations; give as many of one as of the other."
+            )
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the system's parameters that `at` does not take."""
+        return tuple(n for n in self.system.parameters if n not in self.at)
+
+    # --- the graph at the family ---
+
+    @cached_property
+    def graph(self) -> FamilyGraph:
+        """The system's graph read at this family; built at first use."""
+        return FamilyGraph(Frame(self.system, self.at, self.held, self.unknown, self.equations))
+
+    @property
+    def closed(self) -> bool:
+        """Whether the first guess solves the equations identically, so that nothing is iterated."""
+        return self.graph.closed
+
+    @property
+    def tangents(self) -> int:
+        """Number of independent directions along the family in the state."""
+        return sum(name in self.system.states for name in self.at)
+
+    def member(
+        self, at: ArrayLike, parameters: ArrayLike, guess: ArrayLike | None = None
+    ) -> Floats:
+        """States of the steady motions, by CasADi's root-finder where there is something to solve.
+
+        Parameters
+        ----------
+        at
+            Family parameters, last axis as named in `at`, shape (…, len(at)).
+        parameters
+            The system's other parameters, shape (…, m).
+        guess
+            Unknowns to start from, shape (…, u); the family's own guess when left out.
+
+        Returns
+        -------
+        ndarray
+            States, shape (…, n).
+
+        Raises
+        ------
+        NoMemberError
+            If there is no such motion, or the root-finder did not reach it.
+        DomainError
+            If the equations have no meaning there.
+        """
+        a, q, shape = self._inputs(at, parameters)
+        return self.checked_states(a, self.solve(a, q, guess), q).reshape(*shape, -1)
+
+    def checked_states(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        """States of members whose unknowns are known, refused where they are not steady motions.
+
+        Parameters
+        ----------
+        a, u, q
+            Family parameters, unknowns (from `solve`) and parameters, shapes (N, ·).
+
+        Returns
+        -------
+        ndarray
+            Shape (N, n).
+
+        Raises
+        ------
+        NoMemberError
+            If a rate does not vanish.
+        DomainError
+            If the equations have no meaning there.
+        """
+        a, u, q = tables(self, a, q, u)
+        states = self.states(a, u, q)
+        given = self._system_parameters(a, q)
+        self.system.check(states, given)
+        self._require_steady(a, u, q)
+        # the family's graph has folded what it multiplies by zero; the system's own has not
+        self.system.rates(states, given)
+        return states
+
+    def matrix(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        """Linearisation ∂f/∂x at members.
+
+        Parameters
+        ----------
+        a, u, q
+            Family parameters, unknowns (from `solve`) and parameters, shapes (N, ·).
+
+        Returns
+        -------
+        ndarray
+            Shape (N, n, n).
+        """
+        a, u, q = tables(self, a, q, u)
+        out: Floats = self.graph.matrix.arrays([columns(a), columns(u), columns(q)], a.shape[:1])[0]
+        return out
+
+    def tangent(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        """Directions along the family in the state, by the implicit function theorem.
+
+        Parameters
+        ----------
+        a, u, q
+            As in `matrix`.
+
+        Returns
+        -------
+        ndarray
+            Shape (N, n, t) with t = `tangents`.
+        """
+        a, u, q = tables(self, a, q, u)
+        arguments = [columns(a), columns(u), columns(q)]
+        by_a, by_u, _, r_u, r_a = self.graph.tangent.arrays(arguments, a.shape[:1])
+        keep = [i for i, name in enumerate(self.at) if name in self.system.states]
+        if u.shape[1] and not self.closed:
+            by_a = by_a - by_u @ np.linalg.solve(r_u, r_a)
+        out: Floats = by_a[..., keep]
+        return out
+
+    def solve(self, a: Floats, q: Floats, guess: ArrayLike | None = None) -> Floats:
+        """The unknowns at each row of family parameters.
+
+        Parameters
+        ----------
+        a, q
+            Family parameters and parameters, shapes (N, ·).
+        guess
+            Where to start, shape (…, u) or None.
+
+        Returns
+        -------
+        ndarray
+            Shape (N, u).
+
+        Raises
+        ------
+        NoMemberError
+            Where the root-finder does not converge to an admissible root.
+        """
+        unknowns = list(self.unknown)
+        a, _, q = tables(self, a, q)
+        self._check_before(a, q)
+        if not unknowns or (self.closed and guess is None):
+            return np.tile(np.array(list(self.unknown.values()), dtype=float), (len(a), 1))
+        start = np.array(list(self.unknown.values()))
+        if guess is not None:
+            start = rows("guess", guess, unknowns).reshape(-1, len(unknowns))
+            if len(start) not in (1, len(a)):
+                raise ParameterError(f"guess has {len(start)} rows for {len(a)} members.")
+        start = np.broadcast_to(start, (len(a), len(unknowns)))
+        # What the equations do not depend on need not be solved again (mu, for the disk).
+        used = self.graph.used
+        distinct, inverse = np.unique(
+            np.hstack([np.hstack([a, q])[:, used], start]), axis=0, return_inverse=True
+        )
+        first = np.zeros(len(distinct), dtype=int)
+        first[inverse.ravel()] = np.arange(len(a))
+        found = self._root(a[first], q[first], start[first])
+        return found[inverse.ravel()]
+
+    def states(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        """States of members whose unknowns are known.
+
+        Parameters
+        ----------
+        a, u, q
+            Family parameters, unknowns (from `solve`) and parameters, shapes (N, ·).
+
+        Returns
+        -------
+        ndarray
+            Shape (N, n).
+        """
+        a, u, q = tables(self, a, q, u)
+        arguments = [columns(a), columns(u), columns(q)]
+        out: Floats = self.graph.state.arrays(arguments, a.shape[:1])[0][..., 0]
+        return out
+
+    def _check_before(self, a: Floats, q: Floats) -> None:
+        """Refuse what no root could mend: a member at which the equations have no meaning."""
+        conditions, program = self.graph.early
+        if conditions:
+            none = [np.zeros(1)] * len(self.unknown)
+            values = program.arrays([columns(a), none, columns(q)], a.shape[:1])
+            for condition, value in zip(conditions, values, strict=True):
+                bad = ~(value > 0)
+                if bad.any():
+                    reason = condition.refusal(float(value[bad].flat[0]))
+                    raise NoMemberError(f"{self.name} does not exist there: {reason}")
+
+    def _root(self, a: Floats, q: Floats, start: Floats) -> Floats:
+        if self.graph.finder is None:
+            raise ParameterError(
+                f"{self.name}: the equations {', '.join(self.equations)} leave the unknowns "
+                f"{', '.join(self.unknown)} open, whatever the numbers are; give others, or hold "
+                "what is free."
+            )
+        finder = self.graph.finder.map(len(a))
+        u = np.array(finder(start.T, np.hstack([a, q]).T)).T.reshape(len(a), -1)
+        step = self._newton_step(a, u, q)
+        size = np.maximum(np.abs(u), 1e-300)
+        close = np.abs(step) <= STEP * np.maximum(size, 1e-8)
+        if (
+            not close.all()
+        ):  # a root at 0 is met within the rounding of its equation, not relatively
+            noise = step_noise(self.graph, a, u, q)
+            close |= (np.abs(step) <= 2 * noise) & (noise <= NOISE * np.maximum(size, 1.0))
+        good = (np.isfinite(u) & close).all(axis=1)
+        for index, name in enumerate(self.unknown):
+            if name in self.positive:
+                good &= u[:, index] > 0
+        if not good.all():
+            row = int(np.argmin(good))
+            raise NoMemberError(
+                f"{self.name} has no member that the root-finder reaches at "
+                f"{listing((*self.at, *self.parameters), (*a[row], *q[row]))}: the equation for "
+                f"{', '.join(self.unknown)} has no admissible isolated solution there; "
+                "choose another point of the family or give a guess."
+            )
+        return u
+
+    def _newton_step(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        _, _, r, r_u, _ = self.graph.tangent.arrays(
+            [columns(a), columns(u), columns(q)], a.shape[:1]
+        )
+        with np.errstate(all="ignore"):
+            determinant = np.linalg.det(r_u)
+            bad = (
+                ~np.isfinite(r_u).all(axis=(1, 2)) | ~np.isfinite(determinant) | (determinant == 0)
+            )
+            r_u = np.where(bad[:, None, None], np.eye(r_u.shape[1]), r_u)
+            step: Floats = np.linalg.solve(r_u, r)[..., 0]
+        step[bad] = np.inf
+        return step
+
+    def _require_steady(self, a: Floats, u: Floats, q: Floats) -> None:
+        arguments = [columns(a), columns(u), columns(q)]
+        rates = self.graph.rates.arrays(arguments, a.shape[:1])[0][..., 0]
+        if not rates.any():
+            return
+        with np.errstate(all="ignore"):
+            matrix = self.matrix(a, u, q)
+            size = np.abs(matrix).max(axis=(1, 2))
+            scale = 1 + size * (1 + np.abs(u).max(axis=1, initial=0))
+        if not (np.isfinite(rates).all() and np.isfinite(scale).all()):
+            raise NoMemberError(
+                f"{self.name}: the rates overflow double precision; give values nearer to 1."
+            )
+        bound = rate_noise(self.graph, a, u, q, self.states(a, u, q), matrix)
+        bound = np.where(np.isfinite(bound), bound, UNKNOWN * scale[:, None])
+        over = ~(np.abs(rates) <= bound)
+        if over.any():
+            row = int(np.argmax(over.any(axis=1)))
+            which = int(np.argmax(np.where(over[row], np.abs(rates[row]), -1.0)))
+            raise NoMemberError(
+                f"{self.name} at {listing(self.at, a[row])} is not steady: "
+                f"{self.system.states[which]} still changes at {abs(rates[row, which]):.3g}, and "
+                f"rounding accounts for {bound[row, which]:.1g} of that at most; add its rate to "
+                "the family's equations, or give what is held to all its digits."
+            )
+
+    # --- inputs ---
+
+    def _inputs(
+        self, at: ArrayLike, parameters: ArrayLike
+    ) -> tuple[Floats, Floats, tuple[int, ...]]:
+        a = rows("at", at, self.at)
+        q = rows("parameters", parameters, self.parameters)
+        shape = broadcast(at=a.shape[:-1], parameters=q.shape[:-1])
+        count = math.prod(shape)
+        a = np.broadcast_to(a, (*shape, len(self.at))).reshape(count, len(self.at))
+        q = np.broadcast_to(q, (*shape, len(self.parameters))).reshape(count, len(self.parameters))
+        return a, q, shape
+
+    def _system_parameters(self, a: Floats, q: Floats) -> Floats:
+        table = dict(zip(self.at, a.T, strict=True)) | dict(zip(self.parameters, q.T, strict=True))
+        columns = [table[n] for n in self.system.parameters]
+        return np.column_stack(columns) if columns else np.zeros((len(a), 0))
+
+
+def columns(array: Floats) -> list[Any]:
+    """The columns of an array, one entry of a graph's input each."""
+    return list(array.T)
+
+
+def listing(names: Sequence[str], values: Sequence[float]) -> str:
+    """Names with their values, for a message."""
+    return ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, values, strict=True))

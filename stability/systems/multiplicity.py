@@ -1,0 +1,378 @@
+"""Eigenvalues that are zero by structure: how many, and whether they are proved zero at a member.
+
+Sampling members finds how many eigenvalues vanish there.  Such a count may fail elsewhere: on
+another branch of steady motions, or where |p| has its other sign.  So a count is proved for the
+whole family, as an identity of expressions; or else at the very member, exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, reduce
+from typing import Any
+
+import numpy as np
+from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
+from scipy.sparse.csgraph import connected_components
+
+from ..algebra.balls import precision
+from ..algebra.exact.function_field import FunctionField
+from ..algebra.exact.number_fields import (
+    EXACT,
+    NotExact,
+    NumberField,
+    characteristic,
+    rational,
+    vanishes,
+)
+from ..algebra.number_types import balls
+from ..base.errors import NoMemberError, StabilityError
+from .enclosure import ball_unknowns, matrix_polynomial
+from .family import Family
+from .structural_zeros import structure
+
+ROOT_BITS = 512
+"""Precision at which a root is enclosed before its exact form is looked for."""
+LOCAL_BITS = 1024
+"""Precision at which members next to the one asked for are sampled."""
+OFFSETS = (40, 80, 120)
+"""Their relative distance is 2 to minus these, the first that keeps to the branch."""
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What holds of a family's characteristic polynomial at every member, on every branch."""
+
+    zeros: int
+    """Eigenvalues that are zero identically in parameters and unknowns."""
+    even: bool
+    """Whether the polynomial without these is even in λ identically."""
+
+
+@lru_cache(maxsize=64)
+def identity(family: Family) -> Identity:
+    """What is zero in the characteristic polynomial as an identity of expressions.
+
+    Parameters
+    ----------
+    family
+        The family.
+
+    Returns
+    -------
+    Identity
+        A lower bound: what is too large to be worked out counts as not proved.
+    """
+    symbols = FunctionField([*family.at, *family.unknown, *family.parameters]).symbols
+    cut = len(family.at), len(family.at) + len(family.unknown)
+    parts = symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]
+    tangents, zeros, even = 0, 0, False
+    with suppress(ArithmeticError):
+        zero = _on_the_branch(family, parts)
+        tangents = _fixed_directions(family, parts, zero)
+        zeros, even = _zero_pattern(_blocks(_matrix(family, *parts), zero), zero)
+    return Identity(max(zeros, tangents), even)
+
+
+def _on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[Any], bool]:
+    """Whether an expression vanishes at every member: itself, or as a multiple of the equation."""
+    if family.closed or len(family.unknown) != 1:
+        return vanishes
+    residual, _ = family.graph.residual.run(EXACT, parts)
+    equation = residual[0].num
+
+    def zero(value: Any) -> bool:
+        if vanishes(value) or not hasattr(value, "num"):
+            return bool(vanishes(value))
+        return bool(divmod(value.num, equation)[1] == 0)
+
+    return zero
+
+
+def certain(family: Family) -> bool:
+    """Whether the sampled structure holds at every member, so that no member need be checked.
+
+    Parameters
+    ----------
+    family
+        The family.
+    """
+    sampled = structure(family)
+    if not sampled.steady:
+        return False
+    if not sampled.zeros and not family.conservative:
+        return True
+    proved = identity(family)
+    return proved.zeros >= sampled.zeros and (proved.even or not family.conservative)
+
+
+def _matrix(
+    family: Family, a: Sequence[Any], u: Sequence[Any], q: Sequence[Any]
+) -> list[list[Any]]:
+    try:
+        return family.graph.matrix.dense(EXACT, [list(a), list(u), list(q)])
+    except (ZeroDivisionError, StabilityError) as error:
+        raise NotExact(str(error)) from None
+
+
+def _blocks(
+    matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes
+) -> list[list[list[Any]]]:
+    """Diagonal blocks of the block triangular form: their polynomials multiply to the whole."""
+    pattern = np.array([[not zero(entry) for entry in row] for row in matrix])
+    _, labels = connected_components(pattern, directed=True, connection="strong")
+    members = [np.flatnonzero(labels == label) for label in np.unique(labels)]
+    return [[[matrix[i][j] for j in some] for i in some] for some in members]
+
+
+def _whole(matrix: list[list[Any]]) -> list[Any]:
+    """det(λ - A) by powers of λ, lowest first."""
+    return reduce(_product, map(characteristic, _blocks(matrix)))
+
+
+def _zero_pattern(blocks: list[list[list[Any]]], zero: Callable[[Any], bool]) -> tuple[int, bool]:
+    """Zeros of the product of the blocks' polynomials, and whether the rest is even."""
+    zeros, even = 0, True
+    mixed: list[list[Any]] = []
+    for block in blocks:
+        poly = characteristic(block)
+        low = next(i for i, c in enumerate(poly) if not zero(c))
+        zeros += low
+        rest = poly[low:]
+        if not _is_even(rest, zero):
+            mixed.append(rest)
+    if mixed:  # blocks that are not even each may be so together, as (λ - a)(λ + a)
+        even = _is_even(reduce(_product, mixed), zero)
+    return zeros, even
+
+
+def _is_even(poly: Sequence[Any], zero: Callable[[Any], bool]) -> bool:
+    return len(poly) % 2 == 1 and all(zero(c) for c in poly[1::2])
+
+
+def _product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
+    out: list[Any] = [0] * (len(p) + len(q) - 1)
+    for i, x in enumerate(p):
+        for j, y in enumerate(q):
+            out[i + j] = out[i + j] + x * y
+    return out
+
+
+def _fixed_directions(
+    family: Family, parts: Sequence[Sequence[Any]], zero: Callable[[Any], bool]
+) -> int:
+    """How many tangents of the family are null vectors wherever the member is an isolated root.
+
+    The rates that are not solved for must vanish identically; then all of them vanish along the
+    branch, and the chain rule says A·∂x/∂at = 0.
+    """
+    solved = set() if family.closed else {family.system.index(n) for n in family.equations}
+    with suppress(ArithmeticError):
+        rates = family.graph.rates.dense(EXACT, parts)
+        if all(i in solved or zero(rate) for i, (rate,) in enumerate(rates)):
+            return len([n for n in family.at if n in family.system.states])
+    return 0
+
+
+# --- one member ---
+
+
+class Member:
+    """A member at exact parameters: what is zero in its characteristic polynomial, by proof.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q
+        Family parameters and parameters as rationals.
+    near
+        Unknowns to double precision, shape (u,).
+    """
+
+    def __init__(
+        self, family: Family, a: Sequence[Any], q: Sequence[Any], near: Sequence[float]
+    ) -> None:
+        self.family, self.a, self.q = family, list(a), list(q)
+        self.near = None if family.closed or not family.unknown else [float(v) for v in near]
+        self._flags: list[bool] | None = None
+        self.rational: list[Any] | None = None
+        """Coefficients of det(λ - A) over Q, lowest first, where they are rational."""
+        self._root = self._enclosed_root()
+        self.steady = self._rests()
+        """Whether no rate is proved to differ from zero at the root of the solved equations."""
+        if self.steady:
+            with suppress(NotExact):
+                self._exact()
+
+    def _enclosed_root(self) -> list[Any] | None:
+        """The unknowns that are solved for, to many digits; None where no root is proved."""
+        if self.near is None:
+            return None
+        with precision(ROOT_BITS):
+            try:
+                return ball_unknowns(self.family, self.balls(self.a), self.balls(self.q), self.near)
+            except (NoMemberError, ZeroDivisionError):  # said where the root is needed
+                return None
+
+    def _rests(self) -> bool:
+        if self._root is None:
+            return True
+        with precision(ROOT_BITS):
+            place = [self.balls(self.a), self._root, self.balls(self.q)]
+            rates = self.family.graph.rates.dense(balls(), place)
+        return all(arb(rate).contains(0) for (rate,) in rates)
+
+    def _exact(self) -> None:
+        """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""
+        matrix = _matrix(self.family, self.a, self._unknowns(), self.q)
+        if all(isinstance(entry, (int, fmpq)) for row in matrix for entry in row):
+            self.rational = poly = fmpq_mat(matrix).charpoly().coeffs()
+        else:
+            poly = _whole(matrix)
+        self._flags = [vanishes(c) for c in poly]
+
+    def _unknowns(self) -> list[Any]:
+        if self.near is None:
+            return [rational(v) for v in self.family.unknown.values()]
+        if self._root is None:
+            raise NotExact("no root is proved")
+        with precision(ROOT_BITS):
+            simple = [_simplest(ball) for ball in self._root]
+            if None not in simple and self._solves(simple):
+                return simple
+            if len(self._root) > 1:
+                raise NotExact("several algebraic unknowns")
+            return [self._algebraic(self._root[0])]
+
+    def _solves(self, u: list[Any]) -> bool:
+        """Whether rationals solve the equations exactly."""
+        try:
+            residual, _ = self.family.graph.residual.run(EXACT, [self.a, u, self.q])
+        except ZeroDivisionError:
+            return False
+        return all(vanishes(r) for r in residual)
+
+    def _algebraic(self, ball: Any) -> Any:
+        """The irreducible polynomial over Q of a single unknown, as a number field."""
+        field = FunctionField(["u"])
+        given = [[field.number(v) for v in some] for some in (self.a, self.q)]
+        residual, _ = self.family.graph.residual.run(EXACT, [given[0], field.symbols, given[1]])
+        terms = residual[0].num.to_dict()
+        if any(any(exponents[1:]) for exponents in terms):
+            raise NotExact("an equation that is not algebraic")
+        coefficients = [fmpq(0)] * (1 + max(int(e[0]) for e in terms))
+        for exponents, coefficient in terms.items():
+            coefficients[int(exponents[0])] = coefficient
+        _, factors = fmpq_poly(coefficients).numer().factor()
+        near = [f for f, _ in factors if arb_poly(f.coeffs())(ball).contains(0)]
+        if len(near) != 1:
+            raise NotExact("a root that two factors share")
+        return NumberField(fmpq_poly(near[0].coeffs()), ball).generator
+
+    @staticmethod
+    def balls(values: Sequence[Any]) -> list[Any]:
+        """Rationals as balls at the current precision."""
+        return [arb(v) for v in values]
+
+    @property
+    def flags(self) -> list[bool]:
+        """For each coefficient of det(λ - A), lowest first: whether it is proved to be zero."""
+        if self._flags is None:
+            self._flags = self._as_expressions()
+        return self._flags
+
+    def _as_expressions(self) -> list[bool]:
+        """With sines, roots and unknowns as indeterminates."""
+        family = self.family
+        size = len(family.system.states) + 1
+        known = [i < identity(family).zeros for i in range(size)]
+        field = FunctionField([*family.unknown])
+        given = [[field.number(v) for v in some] for some in (self.a, self.q)]
+        try:
+            poly = _whole(_matrix(family, given[0], field.symbols, given[1]))
+        except NotExact:
+            return known
+        return [k or vanishes(c) for k, c in zip(known, poly, strict=True)]
+
+    def enclosed(self) -> list[Any]:
+        """Coefficients as balls at the current precision, exactly zero where that is proved.
+
+        Raises
+        ------
+        NoMemberError
+            If no root is proved to exist.
+        """
+        if self.rational is not None:
+            return self.balls(self.rational)
+        a, q = self.balls(self.a), self.balls(self.q)
+        poly = matrix_polynomial(self.family, a, ball_unknowns(self.family, a, q, self.near), q)
+        return [arb(0) if flag else c for flag, c in zip(self.flags, poly, strict=True)]
+
+    def zeros(self) -> int:
+        """Eigenvalues that are zero at this member, by proof: a lower bound unless all is exact."""
+        return next(i for i, flag in enumerate(self.flags) if not flag)
+
+    @cached_property
+    def structural(self) -> tuple[int, int]:
+        """Least and largest number of eigenvalues that are zero here and at the members around.
+
+        Those that are zero here are so by proof.  Both numbers agree unless no neighbourhood of the
+        member is reached, or a coefficient is too flat to tell whether it vanishes there.
+        """
+        count = self.zeros()
+        low, high = _generic(self.family, self.a, self.q, self.near) if count else (0, 0)
+        return min(count, low), min(count, high)
+
+
+def _generic(
+    family: Family, a: Sequence[Any], q: Sequence[Any], near: Sequence[float] | None
+) -> tuple[int, int]:
+    """Bounds on how many eigenvalues vanish at members next to one, on its own branch."""
+    with precision(LOCAL_BITS):
+        for offset in OFFSETS:
+            step = fmpq(1, 2**offset)
+            wide = [arb(v) + arb(0, arb((abs(v) + step) * step)) for v in (*a, *q)]
+            try:  # one root for the whole neighbourhood: the samples lie on the branch
+                ball_unknowns(family, wide[: len(a)], wide[len(a) :], near)
+                found = [_sampled(family, a, q, near, step, turn) for turn in range(3)]
+            except (NoMemberError, ZeroDivisionError):
+                continue
+            return min(low for low, _ in found), min(high for _, high in found)
+    return identity(family).zeros, len(family.system.states)
+
+
+def _sampled(
+    family: Family, a: Sequence[Any], q: Sequence[Any], near: Any, step: Any, turn: int
+) -> tuple[int, int]:
+    """Eigenvalues that are proved to vanish at a member near by, and those that may."""
+    place = []
+    for index, v in enumerate((*a, *q)):
+        share = fmpq(16 + (13 * turn + 7 * index) % 33, 64)  # between 1/4 and 3/4
+        if turn == 1 or (turn == 2 and index % 2):  # both sides of a kink such as that of |p|
+            share = -share
+        place.append(v + share * (abs(v) + step) * step)
+    member = Member(family, place[: len(a)], place[len(a) :], near or [])
+    low = member.zeros()
+    if member.rational is not None:  # no precision to end, however small a coefficient is
+        return low, low
+    return low, next(i for i, c in enumerate(member.enclosed()) if not c.contains(0))
+
+
+def _simplest(ball: Any) -> Any:
+    """The rational of least denominator in a ball, by continued fractions; None if it is large."""
+    before, here = (0, 1), (1, 0)  # numerators and denominators (p, q) of the convergents
+    rest = ball.mid().fmpq()
+    for _ in range(ctx.prec):
+        whole = int(rest.floor())
+        before, here = here, (whole * here[0] + before[0], whole * here[1] + before[1])
+        found = fmpq(*here)
+        if ball.contains(arb(found)):
+            return found if here[1].bit_length() < ctx.prec // 3 else None
+        rest = rest - whole
+        if rest == 0:
+            return None
+        rest = 1 / rest
+    return None

@@ -1,0 +1,85 @@
+"""Whether rates vanish within their rounding: what a root-finder and a steady motion must show.
+
+Running error analysis (`stability.algebra.running_error`) bounds what rounding makes of a rate that
+is zero; the numbers that are given count as known to two units in the last place, since decimals, π
+and changes of unit are rounded before they arrive.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..algebra.running_error import UNIT, Tracked, tracked_arrays
+from ..base.types import Floats
+from .family_graph import FamilyGraph
+
+GIVEN = 4 * UNIT
+"""Relative error of a number that is given: two units in the last place."""
+
+
+def _known(block: Floats) -> list[Tracked]:
+    """Columns of given numbers, each with the error of what is given."""
+    return [Tracked(c, GIVEN * np.abs(c)) for c in block.T]
+
+
+def step_noise(
+    graph: FamilyGraph, a: Floats, u: Floats, q: Floats, *, whole: bool = False
+) -> Floats:
+    """How far rounding of the equations moves a Newton step at a root.
+
+    Parameters
+    ----------
+    graph
+        The family's graph.
+    a, u, q
+        Family parameters, unknowns and parameters, shapes (N, ·).
+    whole
+        Whether the step itself counts too: then it bounds the distance to the root.
+
+    Returns
+    -------
+    ndarray
+        Shape (N, u); infinite where the slope is singular.
+    """
+    exact = [[Tracked(c, np.zeros_like(c)) for c in block.T] for block in (a, u, q)]
+    (value, error), (slope, _) = tracked_arrays(graph.residual, exact, a.shape[:1])
+    size = error + np.abs(value) if whole else error
+    noise = np.full(u.shape, np.inf)
+    with np.errstate(all="ignore"):
+        sound = np.isfinite(slope).all(axis=(1, 2)) & (np.linalg.det(slope) != 0)
+    if sound.any():
+        with np.errstate(all="ignore"):  # an error without bound makes the noise so
+            found = (np.abs(np.linalg.inv(slope[sound])) @ size[sound])[..., 0]
+        noise[sound] = np.where(np.isnan(found), np.inf, found)
+    return noise
+
+
+def rate_noise(
+    graph: FamilyGraph, a: Floats, u: Floats, q: Floats, states: Floats, matrix: Floats
+) -> Floats:
+    """Bound on the rates of a motion that is steady but for rounding.
+
+    Parameters
+    ----------
+    graph
+        The family's graph.
+    a, u, q
+        Family parameters, unknowns and parameters, shapes (N, ·).
+    states, matrix
+        States and linearisation there, shapes (N, n) and (N, n, n).
+
+    Returns
+    -------
+    ndarray
+        Shape (N, n); NaN where running error analysis has no bound.
+    """
+    with np.errstate(all="ignore"):
+        root = GIVEN * np.abs(u)
+        if u.shape[1] and not graph.closed:
+            root = root + 2 * step_noise(graph, a, u, q, whole=True)
+        solved = [Tracked(c, e) for c, e in zip(u.T, root.T, strict=True)]
+        found = tracked_arrays(graph.rates, [_known(a), solved, _known(q)], a.shape[:1])
+        # what is held has become a constant of the graph, so that its rounding is added here
+        given = np.abs(matrix) @ (GIVEN * np.abs(states))[..., None]
+        bound: Floats = 2 * (found[0][1][..., 0] + given[..., 0])
+    return bound

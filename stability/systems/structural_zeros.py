@@ -1,0 +1,115 @@
+"""Structural zeros of a family: eigenvalues that vanish at every typical member."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from flint import arb
+
+from ..algebra.balls import precision
+from ..algebra.number_types import balls
+from ..algebra.routh_balls import ROUGH
+from ..base.errors import StabilityError
+from .enclosure import ball_unknowns, matrix_polynomial
+from .family import Family
+
+SAMPLES = 3
+"""Random members at which the structure of a spectrum is established."""
+
+SAMPLE_BITS = 400
+"""Precision there; a coefficient that vanishes to this many bits at every sample is structural."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What a family's characteristic polynomial has by structure, not by its point."""
+
+    zeros: int
+    """Multiplicity of the factor λ over the rational functions of the parameters."""
+    even: bool
+    """Whether the rest is even in λ."""
+    how: str
+    """A sentence that says how it was established."""
+    steady: bool
+    """Whether the sampled members are steady motions; if not, the count says nothing of others."""
+
+
+@lru_cache(maxsize=64)
+def structure(family: Family) -> Structure:
+    """The structural zeros of a family's spectrum, established once.
+
+    Coefficients of the characteristic polynomial are analytic in the parameters, so one that
+    vanishes identically vanishes at random members, and one that does not is proved nonzero at
+    almost any of them.  For the disk the count is derived exactly over Q(k, mu, at) in
+    tests/test_structure.py.
+
+    Parameters
+    ----------
+    family
+        The family; its `typical` sizes say where to sample.
+
+    Returns
+    -------
+    Structure
+
+    Raises
+    ------
+    StabilityError
+        If the family is called conservative but its polynomial is not even.
+
+    Examples
+    --------
+    >>> from stability.bodies.disk_families import disk_family
+    >>> structure(disk_family("rolling", "viscous")).zeros
+    2
+    """
+    vanishing, steady = [True] * (len(family.system.states) + 1), True
+    for sample in range(SAMPLES):
+        found, rests = _vanishing(family, sample)
+        steady = steady and rests
+        vanishing = [v and f for v, f in zip(vanishing, found, strict=True)]
+    zeros = vanishing.index(False)
+    rest = vanishing[zeros:]
+    even = all(rest[1::2]) and len(rest) > 1
+    if family.conservative and not even:
+        raise StabilityError(
+            f"family {family.name} is called conservative, but its characteristic polynomial is "
+            "not even in λ; leave conservative out."
+        )
+    how = (
+        f"vanishing to {SAMPLE_BITS // 2} bits at {SAMPLES} random members, the next proved nonzero"
+    )
+    return Structure(zeros, even, how, steady)
+
+
+def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
+    """Which coefficients vanish to 200 bits at a random member, and whether its rates vanish.
+
+    Large entries take more bits.  Held values may be rounded: rates vanish to a few digits only.
+    """
+    names = (*family.at, *family.parameters)
+    cut, least = len(family.at), 2.0 ** (-SAMPLE_BITS // 2)
+    for bits in (SAMPLE_BITS, 4 * SAMPLE_BITS, 16 * SAMPLE_BITS):
+        with precision(SAMPLE_BITS):
+            # Incommensurable factors near 1, away from every special value.
+            spread = [arb(2 + 7 * sample + 3 * i).sqrt() for i in range(len(names))]
+            factor = [1 + (s - s.floor()) / 4 - arb(1) / 8 for s in spread]
+            point = [
+                (arb(family.typical.get(n, 1.0)) * f).mid()
+                for n, f in zip(names, factor, strict=True)
+            ]
+        with precision(bits):
+            a, q = point[:cut], point[cut:]
+            u = ball_unknowns(family, a, q)
+            found = matrix_polynomial(family, a, u, q)
+            rates = family.graph.rates.dense(balls(), [a, u, q])
+        near = [bool(c.contains(0)) for c in found]
+        small = [float(c.abs_upper()) < least for c in found]
+        if all(s for s, n in zip(small, near, strict=True) if n):
+            break
+    solved = family.unknown and not family.closed  # another root may be as close as one likes
+    rests = [
+        arb(rate).contains(0) if solved else arb(rate).abs_lower() < ROUGH for (rate,) in rates
+    ]
+    return [n and s for n, s in zip(near, small, strict=True)], all(rests)

@@ -1,0 +1,302 @@
+"""Checks of the CasADi expressions and names that a user's system is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ..algebra.number_types import Upright
+from ..base.checks import checked, flag, instance, known, one_number, rows
+from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.types import Floats
+
+
+def expression(what: str, value: Any, rows: int | None = None, columns: int | None = None) -> ca.SX:
+    """An SX expression of a shape, or a refusal.
+
+    Parameters
+    ----------
+    what
+        What it is called in the message.
+    value
+        An SX; numbers and DM are taken as constants.
+    rows, columns
+        Its shape; any when left out.
+
+    Returns
+    -------
+    SX
+    """
+    if isinstance(value, ca.SX):
+        found = value
+    else:
+        try:  # as doubles first: some types of NumPy take CasADi's process down
+            found = ca.SX(ca.DM(np.asarray(checked(what, value.full() if isinstance(value, ca.DM)
+                                                   else value))))  # fmt: skip
+        except Exception:  # CasADi raises several classes of its own
+            raise ParameterError(
+                f"{what} is {shown(value)}; give a CasADi SX expression."
+            ) from None
+    for size, wanted in ((found.size1(), rows), (found.size2(), columns)):
+        if wanted is not None and size != wanted:
+            raise ParameterError(
+                f"{what} has shape {found.size1()} x {found.size2()}; give {rows} x {columns}."
+            )
+    return found
+
+
+def names(what: str, value: Any) -> tuple[str, ...]:
+    """A tuple of different names, or a refusal.
+
+    Parameters
+    ----------
+    what
+        What they are called in the message.
+    value
+        A tuple or list of strings.
+
+    Returns
+    -------
+    tuple of str
+    """
+    if isinstance(value, str) or not isinstance(value, (tuple, list)):
+        raise ParameterError(f"{what} is {shown(value)}; give a tuple of names.")
+    for name in value:
+        if not isinstance(name, str) or not name.isprintable() or not name.strip():
+            raise ParameterError(f"{what} holds {shown(name)}; give names, each a plain string.")
+    twice = [n for i, n in enumerate(value) if n in value[:i]]
+    if twice:
+        raise ParameterError(
+            f"{what} names {shown(twice[0])} twice; give each one name of its own."
+        )
+    return tuple(map(str, value))
+
+
+def title(what: str, value: Any) -> str:
+    """A name that fits in a message and a file, or a refusal.
+
+    Parameters
+    ----------
+    what
+        What it is called in the message.
+    value
+        A string.
+
+    Returns
+    -------
+    str
+    """
+    text = instance(f"name of {what}", value, str, "give a string")
+    if not text.isprintable() or not text.strip() or len(text) > 100:
+        raise ParameterError(
+            f"name of {what} is {shown(value)}; give 1 to 100 printable characters."
+        )
+    return str(text)
+
+
+def mapping(what: str, value: Any) -> dict[str, Any]:
+    """A mapping by names, or a refusal.
+
+    Parameters
+    ----------
+    what
+        What it is called in the message.
+    value
+        The mapping.
+
+    Returns
+    -------
+    dict
+    """
+    if not isinstance(value, Mapping) or not all(isinstance(n, str) for n in value):
+        raise ParameterError(f"{what} is {shown(value)}; give a mapping by names.")
+    return dict(value)
+
+
+def check_system(system: Any) -> None:
+    """Refuse a system whose parts do not fit together.
+
+    Parameters
+    ----------
+    system
+        A `System` as it was given.
+
+    Raises
+    ------
+    ParameterError
+        With the part and what is accepted.
+    """
+    title("the system", system.name)
+    for what in ("x", "p", "rhs"):
+        value = getattr(system, what)
+        if not isinstance(value, ca.SX):
+            raise ParameterError(
+                f"{what} is a {type(value).__name__}; give a CasADi SX expression."
+            )
+    _check_symbols("x", system.x, system.states)
+    _check_symbols("p", system.p, system.parameters)
+    both = set(system.states) & set(system.parameters)
+    if both:
+        raise ParameterError(f"{shown(min(both))} is a state and a parameter; give two names.")
+    if system.rhs.numel() != system.x.numel():
+        raise ParameterError(
+            f"rhs has {system.rhs.numel()} entries for {system.x.numel()} states; give one each."
+        )
+    expression("rhs", system.rhs, system.x.numel(), 1)
+    free = _strangers(system, {"rhs": system.rhs, **system.observables})
+    free = free or _strangers(
+        system, {"a condition": ca.SX(ca.vertcat(*_values(system.conditions)))}
+    )
+    if free:
+        raise ParameterError(
+            f"{free[0]} contains the symbol {free[1]}, which is neither a state nor a parameter; "
+            "list it in x or p."
+        )
+
+
+def _values(conditions: tuple[Any, ...]) -> list[ca.SX]:
+    return [c.value for c in conditions]
+
+
+def _check_symbols(what: str, symbols: ca.SX, given: tuple[str, ...]) -> None:
+    if symbols.numel() != len(given):
+        raise ParameterError(
+            f"{what} has {symbols.numel()} entries but the names are {shown(list(given))}; "
+            "give each entry one name of its own."
+        )
+    if symbols.numel() and not (symbols.is_valid_input() and symbols.is_dense()):
+        raise ParameterError(f"{what} is {shown(symbols)}; give symbols, as SX.sym makes them.")
+    if symbols.numel() and symbols.size2() != 1:
+        raise ParameterError(f"{what} has {symbols.size2()} columns; give one column of symbols.")
+
+
+def _strangers(system: Any, expressions: Mapping[str, ca.SX]) -> tuple[str, Any] | None:
+    known = ca.vertcat(system.x, system.p)
+    for name, one in expressions.items():
+        free = [s for s in ca.symvar(one) if not ca.depends_on(known, s)]
+        if free:
+            return name, free[0]
+    return None
+
+
+def check_family(family: Any) -> None:
+    """Refuse the parts of a family that are not what they should be, and keep the others as plain.
+
+    Parameters
+    ----------
+    family
+        A `Family` as it was given.
+
+    Raises
+    ------
+    ParameterError, NameUnknownError
+        With the part and what is accepted.
+    """
+    title("the family", family.name)
+
+    def keep(what: str, value: Any) -> None:
+        object.__setattr__(family, what, value)
+
+    for what in ("at", "equations", "positive"):
+        keep(what, names(what, getattr(family, what)))
+    if not family.at:
+        raise ParameterError("at is empty; give the names of what distinguishes the members.")
+    held = mapping("held", family.held)
+    for name, value in held.items():
+        if not isinstance(value, Upright):
+            held[name] = one_number(f"held {name}", value)
+    keep("held", held)
+    for what in ("unknown", "typical"):
+        given = mapping(what, getattr(family, what))
+        keep(what, {n: one_number(f"{what} {n}", v) for n, v in given.items()})
+    for name in family.positive:
+        known("positive", name, tuple(family.unknown))
+    for what in ("conservative", "integrals", "drifts"):
+        keep(what, flag(what, getattr(family, what)))
+
+
+def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, Floats]:
+    """Family parameters, unknowns and parameters as tables (N, ·); as they are where they fit.
+
+    Parameters
+    ----------
+    family
+        The `Family`.
+    a, q, u
+        Family parameters, parameters, and unknowns where there are some yet.
+
+    Returns
+    -------
+    a, u, q
+
+    Raises
+    ------
+    ParameterError
+        If they are no numbers, or not as many as there are names or rows.
+    """
+    wanted = family.at, tuple(family.unknown), family.parameters
+    if u is None and type(a) is np.ndarray:
+        u = np.zeros((a.shape[0] if a.ndim else 1, len(wanted[1])))
+    given = a, u, q
+    if all(
+        type(t) is np.ndarray and t.dtype == float and t.ndim == 2
+        and t.shape == (a.shape[0], len(its)) and np.isfinite(t).all()
+        for t, its in zip(given, wanted, strict=True)
+    ):  # fmt: skip
+        return a, u, q
+    first = rows("a", a, family.at).reshape(-1, len(family.at))
+    found = [first]
+    for what, table, its in zip("uq", given[1:], wanted[1:], strict=True):
+        empty = not its or (what == "u" and u is None)
+        numbers = np.zeros((len(first), len(its))) if empty else rows(what, table, its)
+        found.append(numbers.reshape(-1, len(its)) if its else numbers)
+    if len({len(t) for t in found}) > 1:
+        listed = ", ".join(str(np.shape(t)) for t in given)
+        raise ParameterError(f"a, u and q have shapes {listed}; give as many rows of each.")
+    return found[0], found[1], found[2]
+
+
+def check_implicit(
+    mass: ca.SX, unknowns: tuple[str, ...], rates: Mapping[str, Any], pivots: Any, states: Any
+) -> list[tuple[int, int]]:
+    """The pivots of mass · unknowns = forcing, or a refusal of what does not fit.
+
+    Parameters
+    ----------
+    mass
+        Square, as many rows as unknowns.
+    unknowns
+        Names.
+    rates
+        Rates of the states that are not among the unknowns.
+    pivots
+        Pairs (row, column), or None for the natural order.
+    states
+        Names of the states.
+
+    Returns
+    -------
+    list of (int, int)
+    """
+    for state in names("states", states):
+        if state not in rates and f"d_{state}" not in unknowns:
+            raise NameUnknownError(
+                f"state {shown(state)} has no rate; name it in rates, or d_{state} in unknowns."
+            )
+    order = [(i, i) for i in range(len(unknowns))] if pivots is None else pivots
+    every = list(range(len(unknowns)))
+    try:
+        pairs = [(int(row), int(column)) for row, column in order]
+    except Exception:
+        raise ParameterError(f"pivots is {shown(pivots)}; give pairs (row, column).") from None
+    if sorted(r for r, _ in pairs) != every or sorted(c for _, c in pairs) != every:
+        raise ParameterError(
+            f"pivots is {shown(pivots)}; name each row and each column from 0 to "
+            f"{len(unknowns) - 1} once."
+        )
+    if ca.SX(mass).nnz() == 0:
+        raise ParameterError("mass is zero; give a matrix that can be solved.")
+    return pairs

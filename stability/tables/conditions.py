@@ -1,0 +1,142 @@
+"""Table of stability conditions: where verdicts change, along any axis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import NameUnknownError, shown
+from ..bodies.contact import LAWS, Contact, LinearViscous, Viscous
+from ..bodies.disk import Disk
+from ..boundary.changes import along
+from ..spectra.disk_problem import disk_problem
+
+SCAN = {"rolling": (0.02, 50.0), "spinning": (0.02, 50.0), "tumbling": (1e-3, np.pi / 2)}
+"""Dimensionless interval of `at` in which boundaries are looked for."""
+
+
+@dataclass(frozen=True)
+class ConditionRow:
+    """One change of verdict along a family, or none."""
+
+    family: str
+    """Name."""
+    contact: str
+    """Contact law."""
+    k: float
+    """Inertia factor [-]."""
+    mu: float | None
+    """Friction coefficient in the user's unit, or None for a law without one."""
+    at: float | None
+    """Where the verdict changes, or None if it does not."""
+    error: float | None
+    """Half-width of the proved bracket."""
+    crossing: str
+    """static, flutter, or none."""
+    frequency: float | None
+    """Frequency of the crossing pair."""
+    below: str
+    """Verdict below `at` (or everywhere)."""
+    above: str
+    """Verdict above `at` (or everywhere)."""
+
+
+def conditions(
+    *,
+    k: Sequence[float] = (0.25, 0.3125, 0.5),
+    mu: Sequence[float] = (0.1, 0.3, 1.0, 3.0, 10.0),
+    disk: Disk | None = None,
+    laws: Sequence[str] = ("smooth", "viscous", "rough"),
+    progress: Callable[[int, int], None] | None = None,
+) -> list[ConditionRow]:
+    """Where the verdict changes along each family, each place a proved bracket.
+
+    Parameters
+    ----------
+    k
+        Inertia factors [-].
+    mu
+        Friction coefficients, in the unit that goes with the disk.
+    disk
+        Gives mass, radius, gravity.
+    laws
+        Contact laws.
+    progress
+        Called with (lines done, lines in all).
+
+    Returns
+    -------
+    list of ConditionRow
+        `at` is scanned over `SCAN` (in √(g/R); tumbling up to upright, beyond it is the mirror
+        image).
+
+    Source: recomputed; thresholds are tested in tests/test_published.py.
+
+    Examples
+    --------
+    >>> rows = conditions(k=(0.25,), mu=(0.3,), laws=("viscous",))
+    >>> [(r.family, r.crossing) for r in rows]
+    [('rolling', 'flutter'), ('spinning', 'static'), ('tumbling', 'none')]
+    """
+    base = Disk() if disk is None else disk
+    bodies = [Disk(base.mass, base.radius, inertia, base.gravity) for inertia in k]
+    asked = [
+        (name, body, contact)
+        for name in SCAN
+        for body in bodies
+        for law in laws
+        for contact in _contacts(law, mu)
+    ]
+    rows: list[ConditionRow] = []
+    for done, question in enumerate(asked, start=1):
+        rows += _rows(*question)
+        if progress:
+            progress(done, len(asked))
+    return rows
+
+
+def _contacts(law: str, mu: Sequence[float]) -> list[Contact]:
+    if law not in LAWS:
+        raise NameUnknownError(f"contact is {shown(law)}; known are {', '.join(LAWS)}.")
+    if law == "viscous":
+        return [Viscous(m) for m in mu]
+    if law == "linear-viscous":
+        return [LinearViscous(mu=m) for m in mu]
+    return [LAWS[law]()]
+
+
+def _scan(name: str, disk: Disk, contact: Contact) -> list[Any]:
+    low, high = SCAN[name]
+    unit = 1.0 if name == "tumbling" else float(disk.rate)
+    question = disk_problem(name, disk, contact)
+    found = along(question, "at", low * unit, high * unit)
+    found.warn("at")
+    return list(found)
+
+
+def _rows(name: str, disk: Disk, contact: Contact) -> list[ConditionRow]:
+    from ..spectra.spectrum import spectrum
+
+    mu = contact.given.get("mu")
+    points = _scan(name, disk, contact)
+    good = "neutral" if contact.conservative else "stable"
+    common: dict[str, Any] = {
+        "family": name, "contact": contact.name, "k": float(disk.k), "mu": mu,
+    }  # fmt: skip
+    if not points:
+        low, high = SCAN[name]
+        middle = np.sqrt(low * high) * (1.0 if name == "tumbling" else float(disk.rate))
+        verdict = spectrum(name, at=middle, disk=disk, contact=contact).verdict.word
+        return [ConditionRow(**common, at=None, error=None, crossing="none", frequency=None,
+                             below=verdict, above=verdict)]  # fmt: skip
+    return [
+        ConditionRow(
+            **common, at=p.value, error=p.error, crossing=p.crossing.word, frequency=p.frequency,
+            below=good if p.stable_below else "unstable",
+            above="unstable" if p.stable_below else good,
+        )
+        for p in points
+    ]  # fmt: skip

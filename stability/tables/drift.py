@@ -1,0 +1,125 @@
+"""Tables of what linear stability leaves open: rolling's drift, and flutter on lines of motions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..base.errors import NameUnknownError, shown
+from ..bodies.contact import Contact, LinearViscous, Viscous
+from ..bodies.disk import Disk
+from ..boundary.drift import FORMULAS, drift
+
+RATIOS = (1.25, 1.5, 2.0, 3.0)
+"""omega3 over its threshold, for which the table of drift is worked out."""
+
+
+@dataclass(frozen=True)
+class DriftRow:
+    """How long straight rolling lasts."""
+
+    k: float
+    """Inertia factor [-]."""
+    mu: float
+    """Friction coefficient in the user's unit."""
+    omega3: float
+    """At the start."""
+    threshold: float
+    """omega3 where spectral stability ends."""
+    tilt: float
+    """theta - π/2 at the start [rad]."""
+    time_slow: float
+    """Time to the threshold from the slow manifold."""
+    time_launch: float
+    """The same from a launch with phi_dot = 0 and no slip."""
+    tilt_end: float
+    """Tilt at the threshold after the launch [rad]."""
+
+
+def drift_rows(
+    *,
+    k: Sequence[float] = (0.25, 0.5),
+    mu: Sequence[float] = (0.1, 1.0, 10.0),
+    tilt: Sequence[float] = (0.01,),
+    disk: Disk | None = None,
+    law: str = "viscous",
+) -> list[DriftRow]:
+    """How long straight rolling lasts, to leading order in the tilt.
+
+    Parameters
+    ----------
+    k, mu, tilt
+        Inertia factors [-], friction coefficients, tilts [rad].
+    disk
+        Gives mass, radius, gravity.
+    law
+        viscous or linear-viscous.
+
+    Returns
+    -------
+    list of DriftRow
+
+    Source: tests/test_drift.py.
+
+    Examples
+    --------
+    >>> rows = drift_rows(k=(0.25,), mu=(1.0,))
+    >>> [round(r.time_launch / r.time_slow, 3) for r in rows]
+    [0.798, 0.857, 0.918, 0.963]
+    """
+    rows = []
+    for inertia in k:
+        body = _body(disk, inertia)
+        threshold = float(body.rate) / (2 * inertia) ** 0.5
+        for value in mu:
+            for angle in tilt:
+                for ratio in RATIOS:
+                    at = ratio * threshold
+                    slow, fast = (
+                        drift(at=at, tilt=angle, disk=body, contact=law_of(law, value), launch=f)
+                        for f in (False, True)
+                    )
+                    rows.append(DriftRow(inertia, value, at, threshold, angle, slow.time, fast.time,
+                                         fast.tilt_end))  # fmt: skip
+    return rows
+
+
+def law_of(name: str, mu: float) -> Contact:
+    """The law of a table that compares with linear theory of a slipping disk.
+
+    Parameters
+    ----------
+    name
+        viscous or linear-viscous.
+    mu
+        Friction coefficient [s/m].
+
+    Returns
+    -------
+    Contact
+
+    Raises
+    ------
+    NameUnknownError
+        If it is another.
+    """
+    if name not in ("viscous", "linear-viscous"):
+        raise NameUnknownError(
+            f"contact is {shown(name)}; this table has viscous and linear-viscous."
+        )
+    return Viscous(mu) if name == "viscous" else LinearViscous(mu=mu)
+
+
+def _body(disk: Disk | None, k: float) -> Disk:
+    base = Disk() if disk is None else disk
+    return Disk(base.mass, base.radius, k, base.gravity)
+
+
+DRIFT_NOTES = [
+    "Spectrally stable rolling is Lyapunov-unstable: with any slow tilt, however small, tilt and",
+    "spin drift by a finite amount, near the line of rolling until the threshold is crossed; to",
+    "leading order in the tilt (relative error of the order of tilt²), with w = omega3 and",
+    "tilt = theta - π/2, dimensionless,",
+    *[f"  {name}: {formula}" for name, formula in FORMULAS.items()],
+]
+"""What the table of drift says below its rows."""

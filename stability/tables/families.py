@@ -1,0 +1,113 @@
+"""Table of the families with their conditions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from ..bodies.contact import LAWS
+from ..bodies.disk import Disk
+from ..bodies.disk_families import AT, FAMILIES, ONLY, disk_family
+from ..systems.structural_zeros import structure
+from .conditions import SCAN, _scan
+
+
+@dataclass(frozen=True)
+class FamilyRow:
+    """A family of steady motions."""
+
+    family: str
+    """Name."""
+    at: str
+    """What names a member."""
+    motion: str
+    """The state, in words."""
+    condition: str
+    """What must hold, derived from the graph; dimensionless (m = R = g = 1)."""
+    structural_zeros: dict[str, int]
+    """By contact law."""
+    thresholds: dict[str, list[float]]
+    """Squares of `at` where the smooth and rough verdicts change, for k = 1/4."""
+
+
+MOTION = {
+    "rolling": "upright, rolling straight ahead",
+    "spinning": "upright, turning about its vertical diameter on the spot",
+    "tumbling": "inclined, its centre at rest, axial angular velocity zero",
+    "circling": "inclined, its contact point running round a circle without slip",
+    "precession": "inclined, its centre at rest or in uniform straight motion, without friction",
+}
+
+
+@lru_cache(maxsize=8)
+def condition(name: str) -> str:
+    """The condition for a family, solved by SymPy from the graph's own equation.
+
+    Parameters
+    ----------
+    name
+        One of the families.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> condition("tumbling")
+    'phi_dot**2 = 1/(k*sin(theta))'
+    """
+    import sympy
+
+    from ..algebra.number_types import sympy_algebra
+
+    law = ONLY.get(name, "viscous")
+    family = disk_family(name, law)
+    if family.closed:
+        return f"none: every {family.at[0]}"
+    symbols = {n: sympy.Symbol(n, positive=True) for n in (*family.at, *family.unknown, "k", "mu")}
+    arguments = [
+        [symbols[n] for n in names] for names in (family.at, family.unknown, family.parameters)
+    ]
+    _, _, residual, *_ = family.graph.tangent.run(sympy_algebra(), arguments)
+    [unknown] = family.unknown
+    numerator = sympy.fraction(sympy.together(sympy.simplify(residual[0])))[0]
+    if name == "tumbling":
+        square = sympy.Symbol("square", positive=True)
+        [root] = sympy.solve(
+            sympy.expand(numerator).subs(symbols[unknown], sympy.sqrt(square)), square
+        )
+        return f"{unknown}**2 = {sympy.simplify(root)}"
+    [root] = sympy.solve(numerator, symbols[unknown])
+    return f"{unknown} = {sympy.simplify(root)}"
+
+
+def families() -> list[FamilyRow]:
+    """The families of steady motions with their conditions, recomputed from the graph.
+
+    Returns
+    -------
+    list of FamilyRow
+        Thresholds are computed for the uniform disk.
+
+    Source: equations of Przybylska & Rauch-Wojciechowski 2016; recomputed.
+
+    Examples
+    --------
+    >>> [row.family for row in families()]
+    ['rolling', 'spinning', 'tumbling', 'circling', 'precession']
+    """
+    rows = []
+    for name in FAMILIES:
+        laws = [ONLY[name]] if name in ONLY else list(LAWS)
+        zeros = {law: structure(disk_family(name, law)).zeros for law in laws}
+        thresholds: dict[str, list[float]] = {}
+        if name in SCAN:
+            for law in ("smooth", "rough"):
+                points = _scan(name, Disk(), LAWS[law]())
+                power = 1 if name == "tumbling" else 2
+                thresholds[law] = [p.value**power for p in points]
+        rows.append(
+            FamilyRow(name, ", ".join(AT[name]), MOTION[name], condition(name), zeros, thresholds)
+        )
+    return rows

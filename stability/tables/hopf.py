@@ -1,0 +1,92 @@
+"""Table of flutter on lines of steady motions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..base.types import Progress
+from ..bodies.disk import Disk
+from ..boundary.hopf import hopf
+from .drift import _body, law_of
+
+
+@dataclass(frozen=True)
+class HopfRow:
+    """A flutter boundary along spinning or tumbling, or none."""
+
+    family: str
+    """Name."""
+    k: float
+    """Inertia factor [-]."""
+    mu: float
+    """Friction coefficient in the user's unit."""
+    at: float | None
+    """Where on the family, or None if there is none."""
+    stable: str
+    """Which side of it is stable."""
+    frequency: float | None
+    """Of the pair."""
+    crossing: float | None
+    """Re μ' along the line, dimensionless."""
+    push: float | None
+    """c, dimensionless."""
+    kind: str
+    """elliptic, hyperbolic, degenerate, or none."""
+
+
+def hopf_rows(
+    *,
+    k: Sequence[float] = (0.25, 0.375, 0.5),
+    mu: Sequence[float] = (0.5, 0.8, 1.0, 2.0),
+    disk: Disk | None = None,
+    law: str = "viscous",
+    progress: Progress | None = None,
+) -> list[HopfRow]:
+    """Flutter boundaries along spinning and tumbling, with their type.
+
+    Parameters
+    ----------
+    k, mu
+        Inertia factors [-], friction coefficients.
+    disk
+        Gives mass, radius, gravity.
+    law
+        viscous or linear-viscous.
+    progress
+        Called with (lines done, lines in all).
+
+    Returns
+    -------
+    list of HopfRow
+
+    Source: tests/test_hopf.py.
+
+    Examples
+    --------
+    >>> [(r.family, r.kind) for r in hopf_rows(k=(0.5,), mu=(1.0,))]
+    [('spinning', 'elliptic'), ('tumbling', 'hyperbolic')]
+    """
+    rows: list[HopfRow] = []
+    asked = [(f, inertia, value) for f in ("spinning", "tumbling") for inertia in k for value in mu]
+    for done, (family, inertia, value) in enumerate(asked, start=1):
+        found = hopf(family, contact=law_of(law, value), disk=_body(disk, inertia))
+        rows += [
+            HopfRow(family, inertia, value, p.at, "below" if p.stable_below else "above",
+                    p.frequency, p.crossing, p.push, p.kind.word)
+            for p in found
+        ] or [HopfRow(family, inertia, value, None, "-", None, None, None, "none")]  # fmt: skip
+        if progress:
+            progress(done, len(asked))
+    return rows
+
+
+HOPF_NOTES = [
+    "dy/dt = c |z|², d|z|/dt = Re μ' y |z| with y along the family and z along the mode of unit",
+    "length; c < 0 throughout: energy rises along both families and falls while the rim slips.",
+    "elliptic: beside the unstable part a motion swings out and settles as far beyond;",
+    "hyperbolic: it leaves a neighbourhood, and may settle elsewhere on the family; beside the",
+    "stable part only motions inside a cone settle nearby.",
+    "Re μ' vanishes only where the boundary folds (tumbling, 0.3291… < k < 1/2).",
+]
+"""What the table of flutter boundaries says below its rows."""

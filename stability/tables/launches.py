@@ -1,0 +1,236 @@
+"""The table of launches: linear prediction beside what the motion does, and why they differ."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..base.checks import checked, positive
+from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.types import Floats
+from ..base.verdict import Nonlinear, Verdict
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..boundary.drift import drift
+from ..motion.result import BY_CODE, Outcome
+from ..motion.simulate import simulate
+from ..motion.starts import LAUNCHES, TILT, TIME, _body, launch
+from ..spectra.spectrum import spectrum
+from .drift import law_of
+
+VELOCITIES = tuple(float(v) for v in np.round(np.linspace(0.4, 4.8, 12), 6))
+"""Initial angular velocities [√(g/R)]."""
+SAMPLES = 501
+"""Samples of a run, at which the smallest normal force is read."""
+NOTES = (
+    "Launch: a steady motion with its axis tilted from level, no slip and no other motion.",
+    "linear: spectral verdict of the steady motion launched near; rate: its",
+    "largest growth rate. final: the nearest steady motion at the end and its parameter (a tilde:",
+    "near, not settled). energy: final over initial. normal_force: the least over m g.",
+    "At the start gn = k/(k + c²) for rolling and k (1 + phi_dot² s c²)/(k + c²) for spinning",
+    "(s, c: sine and cosine of theta), positive for every angular velocity.",
+)
+
+
+@dataclass(frozen=True)
+class LaunchRow:
+    """One launch, what linear theory says of it and what it does."""
+
+    launch: str
+    """The steady motion launched near: rolling or spinning."""
+    k: float
+    """Inertia factor [-]."""
+    mu: float
+    """Friction coefficient in the user's unit."""
+    at: float
+    """Initial omega3 or phi_dot."""
+    linear: str
+    """Spectral verdict of the steady motion."""
+    rate: float
+    """Its abscissa."""
+    outcome: str
+    """What became of the launch."""
+    final: str
+    """The nearest steady motion at the end."""
+    final_at: float
+    """Its parameter: omega3, phi_dot or theta."""
+    time: float
+    """When it ended, or from when it had settled."""
+    energy: float
+    """Final over initial energy [-]."""
+    normal_force: float
+    """Least normal force over m g, at the samples and the end."""
+    why: str
+    """How the two agree, or why they differ."""
+
+
+def contact_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """For each launch, k and mu, the velocities over which the normal force stayed positive.
+
+    Parameters
+    ----------
+    rows
+        Rows of the table as records.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> row = {"launch": "rolling", "k": 0.25, "mu": 1.0, "at": 1.6, "outcome": "lift-off"}
+    >>> contact_lines([row])
+    ['rolling, k = 0.25, mu = 1: gn reaches zero from at = 1.6']
+    """
+    blocks: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
+    for row in rows:
+        blocks.setdefault((row["launch"], row["k"], row["mu"]), []).append(row)
+    lines = []
+    for (name, k, mu), block in blocks.items():
+        lost = [f"{row['at']:g}" for row in block if row["outcome"] == Outcome.LIFT_OFF.word]
+        first, last = block[0]["at"], block[-1]["at"]
+        what = (
+            f"gn reaches zero from at = {', '.join(lost)}" if lost
+            else f"gn > 0 throughout from every at, {first:g} to {last:g}"
+        )  # fmt: skip
+        lines.append(f"{name}, k = {k:g}, mu = {mu:g}: {what}")
+    return lines
+
+
+def _list(name: str, values: Any) -> list[float]:
+    """Numbers along one axis, at least one."""
+    found = np.asarray(checked(name, values), dtype=float)
+    if found.ndim != 1:
+        raise ParameterError(f"{name} has shape {found.shape}; give a list of numbers.")
+    return [float(v) for v in found]
+
+
+def launch_rows(
+    *,
+    launches: Sequence[str] = LAUNCHES,
+    k: Sequence[float] = (0.25, 0.5),
+    mu: Sequence[float] = (0.1, 0.3, 1.0, 3.0),
+    at: Sequence[float] | None = None,
+    tilt: float = TILT,
+    time: float | None = None,
+    disk: Disk | None = None,
+    law: str = "viscous",
+    progress: Callable[[int, int], None] | None = None,
+) -> list[LaunchRow]:
+    """The reference launches over initial angular velocity, for several bodies and frictions.
+
+    Parameters
+    ----------
+    launches
+        rolling, spinning, or both.
+    k, mu
+        Inertia factors [-] and friction coefficients.
+    at
+        Initial angular velocities; 0.4 to 4.8 in units of √(g/R) when left out.
+    tilt
+        Tilt of the symmetry axis at the start [rad].
+    time
+        Length of a run; 1000 √(R/g) when left out.
+    disk
+        Gives mass, radius, gravity.
+    law
+        viscous or linear-viscous.
+    progress
+        Called with (blocks done, blocks in all).
+
+    Returns
+    -------
+    list of LaunchRow
+
+    Source: recomputed after Przybylska & Rauch-Wojciechowski 2016, Section 5.
+
+    Examples
+    --------
+    >>> rows = launch_rows(launches=("spinning",), k=(0.25,), mu=(0.3,), at=(1.0, 2.4))
+    >>> [(r.linear, r.outcome, r.final) for r in rows]
+    [('unstable', 'settled', 'tumbling'), ('stable', 'settled', 'spinning')]
+    """
+    scale = _body(disk)
+    if np.ndim(scale.rate) or np.ndim(scale.mass):
+        raise ParameterError("disk holds arrays; the table takes one mass, radius and gravity.")
+    if isinstance(launches, str) or not launches or not set(launches) <= set(LAUNCHES):
+        raise NameUnknownError(f"launches is {shown(launches)}; give a list of rolling, spinning.")
+    values = np.asarray(VELOCITIES) * float(scale.rate) if at is None else _list("at", at)
+    last = TIME * float(scale.time) if time is None else positive("time", time)
+    lean = checked("tilt", tilt)
+    if not isinstance(lean, float) or not isinstance(last, float):
+        raise ParameterError("tilt and time are single numbers in this table.")
+    frictions = _list("mu", mu)
+    blocks = [(n, inertia, value) for n in launches for inertia in _list("k", k)
+              for value in frictions]  # fmt: skip
+    rows: list[LaunchRow] = []
+    for done, (name, inertia, value) in enumerate(blocks, start=1):
+        body = Disk(mass=scale.mass, radius=scale.radius, gravity=scale.gravity, k=inertia)
+        rows += _block(name, body, law_of(law, value), value, np.asarray(values), lean, last)
+        if progress is not None:
+            progress(done, len(blocks))
+    return rows
+
+
+def _block(
+    name: str, body: Disk, contact: Contact, mu: float, values: Floats, tilt: float, last: float
+) -> list[LaunchRow]:
+    """One body and friction, all velocities in one batch."""
+    starts = launch(name, at=values, tilt=tilt, disk=body)
+    runs = simulate(body, contact, starts, np.linspace(0.0, last, SAMPLES))
+    linear = spectrum(name, at=values, disk=body, contact=contact, certify=True)
+    rows = []
+    for i, value in enumerate(values):
+        run = runs.isel(launch=i)
+        outcome = BY_CODE[int(run.outcome)]
+        verdict, rate = linear.verdict[i], float(linear.abscissa[i])
+        final = str(run.nearest_family.values)
+        family = final if outcome is Outcome.SETTLED else f"~{final}"
+        settled = outcome is Outcome.SETTLED
+        why = _why(name, verdict, linear.nonlinear[i], rate, outcome, final, float(value), tilt,
+                   body, contact, float(run.end_time))  # fmt: skip
+        rows.append(
+            LaunchRow(
+                name, float(body.k), mu, float(value), verdict.word, rate, outcome.word, family,
+                float(run.nearest_at), float(run.settled_time if settled else run.end_time),
+                float(run.energy[-1] / run.energy[0]),
+                float(run.normal_force.min()) / float(body.force), why,
+            )
+        )  # fmt: skip
+    return rows
+
+
+def _why(
+    name: str, verdict: Verdict, nonlinear: Nonlinear, rate: float, outcome: Outcome, final: str,
+    at: float, tilt: float, body: Disk, contact: Contact, end: float,
+) -> str:  # fmt: skip
+    """How linear prediction and outcome go together."""
+    stayed = final == name and outcome in (Outcome.SETTLED, Outcome.MOVING)
+    if verdict is Verdict.UNSTABLE:
+        if stayed and outcome is Outcome.MOVING and rate * end < 3:
+            return "agrees so far: the growth is slower than the run is long"
+        if stayed and outcome is Outcome.SETTLED:
+            return f"agrees: it left, and came back to {name} where it is stable"
+        if outcome is Outcome.SETTLED:
+            return f"agrees: it leaves, and settles on {final}"
+        return "agrees: it leaves" + (f", and ends in {outcome.word}" if not stayed else "")
+    if verdict is not Verdict.STABLE:
+        return "open: exactly on a boundary, where linear theory is silent"
+    if nonlinear is Nonlinear.DRIFTS:
+        try:
+            crossing = float(drift(at=at, tilt=tilt, disk=body, contact=contact).time)
+        except ParameterError:  # on its way the tilt would reach flat
+            return "differs: the tilt is too large for the slow drift that linear theory leaves"
+        if crossing > end:
+            if stayed:
+                return f"agrees: it drifts, and would cross its threshold at {crossing:.3g}"
+            return "differs: the tilt is too large for the slow drift that linear theory leaves"
+        if stayed:
+            return f"differs: it has drifted through its threshold at about {crossing:.3g}"
+        return f"differs: it drifts through its threshold at about {crossing:.3g}, then leaves"
+    if stayed:
+        return "agrees" if outcome is Outcome.SETTLED else "agrees so far: it has not settled yet"
+    return "differs: the tilt is beyond the reach of the stable motion"

@@ -1,0 +1,67 @@
+"""Tables, recomputed: the families with their conditions, and where their verdicts change."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from ..base.errors import NameUnknownError, shown
+from .drift import drift_rows
+from .hopf import hopf_rows
+from .launches import launch_rows
+
+if TYPE_CHECKING:
+    pass
+
+from .conditions import conditions
+from .families import families
+
+TABLES = {
+    "families": "the steady motions with their conditions, structural zeros and limits",
+    "conditions": "where the verdict changes along each family, for several k and mu",
+    "drift": "how long straight rolling under friction lasts before it crosses its threshold",
+    "hopf": "flutter boundaries of spinning and tumbling as Hopf bifurcations without parameters",
+    "launches": "what becomes of rolling and spinning launched with a tilt, beside linear theory",
+    "completeness": "why the viscous disk has no other steady motions: proof and search",
+}
+"""What each table holds."""
+
+
+# --- as text ---
+
+
+def records(name: str, **options: Any) -> list[dict[str, Any]]:
+    """A table as plain records, for JSON.
+
+    Parameters
+    ----------
+    name
+        A key of `TABLES`.
+    **options
+        As for the table's function.
+
+    Returns
+    -------
+    list of dict
+
+    Raises
+    ------
+    NameUnknownError
+        If there is no such table.
+    """
+    if name == "families":
+        return [asdict(row) for row in families()]
+    if name == "conditions":
+        return [asdict(row) for row in conditions(**options)]
+    if name == "drift":
+        return [asdict(row) for row in drift_rows(**options)]
+    if name == "hopf":
+        return [asdict(row) for row in hopf_rows(**options)]
+    if name == "launches":
+        return [asdict(row) for row in launch_rows(**options)]
+    if name == "completeness":
+        from ..derivation.completeness import prove, search
+
+        steps = [asdict(step) for step in prove()]
+        return [*steps, {"search": asdict(search())}]
+    raise NameUnknownError(f"table is {shown(name)}; known are {', '.join(TABLES)}.")
