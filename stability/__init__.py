@@ -16,7 +16,8 @@ old_paths.install()
 
 _HOME = {
     "bodies.disk": ("Disk", "REAL_DISKS"),
-    "bodies.contact": (
+    "bodies.contact": ("Contact", "Parameter"),
+    "bodies.contact_laws": (
         "Smooth",
         "Viscous",
         "LinearViscous",
@@ -60,12 +61,14 @@ if TYPE_CHECKING:
     from .base.errors import StabilityWarning as StabilityWarning
     from .base.verdict import Nonlinear as Nonlinear
     from .base.verdict import Verdict as Verdict
-    from .bodies.contact import Coulomb as Coulomb
-    from .bodies.contact import LinearViscous as LinearViscous
-    from .bodies.contact import RegularisedCoulomb as RegularisedCoulomb
-    from .bodies.contact import Rough as Rough
-    from .bodies.contact import Smooth as Smooth
-    from .bodies.contact import Viscous as Viscous
+    from .bodies.contact import Contact as Contact
+    from .bodies.contact import Parameter as Parameter
+    from .bodies.contact_laws import Coulomb as Coulomb
+    from .bodies.contact_laws import LinearViscous as LinearViscous
+    from .bodies.contact_laws import RegularisedCoulomb as RegularisedCoulomb
+    from .bodies.contact_laws import Rough as Rough
+    from .bodies.contact_laws import Smooth as Smooth
+    from .bodies.contact_laws import Viscous as Viscous
     from .bodies.disk import REAL_DISKS as REAL_DISKS
     from .bodies.disk import Disk as Disk
     from .bodies.disk_equations import disk_system as disk_system

@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import Any
 
 MOVED = {
-    "stability.contact": ("bodies.contact",),
+    "stability.contact": ("bodies.contact_laws", "bodies.contact", "bodies.law_names"),
     "stability.equations": ("bodies.disk_equations",),
     "stability.slowflow": ("derivation.centre_manifold",),
     "stability.formulas": ("derivation.formulas",),
@@ -61,6 +61,8 @@ class _Loader(Loader):
         old = module.__name__
 
         def hand_on(name: str) -> Any:
+            if name.startswith("__"):  # what Python and its tools ask of every module
+                raise AttributeError(name)
             return found(name, old, MOVED[old])
 
         module.__getattr__ = hand_on  # type: ignore[method-assign]

@@ -28,7 +28,7 @@ def folder(bodies: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) ->
     out = tmp_path_factory.mktemp("atlas") / "atlas"
     told: list[tuple[int, int]] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stability.atlas.page.BODIES", {name: BODIES[name] for name in bodies})
+        patch.setattr("stability.atlas.build.BODIES", {name: BODIES[name] for name in bodies})
         page = atlas(out, resolution=16, workers=1, progress=lambda *pair: told.append(pair))
     assert page == out / "index.html"
     assert told[-1] == (3 * len(bodies), 3 * len(bodies))
@@ -93,7 +93,7 @@ def test_boundaries_are_those_of_the_maps_and_the_limit_laws(folder: Path) -> No
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Files in place of figures, of one body, for tests that are about files."""
-    monkeypatch.setattr("stability.atlas.page.BODIES", {"disk": BODIES["disk"]})
+    monkeypatch.setattr("stability.atlas.build.BODIES", {"disk": BODIES["disk"]})
 
     def save(figure: None, stem: Path) -> list[Path]:
         paths = [stem.parent / (stem.name + suffix) for suffix in (".png", ".pdf")]

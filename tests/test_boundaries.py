@@ -575,7 +575,7 @@ def test_a_boundary_at_the_end_of_a_scan_is_not_passed_in_silence() -> None:
 def test_the_command_line_prints_the_warning_in_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from stability.cli import main as cli
+    from stability.cli import commands as cli
 
     def run(_: Any) -> None:
         st.boundaries(pendulum(), axis=("c", -0.31, 1, 9), at=0.5, g=1.0)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.bodies.contact import LAWS
+from stability.bodies.contact_laws import LAWS
 from stability.derivation.completeness import prove, search
 
 AT = {"rolling": 1.3, "spinning": 1.7, "tumbling": 0.6}

@@ -1,6 +1,7 @@
 """Formulas and statements of the table of conditions: each is tried to be refuted."""
 
 import json
+import random
 from typing import Any
 
 import mpmath
@@ -109,7 +110,7 @@ def test_ranges_of_spinning_hold_wherever_they_are_probed(k: str) -> None:
                 assert below is Verdict.UNSTABLE
 
 
-@pytest.mark.parametrize("k", ["0.25", "0.375", "0.34", "0.5", "0.01"])
+@pytest.mark.parametrize("k", ["0.25", "0.375", "0.34", "0.5", "0.01", "0.27195394608109374"])
 def test_ranges_of_tumbling_hold_wherever_they_are_probed(k: str) -> None:
     random = np.random.default_rng(4)
     ranges = formulas("tumbling", "viscous", (k,)).ranges
@@ -212,3 +213,27 @@ def test_tables_of_drift_and_hopf_are_printed(capsys: pytest.CaptureFixture[str]
     assert main(["table", "hopf", "--k", "0.375", "--mu", "0.9", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["rows"]
     assert [r["kind"] for r in rows] == ["elliptic", "elliptic", "hyperbolic"]
+
+
+def test_roots_and_factors_are_those_of_computer_algebra() -> None:
+    from stability.derivation.friction_ranges import _irreducible, _real_roots
+
+    x, y = sympy.symbols("x y")
+    for seed in range(40):
+        draw = random.Random(seed)
+        parts = [
+            sympy.Poly([draw.randint(1, 9), *(draw.randint(-9, 9) for _ in range(n))], x)
+            for n in draw.choices((1, 2, 3, 4), k=3)
+        ]
+        poly = parts[0] * parts[1] ** draw.choice([1, 2]) * parts[2] * sympy.Rational(1, 7)
+        known = sorted(set(poly.real_roots(radicals=False)))
+        found = sorted(set(_real_roots(poly)))
+        assert len(found) == len(known)
+        for mine, theirs in zip(found, known, strict=True):
+            assert mine == theirs if theirs.is_rational else abs(mine - theirs.evalf(60)) < 1e-55
+        mixed = sympy.expand(parts[0].as_expr() * (x * y - draw.randint(1, 5)) * (y + 3))
+        theirs = {f for f, _ in sympy.factor_list(mixed)[1]}
+        mine = set(_irreducible(mixed))
+        assert len(mine) == len(theirs)
+        assert all(any(sympy.expand(m - sign * t) == 0 for t in theirs for sign in (1, -1))
+                   for m in mine)  # fmt: skip

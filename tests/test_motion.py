@@ -298,7 +298,7 @@ def test_scaled_bodies_move_alike(
     [st.Smooth(), st.Viscous(0.4), st.LinearViscous(0.4), st.Rough(), st.Coulomb(0.3),
      st.RegularisedCoulomb(0.3, 1e-2)],
 )  # fmt: skip
-def test_the_paths_in_the_plane_are_those_of_the_slip(contact: st.contact.Contact) -> None:
+def test_the_paths_in_the_plane_are_those_of_the_slip(contact: st.Contact) -> None:
     # the material point at the contact moves with ṡ + ω×a = vA, turned by φ
     slip = 0.0 if contact.name == "rough" else 0.2
     start = [1.2, 0.3, 1.0, -0.5, slip, -slip]

@@ -12,7 +12,7 @@ import stability as st
 from stability.algebra.number_types import ball_algebra, numpy_algebra, sympy_algebra
 from stability.algebra.program import Program
 from stability.algebra.running_error import Tracked, tracked_arrays
-from stability.bodies.contact import LAWS
+from stability.bodies.contact_laws import LAWS
 
 GIVEN = settings(max_examples=40, deadline=None, derandomize=True)
 inertias = some.floats(0.02, 0.5)

@@ -373,7 +373,7 @@ def test_the_bound_on_a_null_vector_holds_the_exact_one(size: int) -> None:
     """Exactly singular matrices of rationals, known to within a stated error, by elimination."""
     from flint import fmpq, fmpq_mat
 
-    from stability.algebra.linear_systems import _null_vector
+    from stability.algebra.linear_systems import null_vector
 
     rng = np.random.default_rng(size)
     sharp = []
@@ -392,7 +392,7 @@ def test_the_bound_on_a_null_vector_holds_the_exact_one(size: int) -> None:
         near = np.array([[float(int(v.p)) / float(int(v.q)) for v in row] for row in exact])
         error = np.abs(near) * 10.0 ** rng.uniform(-15, -6, near.shape)
         near = near + error * rng.uniform(-0.9, 0.9, near.shape)
-        vector, doubt = (v[0] for v in _null_vector(near[None], error[None]))
+        vector, doubt = (v[0] for v in null_vector(near[None], error[None]))
         pivot = int(np.abs(vector).argmax())
         truth = [v / chosen[pivot] for v in chosen]
         for found, bound, true in zip(vector, doubt, truth, strict=True):
@@ -409,7 +409,7 @@ def test_the_bound_on_a_solution_holds_the_exact_one(size: int) -> None:
     """Equations of rationals, some nearly singular, known to within a stated error."""
     from flint import fmpq, fmpq_mat
 
-    from stability.algebra.linear_systems import _solved
+    from stability.algebra.linear_systems import solve
 
     def exact_of(value: float) -> Any:
         return fmpq(*float(value).as_integer_ratio())
@@ -425,7 +425,7 @@ def test_the_bound_on_a_solution_holds_the_exact_one(size: int) -> None:
             errors = [0 * e for e in errors]
         near = [m + e * rng.uniform(-0.9, 0.9, m.shape)
                 for m, e in zip((matrix, right), errors, strict=True)]  # fmt: skip
-        found, doubt = _solved(near[0][None], errors[0][None], near[1][None], errors[1][None])
+        found, doubt = solve(near[0][None], errors[0][None], near[1][None], errors[1][None])
         truth = fmpq_mat([[exact_of(v) for v in row] for row in matrix]).solve(
             fmpq_mat([[exact_of(v) for v in row] for row in right])
         )

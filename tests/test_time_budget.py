@@ -105,7 +105,7 @@ def test_no_launches_are_refused() -> None:
 
 
 def test_launches_in_several_chunks_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    from stability.motion import simulate as motion
+    from stability.motion import run as motion
 
     start = np.array([1.4, 0, 0, 1.2, 0, 0]) + np.linspace(0, 0.1, 5)[:, None]
     whole = st.simulate(st.Disk(), st.Viscous(0.3), start, [2.0])

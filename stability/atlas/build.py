@@ -20,7 +20,7 @@ import numpy as np
 
 from ..base.checks import whole_number
 from ..base.errors import FileError, StabilityError
-from ..bodies.contact import Rough, Smooth, Viscous
+from ..bodies.contact_laws import Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from ..bodies.disk_families import AT
 from ..boundary.changes import boundaries

@@ -14,11 +14,12 @@ from typing import Any
 
 import casadi as ca
 
-from ..base.checks import flag, known
+from ..base.checks import flag
 from ..base.errors import ParameterError
 from ..systems.condition import Condition
 from ..systems.system import System
-from .contact import MOTION_LAWS, Contact, Coulomb, RegularisedCoulomb
+from .contact import Contact
+from .contact_laws import Coulomb, Rough, Smooth, law_class
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 """State names in their order; laws without slip in the state keep the first four."""
@@ -32,13 +33,15 @@ UNITS = {
 """SI unit of each state, parameter and observable."""
 
 
-def disk_system(law: str, *, slip_states: bool | None = None, direction: bool = False) -> System:
+def disk_system(
+    law: str | type[Contact], *, slip_states: bool | None = None, direction: bool = False
+) -> System:
     """The disk under a contact law as a `System`; dimensionless, built once for each law.
 
     Parameters
     ----------
     law
-        A key of `stability.bodies.contact.MOTION_LAWS`.
+        A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law.
     slip_states
         Whether the two slip velocities are states; the law's own choice when left out.  The smooth
         disk may carry them (they follow the other four); without them its observables are those
@@ -62,34 +65,33 @@ def disk_system(law: str, *, slip_states: bool | None = None, direction: bool = 
     >>> float(system.observe(upright, [0.25, 0.3])["normal_force"])
     1.0
     """
-    known("law", law, MOTION_LAWS)
+    contact = law_class(law)
     if slip_states is not None:
         slip_states = flag("slip_states", slip_states)
-        if slip_states != MOTION_LAWS[law].slips and law != "smooth":
+        if slip_states != contact.slips and contact is not Smooth:
             raise ParameterError(
-                f"slip_states is {slip_states}; the {law} law leaves no choice, leave it out."
+                f"slip_states is {slip_states}; the {contact.name} law leaves no choice, leave it "
+                "out."
             )
-    if flag("direction", direction) and law != "coulomb":
-        raise ParameterError(f"direction goes with the coulomb law, not with {law}; leave it out.")
-    return _disk_system(str(law), slip_states, direction=bool(direction))
+    if flag("direction", direction) and not contact.sticks:
+        raise ParameterError(
+            f"direction belongs to the coulomb law, not to {contact.name}; leave it out."
+        )
+    return _disk_system(contact, slip_states, direction=bool(direction))  # type: ignore[arg-type]  # a class is hashable
 
 
-@lru_cache(maxsize=16)
-def _disk_system(law: str, slip_states: bool | None, *, direction: bool) -> System:
-    contact = MOTION_LAWS[law]
+@lru_cache(maxsize=32)
+def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction: bool) -> System:
     slips = contact.slips if slip_states is None else slip_states
     names = STATES if slips else STATES[:4]
     x = ca.SX.sym("x", len(names))
-    k = ca.SX.sym("k")
-    mu = ca.SX.sym("mu")
-    named: dict[str, ca.SX] = {"k": k} | ({"mu": mu} if contact.coefficient else {})
-    coefficient: Any = mu
-    if contact is RegularisedCoulomb:
-        named["epsilon"] = ca.SX.sym("epsilon")
-        coefficient = (mu, named["epsilon"])
+    named = {n: ca.SX.sym(n) for n in ("k", *contact.symbols())}
+    k, *numbers = named.values()
+    coefficient: Any = numbers[0] if len(numbers) == 1 else tuple(numbers)
+    law = contact.name
     if direction:
         named["direction"] = ca.SX.sym("direction")
-        contact, coefficient = _Along, (mu, named["direction"])
+        contact, coefficient = _Along, (*numbers, named["direction"])
     p = ca.vertcat(*named.values())
     body = _Body(x, k, contact, coefficient, slips)
     return System.from_mass_matrix(
@@ -136,7 +138,7 @@ class _Body:
     def __init__(self, x: ca.SX, k: ca.SX, contact: type[Contact], mu: Any, slips: bool) -> None:
         self.x, self.k, self.mu, self.slips = x, k, mu, slips
         self.law = contact.__new__(contact)  # only its formulas are used, never its coefficient
-        self.rough = law_is_rough = contact.name == "rough"
+        self.rough = law_is_rough = issubclass(contact, Rough)
         self.sine, self.cosine = ca.sin(x[0]), ca.cos(x[0])
         if slips:
             self.slip = [x[4], x[5]]
@@ -203,6 +205,11 @@ class _Body:
             self.d_theta_dot, self.d_phi_dot, self.d_omega3, self.normal, *self.extra
         )
         mass = ca.jacobian(residual, unknowns)
+        if ca.depends_on(mass, unknowns):
+            raise ParameterError(
+                f"the force of the {self.law.name} law is not linear in the normal force; give one "
+                "that is."
+            )
         forcing = -ca.substitute(residual, unknowns, ca.SX.zeros(unknowns.numel()))
         return mass, forcing
 

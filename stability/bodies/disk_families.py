@@ -8,7 +8,8 @@ from ..algebra.number_types import UPRIGHT, Upright
 from ..base.checks import known
 from ..base.errors import NameUnknownError
 from ..systems.family import Family
-from .contact import LAWS
+from .contact import Contact
+from .contact_laws import LAWS, law_class, stored
 from .disk_equations import disk_system
 
 ONLY = {"circling": "rough", "precession": "smooth"}
@@ -26,7 +27,7 @@ AT = {
 """What names a member of each family."""
 
 
-def disk_family(name: str, law: str) -> Family:
+def disk_family(name: str, law: str | type[Contact]) -> Family:
     """One of the disk's families under a contact law; dimensionless, built once.
 
     In each the rate of theta_dot is the equation to solve: for phi_dot (rolling, tumbling) or
@@ -37,7 +38,7 @@ def disk_family(name: str, law: str) -> Family:
     name
         One of `FAMILIES`.
     law
-        A key of `stability.bodies.contact.LAWS`.
+        A key of `stability.bodies.contact_laws.LAWS`, or the class of a law.
 
     Returns
     -------
@@ -58,21 +59,25 @@ def disk_family(name: str, law: str) -> Family:
     np.float64(2.0)
     """
     known("family", name, FAMILIES)
-    known("contact", law, LAWS)
-    if ONLY.get(name, law) != law:
-        others = [n for n in FAMILIES if ONLY.get(n, law) == law]
+    if isinstance(law, str) or not isinstance(law, type):
+        known("contact", law, LAWS)
+    contact = law_class(law, motion=False)
+    word = contact.name
+    if ONLY.get(name, word) != word or (name in ONLY and not stored(contact)):
+        own = [n for n in ONLY if ONLY[n] == word and stored(contact)]
+        others = [n for n in FAMILIES if n not in ONLY or n in own]
         raise NameUnknownError(
-            f"{name} is a family of the {ONLY[name]} disk; steady motions under the {law} law are "
+            f"{name} is a family of the {ONLY[name]} disk; steady motions under the {word} law are "
             f"{', '.join(others[:-1])} and {others[-1]}."
         )
-    return _disk_family(str(name), str(law))
+    return _disk_family(str(name), contact)  # type: ignore[arg-type]  # a class is hashable
 
 
 @lru_cache(maxsize=32)
-def _disk_family(name: str, law: str) -> Family:
+def _disk_family(name: str, law: type[Contact]) -> Family:
     system = disk_system(law)
     rest: dict[str, float | Upright] = {"theta_dot": 0.0}
-    if LAWS[law].slips:
+    if law.slips:
         rest |= {"slip_x": 0.0, "slip_y": 0.0}
     given: dict[str, tuple[dict[str, float | Upright], dict[str, float]]] = {
         "rolling": ({"theta": UPRIGHT}, {"phi_dot": 0.0}),
@@ -86,7 +91,8 @@ def _disk_family(name: str, law: str) -> Family:
         system, name, AT[name],
         held=held | rest, unknown=unknown, equations=("theta_dot",),
         positive=("phi_dot",) if name == "tumbling" else (),
-        typical={"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3, "k": 0.3, "mu": 0.7},
-        conservative=LAWS[law].conservative, integrals=LAWS[law].conservative,
-        drifts=name == "rolling" and LAWS[law].coefficient is not None,
+        typical={"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3, "k": 0.3}
+        | dict.fromkeys(law.symbols(), 0.7),
+        conservative=law.conservative, integrals=law.conservative and stored(law),
+        drifts=name == "rolling" and stored(law) and bool(law.parameters),
     )  # fmt: skip

@@ -123,7 +123,7 @@ def along(
     Examples
     --------
     >>> from stability.spectra.problem import disk_problem
-    >>> from stability.bodies.contact import Rough
+    >>> from stability.bodies.contact_laws import Rough
     >>> from stability.bodies.disk import Disk
     >>> [b] = along(disk_problem("rolling", Disk(), Rough()), "at", 0.1, 2.0)
     >>> b.value**2, b.crossing.word

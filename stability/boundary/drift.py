@@ -19,6 +19,7 @@ from ..base.checks import checked, flag
 from ..base.errors import ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
+from ..bodies.contact_laws import stored
 from ..bodies.disk import Disk
 from ..spectra.disk_problem import disk_problem
 
@@ -106,7 +107,7 @@ def drift(
     >>> d.time.round().tolist()
     [5075.0, 28471.0]
     """
-    if not isinstance(contact, Contact) or type(contact).coefficient is None:
+    if not isinstance(contact, Contact) or not (contact.parameters and stored(type(contact))):
         raise ParameterError(
             f"contact is {shown(contact)}; drift needs a law with friction: Viscous(mu) or "
             "LinearViscous(c)."

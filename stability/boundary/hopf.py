@@ -17,6 +17,7 @@ tests/test_hopf.py compares with an independent derivation and with simulations.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -27,11 +28,12 @@ import numpy as np
 from flint import acb, acb_mat, arb, arb_mat
 
 from ..algebra.balls import precision
+from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.real_roots import UnclearError
 from ..algebra.number_types import Upright, balls
 from ..algebra.program import Program
 from ..base.checks import Sentences, checked, instance, whole_number
-from ..base.errors import ParameterError, StabilityError, shown
+from ..base.errors import ParameterError, StabilityError, StabilityWarning, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
@@ -40,12 +42,16 @@ from ..spectra.disk_problem import disk_problem
 from ..spectra.problem import Problem
 from ..systems.enclosure import ball_unknowns
 from ..systems.family import Family
+from .changes import along
+from .crossings import Crossing
 from .search import Mark, search
 
 Balls = list[Any]
 
 LINES = ("spinning", "tumbling")
 """Families whose flutter boundaries these are."""
+SCANNED = {"spinning": (0.01, 100.0), "tumbling": (0.001, 1.5707)}
+"""Part of each line that is scanned for a law without stored conditions, dimensionless."""
 BITS = 256
 """Working precision of the first attempt."""
 MOST_BITS = 4096
@@ -115,7 +121,7 @@ class HopfPoint:
 
         Examples
         --------
-        >>> from stability.bodies.contact import Viscous
+        >>> from stability.bodies.contact_laws import Viscous
         >>> [point] = hopf("spinning", contact=Viscous(0.8))
         >>> round(point.landing(0.01), 12)  # unstable side, vanishing amplitude
         -0.01
@@ -139,7 +145,9 @@ def hopf(
     """Every flutter boundary along a line of steady motions, with its type.
 
     The search is complete: every real root of the conditions over Q is isolated, along all of the
-    line (phi_dot > 0; theta between 0 and upright, beyond which it is mirrored).
+    line (phi_dot > 0; theta between 0 and upright, beyond which it is mirrored).  For a law of a
+    user's, whose conditions are not stored, part of the line is scanned where its graph is not
+    rational; a `StabilityWarning` then says which.
 
     Parameters
     ----------
@@ -150,7 +158,7 @@ def hopf(
     disk
         The body, one number each; the uniform disk with m = R = g = 1 when left out.
     points
-        Of a scan that older versions made; it has no effect.
+        Of the scan, where there is one.
 
     Returns
     -------
@@ -167,7 +175,7 @@ def hopf(
 
     Examples
     --------
-    >>> from stability.bodies.contact import Viscous
+    >>> from stability.bodies.contact_laws import Viscous
     >>> [(p.kind.word, p.stable_below) for p in hopf("tumbling", contact=Viscous(0.9),
     ...                                              disk=Disk(k=0.375))]
     [('elliptic', True), ('hyperbolic', False)]
@@ -177,7 +185,7 @@ def hopf(
             f"family is {shown(family)}; spinning and tumbling have such boundaries (rolling "
             "passes its own slowly, see drift)."
         )
-    if not isinstance(contact, Contact) or type(contact).coefficient is None:
+    if not isinstance(contact, Contact) or not contact.parameters:
         raise ParameterError(f"contact is {shown(contact)}; a law with friction is needed.")
     points = whole_number("points", points, 2, MOST_POINTS, "the search takes time for each")
     body = Disk() if disk is None else instance("disk", disk, Disk, "give a stability.Disk")
@@ -191,7 +199,8 @@ def hopf(
         last = bits >= MOST_BITS
         try:
             with precision(bits):
-                found = [_point(question, mark, unit) for mark in _flutter(question, bits)]
+                marks = _flutter(question, bits, unit, points)
+                found = [_point(question, mark, unit) for mark in marks]
         except (StabilityError, UnclearError) as error:
             if last:
                 raise StabilityError(str(error) or "the search needs too many digits.") from None
@@ -201,10 +210,12 @@ def hopf(
         bits *= 2
 
 
-def _flutter(question: Problem, bits: int) -> list[Mark]:
+def _flutter(question: Problem, bits: int, unit: float, points: int) -> list[Mark]:
     """The flutter boundaries along the whole line, in balls."""
     try:
         marks = search(question, "at", None, None, bits).marks
+    except NotExact:
+        return _scanned(question, unit, points)
     except UnclearError:
         raise ParameterError(
             f"the boundaries of {question.family.name} cannot be separated at these numbers; give "
@@ -212,6 +223,24 @@ def _flutter(question: Problem, bits: int) -> list[Mark]:
         ) from None
     end = arb.pi() / 2 if question.family.name == "tumbling" else arb("inf")
     return [m for m in marks if m.kind == "flutter" and m.below != m.above and 0 < m.value < end]
+
+
+@lru_cache(maxsize=1)
+def _scanned(question: Problem, unit: float, points: int) -> list[Mark]:
+    """Those along part of the line, bracketed between the points of a scan."""
+    low, high = (v * unit for v in SCANNED[question.family.name])
+    found = along(question, "at", low, high, points=points)
+    name = question.family.name
+    warnings.warn(
+        f"{name} under this law has no stored conditions: it was scanned from {low:.6g} to "
+        f"{high:.6g} at {points} points; two boundaries between two points are not excluded.",
+        StabilityWarning, stacklevel=4,
+    )  # fmt: skip
+    return [
+        Mark(arb(b.value, b.error), "flutter", 1 if b.stable_below else -1,
+             -1 if b.stable_below else 1, arb(b.value, b.error))
+        for b in found if b.crossing is Crossing.FLUTTER
+    ]  # fmt: skip
 
 
 def _point(question: Problem, mark: Mark, unit: float) -> HopfPoint:

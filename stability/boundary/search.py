@@ -9,7 +9,7 @@ from typing import Any
 from flint import arb, fmpq
 
 from ..algebra.balls import precision
-from ..algebra.exact.number_fields import NotExact, rational
+from ..algebra.exact.number_fields import NotExact, rational, rational_root
 from ..algebra.exact.rational_functions import RING, Ratio, multivariate, univariate
 from ..algebra.exact.real_roots import (
     BITS,
@@ -87,7 +87,7 @@ def search(
 
     Examples
     --------
-    >>> from stability.bodies.contact import Viscous
+    >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
     >>> from stability.spectra.problem import disk_problem
     >>> found = search(disk_problem("spinning", Disk(), Viscous(0.97)), "at", 0.1, 5)
@@ -115,7 +115,7 @@ def _source(
 ) -> tuple[Conditions | Characteristic, str, bool]:
     exact = question.exact
     if exact is None:
-        a, q, _ = question.reduce(given | {axis: X}, _no_root)
+        a, q, _ = question.reduce(given | {axis: X}, _rational)
         factor, below = characteristic_ratios(question.family, a, q)
         return Characteristic([factor], below), "", False
     theta = exact.family == "tumbling" and axis == "at"
@@ -147,8 +147,10 @@ def _source(
     return Characteristic(factors, None), angle, False
 
 
-def _no_root(_: Any) -> Any:
-    raise NotExact("a square root is in it")
+def _rational(value: Any) -> Any:
+    if isinstance(value, Ratio):
+        raise NotExact("a square root of the axis is in it")
+    return rational_root(value)
 
 
 def _cleared(value: Any) -> Any:

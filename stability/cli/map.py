@@ -7,11 +7,10 @@ from typing import Any
 
 from ..base.errors import ParameterError, shown
 from ..storage.json_text import json_text
-from .options import _at, _axis, _bar, _disk, _picture
+from .options import _at, _axis, _bar, _disk, _picture, contact_of
 
 
 def _map(options: argparse.Namespace) -> None:
-    from ..bodies.contact import LAWS, law_named
     from ..jobs.checkpoint import remove_parts
     from ..maps.netcdf import write_map
     from ..maps.stability_map import stability_map
@@ -26,11 +25,7 @@ def _map(options: argparse.Namespace) -> None:
     if options.levels is not None and not options.certify:
         raise ParameterError("--levels goes with --certify; leave it out or certify.")
     disk = _disk(options)
-    contact: Any
-    if "mu" in swept and options.contact in LAWS:
-        contact = LAWS[options.contact]
-    else:
-        contact = law_named(options.contact, options.mu)
+    contact = contact_of(options, swept=swept)
     out = check_suffix(options.out, NETCDF, "--out")
     targets = [check_target(out, overwrite=options.force)]
     if options.plot is not None:

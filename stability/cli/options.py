@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
@@ -17,7 +17,8 @@ FAMILY_HELP = "rolling, spinning, tumbling, circling (rough disk) or precession 
 MOST_VALUES = 1000
 """Numbers in a list of a table, each of which takes a line or more."""
 
-CONTACTS = "smooth, viscous, linear-viscous, rough"
+CONTACTS = "smooth, viscous, linear-viscous, rough, or module:Class for a law of your own"
+PARAMETER_HELP = "a number of a law of your own; once for each"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -38,12 +39,35 @@ def _physics(parser: argparse.ArgumentParser) -> None:
         "--mu", type=float, help="friction coefficient (viscous; c = mu m g for linear)"
     )
     parser.add_argument("--contact", default="viscous", help=f"{CONTACTS} (default viscous)")
+    parser.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
     parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
     parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
     for name in ("mass", "radius", "gravity"):
         parser.add_argument(f"--{name}", type=float, help="of the disk (default 1)")
     parser.add_argument("--certify", action="store_true",
                         help="prove every verdict, in rational arithmetic or balls")  # fmt: skip
+
+
+def contact_of(
+    options: argparse.Namespace, *, motion: bool = False, swept: Collection[str] = ()
+) -> Any:
+    """The contact law that the options name; 1 stands in for what an axis sweeps."""
+    from ..bodies.law_names import class_named, law_named
+
+    law = class_named(options.contact, motion=motion)
+    own = {p.name for p in law.parameters}
+    given = {n: 1.0 for n in swept if n in own}
+    for text in options.parameter or ():
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise ParameterError(f"--parameter is {shown(text)}; give NAME=NUMBER.")
+        if name in given:
+            raise ParameterError(f"{name} is given twice; give it once.")
+        given[name] = _number(value, name)
+    if given and set(given) <= set(swept):
+        return law
+    epsilon = getattr(options, "epsilon", None)
+    return law_named(options.contact, options.mu, motion=motion, epsilon=epsilon, others=given)
 
 
 def _disk(options: argparse.Namespace) -> Any:

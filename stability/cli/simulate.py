@@ -9,8 +9,12 @@ from typing import Any
 
 from ..base.errors import ParameterError, shown
 from ..storage.json_text import json_text
+from .options import PARAMETER_HELP, contact_of
 
-CONTACTS = "viscous, linear-viscous, smooth, rough, coulomb, coulomb-regularised"
+CONTACTS = (
+    "viscous, linear-viscous, smooth, rough, coulomb, coulomb-regularised, or module:Class for a "
+    "law of your own"
+)
 STATE_OPTIONS = ("theta", "theta-dot", "phi-dot", "omega3", "slip-x", "slip-y")
 MOST = 10_000_000
 """Samples of a run at most."""
@@ -37,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mu", type=float, help="friction coefficient")
     parser.add_argument("--epsilon", type=float, help="slip speed of coulomb-regularised")
     parser.add_argument("--contact", default="viscous", help=f"{CONTACTS} (default viscous)")
+    parser.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
     parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
     parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
     for name in ("mass", "radius", "gravity"):
@@ -74,7 +79,6 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
     """
     import numpy as np
 
-    from ..bodies.contact import law_named
     from ..bodies.disk_equations import STATES
     from ..motion.netcdf import write_motion
     from ..motion.simulate import simulate
@@ -83,7 +87,7 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
     for name in ("theta", "time"):
         if getattr(options, name) is None:
             raise ParameterError(f"--{name} is missing; give a number.")
-    contact = law_named(options.contact, options.mu, motion=True, epsilon=options.epsilon)
+    contact = contact_of(options, motion=True)
     targets = _targets(options)
     start = [getattr(options, name) for name in STATES]
     times: Any = options.time

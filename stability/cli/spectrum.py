@@ -6,20 +6,19 @@ import argparse
 
 from ..base.errors import ParameterError, shown
 from ..storage.json_text import json_text
-from .options import _at, _disk
+from .options import _at, _disk, contact_of
 
 # --- commands ---
 
 
 def _spectrum(options: argparse.Namespace) -> None:
-    from ..bodies.contact import law_named
     from ..bodies.disk_families import AT
     from ..spectra.spectrum import spectrum
 
     if (options.at is None) == (options.lean is None):
         raise ParameterError("give --at, or for tumbling --lean, and not both.")
     disk = _disk(options)
-    contact = law_named(options.contact, options.mu)
+    contact = contact_of(options)
     at = None if options.at is None else _at(options.at)
     parts = AT.get(options.family, ("at",))
     if isinstance(at, list) and len(at) != len(parts):
@@ -32,8 +31,7 @@ def _spectrum(options: argparse.Namespace) -> None:
         certify=options.certify, escalate=not options.no_escalate,
     )  # fmt: skip
     parameters = {n: float(getattr(disk, n)) for n in ("mass", "radius", "k", "gravity")}
-    if options.mu is not None:
-        parameters["mu"] = options.mu
+    parameters |= {n: float(v) for n, v in contact.given.items()}
     record = {
         "family": options.family,
         "contact": options.contact,

@@ -55,8 +55,8 @@ def _table(options: argparse.Namespace) -> None:
 
 def _table_settings(options: argparse.Namespace) -> dict[str, Any]:
     """Options of a table as arguments of its function; what does not belong is refused."""
-    from ..bodies.contact import law_named
     from ..bodies.disk import Disk
+    from ..bodies.law_names import law_named
 
     name = options.name
     settings: dict[str, Any] = {}

@@ -12,9 +12,13 @@ from itertools import combinations
 from typing import Any
 
 import sympy
+from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 
+from ..algebra.balls import precision
 from .characteristic import SIN, SQUARE, K, M
 
+ROOT_BITS, DIGITS = 1024, 300
+"""Precision of irrational roots: far more than the separation of any two that were met."""
 Expr = Any
 """A SymPy expression; SymPy states no types."""
 
@@ -66,8 +70,8 @@ class Line:
         found += [sympy.fraction(sympy.together(condition.subs(self.x, e)))[0] for e in ends]
         factors: dict[Expr, None] = {}
         for expression_ in found:
-            for factor, _ in sympy.factor_list(sympy.expand(expression_))[1]:
-                factors[sympy.expand(factor)] = None
+            for factor in _irreducible(expression_):
+                factors[factor] = None
         return list(factors)
 
     def for_one_k(self, k: Expr) -> list[Range]:
@@ -78,8 +82,8 @@ class Line:
         critical = line.critical(condition)
         roots: list[Expr] = []
         for factor in critical:
-            roots += [r for r in sympy.Poly(factor, M).real_roots(radicals=False) if r > 0]
-        roots = sorted(set(roots), key=lambda r: sympy.N(r, 40))
+            roots += [r for r in _real_roots(sympy.Poly(factor, M)) if r > 0]
+        roots = sorted(set(roots))
         self.obligation = (
             "checked: between consecutive critical mu*² (zeros in mu*² of the leading coefficient, "
             "the end values and the discriminant of the flutter condition) no boundary is born or "
@@ -106,7 +110,7 @@ class Line:
                 watched.append(sympy.discriminant(factor, M))
         watched += [sympy.resultant(a, b, M) for a, b in combinations(critical, 2)]
         for expression_ in watched:
-            for factor, _ in sympy.factor_list(sympy.expand(expression_))[1]:
+            for factor in _irreducible(expression_):
                 if factor.has(K) and _roots_in(sympy.Poly(factor, K), half):
                     return None
         sample = self.for_one_k(sympy.Rational(1, 4))
@@ -136,7 +140,7 @@ class Line:
     def pattern(self, condition: Expr) -> str:
         """Verdicts in order along the family, at one mu and k."""
         poly = sympy.Poly(condition, self.x)
-        roots = [r for r in sorted(set(poly.real_roots(radicals=False))) if r > self.low]
+        roots = [r for r in sorted(set(_real_roots(poly))) if r > self.low]
         roots = [r for r in roots if self.high is sympy.oo or r < self.high]
         ends = [self.low, *roots, self.high]
         signs = []
@@ -151,11 +155,51 @@ class Line:
             f"{', then '.join(kept)} as the disk goes from flat to upright")  # fmt: skip
 
 
+def _irreducible(expression_: Expr) -> list[Expr]:
+    """Irreducible factors over Z, by Flint: SymPy needs a minute for some of these."""
+    expanded = sympy.expand(expression_)
+    if not expanded.free_symbols:
+        return []
+    poly = sympy.Poly(expanded).clear_denoms(convert=True)[1]
+    names = [str(g) for g in poly.gens]
+    terms = {m: int(c) for m, c in poly.terms()}
+    try:
+        factors = fmpz_mpoly_ctx.get(names, Ordering.lex).from_dict(terms).factor()[1]
+        dicts = [f.to_dict() for f, _ in factors]
+    except OverflowError:  # python-flint cannot sort factors with long coefficients
+        if len(names) > 1:
+            return [sympy.expand(f) for f, _ in sympy.factor_list(expanded)[1]]
+        dicts = [{(i,): c for i, c in enumerate(f.coeffs()) if c} for f in _factored(poly)]
+    return [
+        sympy.Poly({tuple(map(int, m)): int(c) for m, c in d.items()}, *poly.gens).as_expr()
+        for d in dicts
+    ]
+
+
+def _factored(poly: sympy.Poly) -> list[Any]:
+    """Irreducible factors of a polynomial in one variable, as `fmpz_poly`."""
+    whole = poly.clear_denoms(convert=True)[1]
+    return [f for f, _ in fmpz_poly([int(c) for c in reversed(whole.all_coeffs())]).factor()[1]]
+
+
+def _real_roots(poly: sympy.Poly) -> list[Expr]:
+    """Real roots: rational ones exactly, others to many digits."""
+    roots: list[Expr] = []
+    with precision(ROOT_BITS):
+        for factor in _factored(poly):
+            if factor.degree() == 1:
+                roots.append(sympy.Rational(-int(factor[0]), int(factor[1])))
+            else:
+                found = [r.real.mid().fmpq() for r, _ in factor.complex_roots() if r.imag == 0]
+                roots += [sympy.Float(sympy.Rational(int(r.p), int(r.q)), DIGITS) for r in found]
+    return roots
+
+
 def _between(a: Expr, b: Expr) -> Expr:
     """A rational strictly between two real algebraic numbers, the second perhaps infinite."""
     if b is sympy.oo:
         return sympy.ceiling(a) + 1
-    low, high = (sympy.Rational(str(sympy.N(v, 60))) for v in (a, b))
+    low, high = (sympy.Rational(v) for v in (a, b))
     middle, slack = (low + high) / 2, (high - low) / 10
     digits = 1
     while True:  # the shortest decimal that is well between

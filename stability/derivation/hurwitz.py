@@ -21,7 +21,7 @@ from typing import Any
 import sympy
 
 from ..base.errors import FileError, StabilityError
-from ..bodies.contact import LAWS
+from ..bodies.contact_laws import LAWS
 from ..bodies.disk_families import FAMILIES, ONLY
 from ..bodies.disk_polynomials import digest
 from ..storage.files import together, whole

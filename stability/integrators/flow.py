@@ -13,6 +13,8 @@ import numpy as np
 
 from ..algebra.program import Program
 from ..base.types import Floats
+from ..bodies.contact import Contact
+from ..bodies.contact_laws import Rough, law_class
 from ..bodies.disk_equations import disk_system
 from ..systems.system import System
 
@@ -53,6 +55,8 @@ class Flow:
     """What must stay positive, by name."""
     names: tuple[str, ...]
     """Names of the entries of y."""
+    friction: str = ""
+    """The parameter in proportion to which slip decays, if there is one."""
 
     @cached_property
     def rates(self) -> ca.Function:
@@ -282,13 +286,13 @@ def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> 
     return call
 
 
-def moving_system(law: str) -> System:
+def moving_system(law: str | type[Contact]) -> System:
     """The disk with every state that a motion has: the smooth disk's slip too.
 
     Parameters
     ----------
     law
-        A key of `stability.bodies.contact.MOTION_LAWS`.
+        A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law.
 
     Returns
     -------
@@ -299,17 +303,18 @@ def moving_system(law: str) -> System:
     >>> len(moving_system("smooth").states), len(moving_system("rough").states)
     (6, 4)
     """
-    return disk_system(law, slip_states=None if law == "rough" else True)
+    contact = law_class(law)
+    return disk_system(contact, slip_states=None if issubclass(contact, Rough) else True)
 
 
-@lru_cache(maxsize=32)
-def flow(law: str, *, pose: bool = False, sticking: bool = False) -> Flow:
+def flow(law: str | type[Contact], *, pose: bool = False, sticking: bool = False) -> Flow:
     """The flow of the disk under a contact law; built once for each.
 
     Parameters
     ----------
     law
-        A key of `stability.bodies.contact.MOTION_LAWS`; `coulomb` is its sliding.
+        A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law; one that
+        sticks is taken for its sliding.
     pose
         Whether φ, ψ and the centre's place are carried along.
     sticking
@@ -320,6 +325,11 @@ def flow(law: str, *, pose: bool = False, sticking: bool = False) -> Flow:
     -------
     Flow
     """
+    return _flow(law_class(law), bool(pose), bool(sticking))  # type: ignore[arg-type]  # a class is hashable
+
+
+@lru_cache(maxsize=32)
+def _flow(law: type[Contact], pose: bool, sticking: bool) -> Flow:  # noqa: FBT001
     if sticking:
         system = disk_system("rough")
         mu = ca.SX.sym("mu")
@@ -348,7 +358,7 @@ def flow(law: str, *, pose: bool = False, sticking: bool = False) -> Flow:
         guards[NO_CONTACT] = seen["determinant"]
     return Flow(
         system, ca.vertcat(*columns), ca.vertcat(parameters, flat), ca.vertcat(*rates), guards,
-        tuple(names),
+        tuple(names), law.symbols()[0] if law.relaxes and not sticking else "",
     )  # fmt: skip
 
 

@@ -12,8 +12,6 @@ import numpy as np
 from ..base.types import Floats
 from .flow import Flow
 
-VISCOUS = "viscous"
-"""Word in the names of the laws whose force is mu times the slip."""
 LARGE = 1e3
 """Friction from which the slip is resolved more finely."""
 RESOLVED = 0.01
@@ -48,8 +46,9 @@ class Leg:
     @property
     def absolute(self) -> float:
         """The absolute tolerance: finer where friction is large and the slip small."""
-        names = self.flow.system.parameters
-        mu = float(self.p[names.index("mu")]) if VISCOUS in self.flow.system.name else 0.0
+        mu = 0.0
+        if self.flow.friction:
+            mu = float(self.p[self.flow.system.parameters.index(self.flow.friction)])
         # where D vanishes mu times the slip is of order one: an error that large is no motion
         share = math.sqrt(
             math.sqrt(min(1.0, self.tolerance / LOOSE))

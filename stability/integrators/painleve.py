@@ -93,6 +93,7 @@ def stretched_flow(flow: Flow, least: float = NARROW) -> Flow:
     return Flow(
         flow.system, ca.vertcat(flow.x, ca.SX.sym("time")), flow.p,
         ca.vertcat(d * flow.rhs, d), guards, (*flow.names, "time"),
+        flow.friction,
     )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ from ..algebra.program import Program
 from ..base.types import Floats
 from ..jobs.pipeline import in_order
 from .flow import NO_CONTACT, Flow
-from .leg import UNRESOLVED, VISCOUS, Budget, End, Leg, Path, guard_at
+from .leg import UNRESOLVED, Budget, End, Leg, Path, guard_at
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 """Threads that a batch takes when none are stated."""
@@ -68,7 +68,7 @@ def _expressions(flow: Flow) -> tuple[list[Any], list[Any], Any]:
 
     product = ca.SX(1)
     for name, guard in flow.guards.items():
-        if name == NO_CONTACT and VISCOUS in flow.system.name:
+        if name == NO_CONTACT and flow.friction:
             continue  # it vanishes with gn D only: a change of both signs would hide in the product
         product = product * guard
     program = Program(ca.Function("taylor", [flow.x, flow.p], [flow.rhs, product]))

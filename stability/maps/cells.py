@@ -189,7 +189,7 @@ class Cells:
 
     def _work(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
         family = self.question.family
-        if self.question.law is None:
+        if not self.exact:
             family.checked_states(a, u, q)
         watch = not self._certain
         reduced = reduce(family, a, q, u, self.question.roundings, watch=watch)

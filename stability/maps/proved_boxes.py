@@ -92,7 +92,7 @@ def prove_boxes(
 
     Examples
     --------
-    >>> from stability.bodies.contact import Viscous
+    >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
     >>> from stability.spectra.problem import disk_problem
     >>> question = disk_problem("rolling", Disk(), Viscous(1.0), 1.0)

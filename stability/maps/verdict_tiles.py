@@ -36,7 +36,7 @@ class GridVerdicts:
 
     Examples
     --------
-    >>> from stability.bodies.contact import Viscous
+    >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
     >>> from stability.spectra.problem import disk_problem
     >>> verdicts = GridVerdicts(disk_problem("rolling", Disk(), Viscous(1.0), 1.0), "at", "mu")

@@ -27,6 +27,7 @@ import numpy as np
 from ..algebra.number_types import Upright, balls, casadi_algebra
 from ..algebra.program import Program
 from ..base.types import Floats
+from ..bodies.contact import Contact
 from ..bodies.disk_equations import disk_system
 
 BITS = 64
@@ -69,13 +70,13 @@ class Tilted(Upright):
 
 
 @lru_cache(maxsize=16)
-def rates(law: str, family: str) -> tuple[Program, Program]:
+def rates(law: type[Contact], family: str) -> tuple[Program, Program]:
     """Programs (y, sign, p, e) → ∂G/∂e and ∂g/∂e, and → gn, D and sinθ.
 
     Parameters
     ----------
     law
-        A key of `stability.bodies.contact.MOTION_LAWS`, with the slip in its state.
+        A contact law with the slip in its state.
     family
         spinning or tumbling.
 
@@ -111,7 +112,7 @@ def rates(law: str, family: str) -> tuple[Program, Program]:
 
 
 def attraction(
-    law: str, family: str, p: Floats, sign: float, y: Any, e: list[Any]
+    law: type[Contact], family: str, p: Floats, sign: float, y: Any, e: list[Any]
 ) -> Attraction | None:
     """A box around a state in which its motion is proved to converge to one steady motion.
 
@@ -141,9 +142,9 @@ def attraction(
 
 
 def _attraction(
-    law: str, family: str, p: Floats, sign: float, y: Any, e: list[Any]
+    law: type[Contact], family: str, p: Floats, sign: float, y: Any, e: list[Any]
 ) -> Attraction | None:
-    program = rates(law, family)[0]
+    program = rates(law, family)[0]  # type: ignore[arg-type]  # a class is hashable
     y1, e1 = float(y.mid()), np.array([float(v.mid()) for v in e])
     centre, slow = y1, np.zeros(5)
     a = np.zeros((5, 5))
@@ -195,13 +196,13 @@ def _lyapunov(a: Floats) -> Floats | None:
 
 
 def _box(
-    law: str, family: str, p: Floats, sign: float, y: Any, e: list[Any], centre: float,
+    law: type[Contact], family: str, p: Floats, sign: float, y: Any, e: list[Any], centre: float,
     slow: Floats, basis: Floats,
 ) -> Attraction | None:  # fmt: skip
     """The test of the module's docstring in one basis."""
     from flint import arb, arb_mat
 
-    slopes, positive = rates(law, family)
+    slopes, positive = rates(law, family)  # type: ignore[arg-type]  # a class is hashable
     x = arb_mat(basis.tolist())
     try:
         inverse = x.inv()

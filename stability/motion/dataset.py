@@ -104,7 +104,7 @@ def assemble(launches: Launches, settings: Settings, results: list[Result]) -> x
     dims = _dims(launches.shape)
     y, running, modes, times = _samples(launches, results, single)
     heading = None
-    if launches.law == "coulomb":  # a start at rest from which slip sets in at once
+    if launches.law.sticks:  # a start at rest from which slip sets in at once
         first = [r.transitions[0].direction if r.transitions else 0.0 for r in results]
         heading = np.broadcast_to(np.array(first)[:, None], y.shape[:2])
     series = _series(launches, settings, y, modes, heading)
@@ -368,8 +368,8 @@ def _provenance(launches: Launches, settings: Settings, results: list[Result]) -
     first = results[0].choice
     attributes: dict[str, Any] = {
         "format": FORMAT,
-        "title": f"motion of a disk, {launches.law} contact",
-        "contact": launches.law,
+        "title": f"motion of a disk, {launches.law.name} contact",
+        "contact": launches.law.name,
         "outcome": ", ".join(
             word if launches.shape == () else f"{count} {word}" for word, count in outcomes.items()
         ),

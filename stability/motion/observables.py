@@ -9,12 +9,14 @@ import numpy as np
 
 from ..algebra.program import Program
 from ..base.types import Floats
+from ..bodies.contact import Contact
+from ..bodies.contact_laws import Rough
 from ..integrators.flow import moving_system
 from ..integrators.stick_slip import REST, STICKING
 
 
 @cache
-def _observer(law: str) -> Program:
+def _observer(law: type[Contact]) -> Program:
     """Energy, height, gn, contact force and power of six states."""
     system = moving_system(law)
     seen = system.observables
@@ -29,14 +31,14 @@ OBSERVED = ("energy", "potential", "normal_force", "force_x", "force_y", "power"
 
 
 def observe(
-    law: str, six: Floats, p: Floats, modes: Floats | None, heading: Floats | None = None
+    law: type[Contact], six: Floats, p: Floats, modes: Floats | None, heading: Floats | None = None
 ) -> Floats:
     """The observables of states.
 
     Parameters
     ----------
     law
-        A key of `MOTION_LAWS`.
+        The law.
     six
         States, shape (…, 6).
     p
@@ -51,7 +53,7 @@ def observe(
     ndarray
         `OBSERVED` along the first axis, then (…).
     """
-    program = _observer(law)
+    program = _observer(law)  # type: ignore[arg-type]  # a class is hashable
     if heading is not None:
         still = np.hypot(six[..., 4], six[..., 5]) < REST
         six = six.copy()
@@ -64,5 +66,5 @@ def observe(
         sticking = modes == STICKING
         held = [list(np.moveaxis(six[sticking][:, :4], -1, 0)),
                 [np.broadcast_to(p[..., 0], modes.shape)[sticking]]]  # fmt: skip
-        values[sticking] = _observer("rough").arrays(held, (int(sticking.sum()),))[0][..., 0]
+        values[sticking] = _observer(Rough).arrays(held, (int(sticking.sum()),))[0][..., 0]
     return np.moveaxis(values, -1, 0)

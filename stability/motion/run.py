@@ -131,7 +131,7 @@ def _run(
 ) -> list[Result]:  # fmt: skip
     """Run legs, each by its method, and judge how they ended."""
     found: list[Result | None] = [None] * len(legs)
-    if launches.law == "coulomb":
+    if launches.law.sticks:
         for i, (leg, method) in enumerate(zip(legs, methods, strict=True)):
             dry = integrate_dry(leg, method, pose=settings.pose)
             name = explicit() if method == "auto" else method

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..base.types import Floats
-from ..bodies.contact import MOTION_LAWS
+from ..bodies.contact import Contact
 from .attraction import attraction
 
 FAMILIES = ("spinning", "tumbling", "rolling")
@@ -96,7 +96,7 @@ def _closest(six: Floats, k: float) -> tuple[str, float, float]:
     return family, parts[family][0], distance
 
 
-def nearest(six: Floats, law: str, p: Floats, within: float) -> Nearest:
+def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Nearest:
     """The steady motion nearest to a state and whether it counts as settled on.
 
     Parameters
@@ -104,7 +104,7 @@ def nearest(six: Floats, law: str, p: Floats, within: float) -> Nearest:
     six
         The state, shape (6,), dimensionless.
     law
-        A key of `stability.bodies.contact.MOTION_LAWS`.
+        The law.
     p
         Parameters of the law's system.
     within
@@ -116,10 +116,10 @@ def nearest(six: Floats, law: str, p: Floats, within: float) -> Nearest:
     """
     family, at, distance = _closest(six, float(p[0]))
     where = f"nearest is {family} at {at:.6g}, {distance:.3g} away"
-    if MOTION_LAWS[law].conservative:
+    if law.conservative:
         where += "; energy is kept, so nothing is settled on"
         return Nearest(family, at, distance, False, 0.0, where)
-    if law == "coulomb":
+    if law.sticks:
         where += "; dry friction ends in sticking, which keeps energy and settles on nothing"
         return Nearest(family, at, distance, False, 0.0, where)
     if distance > within:

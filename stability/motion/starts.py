@@ -16,7 +16,8 @@ from ..algebra.program import Program
 from ..base.checks import checked, known
 from ..base.errors import DomainError, NameUnknownError, ParameterError, shown
 from ..base.types import Floats
-from ..bodies.contact import MOTION_LAWS, Contact, LinearViscous, RegularisedCoulomb
+from ..bodies.contact import Contact, Scales
+from ..bodies.contact_laws import Rough
 from ..bodies.disk import Disk
 from ..bodies.disk_equations import STATES, disk_system
 from ..integrators.flow import moving_system
@@ -121,8 +122,8 @@ POINTS = 201
 class Launches:
     """N launches of a disk under one law, dimensionless, with the units they came in."""
 
-    law: str
-    """A key of `MOTION_LAWS`."""
+    law: type[Contact]
+    """The law."""
     shape: tuple[int, ...]
     """The shape the user's arrays broadcast to."""
     starts: Floats
@@ -165,7 +166,7 @@ def gather(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Launch
     """
     if not isinstance(disk, Disk):
         raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
-    if not isinstance(contact, Contact) or contact.name not in MOTION_LAWS:
+    if not isinstance(contact, Contact) or not contact.name:
         raise NameUnknownError(
             f"contact is {shown(contact)}; give one of Smooth(), Viscous(mu), LinearViscous(c), "
             "Rough(), Coulomb(mu), RegularisedCoulomb(mu, epsilon)."
@@ -178,8 +179,6 @@ def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Lau
     six = _start(start, contact)
     when = _times(times)
     fields = {n: getattr(disk, n) for n in ("mass", "radius", "gravity", "k")} | contact.given
-    if isinstance(contact, RegularisedCoulomb):
-        fields["epsilon"] = contact.epsilon
     try:
         shape = np.broadcast_shapes(six.shape[:-1], *(np.shape(v) for v in fields.values()))
     except ValueError:
@@ -205,9 +204,9 @@ def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Lau
             f"times end at {when[-1]:g}; in units of √(R/g) give a last time from {BRIEFEST:g} to "
             f"{LONGEST:g}."
         )
-    energies = _check(contact.name, shape, starts, p)
+    energies = _check(type(contact), shape, starts, p)
     return Launches(
-        contact.name, shape, starts, p, when, {n: flat[n] for n in fields},
+        type(contact), shape, starts, p, when, {n: flat[n] for n in fields},
         {n: flat[n] for n in scales}, disk.dimensionless, energies,
     )  # fmt: skip
 
@@ -229,16 +228,7 @@ def _count(shape: tuple[int, ...], when: Floats) -> int:
 
 def _parameters(contact: Contact, v: Mapping[str, Floats]) -> dict[str, Floats]:
     """Dimensionless parameters of the law's system, in order."""
-    q = {"k": v["k"]}
-    if contact.name.startswith("coulomb"):
-        q["mu"] = v["mu"]
-        if "epsilon" in v:
-            q["epsilon"] = v["epsilon"] / v["speed"]
-    elif isinstance(contact, LinearViscous) and "c" in v:
-        q["mu"] = v["c"] / v["mass"] * v["time"]
-    elif contact.coefficient:
-        q["mu"] = v["mu"] * v["speed"]
-    return q
+    return {"k": v["k"]} | contact.arguments(v, Scales(v, np.sqrt))
 
 
 def _flat(value: Any, shape: tuple[int, ...]) -> Floats:
@@ -273,7 +263,7 @@ def _start(start: Any, contact: Contact) -> Floats:
                 f"start has shape {six.shape}; its last axis must hold 6 values "
                 f"({', '.join(STATES)})."
             )
-    if contact.name == "rough" and (six[..., 4:] != 0).any():
+    if isinstance(contact, Rough) and (six[..., 4:] != 0).any():
         raise ParameterError(
             f"slip_x, slip_y of start are {six[..., 4:].reshape(-1, 2).max(axis=0).tolist()}; the "
             "rough disk does not slip, so both must be 0."
@@ -304,7 +294,7 @@ def _times(times: Any) -> Floats:
 
 
 @cache
-def _first_look(law: str) -> Program:
+def _first_look(law: type[Contact]) -> Program:
     """The conditions of a law's system, then gn and the energy."""
     system = moving_system(law)
     seen = system.observables
@@ -312,12 +302,12 @@ def _first_look(law: str) -> Program:
     return Program(ca.Function("start", [system.x, system.p], [ca.vertcat(*values)]))
 
 
-def _look(law: str, x: Floats, p: Floats) -> Floats:
+def _look(law: type[Contact], x: Floats, p: Floats) -> Floats:
     columns = [list(np.moveaxis(x, -1, 0)), list(np.moveaxis(p, -1, 0))]
-    return np.asarray(_first_look(law).arrays(columns, x.shape[:-1])[0][..., 0])
+    return np.asarray(_first_look(law).arrays(columns, x.shape[:-1])[0][..., 0])  # type: ignore[arg-type]  # a class is hashable
 
 
-def _check(law: str, shape: tuple[int, ...], starts: Floats, p: Floats) -> Floats:
+def _check(law: type[Contact], shape: tuple[int, ...], starts: Floats, p: Floats) -> Floats:
     """Refuse starts at which there is no contact, with the reason; the energies of the others."""
     finite = np.isfinite(starts).all() and np.isfinite(p).all() and (p > 0).all()
     if not (finite and np.abs(starts).max() < FASTEST):
@@ -331,12 +321,12 @@ def _check(law: str, shape: tuple[int, ...], starts: Floats, p: Floats) -> Float
             "precision cannot resolve the slip; take Rough(), to which the motion tends."
         )
     own = len(moving_system(law).states)
-    if law == "coulomb":
+    if law.sticks:
         rest = np.hypot(starts[:, 4], starts[:, 5]) <= REST
         seen = np.empty((len(starts), 5))
         seen[~rest] = _look(law, starts[~rest], p[~rest])
         if rest.any():
-            seen[rest] = _look("rough", starts[rest, :4], p[rest, :1])
+            seen[rest] = _look(Rough, starts[rest, :4], p[rest, :1])
         for i in np.flatnonzero(rest & (seen[:, :2] > 0).all(axis=1)):
             # it may not stick and yet slip, or do neither although gn of sticking is positive
             pressed = continuations(starts[i, :4], *p[i]).pressed
@@ -348,7 +338,7 @@ def _check(law: str, shape: tuple[int, ...], starts: Floats, p: Floats) -> Float
     return seen[:, -1]
 
 
-def _refuse(law: str, shape: tuple[int, ...], seen: Floats) -> None:
+def _refuse(law: type[Contact], shape: tuple[int, ...], seen: Floats) -> None:
     row = int(np.flatnonzero(~(seen[:, :-1] > 0).all(axis=1))[0])
     column = int(np.flatnonzero(~(seen[row, :-1] > 0))[0])
     where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""

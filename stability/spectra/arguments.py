@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from ..base.axis import Grid
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
-from ..bodies.contact import LAWS, Contact, LinearViscous, Viscous
+from ..bodies.contact import Contact
+from ..bodies.contact_laws import LAWS, Viscous, law_class
 from ..bodies.disk import Disk
 from ..bodies.disk_families import AT
 from ..systems.family import Family
@@ -65,12 +66,14 @@ def prepare(
         keys = ("at",) if len(question.family.at) == 1 else question.family.at
         keys = ("lean",) if tilted is not None else keys
         known = (*keys, *(n for n in question.names if n not in keys))
-        if isinstance(question.law, LinearViscous):
-            known = tuple(dict.fromkeys((*known, "c", "mu")))
-            if {"c", "mu"} <= set(names):
-                raise ParameterError(
-                    "the axes are c and mu, which are two names for one coefficient; take one."
-                )
+        assert question.law is not None
+        known = tuple(dict.fromkeys((*known, *(p.name for p in question.law.parameters))))
+        same = set(question.law.alternatives(names[0]))
+        if set(names[1:]) & same:
+            raise ParameterError(
+                f"the axes are {' and '.join(sorted(names))}, which are two names for one "
+                "coefficient; take one."
+            )
     for name in names:
         if name not in known:
             raise NameUnknownError(
@@ -94,20 +97,21 @@ def prepare(
         if np.ndim(value) and name not in names:
             raise ParameterError(f"{name} is an array; what is not an axis must be one number.")
     kept = dict(question.values)
-    if "c" in names or "mu" in names:  # two names for one coefficient: the axis takes its place
-        kept = {n: v for n, v in kept.items() if n not in ("c", "mu")}
+    for name in names if question.law is not None else ():  # the axis takes the other's place
+        assert question.law is not None
+        kept = {n: v for n, v in kept.items() if n not in question.law.alternatives(name)}
     merged = kept | {n: v.mean() for n, v in axis_values.items()}
     from dataclasses import replace
 
     question = replace(question, values=merged)
-    if question.dimensionless and set(names) & set(PHYSICAL):  # then the numbers are SI after all
+    law = question.law
+    if (
+        law and question.dimensionless and set(names) & set(PHYSICAL)
+    ):  # the numbers are SI after all
         parts = question.family.at
-        question = replace(
-            question,
-            dimensionless=False,
-            units=disk_units(["at"] if len(parts) == 1 else parts, parts, si=True),
-            roundings=disk_roundings(parts, question.law, si=True),  # type: ignore[arg-type]
-        )
+        units = disk_units(["at"] if len(parts) == 1 else parts, parts, law, si=True)
+        roundings = disk_roundings(parts, law, si=True)
+        question = replace(question, dimensionless=False, units=units, roundings=roundings)
     _check_members(question, axis_values)
     return question
 
@@ -132,14 +136,21 @@ def _law(contact: Any, axes: Sequence[Grid]) -> Contact:
         contact = Viscous
     if isinstance(contact, Contact):
         return contact
-    if not isinstance(contact, type) or contact not in LAWS.values():
+    if not isinstance(contact, type):
         raise NameUnknownError(f"contact is {shown(contact)}; known are {', '.join(LAWS)}.")
-    law: type[Contact] = contact
-    if law.coefficient is None:
-        return law()
-    if swept is None:
-        raise ParameterError(f"mu is missing; give {law.__name__}(mu) or make mu an axis.")
-    return law(1.0)  # type: ignore[call-arg]  # the axis takes its place
+    law = law_class(contact, motion=False)
+    names = {g.name for g in axes}
+    given: dict[str, float] = {}
+    for p in law.parameters:
+        if p.name in names and not set(law.alternatives(p.name)) & set(given):
+            given[p.name] = 1.0  # the axis takes its place
+    for p in law.parameters:
+        if not set(law.alternatives(p.name)) & set(given):
+            word = "mu" if "mu" in law.alternatives(p.name) else p.name
+            raise ParameterError(
+                f"{word} is missing; give {law.__name__}({word}) or make {word} an axis."
+            )
+    return law(**given)
 
 
 def _check_members(question: Problem, axis_values: Mapping[str, Floats]) -> None:

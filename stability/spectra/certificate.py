@@ -19,7 +19,7 @@ from flint import acb, arb, fmpq_poly
 from numpy.typing import ArrayLike
 
 from ..algebra.balls import precision, upper
-from ..algebra.exact.number_fields import rational
+from ..algebra.exact.number_fields import NotExact, rational, rational_root
 from ..algebra.exact.root_balls import clustered, exact_roots, isolated
 from ..algebra.exact.routh import on_the_axis
 from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
@@ -89,7 +89,7 @@ def certify(
 
     Examples
     --------
-    >>> from stability.bodies.contact import Viscous
+    >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
     >>> from stability.spectra.problem import disk_problem
     >>> question = disk_problem("rolling", Disk(k=0.5), Viscous(0.3), 1.0)
@@ -102,7 +102,7 @@ def certify(
         own = structural_zeros(member)
         zeros = own if zeros is None else zeros
         decided, bits = of_member(member, own)  # whatever others in a batch have
-        attempt = partial(_member_roots, member, zeros)
+        attempt = partial(_member_roots, member, zeros, _exact(question, values)[2])
     else:
         decided, bits = _decided(question.exact, question, values)
         attempt = partial(_roots, question.exact, question, values)
@@ -154,11 +154,17 @@ def member_at(
     Member
     """
     family = question.family
-    a, q, _ = question.reduce({n: rational(v) for n, v in values.items()}, _irrational)
+    a, q, _ = _exact(question, values)
     if near is None:
         rows = [np.array([float(arb(v)) for v in part])[None, :] for part in (a, q)]
         near = family.solve(*rows)[0]
     return Member(family, a, q, np.asarray(near, dtype=float).tolist())
+
+
+def _exact(question: Problem, values: Mapping[str, float]) -> tuple[list[Any], list[Any], Any]:
+    """Family parameters, parameters and unit of rate: rationals, or balls where irrational."""
+    with precision(MOST_BITS):
+        return question.reduce({n: rational(v) for n, v in values.items()}, _root)
 
 
 def structural_zeros(member: Member) -> int:
@@ -250,8 +256,12 @@ def _sign_by_roots(roots: Balls | None) -> int:
     return int(roots is not None and all(r.real < 0 for r in roots))
 
 
-def _irrational(value: Any) -> Any:
-    raise AssertionError(f"a user's family takes its numbers as they are, not √{value}")
+def _root(value: Any) -> Any:
+    """√value, rational where that is so, else a ball."""
+    try:
+        return rational_root(value)
+    except NotExact:
+        return arb(value).sqrt()
 
 
 def _raised(attempt: Callable[[], Verdict | None]) -> tuple[Verdict, int]:
@@ -339,8 +349,13 @@ def _roots(
     return out
 
 
-def _member_roots(member: Member, zeros: int, *, last: bool) -> Balls | None:
-    """The same for a user's family; at the last precision, clusters where roots coincide."""
+def _member_roots(member: Member, zeros: int, unit: Any, *, last: bool) -> Balls | None:
+    """The same from the graph; at the last precision, clusters where roots coincide."""
+    found = _of_graph(member, zeros, last=last)
+    return found if found is None or unit == 1 else [root * arb(unit) for root in found]
+
+
+def _of_graph(member: Member, zeros: int, *, last: bool) -> Balls | None:
     if member.rational is not None:
         return exact_roots(fmpq_poly(member.rational[zeros:]))
     polynomial = member.enclosed()[zeros:]

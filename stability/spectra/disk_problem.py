@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from ..base.checks import checked, positive
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
-from ..bodies.contact import LAWS, MOTION_LAWS, ZERO_MU, Contact
+from ..bodies.contact import ZERO_MU, Contact, Scales
+from ..bodies.contact_laws import stored
 from ..bodies.disk import Disk
 from ..bodies.disk_families import AT, disk_family
 from ..bodies.disk_polynomials import exact_polynomial
@@ -53,25 +54,26 @@ def disk_problem(
 
     Examples
     --------
-    >>> from stability.bodies.contact import Viscous
+    >>> from stability.bodies.contact_laws import Viscous
     >>> disk_problem("rolling", Disk(radius=0.3, gravity=9.81), Viscous(0.2), 5.0).names
     ('at', 'k', 'mass', 'radius', 'gravity', 'mu')
     """
     if not isinstance(family, str):
         raise NameUnknownError(f"family is {shown(family)}; give a name or a stability.Family.")
-    if isinstance(contact, Contact) and contact.name in MOTION_LAWS and contact.name not in LAWS:
-        raise NameUnknownError(
-            f"contact is {shown(contact)}, dry friction, which has no linearisation of its own; "
-            "inside the friction cone it is Rough()."
-        )
-    if not isinstance(contact, Contact) or contact.name not in LAWS:
+    if not isinstance(contact, Contact) or not contact.name:
         raise NameUnknownError(
             f"contact is {shown(contact)}; give one of Smooth(), Viscous(mu), LinearViscous(c), "
             "Rough()."
         )
+    law = type(contact)
+    if not law.linearises:
+        raise NameUnknownError(
+            f"contact is {shown(contact)}, dry friction, which has no linearisation of its own; "
+            "inside the friction cone it is Rough()."
+        )
     if not isinstance(disk, Disk):
         raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
-    resolved = disk_family(family, contact.name)
+    resolved = disk_family(family, law)
     parts = AT[family]
     keys = ("at",) if len(parts) == 1 else parts
     values: dict[str, Any] = {}
@@ -98,24 +100,22 @@ def disk_problem(
             upright = v["lean"].pi() / 2 if hasattr(v["lean"], "pi") else np.pi / 2
             v = dict(v) | {"at": upright - v["lean"]}
         a = [v[k] if p in ANGLES else v[k] * time for k, p in zip(keys, parts, strict=True)]
-        q = [v["k"]]
-        if contact.coefficient:
-            # under the linear law mu means c = mu m g
-            if "mu" in v:
-                q.append(v["mu"] * root(v["gravity"] * v["radius"]))
-            else:
-                q.append(v["c"] / v["mass"] * time)
+        # under the linear law mu means c = mu m g
+        q = [v["k"], *law.arguments(v, Scales(v, root)).values()]
         return a, q, 1 / time
 
     return Problem(
-        resolved, values, disk_units(keys, parts, si=not disk.dimensionless), disk.dimensionless,
+        resolved, values, disk_units(keys, parts, contact, si=not disk.dimensionless),
+        disk.dimensionless,
         reduce, lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
         disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
-        exact_polynomial(family, contact),
+        exact_polynomial(family, contact) if stored(law) else None,
     )  # fmt: skip
 
 
-def disk_units(keys: Sequence[str], parts: Sequence[str], *, si: bool) -> dict[str, str]:
+def disk_units(
+    keys: Sequence[str], parts: Sequence[str], contact: Contact, *, si: bool
+) -> dict[str, str]:
     """Unit by name of what a question about the disk may vary.
 
     Parameters
@@ -124,6 +124,8 @@ def disk_units(keys: Sequence[str], parts: Sequence[str], *, si: bool) -> dict[s
         Names of the family parameters as axes.
     parts
         Which states they are.
+    contact
+        The law.
     si
         Whether numbers are SI; else they are dimensionless.
 
@@ -132,7 +134,8 @@ def disk_units(keys: Sequence[str], parts: Sequence[str], *, si: bool) -> dict[s
     dict
     """
     units = {"k": "1", "mass": "kg", "radius": "m", "gravity": "m/s2", "rate": "1/s"}
-    units |= {"mu": "s/m", "c": "kg/s"} | dict.fromkeys(keys, "rad/s")
+    units |= {"mu": "s/m", "c": "kg/s"} | {p.name: p.unit for p in contact.parameters}
+    units |= dict.fromkeys(keys, "rad/s")
     if not si:
         units = dict.fromkeys(units, "1")
     units["lean"] = "rad"
@@ -192,7 +195,7 @@ def disk_roundings(
     some = 4 if si else 0
     angle = 2 if lean else 0
     turns = (angle if p in ANGLES else some for p in parts)
-    return (*turns, 0, *((some,) * bool(contact.coefficient)))
+    return (*turns, 0, *((some,) * len(contact.symbols())))
 
 
 def check_axis(problem: Problem, name: str, values: Floats) -> None:
@@ -214,7 +217,7 @@ def check_axis(problem: Problem, name: str, values: Floats) -> None:
     """
     if problem.law is None:
         return
-    if name in ("mu", "c"):
+    if problem.law.alternatives(name):
         positive(name, values, ZERO_MU)
     elif name in ("k", *PHYSICAL):
         Disk(**{name: values})

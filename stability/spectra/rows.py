@@ -117,7 +117,7 @@ class Rows:
         from .deflation import grows
 
         family, place = self.question.family, self.place
-        if self.zeros == family.tangents or self.question.law is not None:
+        if self.zeros == family.tangents or self.question.exact is not None:
             return None
 
         def piece(rows: slice) -> tuple[NDArray[np.bool_]]:

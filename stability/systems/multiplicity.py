@@ -187,7 +187,8 @@ class Member:
     family
         The family.
     a, q
-        Family parameters and parameters as rationals.
+        Family parameters and parameters as rationals, or as balls where they are irrational: then
+        only what vanishes at every member is proved to vanish.
     near
         Unknowns to double precision, shape (u,).
     """
@@ -196,6 +197,8 @@ class Member:
         self, family: Family, a: Sequence[Any], q: Sequence[Any], near: Sequence[float]
     ) -> None:
         self.family, self.a, self.q = family, list(a), list(q)
+        self.enclosed_only = any(isinstance(v, arb) for v in (*a, *q))
+        """Whether the numbers are known as balls only."""
         self.near = None if family.closed or not family.unknown else [float(v) for v in near]
         self._flags: list[bool] | None = None
         self.rational: list[Any] | None = None
@@ -203,7 +206,7 @@ class Member:
         self._root = self._enclosed_root()
         self.steady = self._rests()
         """Whether no rate is proved to differ from zero at the root of the solved equations."""
-        if self.steady:
+        if self.steady and not self.enclosed_only:
             with suppress(NotExact):
                 self._exact()
 
@@ -289,6 +292,8 @@ class Member:
         family = self.family
         size = len(family.system.states) + 1
         known = [i < identity(family).zeros for i in range(size)]
+        if self.enclosed_only:
+            return known
         field = FunctionField([*family.unknown])
         given = [[field.number(v) for v in some] for some in (self.a, self.q)]
         try:
@@ -323,6 +328,8 @@ class Member:
         member is reached, or a coefficient is too flat to tell whether it vanishes there.
         """
         count = self.zeros()
+        if self.enclosed_only:
+            return count, count
         low, high = _generic(self.family, self.a, self.q, self.near) if count else (0, 0)
         return min(count, low), min(count, high)
 

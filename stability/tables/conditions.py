@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import NameUnknownError, shown
-from ..bodies.contact import LAWS, Contact, LinearViscous, Viscous
+from ..bodies.contact import Contact
+from ..bodies.contact_laws import LAWS, LinearViscous, Viscous
 from ..bodies.disk import Disk
 from ..boundary.changes import along
 from ..spectra.disk_problem import disk_problem

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..base.errors import NameUnknownError, shown
-from ..bodies.contact import Contact, LinearViscous, Viscous
+from ..bodies.contact import Contact
+from ..bodies.contact_laws import LinearViscous, Viscous
 from ..bodies.disk import Disk
 from ..boundary.drift import FORMULAS, drift
 

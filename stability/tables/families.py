@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-from ..bodies.contact import LAWS
+from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.disk_families import AT, FAMILIES, ONLY, disk_family
 from ..systems.structural_zeros import structure

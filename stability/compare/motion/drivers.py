@@ -14,7 +14,7 @@ import numpy as np
 
 from ...base.errors import NameUnknownError, shown
 from ...base.types import Floats
-from ...bodies.contact import RegularisedCoulomb, Rough, Smooth
+from ...bodies.contact_laws import RegularisedCoulomb, Rough, Smooth
 from ...integrators.selection import METHODS
 from .reference_motions import Scene
 

@@ -16,8 +16,9 @@ import numpy as np
 
 from ...base.errors import NameUnknownError, shown
 from ...base.types import Floats
-from ...bodies.contact import Contact, law_named
+from ...bodies.contact import Contact
 from ...bodies.disk import Disk
+from ...bodies.law_names import law_named
 
 UNDETERMINED = "undetermined"
 """The outcome of a motion on which two high-precision integrations do not agree."""
@@ -32,7 +33,7 @@ class Scene:
     name: str
     """Its name."""
     law: str
-    """A key of `stability.bodies.contact.MOTION_LAWS`."""
+    """A key of `stability.bodies.contact_laws.MOTION_LAWS`."""
     k: float
     """Inertia factor."""
     mu: float | None

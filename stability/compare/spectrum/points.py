@@ -18,9 +18,10 @@ from ...algebra.balls import precision
 from ...algebra.routh_balls import hurwitz_sign, verdict_polynomial
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
-from ...bodies.contact import Contact, law_named
+from ...bodies.contact import Contact
 from ...bodies.disk import Disk
 from ...bodies.disk_families import disk_family
+from ...bodies.law_names import law_named
 from ...spectra.disk_problem import disk_problem
 from ...spectra.problem import Problem
 from ...systems.enclosure import characteristic
@@ -42,7 +43,7 @@ class Points:
     family: str
     """Its name."""
     law: str
-    """A key of `stability.bodies.contact.LAWS`."""
+    """A key of `stability.bodies.contact_laws.LAWS`."""
     k: Floats
     """Inertia factor, shape (N,)."""
     mu: Floats | None

@@ -233,7 +233,7 @@ def jacobian_program(law: str) -> Program:
     Parameters
     ----------
     law
-        A key of `stability.bodies.contact.LAWS`.
+        A key of `stability.bodies.contact_laws.LAWS`.
 
     Returns
     -------

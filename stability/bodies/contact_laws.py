@@ -1,0 +1,302 @@
+"""The stored contact laws: what the plane does to the rim, one class each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import Number, broadcast, instance, known, positive
+from ..base.errors import NameUnknownError, ParameterError, shown
+from .contact import OVER_ANY_NUMBER, ZERO_MU, Contact, Parameter, Scales
+from .disk import Disk
+
+
+def _times_speed(value: Any, scales: Scales) -> Any:
+    return value * scales.speed
+
+
+def _drag(value: Any, scales: Scales) -> Any:
+    return value / scales.mass * scales.time
+
+
+def _over_speed(value: Any, scales: Scales) -> Any:
+    return value / scales.speed
+
+
+@dataclass(frozen=True, eq=False)
+class Smooth(Contact):
+    """No friction at all: L·ẑ, omega3 and energy are kept.
+
+    Examples
+    --------
+    >>> Smooth().conservative
+    True
+    """
+
+    name: ClassVar[str] = "smooth"
+    conservative: ClassVar[bool] = True
+    slips: ClassVar[bool] = False
+
+    @OVER_ANY_NUMBER
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """Zero."""
+        return [0, 0]
+
+
+@dataclass(frozen=True, eq=False)
+class Viscous(Contact):
+    """Friction −mu·gn·vA, the law of Przybylska & Rauch-Wojciechowski 2016.
+
+    Parameters
+    ----------
+    mu
+        Positive [s/m]; dimensionless mu* = mu √(gR).
+
+    Raises
+    ------
+    ParameterError
+        If mu is not a finite number above zero.
+
+    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2.
+
+    Examples
+    --------
+    >>> Viscous(0.3).mu
+    0.3
+    """
+
+    mu: ArrayLike
+    """Friction coefficient [s/m]."""
+    name: ClassVar[str] = "viscous"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("mu", "s/m", _times_speed),)
+    relaxes: ClassVar[bool] = True
+
+    @OVER_ANY_NUMBER
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
+        """Against the slip, in proportion to it and to the normal force."""
+        return [-mu * normal * slip[0], -mu * normal * slip[1]]
+
+
+@dataclass(frozen=True, eq=False)
+class LinearViscous(Contact):
+    """Friction −c·vA, whatever the normal force.
+
+    Its linearisation is that of `Viscous(mu)` with c = mu m g at each steady motion.
+
+    Parameters
+    ----------
+    c
+        Positive [kg/s]; dimensionless c* = (c/m) √(R/g).
+    mu
+        In place of c: positive [s/m], meaning c = mu m g of whatever disk is asked about.
+
+    Raises
+    ------
+    ParameterError
+        If not exactly one of them is given, or it is not a finite number above zero.
+
+    Examples
+    --------
+    >>> LinearViscous.like(0.3, Disk(mass=2.0)).c
+    0.6
+    """
+
+    c: ArrayLike | None = None
+    """Friction coefficient [kg/s], or None."""
+    mu: ArrayLike | None = None
+    """Friction coefficient of the viscous law it is like [s/m], or None."""
+    name: ClassVar[str] = "linear-viscous"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("c", "kg/s", _drag, "mu"), Parameter("mu", "s/m", _times_speed, "mu"),
+    )  # fmt: skip
+    relaxes: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        if (self.c is None) == (self.mu is None):
+            raise ParameterError(
+                f"LinearViscous has c = {shown(self.c)} and mu = {shown(self.mu)}; give exactly "
+                "one of them."
+            )
+        super().__post_init__()
+
+    @classmethod
+    def like(cls, mu: ArrayLike, disk: Disk) -> LinearViscous:
+        """The linear law with the force of `Viscous(mu)` where the normal force is m g.
+
+        Parameters
+        ----------
+        mu
+            Friction coefficient of the viscous law [s/m].
+        disk
+            Gives m g.
+
+        Examples
+        --------
+        >>> LinearViscous.like(0.3, Disk()).c
+        0.3
+        """
+        coefficient: Number = positive("mu", mu, ZERO_MU)
+        force = instance("disk", disk, Disk, "give a stability.Disk").force
+        broadcast(mu=np.shape(coefficient), disk=np.shape(force))
+        with np.errstate(over="ignore", under="ignore"):  # what overflows is refused
+            return cls(coefficient * force)
+
+    @OVER_ANY_NUMBER
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """Against the slip, in proportion to it."""
+        return [-mu * slip[0], -mu * slip[1]]
+
+
+@dataclass(frozen=True, eq=False)
+class Rough(Contact):
+    """No slip: whatever force keeps the contact point at rest.
+
+    Examples
+    --------
+    >>> Rough().slips
+    False
+    """
+
+    name: ClassVar[str] = "rough"
+    conservative: ClassVar[bool] = True
+    slips: ClassVar[bool] = False
+
+    @OVER_ANY_NUMBER
+    def power(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """Zero: no slip, no loss."""
+        return 0
+
+
+@dataclass(frozen=True, eq=False)
+class Coulomb(Contact):
+    """Dry friction, set-valued at rest: −mu·gn along the slip, or sticking with |F| ≤ mu·gn.
+
+    Sticking is the rough disk inside the friction cone.  The law has no linearisation of its own,
+    so it is for motion (`simulate`) and not for spectra.
+
+    Parameters
+    ----------
+    mu
+        Positive [-], static and kinetic alike.
+
+    Raises
+    ------
+    ParameterError
+        If mu is not a finite number above zero.
+
+    Source: Le Saux, Leine & Glocker, J. Nonlinear Sci. 15 (2005) 27-61, for the disk.
+
+    Examples
+    --------
+    >>> Coulomb(0.3).force([3.0, 4.0], 1.0, 0.3)
+    [-0.18, -0.24]
+    """
+
+    mu: ArrayLike
+    """Friction coefficient [-]."""
+    name: ClassVar[str] = "coulomb"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("mu", "1"),)
+    linearises: ClassVar[bool] = False
+    sticks: ClassVar[bool] = True
+
+    @OVER_ANY_NUMBER
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
+        """Against the slip, mu times the normal force; not defined at rest."""
+        size = (slip[0] * slip[0] + slip[1] * slip[1]) ** 0.5
+        return [-mu * normal * slip[0] / size, -mu * normal * slip[1] / size]
+
+
+@dataclass(frozen=True, eq=False)
+class RegularisedCoulomb(Contact):
+    """Dry friction made smooth: −mu·gn·vA/√(|vA|² + ε²); it creeps where `Coulomb` sticks.
+
+    Parameters
+    ----------
+    mu
+        Positive [-].
+    epsilon
+        Slip speed below which the force gives way, positive [m/s].
+
+    Raises
+    ------
+    ParameterError
+        If one of them is not a finite number above zero.
+
+    Examples
+    --------
+    >>> RegularisedCoulomb(0.3, 1e-3).epsilon
+    0.001
+    """
+
+    mu: ArrayLike
+    """Friction coefficient [-]."""
+    epsilon: ArrayLike
+    """Slip speed below which the force gives way [m/s]."""
+    name: ClassVar[str] = "coulomb-regularised"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("mu", "1"), Parameter("epsilon", "m/s", _over_speed),
+    )  # fmt: skip
+    linearises: ClassVar[bool] = False
+
+    @OVER_ANY_NUMBER
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
+        """Against the slip; mu stands for the pair (mu, epsilon)."""
+        coefficient, epsilon = mu
+        size = (slip[0] * slip[0] + slip[1] * slip[1] + epsilon * epsilon) ** 0.5
+        return [-coefficient * normal * slip[0] / size, -coefficient * normal * slip[1] / size]
+
+
+LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, LinearViscous, Rough)}
+"""The stored contact laws of which spectra are asked, by name."""
+MOTION_LAWS: dict[str, type[Contact]] = LAWS | {
+    law.name: law for law in (Coulomb, RegularisedCoulomb)
+}
+"""The stored contact laws that `simulate` takes, by name."""
+
+
+def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]:
+    """The class of a contact law, of the package or of a user.
+
+    Parameters
+    ----------
+    law
+        A key of `MOTION_LAWS`, or a subclass of `Contact`.
+    motion
+        Whether it is for a motion; spectra ask of laws that have a linearisation.
+
+    Raises
+    ------
+    NameUnknownError
+        If it is neither, or has no linearisation where one is needed.
+
+    Examples
+    --------
+    >>> law_class("viscous")
+    <class 'stability.bodies.contact.Viscous'>
+    """
+    if isinstance(law, type) and issubclass(law, Contact) and law.name:
+        found = law
+    elif not motion and isinstance(law, str) and law not in MOTION_LAWS:
+        found = LAWS[known("contact", law, LAWS)]
+    else:
+        found = MOTION_LAWS[known("contact", law, MOTION_LAWS)]
+    if not motion and not found.linearises:
+        raise NameUnknownError(
+            f"contact is {shown(law)}, dry friction, which has no linearisation of its own; "
+            "inside the friction cone it is `rough`."
+        )
+    return found
+
+
+def stored(law: type[Contact]) -> bool:
+    """Whether the package holds exact polynomials and proofs for a law: none for a user's.
+
+    Parameters
+    ----------
+    law
+        Its class.
+    """
+    return LAWS.get(law.name) is law

@@ -1,0 +1,114 @@
+"""Contact laws by name, as on the command line: a stored law, or `module:Class` of a user's."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any
+
+from ..base.errors import NameUnknownError, ParameterError, shown
+from .contact import Contact
+from .contact_laws import RegularisedCoulomb, law_class
+
+
+def law_named(
+    name: str, mu: float | None, *, needed: bool = True, motion: bool = False,
+    epsilon: float | None = None, others: Mapping[str, float] | None = None,
+) -> Contact:  # fmt: skip
+    """The contact law of that name, with its parameters.
+
+    Parameters
+    ----------
+    name
+        A key of `LAWS`, or `module:Class` for a law of a user's.
+    mu
+        Friction coefficient [s/m], or None for a law without one; for `linear-viscous` the
+        coefficient is c = mu m g, which has the same linearisation.
+    needed
+        Whether a law with a coefficient must be given one; else 1 stands in.
+    motion
+        Whether it is for a motion, which dry friction can have.
+    epsilon
+        Slip speed of `coulomb-regularised` [m/s].
+    others
+        Parameters of a user's law by name.
+
+    Returns
+    -------
+    Contact
+
+    Raises
+    ------
+    NameUnknownError
+        If the law is unknown.
+    ParameterError
+        If a parameter is missing, or given to a law that has none, or not positive.
+
+    Examples
+    --------
+    >>> law_named("viscous", 0.3).mu
+    0.3
+    """
+    law = class_named(name, motion=motion)
+    given = {"mu": mu, "epsilon": epsilon} | dict(others or {})
+    given = {n: v for n, v in given.items() if v is not None}
+    for n in given:
+        if n not in [p.name for p in law.parameters]:
+            if n == "mu":
+                raise ParameterError(
+                    f"mu is given but the {law.name} law has no coefficient; leave it out."
+                )
+            where = "; it belongs to coulomb-regularised" if n == "epsilon" else ""
+            raise ParameterError(f"{n} is given but the {law.name} law has none{where}.")
+    for p in law.parameters:
+        if not set(law.alternatives(p.name)) & set(given):
+            _supply(law, p.name, given, needed=needed)
+    return law(**given)
+
+
+def class_named(name: str, *, motion: bool = False) -> type[Contact]:
+    """The class of a contact law by its name; arguments as in `law_named`."""
+    own = isinstance(name, str) and ":" in name
+    return law_class(_imported(name) if own else name, motion=motion)
+
+
+def _supply(law: type[Contact], name: str, given: dict[str, Any], *, needed: bool) -> None:
+    """Let 1 stand in for a friction coefficient that is not needed, or say what is missing."""
+    if name == "epsilon" and law is RegularisedCoulomb:
+        raise ParameterError(
+            "epsilon is missing; coulomb-regularised needs the slip speed below which its "
+            "force gives way (--epsilon)."
+        )
+    name = "mu" if "mu" in law.alternatives(name) else name
+    if needed:
+        option = "--mu" if name == "mu" else f"--parameter {name}=VALUE"
+        raise ParameterError(
+            f"{name} is missing; the {law.name} law needs a positive coefficient ({option})."
+        )
+    given[name] = 1.0
+
+
+def _imported(place: str) -> Any:
+    """The class at `module:Class`, found from the working directory too."""
+    module, _, name = place.partition(":")
+    if not all(part.isidentifier() for part in (*module.split("."), name)):
+        raise NameUnknownError(f"contact is {shown(place)}; give `module:Class`.")
+    before = list(sys.path)
+    sys.path.insert(0, os.getcwd())
+    try:
+        found = getattr(import_module(module), name)
+    except Exception as error:  # whatever a user's module raises while it is imported
+        why = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise NameUnknownError(
+            f"contact is {shown(place)}, which cannot be imported ({why[:120]}); give a module on "
+            "Python's path or in this folder, and a class in it."
+        ) from None
+    finally:
+        sys.path[:] = before
+    if not (isinstance(found, type) and issubclass(found, Contact) and found.name):
+        raise NameUnknownError(
+            f"contact is {shown(place)}, which is not a subclass of Contact with a name of its own."
+        )
+    return found

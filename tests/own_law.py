@@ -1,0 +1,26 @@
+"""A contact law as a user would write it, from the docstring of `Contact` alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from stability.bodies.contact import Contact, Parameter, Scales
+
+
+def by_speed(nu: Any, scales: Scales) -> Any:
+    """Nu √(gR)."""
+    return nu * scales.speed
+
+
+@dataclass(frozen=True, eq=False)
+class Weakening(Contact):
+    """Viscous friction that gives way to fast slip: −nu gn vA / (1 + |vA|²/(gR))."""
+
+    nu: Any
+    name: ClassVar[str] = "weakening"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("nu", "s/m", by_speed),)
+
+    def force(self, slip: Any, normal: Any, nu: Any) -> Any:
+        share = nu * normal / (1 + slip[0] * slip[0] + slip[1] * slip[1])
+        return [-share * slip[0], -share * slip[1]]
