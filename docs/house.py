@@ -29,6 +29,8 @@ WIDTH, ROW = 7.0, 0.66
 """Width of the picture and height of a floor [inch]."""
 BOX = 1.94, 0.42
 """Width and height of a folder [inch]."""
+MARGIN = 0.07
+"""Between the side of a folder and its words [inch]."""
 LANE = 0.22
 """Room of an arrow that passes a floor [inch]."""
 LINES, GENERAL, KNOWING, BODIES = "#4d4d4d", "#ffffff", "#dcebf7", "#f9e3bf"
@@ -317,10 +319,12 @@ def _folder(axes: Axes, shown: House, name: str, x: float, y: float) -> None:
         facecolor=colour, edgecolor="#1a1a1a", linewidth=0.7, zorder=3))  # fmt: skip
     count = f"{shown.files[name]} file" + "s" * (shown.files[name] != 1)
     style: dict[str, Any] = {"va": "center", "zorder": 4}
-    axes.text(x - width / 2 + 0.07, y + 0.09, f"{name}/", ha="left", fontsize=8.5,
+    axes.text(x - width / 2 + MARGIN, y + 0.09, f"{name}/", ha="left", fontsize=8.5,
               fontweight="bold", **style)  # fmt: skip
-    axes.text(x + width / 2 - 0.07, y + 0.09, count, ha="right", fontsize=6.5, color=LINES, **style)
-    axes.text(x - width / 2 + 0.07, y - 0.1, shown.says[name], ha="left", fontsize=6.8, **style)
+    axes.text(
+        x + width / 2 - MARGIN, y + 0.09, count, ha="right", fontsize=6.5, color=LINES, **style
+    )
+    axes.text(x - width / 2 + MARGIN, y - 0.1, shown.says[name], ha="left", fontsize=6.8, **style)
 
 
 def _arrow(axes: Axes, points: Sequence[tuple[float, float]], start: float, end: float) -> None:
@@ -373,12 +377,17 @@ def recorded(path: Path = PICTURE) -> str:
     return unescape(found[1]).strip() if found else ""
 
 
-def main(path: Path = PICTURE) -> None:
-    """Draw the picture into its file."""
+def style() -> Any:
+    """A context in which the picture looks the same everywhere."""
     import matplotlib
 
+    return matplotlib.rc_context({"svg.hashsalt": "house", "font.family": "DejaVu Sans"})
+
+
+def main(path: Path = PICTURE) -> None:
+    """Draw the picture into its file."""
     shown = house()
-    with matplotlib.rc_context({"svg.hashsalt": "house", "font.family": "DejaVu Sans"}):
+    with style():
         draw(shown).savefig(path, metadata={"Date": None, "Description": record(shown)})
 
 

@@ -1,4 +1,4 @@
-"""Numbers, polynomials, proved bounds.
+"""Number types, polynomials, bounds.
 
 A CasADi graph is read in any number type: doubles with error bounds, balls, exact numbers, SymPy.
 May import `base` only.
