@@ -1,4 +1,10 @@
-"""Numbers that a graph is read in, and polynomials in them.  Imports `base`."""
+"""Number types, polynomials, bounds.
+
+A CasADi graph is read in any number type: doubles with error bounds, balls, exact numbers, SymPy.
+May import `base` only.
+To add a number type: an `Algebra` in `number_types.py`, which is a table of functions by name; then
+`Program.run` reads every graph in it.
+"""
 
 from typing import Any
 

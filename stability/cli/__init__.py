@@ -1,4 +1,10 @@
-"""The command line: a thin layer on the public names; one file for each command."""
+"""The command line.
+
+A thin layer on the public names; one file for each command.
+May import `atlas`, `compare` and the floors below.
+To add a command: a module with one function of the parsed options, and its words in `_parser` of
+`commands.py`.
+"""
 
 from collections.abc import Sequence
 

@@ -1,7 +1,9 @@
-"""Cost against error, and where methods fail: routes to one answer, compared on this machine.
+"""Cost against error; hard cases.
 
-What one needs to add a route, a driver or a case is listed here; each name loads its module when it
-is first used.
+Routes to one answer, compared on this machine, and where methods fail.
+May import `figures`, `tables` and the floors below.
+To add a route, a driver or a hard case: one class, as `docs/compare.md` shows; the names needed are
+listed here, and each loads its module when it is first used.
 """
 
 from __future__ import annotations

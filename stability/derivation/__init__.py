@@ -1,1 +1,7 @@
-"""SymPy at work, offline: exact polynomials, conditions, formulas, proofs of completeness."""
+"""Formulas and proofs by SymPy.
+
+Characteristic polynomials over Q, Hurwitz conditions, formulas of boundaries, completeness.
+May import `bodies` and the floors below.
+To add the polynomial of a family: its variables in `VARIABLES` of `characteristic.py`, then
+`make derive`, which writes `bodies/disk_polynomials.json`.
+"""

@@ -1,1 +1,7 @@
-"""A leg of a motion in, its path out; one file for each family of methods."""
+"""A leg in, a path out.
+
+A `Leg` is a flow, a start, times and a tolerance; a `Path` is the states at these times.
+May import `bodies` and the floors below.
+To add an integrator: a function from `Leg` to `Path` in a module of its own, and its name in
+`METHODS` and `FINEST` of `selection.py`.
+"""

@@ -1,1 +1,7 @@
-"""Eigenvalues with error discs, and verdicts.  Imports `systems`; some files `bodies`."""
+"""Eigenvalues and verdicts.
+
+From a family and numbers with units to eigenvalues with error discs, a verdict, and its proof.
+May import `bodies` and the floors below; `deflation`, `eigenvalues` and `modes` know no body.
+To add an eigensolver: `_general` in `eigenvalues.py`, which takes matrices with their errors and
+returns eigenvalues with radii.
+"""
