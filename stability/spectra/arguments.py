@@ -14,8 +14,9 @@ from ..base.types import Floats
 from ..bodies.contact import LAWS, Contact, LinearViscous, Viscous
 from ..bodies.disk import Disk
 from ..bodies.disk_families import AT
+from ..bodies.disk_quantities import PHYSICAL
 from ..systems.family import Family
-from .disk_problem import PHYSICAL, check_axis, disk_problem, disk_roundings, disk_units
+from .disk_problem import check_axis, disk_problem, disk_roundings
 from .problem import Problem, system_problem
 
 Axis = tuple[str, float, float, int] | tuple[str, float, float, int, str]
@@ -101,12 +102,10 @@ def prepare(
 
     question = replace(question, values=merged)
     if question.dimensionless and set(names) & set(PHYSICAL):  # then the numbers are SI after all
-        parts = question.family.at
         question = replace(
             question,
             dimensionless=False,
-            units=disk_units(["at"] if len(parts) == 1 else parts, parts, si=True),
-            roundings=disk_roundings(parts, question.law, si=True),  # type: ignore[arg-type]
+            roundings=disk_roundings(question.family.at, question.law, si=True),  # type: ignore[arg-type]
         )
     _check_members(question, axis_values)
     return question
