@@ -23,10 +23,10 @@ from ..base.errors import FileError, StabilityError
 from ..bodies.contact_laws import Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from ..bodies.disk_families import AT
+from ..bodies.disk_quantities import QUANTITIES
 from ..boundary.changes import boundaries
 from ..jobs.following import follow
 from ..jobs.pipeline import completed
-from ..maps.dataset import LONG_NAMES
 from ..maps.stability_map import stability_map
 from ..spectra.spectrum import spectrum
 from ..storage.files import deaf, postponed, record
@@ -233,7 +233,7 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
     stem = f"locus-{family}-{body}-mu{mu:g}".replace(".", "_")
     title = rf"{family}: {name}, $\mu = {mu:g}$"
     save(locus(spectra, thresholds=[p.value for p in points], title=title), here / stem)
-    quantity = LONG_NAMES[AT[family][0]]
+    quantity = QUANTITIES[AT[family][0]].long_name
     changes = "; ".join(f"{p.crossing.word} boundary at {p.value:.10g}" for p in points)
     caption = (
         f"Eigenvalues of {family} of the {name} ({inertia}) under viscous friction, μ = {mu:g} "

@@ -275,7 +275,7 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
     Examples
     --------
     >>> law_class("viscous")
-    <class 'stability.bodies.contact.Viscous'>
+    <class 'stability.bodies.contact_laws.Viscous'>
     """
     if isinstance(law, type) and issubclass(law, Contact) and law.name:
         found = law

@@ -20,17 +20,10 @@ from ..systems.condition import Condition
 from ..systems.system import System
 from .contact import Contact
 from .contact_laws import Coulomb, Rough, Smooth, law_class
+from .disk_quantities import SYSTEM, disk_quantities
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 """State names in their order; laws without slip in the state keep the first four."""
-
-UNITS = {
-    "theta": "rad", "theta_dot": "1/s", "phi_dot": "1/s", "omega3": "1/s",
-    "slip_x": "m/s", "slip_y": "m/s", "slip": "m/s", "k": "1", "mu": "s/m", "energy": "J",
-    "normal_force": "N", "contact_force": "N", "determinant": "1", "power": "W", "epsilon": "m/s",
-    "direction": "rad",
-}  # fmt: skip
-"""SI unit of each state, parameter and observable."""
 
 
 def disk_system(
@@ -95,10 +88,11 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
     p = ca.vertcat(*named.values())
     body = _Body(x, k, contact, coefficient, slips)
     return System.from_mass_matrix(
-        f"disk, {law}", x, p, *body.implicit_form(),
+        SYSTEM + law, x, p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
         observables=body.observables, conditions=_conditions(x),
-        states=names, parameters=tuple(named), units=UNITS,
+        states=names, parameters=tuple(named), 
+        units={n: q.kind.si for n, q in disk_quantities(contact).items()},
     )  # fmt: skip
 
 

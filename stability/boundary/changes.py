@@ -122,7 +122,7 @@ def along(
 
     Examples
     --------
-    >>> from stability.spectra.problem import disk_problem
+    >>> from stability.spectra.disk_problem import disk_problem
     >>> from stability.bodies.contact_laws import Rough
     >>> from stability.bodies.disk import Disk
     >>> [b] = along(disk_problem("rolling", Disk(), Rough()), "at", 0.1, 2.0)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import ParameterError, shown
+from ..base.quantities import Kind
 from ..storage.json_text import json_text
 from .options import PARAMETER_HELP, contact_of
 
@@ -15,7 +16,6 @@ CONTACTS = (
     "viscous, linear-viscous, smooth, rough, coulomb, coulomb-regularised, or module:Class for a "
     "law of your own"
 )
-STATE_OPTIONS = ("theta", "theta-dot", "phi-dot", "omega3", "slip-x", "slip-y")
 MOST = 10_000_000
 """Samples of a run at most."""
 
@@ -35,9 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "slip-x": "slip of the contact point across the disk",
         "slip-y": "slip along the disk's tangent",
     }  # fmt: skip
-    for name in STATE_OPTIONS:
+    for name, text in helps.items():
         parser.add_argument(f"--{name}", type=float, default=None if name == "theta" else 0.0,
-                            metavar="X", help=helps[name])  # fmt: skip
+                            metavar="X", help=text)  # fmt: skip
     parser.add_argument("--mu", type=float, help="friction coefficient")
     parser.add_argument("--epsilon", type=float, help="slip speed of coulomb-regularised")
     parser.add_argument("--contact", default="viscous", help=f"{CONTACTS} (default viscous)")
@@ -187,7 +187,7 @@ def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[
     if options.json:
         print(json_text(record))
         return
-    unit = "" if disk.dimensionless else " s"
+    unit = "" if disk.dimensionless else Kind.TIME.suffix
     print(f"outcome   {outcome.value}")
     print(f"evidence  {record['evidence']}")
     print(f"time      {record['time']:.9g}{unit}")

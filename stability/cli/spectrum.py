@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from ..base.errors import ParameterError, shown
+from ..base.quantities import Kind
 from ..storage.json_text import json_text
 from .options import _at, _disk, contact_of
 
@@ -47,7 +48,7 @@ def _spectrum(options: argparse.Namespace) -> None:
         "radius": list(result.radius),
         "modes": list(result.modes.labels),
         "reason": result.reason,
-        "unit": "√(g/R)" if disk.dimensionless else "1/s",
+        "unit": Kind.GROWTH_RATE.label(dimensionless=disk.dimensionless),
     }
     if options.lean is not None:
         record["lean"] = options.lean

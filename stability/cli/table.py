@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from ..base.errors import ParameterError, shown
+from ..base.quantities import Kind
 from ..storage.json_text import json_text
 from .options import _bar
 
@@ -46,11 +47,12 @@ def _table(options: argparse.Namespace) -> None:
         print(json_text(body))
         return
     disk = settings.get("disk")
+    plain = disk is None or disk.dimensionless
     if formulas:
         from ..tables.render import formula_lines
 
         print("\n".join(formula_lines(formulas)))
-    print(text(options.name, rows, "√(g/R)" if disk is None or disk.dimensionless else "rad/s"))
+    print(text(options.name, rows, Kind.ANGULAR_VELOCITY.label(dimensionless=plain)))
 
 
 def _table_settings(options: argparse.Namespace) -> dict[str, Any]:

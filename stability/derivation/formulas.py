@@ -20,6 +20,7 @@ from ..algebra.polynomial import Polynomial
 from ..base.errors import ParameterError, shown
 from ..bodies.disk_families import FAMILIES, ONLY
 from ..bodies.disk_polynomials import Exact, exact_polynomial
+from ..bodies.disk_quantities import QUANTITIES
 from .branches import where
 from .characteristic import LAM, MU, SQUARE, Derived, M
 from .friction_ranges import Line, Range
@@ -286,8 +287,8 @@ def latex(found: Formulas) -> str:
     >>> print(latex(formulas("spinning", "rough")).splitlines()[4])
     \item static boundary: $\dot\varphi^{2} = \frac{1}{k + 1}$
     """
-    names = {LAM: "\\lambda", MU: "\\mu", sympy.Symbol("phi_dot"): "\\dot\\varphi",
-             sympy.Symbol("omega3"): "\\omega_3"}  # fmt: skip
+    names = {LAM: "\\lambda", MU: QUANTITIES["mu"].latex}
+    names |= {sympy.Symbol(n): QUANTITIES[n].latex for n in ("phi_dot", "omega3")}
 
     def show(text: str) -> str:
         value = sympy.sympify(text, locals={"lam": LAM, "S": sympy.Symbol("S")})

@@ -194,7 +194,7 @@ def decisive(derived: Derived) -> tuple[list[Condition], list[Obligation]]:
 
     Examples
     --------
-    >>> from .derivation import derive
+    >>> from .characteristic import derive
     >>> [str(c.polynomial.as_expr()) for c in decisive(derive("rolling", "viscous"))[0]]
     ['2*k*z - 1']
     """

@@ -15,11 +15,12 @@ import numpy as np
 
 from ..base.checks import callback, positive
 from ..base.errors import ParameterError
+from ..base.quantities import unit_of
 from ..motion.dataset import FORMAT
 from ..motion.result import BY_CODE
 from ..storage.files import whole
 from ..storage.targets import FILMS, check_suffix, check_target
-from .film import FINE, Scene, caption_of, inner_radius, unit_of, write_gif, write_mp4
+from .film import FINE, Scene, caption_of, inner_radius, write_gif, write_mp4
 from .pose import LINEAR, POSED, resample
 from .single_run import events_of
 
@@ -167,7 +168,7 @@ def _page(dataset: xarray.Dataset, motion: dict[str, Any], length: float) -> str
         "evidence": str(dataset.evidence.values), "seconds": length,
         "weight": float(dataset.mass * dataset.gravity),
         "radius": motion["radius"], "inner": inner_radius(dataset),
-        "time_unit": unit_of(dataset, "time"), "force_unit": unit_of(dataset, "normal_force"),
+        "time_unit": unit_of(dataset.time.attrs), "force_unit": unit_of(dataset.normal_force.attrs),
     }  # fmt: skip
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     template = resources.files(__package__).joinpath("animation.html")

@@ -6,20 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base.quantities import Kind
+from ..bodies.disk_equations import STATES
+from ..bodies.disk_quantities import SYSTEM, quantities_of
 from ..motion.result import BY_CODE
 from .single_run import one_launch
 
 if TYPE_CHECKING:
     import xarray
-
-
-STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
-
-GIVEN = {
-    "mass": ("m", " kg"), "radius": ("R", " m"), "gravity": ("g", " m/s²"), "k": ("k", ""),
-    "mu": ("μ", ""), "c": ("c", " kg/s"), "epsilon": ("ε", " m/s"),
-}  # fmt: skip
-"""Symbol and SI unit of a parameter; the μ of viscous friction is in s/m."""
 
 
 def caption(dataset: xarray.Dataset) -> str:
@@ -51,11 +45,11 @@ def caption(dataset: xarray.Dataset) -> str:
     motion = one_launch(dataset, needed)
     data, plain = motion.data, bool(dataset.attrs.get("dimensionless", 0))
     law = str(dataset.attrs.get("contact", ""))
-    second = " √(R/g)" if plain else " s"
-    units = GIVEN | ({"mu": ("μ", " s/m")} if law == "viscous" else {})
+    second = f" {Kind.TIME.label(dimensionless=plain)}"
     given = [
-        f"{symbol} = {float(data[name]):.4g}{'' if plain else unit}"
-        for name, (symbol, unit) in units.items() if name in data.coords
+        f"{q.symbol} = {float(data[name]):.4g}{'' if plain else q.kind.suffix}"
+        for name, q in quantities_of(SYSTEM + law).items()
+        if name in data.coords and not data[name].ndim
     ]  # fmt: skip
     start = [
         f"{name} = {float(data[name][0]):.4g}{'' if plain else ' ' + data[name].attrs['units']}"

@@ -17,34 +17,17 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from ..base.quantities import axis_label, in_latex, unit_of
 from ..base.verdict import CODES, Verdict
+from ..bodies.disk_quantities import quantities_of
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
-from ..maps.dataset import LONG_NAMES
 
 if TYPE_CHECKING:
     import xarray
 
 from .style import COLUMN, power_of_ten, spacing
 
-SYMBOLS = {
-    "omega3": r"$\omega_3$",
-    "phi_dot": r"$\dot\varphi$",
-    "theta": r"$\theta$",
-    "lean": r"$\pi/2-\theta$",
-    "theta_dot": r"$\dot\theta$",
-    "slip_x": r"$v_x$",
-    "slip_y": r"$v_y$",
-    "mu": r"$\mu$",
-    "k": r"$k$",
-    "c": r"$c$",
-}
-"""LaTeX symbol by name."""
-UNITS = {
-    "√(g/R)": r"$\sqrt{g/R}$", "1/√(gR)": r"$1/\sqrt{gR}$", "m √(g/R)": r"$m\sqrt{g/R}$",
-    "rad/s": "rad/s", "s/m": "s/m", "m/s2": r"m/s$^2$", "kg/s": "kg/s",
-}  # fmt: skip
-"""LaTeX unit by its words."""
 # Decay blue, growth vermilion: apart for every common colour vision, and in grey by the hatching.
 DIVERGING = LinearSegmentedColormap.from_list(
     "decay-growth", ["#08306b", "#4292c6", "#deebf7", "#fdebdc", "#e6703a", "#7f2704"]
@@ -125,8 +108,8 @@ def diagram(
             main.xaxis.set_major_locator(MaxNLocator(6))
         main.set_xlim(float(dataset[_x(dataset)][0]), float(dataset[_x(dataset)][-1]))
         bar = figure.colorbar(mesh, ax=rows, pad=0.02, aspect=32, fraction=0.05)
-        unit = dataset.abscissa.attrs.get("unit_in_words", dataset.abscissa.attrs["units"])
-        bar.set_label(rf"largest growth rate max Re $\lambda$  [{UNITS.get(unit, unit)}]")
+        unit = in_latex(unit_of(dataset.abscissa.attrs))
+        bar.set_label(rf"largest growth rate max Re $\lambda$  [{unit}]")
         _bar_ticks(bar, mesh.norm)
         if title:
             rows[0].set_title(title, fontsize=8, pad=4)
@@ -227,11 +210,8 @@ def _runs(kind: NDArray[Any], curve: NDArray[Any]) -> list[tuple[int, int]]:
 def _label(dataset: xarray.Dataset, name: str) -> str:
     attributes = dataset[name].attrs
     quantity = attributes.get("quantity", name)
-    unit = attributes.get("unit_in_words", attributes.get("units", "1"))
-    words = LONG_NAMES.get(quantity, quantity)
-    symbol = SYMBOLS.get(quantity, quantity)
-    tail = "" if unit == "1" else f"  [{UNITS.get(unit, unit)}]"
-    return f"{words} {symbol}{tail}"
+    known = quantities_of(dataset.attrs.get("system", "")).get(quantity)
+    return axis_label(known, quantity, unit_of(attributes))
 
 
 def _axis_labels(axes: Axes, dataset: xarray.Dataset) -> None:

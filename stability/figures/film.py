@@ -23,7 +23,9 @@ from PIL import Image
 from scipy.ndimage import uniform_filter1d
 
 from ..base.errors import FileError
+from ..base.quantities import unit_of
 from ..base.types import Floats
+from ..bodies.disk_quantities import PHYSICAL, QUANTITIES
 from ..motion.result import BY_CODE
 from .pose import POSED, geometry
 
@@ -47,52 +49,14 @@ THIN = 0.93
 
 
 def inner_radius(dataset: xarray.Dataset) -> float:
-    """Inner radius to draw [R]: 0 for a disk, that of the annulus with this k otherwise.
-
-    Parameters
-    ----------
-    dataset
-        From `simulate`.
-
-    Returns
-    -------
-    float
-    """
+    """Inner radius to draw [R]: 0 for a disk, that of the annulus with this k otherwise."""
     return min(math.sqrt(max(4 * float(dataset.k) - 1, 0.0)), THIN)
 
 
-def unit_of(dataset: xarray.Dataset, name: str) -> str:
-    """The unit of a series, in words where it is dimensionless.
-
-    Parameters
-    ----------
-    dataset
-        From `simulate`.
-    name
-        The series.
-
-    Returns
-    -------
-    str
-    """
-    attributes = dataset[name].attrs
-    return str(attributes.get("unit_in_words", attributes.get("units", "")))
-
-
 def caption_of(dataset: xarray.Dataset) -> str:
-    """The parameters, in words; the scales only where they are not 1.
-
-    Parameters
-    ----------
-    dataset
-        From `simulate`.
-
-    Returns
-    -------
-    str
-    """
+    """The parameters in words; the scales only where they are not 1."""
     plain = bool(dataset.attrs.get("dimensionless", 0))
-    units = {"mass": " kg", "radius": " m", "gravity": " m/s²"}
+    units = {name: QUANTITIES[name].kind.suffix for name in PHYSICAL}
     shown = [
         f"{name} = {float(value):.6g}{units.get(str(name), '')}"
         for name, value in dataset.coords.items()
@@ -107,7 +71,7 @@ class Scene:
     def __init__(self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float) -> None:
         self.motion, self.seen = motion, geometry(motion)
         self.frames = (len(motion["time"]) - 1) // FINE + 1
-        self.unit, self.inner = unit_of(dataset, "time"), inner_radius(dataset)
+        self.unit, self.inner = unit_of(dataset.time.attrs), inner_radius(dataset)
         self.figure = Figure(figsize=SIZE, dpi=DPI, facecolor="white")
         FigureCanvasAgg(self.figure)
         self.axes = self.figure.add_axes((0, 0, 1, 1))

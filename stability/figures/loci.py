@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from ..maps.dataset import LONG_NAMES
+from ..base.quantities import Kind, axis_label, in_latex
+from ..bodies.disk_quantities import is_angle, quantities_of
 from ..spectra.result import Spectrum
-from .diagram import SYMBOLS, UNITS
 from .style import COLUMN, power_of_ten, spacing
 
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
@@ -25,8 +25,9 @@ LOCUS_LINEAR = 1e-3
 
 
 def locus(
-    spectrum: Spectrum, *, thresholds: Sequence[float] = (), title: str = "", unit: str = "√(g/R)"
-) -> Figure:
+    spectrum: Spectrum, *, thresholds: Sequence[float] = (), title: str = "",
+    unit: str = Kind.GROWTH_RATE.words,
+) -> Figure:  # fmt: skip
     """Eigenvalues against the family parameter: growth rate above, frequency below, modes labelled.
 
     Parameters
@@ -46,6 +47,7 @@ def locus(
         One journal column wide.
     """
     name = spectrum.family.at[0]
+    known = quantities_of(spectrum.family.system.name)
     at = np.asarray(spectrum.at)[:, 0]
     order = spectrum.tracked()
     values = np.take_along_axis(spectrum.eigenvalues, order, axis=-1)
@@ -61,7 +63,8 @@ def locus(
         for index, columns in enumerate(groups):
             colour = MODE_COLOURS[index % len(MODE_COLOURS)]
             states = mode_states(share, columns, spectrum.family.system.states)
-            text = f"{index + 1}: {', '.join(SYMBOLS.get(s, s) for s in states)}"
+            symbols = [known[s].typeset if s in known else s for s in states]
+            text = f"{index + 1}: {', '.join(symbols)}"
             for position, column in enumerate(columns):
                 top.plot(at, values[:, column].real, color=colour, zorder=3,
                          linestyle="-" if position == 0 else (0, (3, 1.5)),
@@ -81,11 +84,12 @@ def locus(
             top.text(1.015, height, word, transform=top.transAxes, rotation=90, ha="left",
                      va="center", fontsize=7, color=colour)  # fmt: skip
         _locus_numbers(top, at, values, groups)
-        units = UNITS.get(unit, unit)
+        units = in_latex(unit)
         top.set_ylabel(rf"growth rate Re $\lambda$  [{units}]")
         bottom.set_ylabel(rf"frequency |Im $\lambda$|  [{units}]")
-        tail = "rad" if name == "theta" else units
-        bottom.set_xlabel(f"{LONG_NAMES.get(name, name)} {SYMBOLS.get(name, name)}  [{tail}]")
+        if name not in known or is_angle(name):
+            unit = spectrum.family.system.units.get(name, "1")
+        bottom.set_xlabel(axis_label(known.get(name), name, unit))
         bottom.set_xlim(at[0], at[-1])
         bottom.set_ylim(bottom=0)
         figure.legend(

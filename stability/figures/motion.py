@@ -17,23 +17,20 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
+from ..base.quantities import in_latex, unit_of
+from ..bodies.disk_equations import STATES
+from ..bodies.disk_quantities import QUANTITIES
 from ..motion.result import BY_CODE, Outcome
-from .diagram import SYMBOLS, UNITS
 from .single_run import Motion, one_launch
 from .style import COLUMN, spacing
 
 if TYPE_CHECKING:
     import xarray
 
-from .caption import STATES, tolerance_of
+from .caption import tolerance_of
 
 PAGE = 7.0
 """Width of a figure over two journal columns [in]."""
-IN_LATEX = UNITS | {
-    "√(R/g)": r"$\sqrt{R/g}$", "√(gR)": r"$\sqrt{gR}$", "m g": r"$mg$", "m g R": r"$mgR$",
-    "R": r"$R$",
-}  # fmt: skip
-"""LaTeX unit by its words."""
 ENERGIES = ("potential", "kinetic", "dissipated")
 POSE = ("contact_x", "contact_y", "centre_x", "centre_y")
 # apart for every common colour vision, and in grey by the dashes
@@ -193,9 +190,8 @@ def _drawn(width: float, height: float, draw: Callable[[Any], None]) -> Figure:
 
 
 def _unit(data: xarray.Dataset, name: str) -> str:
-    attributes = data[name].attrs
-    unit = attributes.get("unit_in_words", attributes.get("units", "1"))
-    return "" if unit == "1" else f"[{IN_LATEX.get(unit, unit)}]"
+    unit = unit_of(data[name].attrs)
+    return "" if unit == "1" else f"[{in_latex(unit)}]"
 
 
 def _legend(axes: Axes, handles: list[Line2D] | None = None) -> None:
@@ -213,8 +209,8 @@ def _draw_states(page: Any, motion: Motion) -> None:
     data, times = motion.data, motion.times
     for axes, (word, names) in zip(panels, PANELS, strict=True):
         for name, stroke in zip(names, STROKES, strict=False):
-            axes.plot(times, data[name].values, label=SYMBOLS.get(name), **stroke)
-        symbol = SYMBOLS.get(names[0], "") if len(names) == 1 else ""
+            axes.plot(times, data[name].values, label=QUANTITIES[name].typeset, **stroke)
+        symbol = QUANTITIES[names[0]].typeset if len(names) == 1 else ""
         axes.set_ylabel(f"{word}\n{symbol} {_unit(data, names[0])}".replace("\n ", "\n"))
         axes.yaxis.set_major_locator(MaxNLocator(5))
         for start, stop in motion.sticking:

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.quantities import Kind
 from ..base.verdict import CODES
 from ..base.version import __version__
+from ..bodies.disk_quantities import disk_quantities
 from ..spectra.problem import Problem
 from ..systems.structural_zeros import structure
 
@@ -39,19 +41,6 @@ GRAPH = (
 FORMAT = "stability map 1"
 """Marks a file as one of ours."""
 LIBRARIES = ("casadi", "numpy", "scipy", "python-flint", "xarray")
-LONG_NAMES = {
-    "omega3": "axial angular velocity",
-    "phi_dot": "precession rate",
-    "theta": "axis inclination",
-    "lean": "lean from upright",
-    "k": "inertia factor",
-    "mu": "friction coefficient",
-    "c": "linear friction coefficient",
-    "mass": "mass",
-    "radius": "radius",
-    "gravity": "gravity",
-}
-"""What an axis is called in words."""
 
 
 def provenance(
@@ -105,28 +94,13 @@ def provenance(
 
 
 def axis_attributes(question: Problem, name: str) -> dict[str, str]:
-    """Long name and unit of an axis.
-
-    Parameters
-    ----------
-    question
-        The question.
-    name
-        Axis name.
-
-    Returns
-    -------
-    dict
-    """
+    """Long name, unit and quantity of an axis of a map."""
     meaning = question.family.at[0] if name == "at" else name
-    long = LONG_NAMES.get(meaning, meaning) if question.law is not None else meaning
-    attributes = {"units": question.units.get(name, "1"), "long_name": long, "quantity": meaning}
-    if question.dimensionless and question.law is not None:
-        scale = {"omega3": "√(g/R)", "phi_dot": "√(g/R)", "mu": "1/√(gR)", "c": "m √(g/R)",
-                 "mass": "m", "radius": "R", "gravity": "g"}  # fmt: skip
-        if meaning in scale:
-            attributes["unit_in_words"] = scale[meaning]
-    return attributes
+    known = disk_quantities(type(question.law)).get(meaning) if question.law is not None else None
+    if known is None:
+        unit = question.family.system.units.get(name, "1")
+        return {"units": unit, "long_name": meaning, "quantity": meaning}
+    return known.attributes(dimensionless=question.dimensionless) | {"quantity": meaning}
 
 
 def assemble(
@@ -153,8 +127,7 @@ def assemble(
     import xarray
 
     dims = axes[1].name, axes[0].name
-    rate = question.units["rate"]
-    words = {"units": rate} | ({"unit_in_words": "√(g/R)"} if question.dimensionless else {})
+    words = Kind.GROWTH_RATE.attributes(dimensionless=question.dimensionless)
     flags = {
         "flag_values": np.array(list(CODES.values()), dtype=np.int8),
         "flag_meanings": " ".join(v.word for v in CODES),

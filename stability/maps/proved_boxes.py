@@ -94,7 +94,7 @@ def prove_boxes(
     --------
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
-    >>> from stability.spectra.problem import disk_problem
+    >>> from stability.spectra.disk_problem import disk_problem
     >>> question = disk_problem("rolling", Disk(), Viscous(1.0), 1.0)
     >>> axes = Grid("at", 0.1, 3.0, 9), Grid("mu", 0.1, 1.0, 9)
     >>> boxes = prove_boxes(question, axes, 6)

@@ -38,7 +38,7 @@ class GridVerdicts:
     --------
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
-    >>> from stability.spectra.problem import disk_problem
+    >>> from stability.spectra.disk_problem import disk_problem
     >>> verdicts = GridVerdicts(disk_problem("rolling", Disk(), Viscous(1.0), 1.0), "at", "mu")
     >>> codes, handed_on = verdicts(np.linspace(1, 2, 200), np.linspace(0.1, 1, 100))
     >>> codes.shape, np.unique(codes).tolist(), handed_on

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
 from ..bodies.disk_equations import STATES
+from ..bodies.disk_quantities import QUANTITIES
 from ..integrators.flow import POSE, POSE_UNIT, flow
 from ..integrators.stick_slip import SLIDING, STICKING
 from .result import BY_CODE, Outcome
@@ -30,31 +32,6 @@ from .observables import OBSERVED, observe
 
 FORMAT = "stability trajectory 1"
 """Marks a file as one of ours."""
-LONG = {
-    "theta": ("axis inclination", "angle"), "theta_dot": ("nutation rate", "rate"),
-    "phi_dot": ("precession rate", "rate"), "omega3": ("axial angular velocity", "rate"),
-    "slip_x": ("slip along x̂, across the disk", "speed"),
-    "slip_y": ("slip along ŷ, along the disk's tangent", "speed"),
-    "energy": ("energy", "energy"), "kinetic": ("kinetic energy", "energy"),
-    "potential": ("potential energy", "energy"),
-    "dissipated": ("energy lost to friction since the start", "energy"),
-    "audit": ("energy plus what was lost, less the energy at the start", "energy"),
-    "normal_force": ("normal force", "force"), "force_x": ("contact force along x̂", "force"),
-    "force_y": ("contact force along ŷ", "force"), "power": ("power lost to friction", "power"),
-    "phi": ("precession angle", "angle"), "psi": ("relative spin angle", "angle"),
-    "centre_x": ("centre, X", "length"), "centre_y": ("centre, Y", "length"),
-    "contact_x": ("contact point, X", "length"), "contact_y": ("contact point, Y", "length"),
-}  # fmt: skip
-"""Long name and kind of unit of each series."""
-SI = {
-    "angle": "rad", "rate": "rad/s", "speed": "m/s", "energy": "J", "force": "N", "power": "W",
-    "length": "m", "time": "s",
-}  # fmt: skip
-IN_WORDS = {
-    "rate": "√(g/R)", "speed": "√(gR)", "energy": "m g R", "force": "m g",
-    "power": "m g √(gR)", "length": "R", "time": "√(R/g)",
-}  # fmt: skip
-"""The dimensionless unit by kind."""
 ACCOUNT = 1e-2
 """Share of the initial energy by which the account may fail before no outcome is given."""
 LIBRARIES = ("casadi", "numpy", "scipy", "heyoka", "xarray")
@@ -69,17 +46,6 @@ def _versions() -> str:
         except PackageNotFoundError:  # noqa: PERF203 - heyoka is optional
             continue
     return ", ".join(found) + f", python {platform.python_version()}"
-
-
-@cache
-def _attributes(name: str, dimensionless: bool) -> dict[str, str]:
-    long, kind = LONG[name]
-    attributes = {"long_name": long, "units": "1" if dimensionless else SI[kind]}
-    if kind == "angle":
-        attributes["units"] = "rad"
-    elif dimensionless:
-        attributes["unit_in_words"] = IN_WORDS[kind]
-    return attributes
 
 
 def assemble(launches: Launches, settings: Settings, results: list[Result]) -> xarray.Dataset:
@@ -113,9 +79,10 @@ def assemble(launches: Launches, settings: Settings, results: list[Result]) -> x
     plain = launches.dimensionless
     fast: Any = xarray.Variable
     variables = {
-        n: fast(along, v.reshape(shape), _attributes(n, plain), fastpath=True)
+        n: fast(along, v.reshape(shape), QUANTITIES[n].attributes(dimensionless=plain),
+                fastpath=True)
         for n, v in series.items()
-    }
+    }  # fmt: skip
     if not single:
         variables["running"] = fast(along, running.reshape(shape), {
             "long_name": "whether the run had not ended", "flag_values": [0, 1],
@@ -129,9 +96,8 @@ def assemble(launches: Launches, settings: Settings, results: list[Result]) -> x
     variables |= _summary(launches, results, series["audit"], dims)
     variables |= _log(launches, results)
     coordinates = {
-        "time": fast("time", times, {
-            "long_name": "time", "units": "1" if plain else "s",
-            **({"unit_in_words": IN_WORDS["time"]} if plain else {})}, fastpath=True),
+        "time": fast("time", times, QUANTITIES["time"].attributes(dimensionless=plain),
+                     fastpath=True),
     }  # fmt: skip
     for name, value in launches.given.items():
         kept = ((), value) if value.ndim == 0 else (dims, value.reshape(launches.shape))
@@ -233,13 +199,15 @@ def _series(
         reach = np.cos(found["theta"])
         found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
         found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])
+    named = {n: q.kind for n, q in QUANTITIES.items() if n in found}
     if launches.dimensionless:
-        return {n: found[n] for n in LONG if n in found}
+        return {n: found[n] for n in named}
     s = launches.scales
-    scale = {"rate": s["rate"], "speed": s["speed"], "energy": s["energy"], "force": s["force"],
-             "power": s["force"] * s["speed"], "length": s["length"]}  # fmt: skip
+    scale = {Kind.ANGULAR_VELOCITY: s["rate"], Kind.VELOCITY: s["speed"], Kind.ENERGY: s["energy"],
+             Kind.FORCE: s["force"], Kind.POWER: s["force"] * s["speed"],
+             Kind.LENGTH: s["length"]}  # fmt: skip
     units = {kind: v[:, None] if v.ndim else v for kind, v in scale.items()}
-    return {n: found[n] * units.get(LONG[n][1], 1.0) for n in LONG if n in found}
+    return {n: found[n] * units.get(kind, 1.0) for n, kind in named.items()}
 
 
 def _summary(
@@ -260,7 +228,8 @@ def _summary(
     near = [r.near for r in results]
     turning = np.array([n.family != "tumbling" for n in near])
     first = launches.energies * launches.scales["energy"]
-    second = "1" if launches.dimensionless else "s"
+    plain = launches.dimensionless
+    second = Kind.TIME.unit(dimensionless=plain)
     return {
         "outcome": variable(
             np.array([r.outcome.code for r in results], dtype=np.int8),
@@ -280,7 +249,7 @@ def _summary(
         "nearest_at": variable(
             np.array([n.at for n in near]) * np.where(turning, rate, 1.0),
             long_name="its phi_dot, theta or omega3",
-            units="1" if launches.dimensionless else "rad/s (theta: rad)",
+            units="1" if plain else f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})",
         ),
         "nearest_distance": variable([n.distance for n in near], units="1",
                                      long_name="dimensionless distance from it"),
@@ -352,13 +321,13 @@ def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
     return {
         "event_launch": variable("event", which, {"long_name": "launch, counted flat"}),
         "event_time": variable("event", times * (clock[which] if clock.ndim else clock),
-                               {"units": "1" if launches.dimensionless else "s"}),
+                               {"units": Kind.TIME.unit(dimensionless=launches.dimensionless)}),
         "event_kind": variable("event", np.array([r[2] for r in rows], dtype="U12")),
         "event_state": variable(("event", "state"), states, {
             "long_name": "state at the event", "columns": " ".join(STATES)}),
         "event_direction": variable("event", np.array([r[4] for r in rows], dtype=float), {
             "long_name": "direction of slip from x̂, before sticking or at its onset",
-            "units": "rad"}),
+            "units": Kind.ANGLE.si}),
     }  # fmt: skip
 
 

@@ -15,8 +15,9 @@ from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, Viscous, law_class
 from ..bodies.disk import Disk
 from ..bodies.disk_families import AT
+from ..bodies.disk_quantities import PHYSICAL
 from ..systems.family import Family
-from .disk_problem import PHYSICAL, check_axis, disk_problem, disk_roundings, disk_units
+from .disk_problem import check_axis, disk_problem, disk_roundings
 from .problem import Problem, system_problem
 
 Axis = tuple[str, float, float, int] | tuple[str, float, float, int, str]
@@ -105,13 +106,9 @@ def prepare(
 
     question = replace(question, values=merged)
     law = question.law
-    if (
-        law and question.dimensionless and set(names) & set(PHYSICAL)
-    ):  # the numbers are SI after all
-        parts = question.family.at
-        units = disk_units(["at"] if len(parts) == 1 else parts, parts, law, si=True)
-        roundings = disk_roundings(parts, law, si=True)
-        question = replace(question, dimensionless=False, units=units, roundings=roundings)
+    if law and question.dimensionless and set(names) & set(PHYSICAL):  # the numbers are SI then
+        roundings = disk_roundings(question.family.at, law, si=True)
+        question = replace(question, dimensionless=False, roundings=roundings)
     _check_members(question, axis_values)
     return question
 

@@ -16,13 +16,8 @@ from ..bodies.contact_laws import stored
 from ..bodies.disk import Disk
 from ..bodies.disk_families import AT, disk_family
 from ..bodies.disk_polynomials import exact_polynomial
+from ..bodies.disk_quantities import PHYSICAL, is_angle
 from .problem import Problem, _scalar
-
-ANGLES = ("theta",)
-"""States that need no unit."""
-
-PHYSICAL = ("mass", "radius", "gravity")
-"""The disk's dimensional quantities."""
 
 
 def disk_problem(
@@ -99,66 +94,21 @@ def disk_problem(
             # no double is π/2, so the right angle takes the type of the lean
             upright = v["lean"].pi() / 2 if hasattr(v["lean"], "pi") else np.pi / 2
             v = dict(v) | {"at": upright - v["lean"]}
-        a = [v[k] if p in ANGLES else v[k] * time for k, p in zip(keys, parts, strict=True)]
+        a = [v[k] if is_angle(p) else v[k] * time for k, p in zip(keys, parts, strict=True)]
         # under the linear law mu means c = mu m g
         q = [v["k"], *law.arguments(v, Scales(v, root)).values()]
         return a, q, 1 / time
 
     return Problem(
-        resolved, values, disk_units(keys, parts, contact, si=not disk.dimensionless),
-        disk.dimensionless,
-        reduce, lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
+        resolved, values, disk.dimensionless, reduce,
+        lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
         disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
         exact_polynomial(family, contact) if stored(law) else None,
     )  # fmt: skip
 
 
-def disk_units(
-    keys: Sequence[str], parts: Sequence[str], contact: Contact, *, si: bool
-) -> dict[str, str]:
-    """Unit by name of what a question about the disk may vary.
-
-    Parameters
-    ----------
-    keys
-        Names of the family parameters as axes.
-    parts
-        Which states they are.
-    contact
-        The law.
-    si
-        Whether numbers are SI; else they are dimensionless.
-
-    Returns
-    -------
-    dict
-    """
-    units = {"k": "1", "mass": "kg", "radius": "m", "gravity": "m/s2", "rate": "1/s"}
-    units |= {"mu": "s/m", "c": "kg/s"} | {p.name: p.unit for p in contact.parameters}
-    units |= dict.fromkeys(keys, "rad/s")
-    if not si:
-        units = dict.fromkeys(units, "1")
-    units["lean"] = "rad"
-    return units | {k: "rad" for k, p in zip(keys, parts, strict=True) if p in ANGLES}
-
-
 def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
-    """The lean as finite numbers, or a sentence why not.
-
-    Parameters
-    ----------
-    family
-        Only tumbling has one.
-    at
-        Must be None.
-    lean
-        π/2 - theta [rad].
-
-    Raises
-    ------
-    ParameterError
-        If it is out of place or beyond a right angle.
-    """
+    """The lean as finite numbers strictly within a right angle, or a sentence why not."""
     if family != "tumbling":
         raise ParameterError(f"lean names a member of tumbling; for {family} give at.")
     if at is not None:
@@ -175,46 +125,15 @@ def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
 def disk_roundings(
     parts: Sequence[str], contact: Contact, *, si: bool, lean: bool = False
 ) -> tuple[int, ...]:
-    """Roundings behind each dimensionless number: angles and k are taken as they are.
-
-    Parameters
-    ----------
-    parts
-        Which states are the family parameters.
-    contact
-        The law.
-    si
-        Whether numbers are SI; with m = R = g = 1 nothing is rounded.
-    lean
-        Whether theta comes from the lean.
-
-    Returns
-    -------
-    tuple of int
-    """
+    """Roundings behind each dimensionless number: none for k, nor for an angle given as it is."""
     some = 4 if si else 0
     angle = 2 if lean else 0
-    turns = (angle if p in ANGLES else some for p in parts)
+    turns = (angle if is_angle(p) else some for p in parts)
     return (*turns, 0, *((some,) * len(contact.symbols())))
 
 
 def check_axis(problem: Problem, name: str, values: Floats) -> None:
-    """Refuse an axis whose values the body or the law cannot have.
-
-    Parameters
-    ----------
-    problem
-        The question.
-    name
-        Axis name.
-    values
-        Its values.
-
-    Raises
-    ------
-    ParameterError
-        With the value and what is accepted.
-    """
+    """Refuse an axis whose values the body or the law cannot have."""
     if problem.law is None:
         return
     if problem.law.alternatives(name):

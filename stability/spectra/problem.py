@@ -32,8 +32,6 @@ class Problem:
     """The family."""
     values: Mapping[str, Any]
     """Value or array by name: at (or its parts), parameters, physical quantities."""
-    units: Mapping[str, str]
-    """Unit by name, for labels."""
     dimensionless: bool
     """Whether the user's numbers are dimensionless."""
     reduce: Callable[[Mapping[str, Any], Callable[[Any], Any]], tuple[list[Any], list[Any], Any]]
@@ -238,11 +236,8 @@ def system_problem(
             )
         return [v[k] for k in keys], [v[n] for n in family.parameters], 1.0
 
-    units = {n: family.system.units.get(n, "1") for n in (*keys, *family.parameters)} | {
-        "rate": "1/s"
-    }
     exact = (0,) * (len(family.at) + len(family.parameters))
-    return Problem(family, values, units, False, reduce, roundings=exact)
+    return Problem(family, values, False, reduce, roundings=exact)
 
 
 def _scalar(value: Any) -> Any:

@@ -11,16 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from ..algebra.running_error import UNIT
 from ..base.checks import flag
 from ..base.errors import DomainError, NoMemberError, ParameterError
+from ..base.quantities import Kind
 from ..base.verdict import CODES, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.disk_quantities import QUANTITIES
 from ..systems.family import Family
 from .arguments import problem
 from .problem import Problem
 from .result import NOT_ASKED, Proof, Spectrum
 from .rows import Rows
-
-SPEEDS = ("slip_x", "slip_y")
 
 
 def spectrum(
@@ -94,8 +94,9 @@ def spectrum(
     if question.law is not None:
         speed = np.broadcast_to(question.speed(question.values), shape).reshape(-1)
         for index, name in enumerate(names):
-            unit = speed if name in SPEEDS else rate
-            scale[:, index] = 1.0 if name == "theta" else unit
+            kind = QUANTITIES[name].kind
+            unit = speed if kind is Kind.VELOCITY else rate
+            scale[:, index] = 1.0 if kind is Kind.ANGLE else unit
     values, radius, codes = rows.spectra()
     with np.errstate(all="ignore"):  # a radius may overflow to one without bound
         values, radius = values * rate[:, None], (radius + last * np.abs(values)) * rate[:, None]

@@ -34,8 +34,8 @@ def halved_roots(p: Any) -> list[Any]:
 
     Examples
     --------
-    >>> [float(r) for r in halved_roots(fmpz_poly([-2, 0, 1]))]
-    [1.4142135623730951, -1.4142135623730951]
+    >>> [round(float(r), 9) for r in halved_roots(fmpz_poly([-2, 0, 1]))]
+    [1.414213562, -1.414213562]
     """
     found = []
     if p[0] == 0:

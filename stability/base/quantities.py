@@ -1,0 +1,107 @@
+"""Kinds of quantities with their units, and a quantity as a record; of no body in particular."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+
+class Kind(Enum):
+    """Unit in SI, and in words the unit where a mass m, a length R and gravity g are 1."""
+
+    NUMBER = "1", ""
+    ANGLE = "rad", ""
+    ANGULAR_VELOCITY = "rad/s", "√(g/R)"
+    GROWTH_RATE = "1/s", "√(g/R)"
+    VELOCITY = "m/s", "√(gR)"
+    ACCELERATION = "m/s2", "g"
+    LENGTH = "m", "R"
+    TIME = "s", "√(R/g)"
+    MASS = "kg", "m"
+    FORCE = "N", "m g"
+    ENERGY = "J", "m g R"
+    POWER = "W", "m g √(gR)"
+    INVERSE_VELOCITY = "s/m", "1/√(gR)"
+    DRAG = "kg/s", "m √(g/R)"
+
+    def __init__(self, si: str, words: str) -> None:
+        self.si, self.words = si, words  # no words where the number is the same in both
+
+    def unit(self, *, dimensionless: bool) -> str:
+        """The unit in a file, where a number without dimension has the unit 1."""
+        return "1" if dimensionless and self.words else self.si
+
+    def label(self, *, dimensionless: bool) -> str:
+        """The unit for a reader."""
+        return self.words if dimensionless and self.words else self.si
+
+    def attributes(self, *, dimensionless: bool) -> dict[str, str]:
+        """`units` of a labelled array, and `unit_in_words` where these are 1 by choice of units."""
+        found = {"units": self.unit(dimensionless=dimensionless)}
+        return found | ({"unit_in_words": self.words} if dimensionless and self.words else {})
+
+    @property
+    def suffix(self) -> str:
+        """The SI unit after a number in a sentence; nothing for a number without a unit."""
+        return "" if self is Kind.NUMBER else f" {self.si.replace('2', '²')}"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One quantity: its name in code and files, its symbol, its name in words, its kind."""
+
+    name: str
+    """Name in code, files and options."""
+    symbol: str
+    """Symbol in plain text; empty for a quantity without one."""
+    long_name: str
+    """Name in words."""
+    kind: Kind
+    """What fixes the units."""
+    latex: str = ""
+    """Symbol in LaTeX without dollars, where it is not the plain one."""
+
+    @property
+    def typeset(self) -> str:
+        """The symbol as a figure shows it."""
+        return f"${self.latex or self.symbol}$" if self.symbol else ""
+
+    def attributes(self, *, dimensionless: bool) -> dict[str, str]:
+        """Long name and units of a labelled array."""
+        return {"long_name": self.long_name} | self.kind.attributes(dimensionless=dimensionless)
+
+
+def unit_of(attributes: Mapping[str, Any]) -> str:
+    """The unit of a labelled array, in words where its numbers are dimensionless."""
+    return str(attributes.get("unit_in_words", attributes.get("units", "1")))
+
+
+def axis_label(quantity: Quantity | None, name: str, unit: str) -> str:
+    """Name in words, symbol and unit of an axis; the bare name where its quantity is not known."""
+    words = f"{quantity.long_name} {quantity.typeset}" if quantity else f"{name} {name}"
+    return words + ("" if unit == "1" else f"  [{in_latex(unit)}]")
+
+
+def in_latex(unit: str) -> str:
+    """The unit of a kind as a figure shows it; a unit of no kind as it is.
+
+    Examples
+    --------
+    >>> in_latex("m g"), in_latex("m/s2"), in_latex("furlong")
+    ('$mg$', 'm/s$^2$', 'furlong')
+    """
+    return _IN_LATEX.get(unit, unit)
+
+
+def _in_latex(words: str) -> str:
+    root = re.sub(r"√\((.*?)\)", r"\\sqrt{\1}", words)
+    return f"${root.replace(' ', '')}$"
+
+
+# metres come last: m is the unit of a mass only in words, and no figure shows that
+_IN_LATEX = {k.words: _in_latex(k.words) for k in Kind if k.words} | {
+    k.si: re.sub("(?<=[a-z])2", "$^2$", k.si) for k in Kind
+}
