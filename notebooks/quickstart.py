@@ -52,7 +52,7 @@ assert turning.nonlinear is st.Nonlinear.ASYMPTOTIC
 # %% [markdown]
 # ## Where does it become unstable?
 #
-# Slower spins fall over at phi_dot² = g/(kR), whatever the friction: the coin starts to tumble.
+# Slower spins fall over at phi_dot² = g/(kR), for every friction: the coin starts to tumble.
 # The number comes with a proved bracket.
 
 # %%

@@ -22,7 +22,7 @@ SHORT = ("StabilityError",)
 
 
 class _Refuses:
-    """An object that raises whatever is asked of it."""
+    """An object that raises on every question."""
 
     def __repr__(self) -> str:
         raise RuntimeError("no repr")

@@ -425,7 +425,7 @@ def judge(case: Case, certify: bool, asked: Sequence[dict[str, float]]) -> list[
         s = st.spectrum(case.family, certify=certify, **point(case, asked))
     except st.StabilityError as error:
         return [finding(-1, "refused", "", reason=str(error))]
-    except Exception as error:  # whatever else comes out is the finding
+    except Exception as error:  # any other error is the finding
         return [finding(-1, "crashed", "", f"{type(error).__name__}: {error}"[:300])]
     n = len(case.system.states)
     states = np.reshape(s.states, (-1, n))

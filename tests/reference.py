@@ -14,7 +14,7 @@ def spectra() -> list[dict[str, Any]]:
     kept: list[dict[str, Any]] = json.loads((DATA / "spectra.json").read_text())["spectra"]
     if beside.is_file():
         fresh: list[dict[str, Any]] = json.loads(beside.read_text())
-        assert fresh == kept, "tests/data/spectra.json has aged: copy it anew"
+        assert fresh == kept, "tests/data/spectra.json has aged: copy it again"
     return kept
 
 
@@ -30,7 +30,7 @@ def trajectories() -> list[dict[str, Any]]:
     kept: list[dict[str, Any]] = json.loads((DATA / "trajectories.json").read_text())["motions"]
     if beside.is_file():
         fresh: list[dict[str, Any]] = json.loads(beside.read_text())
-        assert fresh == kept, "tests/data/trajectories.json has aged: copy it anew"
+        assert fresh == kept, "tests/data/trajectories.json has aged: copy it again"
     return kept
 
 

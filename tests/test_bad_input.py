@@ -58,7 +58,7 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("disk is an array", lambda: ask(disk=np.ones((0, 3))), "give a stability.Disk"),
     ("progress is a number", lambda: chart(progress=5), "progress is 5"),
     ("certify a map by 1", lambda: chart(certify=1), "certify is 1"),
-    ("levels alone", lambda: chart(levels=5), "levels goes with certify"),
+    ("levels alone", lambda: chart(levels=5), "levels belongs to certify"),
     ("lean and at", lambda: st.spectrum("tumbling", at=1, lean=1, contact=V(1)), "give one of"),
     ("lean of rolling", lambda: st.spectrum("rolling", lean=1, contact=V(1)), "give at"),
     ("text for at", lambda: ask("a"), "at is 'a'; a real number"),

@@ -270,7 +270,7 @@ def test_bad_questions_get_one_sentence(
         ({"--out": "."}, "is a folder"),
         ({"--out": "nowhere/map.nc"}, "does not exist"),
         ({"--levels": "99", "--certify": None}, "levels is 99"),
-        ({"--levels": "9"}, "--levels goes with --certify"),
+        ({"--levels": "9"}, "--levels belongs to --certify"),
         ({"--out": "/dev/full", "--force": None}, "not a regular file"),
         ({"--out": "/proc/map.nc"}, "cannot be written"),
     ],

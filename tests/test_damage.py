@@ -104,7 +104,7 @@ def _journal(folder: Path) -> Sample:
 
 
 def processor() -> float:
-    """Processor time of this process and of those that it waited for, whatever else runs [s]."""
+    """Processor time of this process and of those that it waited for [s]."""
     used = os.times()
     return used.user + used.system + used.children_user + used.children_system
 

@@ -1,4 +1,4 @@
-"""Straight rolling does not last: its slow flow derived anew, and simulated over the long time."""
+"""Straight rolling does not last: its slow flow derived again, and simulated over the long time."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Polynomials over Q: derived anew they are the stored ones, and other derivations agree."""
+"""Polynomials over Q: derived again they are the stored ones, and other derivations agree."""
 
 import json
 from fractions import Fraction

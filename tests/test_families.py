@@ -9,7 +9,7 @@ from stability.bodies.contact_laws import LAWS
 from stability.derivation.completeness import prove, search
 
 AT = {"rolling": 1.3, "spinning": 1.7, "tumbling": 0.6}
-Q = {law: [0.3, 0.4] if cls.coefficient else [0.3] for law, cls in LAWS.items()}
+Q = {law: [0.3, 0.4] if cls.parameters else [0.3] for law, cls in LAWS.items()}
 
 
 @pytest.mark.parametrize("law", LAWS)

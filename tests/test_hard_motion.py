@@ -229,7 +229,7 @@ print(many == [ask(job) for job in jobs])
 
 @pytest.mark.parametrize("last", [5.0, 200.0, 400.0])
 def test_an_early_lift_off_does_not_depend_on_how_long_a_run_is_asked(last: float) -> None:
-    # CVODES once looked at its guards 200 times a run, whatever its length, and saw the next one
+    # CVODES once looked at its guards 200 times a run of any length, and saw the next one
     k, mu = 0.36516325782292336, 2327.347048953263
     start = [0.17455928494788384, 0.088886895424144, -1.1466736692731412, -1.662955988936166, 0, 0]
     for method in ("auto", "cvodes", "idas"):

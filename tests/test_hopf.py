@@ -93,7 +93,7 @@ def quintic(family: str, k: Any, m: Any, x: Any) -> list[Any]:
 def test_the_pairs_speed_has_the_sign_and_size_of_kanes_quintic(
     family: str, k: float, mu: float, at: float | None, crossing: float | None
 ) -> None:
-    """Re dλ/dat = -Re (∂χ/∂at)/(∂χ/∂λ) in 60 digits, whatever double precision sees of it."""
+    """Re dλ/dat = -Re (∂χ/∂at)/(∂χ/∂λ) in 60 digits, beyond what double precision sees."""
     points = hopf(family, disk=st.Disk(k=k), contact=st.Viscous(mu))
     if at is not None:
         assert [p.at for p in points] == [pytest.approx(at, rel=1e-10)]

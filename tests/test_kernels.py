@@ -62,7 +62,7 @@ def test_the_timed_route_decides_ten_thousand_points_rightly(family: str) -> Non
         code != CODES[truth(family, float(at[i, 0]), float(q[i, 0]), float(q[i, 1]))]
         for i, code in enumerate(codes)
     )
-    print(f"{family}: 10000 points by the filter, {left} handed on, {wrong} wrong")
+    print(f"{family}: 10000 points by the filter, {left} passed on, {wrong} wrong")
     assert wrong == 0
 
 

@@ -119,7 +119,7 @@ def test_a_zero_that_one_of_two_algebraic_branches_makes_is_proved_there() -> No
 
 
 def test_a_zero_that_a_transcendental_equation_makes_is_proved() -> None:
-    """The second eigenvalue is a multiple of the equation, whatever its root is."""
+    """The second eigenvalue is a multiple of the equation for any root."""
     system = _system("log", "yz", lambda x, p: (p - ca.exp(x[0]), (ca.exp(x[0]) - p) * x[1]))
     branch = st.Family(
         system, "log", at=("p",), held={"z": 0.0}, unknown={"y": 0.5}, equations=("y",)

@@ -125,3 +125,14 @@ def test_no_long_decimal_is_typed_into_the_package() -> None:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Constant) and isinstance(node.value, float):
                 assert not re.search(r"\d\.\d{11,}", repr(node.value)), path.name
+
+
+def test_the_word_list_finds_its_words() -> None:
+    sys.path.insert(0, str(PACKAGE.parent / "docs"))
+    try:
+        import words
+    finally:
+        sys.path.pop(0)
+    text = "plain\nderived a" + "new, and wh" + "atever\nanewly"
+    assert words.found(text) == [(2, "a" + "new"), (2, "wh" + "atever")]
+    assert words.main() == 0

@@ -1,4 +1,4 @@
-"""What must hold whatever the numbers: symmetry, scaling, inertia, derivatives, error bounds."""
+"""What must hold for all numbers: symmetry, scaling, inertia, derivatives, error bounds."""
 
 from typing import Any
 

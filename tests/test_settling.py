@@ -62,11 +62,11 @@ def test_near_a_stable_motion_but_beyond_what_is_proved_is_not_settled() -> None
     six = np.array([math.pi / 2 + 0.03, 0, 2.5, 0, 0, 0.03])
     p = np.array([0.25, 0.3])
     assert st.spectrum("spinning", at=2.5, contact=st.Viscous(0.3)).verdict is st.Verdict.STABLE
-    far = nearest(six, "viscous", p, 0.1)
+    far = nearest(six, st.Viscous, p, 0.1)
     assert far.distance < 0.1
     assert not far.settled
     assert "not proved" in far.evidence
-    close = nearest(six * [1, 0, 1, 0, 0, 0.01] - [0.0299, 0, 0, 0, 0, 0], "viscous", p, 0.1)
+    close = nearest(six * [1, 0, 1, 0, 0, 0.01] - [0.0299, 0, 0, 0, 0, 0], st.Viscous, p, 0.1)
     assert close.settled
 
 
@@ -91,7 +91,7 @@ def test_members_are_at_no_distance_from_their_family(family: str, at: float, k:
     where, e = deviation(six, k, family)
     assert float(where) == pytest.approx(at, rel=1e-15)
     assert np.abs(e).max() < 1e-15
-    found = nearest(six, "viscous", np.array([k, 0.3]), 1e-3)
+    found = nearest(six, st.Viscous, np.array([k, 0.3]), 1e-3)
     assert found.distance < 1e-15
 
 
@@ -111,7 +111,7 @@ def test_what_counts_as_settled_is_stable_by_the_spectrum_and_does_fall(
     direction = np.random.default_rng(seed).normal(size=6)
     six = member + 3e-4 * direction / np.linalg.norm(direction)
     p = np.array([k, mu])
-    found = nearest(six, "viscous", p, 1e-3)
+    found = nearest(six, st.Viscous, p, 1e-3)
     verdict = st.spectrum(found.family, at=found.at, disk=disk, contact=contact, certify=True)
     if verdict.verdict is not st.Verdict.STABLE:
         assert not found.settled
@@ -223,7 +223,7 @@ def test_nothing_is_proved_near_unstable_members_or_on_a_boundary() -> None:
 
 def test_no_state_has_its_nearest_motion_fail() -> None:
     for theta in (0.0, math.pi, 3.2, -0.1):
-        found = nearest(np.array([theta, 0, 1.0, 0, 0, 0]), "viscous", np.array([0.25, 1]), 1e-3)
+        found = nearest(np.array([theta, 0, 1.0, 0, 0, 0]), st.Viscous, np.array([0.25, 1]), 1e-3)
         assert math.isfinite(found.distance)
         assert found.family != "tumbling"
 

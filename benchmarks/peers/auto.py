@@ -161,7 +161,7 @@ def missing() -> str:
     """What keeps AUTO from running here, in one line; empty if nothing does."""
     if auto_folder() is None:
         return "AUTO-07p: missing (Debian: apt-get install auto-07p)"
-    for tool in ("gfortran", "gcc"):  # the packaged AUTO links each problem anew
+    for tool in ("gfortran", "gcc"):  # the packaged AUTO links each problem again
         if shutil.which(tool) is None:
             return f"AUTO-07p: installed, but {tool} is missing (Debian: apt-get install {tool})"
     return ""

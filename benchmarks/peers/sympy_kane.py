@@ -242,7 +242,7 @@ def tumbling(me: Any) -> list[Any]:
     normal = sp.solve(me.msubs(full.auxiliary_eqs[0], at(full)), gn)[0]
     try:
         full.linearize(A_and_B=True, op_point=at(full) | {gn: normal})
-    except Exception as error:  # whatever it is, it is the finding
+    except Exception as error:  # any error is the finding
         direct = said(error)
     (method, body, gn), again = timed(lambda: viscous_disk(me, auxiliary=False))
     (matrix, inputs, extra), linear = timed(

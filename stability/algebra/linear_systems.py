@@ -14,7 +14,7 @@ def null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
     """Null vector whose largest entry is 1, and a bound on its error.
 
     The other entries m solve A₁ m = -a₀, where a₀ is the column of the largest entry and A₁ the
-    others.  An approximate inverse L of A₁ bounds the error δ of m, whatever L is: with the
+    others.  An approximate inverse L of A₁ bounds the error δ of m for any L: with the
     residual r and K = 1 - L A₁, δ = L r + K δ, and |K| < 1 proves that A has one null vector.
     """
     count, n = matrix.shape[:2]

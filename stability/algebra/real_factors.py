@@ -113,7 +113,7 @@ def start(a: Sequence[Array]) -> Factors:
     companion[:, np.arange(1, n), np.arange(n - 1)] = 1.0
     for i, c in enumerate(a):
         companion[:, i, n - 1] = -c
-    # what overflowed has no factors; nothing will be proved of it, and it is handed on
+    # what overflowed has no factors; nothing will be proved of it, and it is passed on
     companion[~np.isfinite(companion).all(axis=(1, 2))] = 0.0
     found = np.linalg.eigvals(companion).astype(complex)
     # sorted by whether real, then size: real roots first, conjugates next to each other
@@ -337,7 +337,7 @@ def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Ro
 def _distances(r: Array, pairs: list[_Pair]) -> tuple[list[Any], Any]:
     """Square of the product of distances from each root to all others, and of the least of them.
 
-    A pair that is complex in every row stands for both its roots.
+    A pair that is complex in every row counts for both its roots.
     """
     spread: list[Any] = [1.0]
     each = [[one.apart for _ in one.modulus] for one in pairs]

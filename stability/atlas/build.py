@@ -29,7 +29,7 @@ from ..jobs.following import follow
 from ..jobs.pipeline import completed
 from ..maps.stability_map import stability_map
 from ..spectra.spectrum import spectrum
-from ..storage.files import deaf, postponed, record
+from ..storage.files import ignoring_signals, postponed, record
 from ..storage.litter import clear, temporary
 from ..storage.targets import check_folder, path_text, place, refusing
 from .page import (
@@ -111,7 +111,7 @@ def atlas(
 
 
 class _beside:  # noqa: N801  # a context manager that reads as a word
-    """A temporary folder beside the target, gone afterwards whatever happens."""
+    """A temporary folder beside the target, removed afterwards in every case."""
 
     def __init__(self, target: Path) -> None:
         self.target = target
@@ -160,7 +160,7 @@ def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
     mine = (os.getpid(),)
     pool: ProcessPoolExecutor | None = None
     try:
-        with deaf():  # a signal to stop is for this process to handle
+        with ignoring_signals():  # a signal to stop is for this process to handle
             pool = ProcessPoolExecutor(min(workers, len(jobs)), context, follow, mine)
             ordered = sorted(jobs, key=lambda j: j[1] != "tumbling")  # the longest first
             futures = [pool.submit(_job, *job) for job in ordered]

@@ -129,7 +129,7 @@ _SHORT = _Short()
 
 
 def shown(value: object) -> str:
-    """A user's value for a message: one short printable line, whatever the value is.
+    """A user's value for a message: one short printable line for any value.
 
     Parameters
     ----------

@@ -82,7 +82,7 @@ class Viscous(Contact):
 
 @dataclass(frozen=True, eq=False)
 class LinearViscous(Contact):
-    """Friction −c·vA, whatever the normal force.
+    """Friction −c·vA, independent of the normal force.
 
     Its linearisation is that of `Viscous(mu)` with c = mu m g at each steady motion.
 
@@ -91,7 +91,7 @@ class LinearViscous(Contact):
     c
         Positive [kg/s]; dimensionless c* = (c/m) √(R/g).
     mu
-        In place of c: positive [s/m], meaning c = mu m g of whatever disk is asked about.
+        In place of c: positive [s/m], meaning c = mu m g of the disk in question.
 
     Raises
     ------
@@ -152,7 +152,7 @@ class LinearViscous(Contact):
 
 @dataclass(frozen=True, eq=False)
 class Rough(Contact):
-    """No slip: whatever force keeps the contact point at rest.
+    """No slip: the force that keeps the contact point at rest.
 
     Examples
     --------
@@ -243,7 +243,7 @@ class RegularisedCoulomb(Contact):
 
     @OVER_ANY_NUMBER
     def force(self, slip: Any, normal: Any, mu: Any) -> Any:
-        """Against the slip; mu stands for the pair (mu, epsilon)."""
+        """Against the slip; mu is the pair (mu, epsilon)."""
         coefficient, epsilon = mu
         size = (slip[0] * slip[0] + slip[1] * slip[1] + epsilon * epsilon) ** 0.5
         return [-coefficient * normal * slip[0] / size, -coefficient * normal * slip[1] / size]

@@ -97,7 +97,7 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
 
 
 class _Along(Coulomb):
-    """Dry friction against a stated direction of slip: the pair (mu, angle) stands for mu."""
+    """Dry friction against a stated direction of slip: mu is the pair (mu, angle)."""
 
     def force(self, slip, normal, mu):  # type: ignore[no-untyped-def]  # noqa: ARG002
         """Against the direction, mu times the normal force."""

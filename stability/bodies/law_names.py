@@ -99,7 +99,7 @@ def _imported(place: str) -> Any:
     sys.path.insert(0, os.getcwd())
     try:
         found = getattr(import_module(module), name)
-    except Exception as error:  # whatever a user's module raises while it is imported
+    except Exception as error:  # a user's module may raise anything while it is imported
         why = f"{type(error).__name__}: {error}".splitlines()[0]
         raise NameUnknownError(
             f"contact is {shown(place)}, which cannot be imported ({why[:120]}); give a module on "

@@ -129,7 +129,7 @@ def _signs(
         for i, j in doubtful:
             line = Line(question, axes[0].name, fixed | {axes[1].name: float(ys[i])})
             sign[i, j] = line.quick_sign(float(xs[j]))
-    # A cell on the boundary itself goes with a stable neighbour, if it has one.
+    # A cell on the boundary itself joins a stable neighbour, if it has one.
     padded = np.pad(sign, 1, constant_values=-1.0)
     beside = np.max(
         [padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]], axis=0

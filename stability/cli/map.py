@@ -23,7 +23,7 @@ def _map(options: argparse.Namespace) -> None:
         if name in swept and getattr(options, name) is not None:
             raise ParameterError(f"{name} is given as --{name} and as an axis; give it once.")
     if options.levels is not None and not options.certify:
-        raise ParameterError("--levels goes with --certify; leave it out or certify.")
+        raise ParameterError("--levels belongs to --certify; leave it out or certify.")
     disk = _disk(options)
     contact = contact_of(options, swept=swept)
     out = check_suffix(options.out, NETCDF, "--out")

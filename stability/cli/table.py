@@ -63,13 +63,13 @@ def _table_settings(options: argparse.Namespace) -> dict[str, Any]:
     name = options.name
     settings: dict[str, Any] = {}
     if options.latex and (name != "conditions" or options.json):
-        raise ParameterError("--latex goes with `table conditions`, without --json.")
+        raise ParameterError("--latex belongs to `table conditions`, without --json.")
     _table_launch(options, settings)
     if name not in ("conditions", "drift", "hopf", "launches"):
         for key in ("k", "mu", "contact", "mass", "radius", "gravity"):
             if getattr(options, key) is not None:
                 raise ParameterError(
-                    f"--{key} goes with `table conditions`, `drift`, `hopf` and `launches` only; "
+                    f"--{key} belongs to `table conditions`, `drift`, `hopf` and `launches` only; "
                     "leave it out."
                 )
         return settings
@@ -93,7 +93,7 @@ def _table_launch(options: argparse.Namespace, settings: dict[str, Any]) -> None
     if options.tilt is not None:
         if name not in ("drift", "launches"):
             raise ParameterError(
-                "--tilt goes with `table drift` and `launches` only; leave it out."
+                "--tilt belongs to `table drift` and `launches` only; leave it out."
             )
         if name == "launches" and len(options.tilt) > 1:
             raise ParameterError(f"--tilt is {options.tilt}; `table launches` takes one tilt.")
@@ -101,5 +101,5 @@ def _table_launch(options: argparse.Namespace, settings: dict[str, Any]) -> None
     for key in ("at", "time"):
         if getattr(options, key) is not None:
             if name != "launches":
-                raise ParameterError(f"--{key} goes with `table launches` only; leave it out.")
+                raise ParameterError(f"--{key} belongs to `table launches` only; leave it out.")
             settings[key] = getattr(options, key)

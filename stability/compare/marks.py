@@ -35,7 +35,7 @@ ROUNDING = 1e-13
 BY_WORD = {mark.word: mark for mark in Mark}
 """Mark by its word."""
 HONEST = (Mark.RIGHT, Mark.DEGRADED, Mark.UNDECIDED, Mark.REFUSED)
-"""What a method may be without misleading anybody."""
+"""Marks that mislead nobody."""
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ WHY = {
 ANOTHER = {
     ("spectrum", "verdict"): "it finds the eigenvalues too",
     ("map", "verdict"): "it finds the eigenvalues too",
-    ("simulate", "model"): "the rival is another model, whose energy account closes whatever its "
+    ("simulate", "model"): "the rival is another model, whose energy account closes for any of its "
     "path",
 }
 """More specific reasons: for a route and a word in the panel or the rival."""

@@ -52,7 +52,7 @@ def report(
     Parameters
     ----------
     out
-        Folder to make; one with a journal is gone on with, so long as the package, the libraries
+        Folder to make; one with a journal is resumed while the package, the libraries
         and the machine are those it was begun with.
     parts
         `spectrum`, `motion`, `failures`: which of them to make; the page shows the others too
@@ -115,7 +115,7 @@ def report(
     except (TypeError, KeyError, ValueError, AttributeError, IndexError) as error:
         raise FileError(
             f"{journal.path} holds a cell that cannot be read ({type(error).__name__}); remove the "
-            "file to begin anew."
+            "file to begin again."
         ) from error
 
 

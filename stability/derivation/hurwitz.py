@@ -30,7 +30,7 @@ from .characteristic import LAM, SIN, Derived, K, derive
 Expr = Any
 """A SymPy expression; SymPy states no types."""
 SLACK = sympy.symbols("u t v", positive=True)
-"""Positive unknowns that stand for a strict inequality."""
+"""Positive unknowns in place of a strict inequality."""
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ def _defaults() -> dict[Any, Any]:
 
 @contextmanager
 def figure_style(style: Mapping[str, Any]) -> Iterator[None]:
-    """Draw with Matplotlib's own defaults and these changes, whatever the user's settings are.
+    """Draw with Matplotlib's own defaults and these changes, under any settings of the user.
 
     Parameters
     ----------

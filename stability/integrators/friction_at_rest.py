@@ -1,4 +1,4 @@
-"""A contact point at rest under dry friction: every way on.
+"""A contact point at rest under dry friction: every continuation.
 
 At rest every continuation is listed: sticking, if the force lies in the friction cone, and each
 direction with h = 0, f > 0, gn > 0 in which a slip can set in (f and h: the slip's acceleration
@@ -162,7 +162,7 @@ def polish(four: Floats, k: float, mu: float, angle: float) -> float:
 
 
 def continuations(four: Floats, k: float, mu: float) -> Continuations:
-    """Every way on from rest.
+    """Every continuation from rest.
 
     Parameters
     ----------

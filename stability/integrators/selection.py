@@ -27,7 +27,7 @@ FINEST = {
 }  # fmt: skip
 """The smallest tolerance that each passes on to its library."""
 TURN, TURN_POWER = {HEYOKA: 500.0, "dop853": 190.0}, 0.12
-"""An explicit method is dearer where stiffness exceeds TURN (tolerance / 1e-6)^-TURN_POWER: dearer
+"""An explicit method costs more where stiffness exceeds TURN (tolerance / 1e-6)^-TURN_POWER: more
 for the error that it ends with, which for Taylor's is far below that of CVODES at one tolerance."""
 PATIENCE = 4.0
 """Steps of an explicit method per TURN and unit of time after which `auto` takes it for stiff."""

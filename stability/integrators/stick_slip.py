@@ -164,7 +164,7 @@ def held_flow(*, pose: bool) -> Flow:
 
 
 class _Dry:
-    """One run through its modes; y is that of sliding (with slip), whatever the mode."""
+    """One run through its modes; y is that of sliding (with slip) in every mode."""
 
     def __init__(self, leg: Leg, method: str, pose: bool) -> None:
         self.leg, self.method, self.pose = leg, method, pose
@@ -313,7 +313,7 @@ class _Dry:
         return y
 
     def _rest(self, arrival: float | None) -> int:
-        """At rest: the one way on, or an end."""
+        """At rest: the one continuation, or an end."""
         ways = continuations(self.y[:4], self.k, self.mu)
         if ways.count == 1 and ways.sticks:
             if arrival is not None:

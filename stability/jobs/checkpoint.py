@@ -23,7 +23,7 @@ Chunk = dict[str, NDArray[Any]]
 
 
 class Parts:
-    """Finished chunks in a folder, for a map that may be interrupted and gone on with.
+    """Finished chunks in a folder, for a map that may be interrupted and resumed.
 
     Parameters
     ----------

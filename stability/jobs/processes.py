@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from ..base.errors import StabilityError
-from ..storage.files import STOPS, deaf
+from ..storage.files import STOPS, ignoring_signals
 from .following import follow
 from .journal import CRASHED, DONE, LATE, REFUSED, Cell, Journal
 
@@ -119,7 +119,10 @@ class _Lane:
         self.pipe, theirs = context.Pipe()
         self.process = context.Process(target=_work, args=(theirs,), daemon=True)
         try:
-            with _single_threads(), deaf():  # a signal to stop is for this process to handle
+            with (
+                _single_threads(),
+                ignoring_signals(),
+            ):  # a signal to stop is for this process to handle
                 self.process.start()
             theirs.close()
             if not self.pipe.poll(START):

@@ -91,7 +91,7 @@ class Cells:
         return f"{EXACT} ({self.handed_on} of {math.prod(self.shape)} cells there)"
 
     def key(self) -> dict[str, Any]:
-        """What the map is of, for a checkpoint: numbers in full, so that another map is told apart.
+        """What the map is of, for a checkpoint; with all digits, so that maps are distinguished.
 
         Returns
         -------

@@ -106,7 +106,7 @@ def stability_map(
     certify, boundaries = flag("certify", certify), flag("boundaries", boundaries)
     modes = flag("modes", modes)
     if levels is not None and not certify:
-        raise ParameterError("levels goes with certify=True; leave it out or certify.")
+        raise ParameterError("levels belongs to certify=True; leave it out or certify.")
     if levels is not None:
         levels = whole_number("levels", levels, 0, MOST_LEVELS)
     check_run(workers, progress)

@@ -42,7 +42,7 @@ class Nearest:
 
 
 def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
-    """The member of a family that goes with a state, and the deviation from it.
+    """The member of a family that belongs to a state, and the deviation from it.
 
     Parameters
     ----------

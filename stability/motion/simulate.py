@@ -55,7 +55,7 @@ def simulate(
         [rad, rad/s, m/s], or a mapping by these names (what is left out is 0).  Four values do for
         smooth and rough.
     times
-        Times to report, rising [s], shape (t,), or a last time, which stands for 201 equal steps
+        Times to report, rising [s], shape (t,), or a last time, which means 201 equal steps
         from 0.  The start is time 0.
     method
         `auto` (by stiffness and tolerance), or `heyoka`, `dop853`, `lsoda`, `radau`, `bdf`,

@@ -101,7 +101,7 @@ def certify(
         member = member or member_at(question, values)
         own = structural_zeros(member)
         zeros = own if zeros is None else zeros
-        decided, bits = of_member(member, own)  # whatever others in a batch have
+        decided, bits = of_member(member, own)  # others in a batch may have other counts
         attempt = partial(_member_roots, member, zeros, _exact(question, values)[2])
     else:
         decided, bits = _decided(question.exact, question, values)

@@ -241,7 +241,7 @@ def postponed() -> Iterator[None]:
 
 
 @contextmanager
-def deaf() -> Iterator[None]:
+def ignoring_signals() -> Iterator[None]:
     """Keep signals to stop from the processes started meanwhile; this one gets them afterwards."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-HELP = "print one JSON object; null stands for a number without bound, or one that is not known"
+HELP = "print one JSON object; null means a number without bound, or one that is not known"
 """What --json does."""
 NUMBER = "number"
 """Only key of a marked number."""

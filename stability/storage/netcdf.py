@@ -83,7 +83,7 @@ def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
         raise FileError(
             f"{path_text(source)} needs more memory than there is; read it with lazy=True."
         ) from None
-    # h5py, h5netcdf and xarray raise whatever a damaged part leads them to
+    # h5py, h5netcdf and xarray raise errors of any kind on a damaged part
     except Exception as error:
         reason = (str(error) or type(error).__name__).partition("\n")[0][:80]
         raise FileError(

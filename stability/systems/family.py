@@ -319,7 +319,7 @@ class Family:
         if self.graph.finder is None:
             raise ParameterError(
                 f"{self.name}: the equations {', '.join(self.equations)} leave the unknowns "
-                f"{', '.join(self.unknown)} open, whatever the numbers are; give others, or hold "
+                f"{', '.join(self.unknown)} open for all numbers; give others, or hold "
                 "what is free."
             )
         finder = self.graph.finder.map(len(a))

@@ -20,7 +20,7 @@ from .system_checks import check_implicit, check_system, expression, mapping, na
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """Equations of motion ẋ = f(x, p) as a CasADi SX graph, with whatever can be observed.
+    """Equations of motion ẋ = f(x, p) as a CasADi SX graph, with its observables.
 
     Any smooth system goes the same way as the disk: give bare CasADi expressions, then name a
     family of steady motions with `stability.systems.family.Family`.

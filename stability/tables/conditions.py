@@ -60,7 +60,7 @@ def conditions(
     k
         Inertia factors [-].
     mu
-        Friction coefficients, in the unit that goes with the disk.
+        Friction coefficients, in the unit of the disk.
     disk
         Gives mass, radius, gravity.
     laws

@@ -93,7 +93,7 @@ def spectrum_figure(chart: xarray.Dataset, quantity: str) -> Figure:
     """
     names = _answering(chart, quantity)
     mine = chart.sel(route=names)
-    # a letter stands for the same route in every figure
+    # a letter means the same route in every figure
     every = dict(zip(chart.route.values.tolist(), lettered(chart.own.values.tolist()), strict=True))
     marks = {name: every[name] for name in names}
     wrong = (mine.wrong > 0).sum("route").values

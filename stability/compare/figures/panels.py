@@ -229,7 +229,7 @@ def none(axes: Axes) -> None:
 
 
 def key(figure: Figure, top: float, entries: Sequence[tuple[str, str, bool]]) -> None:
-    """What the letters stand for, in two columns.
+    """Meaning of the letters, in two columns.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Hardness classes: sets of points on which routes to a spectrum have a harder and harder time.
 
-Every point is a double that anybody can type in; the random ones come from a fixed seed.
+Every point is a double that one can type in; the random ones come from a fixed seed.
 """
 
 from __future__ import annotations

@@ -205,7 +205,7 @@ def locate(name: str) -> dict[str, Any]:
     """One cell: each boundary found by bisection on a route's verdict, within 1 % of it.
 
     `spectrum` and the map routes are the package's; its own way to a boundary is `boundaries`,
-    which stands for them here.
+    which replaces them here.
 
     Parameters
     ----------
@@ -294,7 +294,7 @@ def _found(mine: Route, where: Any, near: float) -> tuple[float | None, float | 
 
 
 def _bisected(mine: Route, where: Any, near: float) -> float | None:
-    """Bisection on whether a route says unstable; None where the ends are not told apart."""
+    """Bisection on whether a route says unstable; None where the ends are not distinguished."""
     family, law, k, mu = where[:4]
 
     def unstable(at: float) -> bool:
