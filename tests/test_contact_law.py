@@ -89,6 +89,35 @@ def test_a_batch_over_the_laws_parameter_has_its_unit() -> None:
     assert found.attrs["contact"] == "weakening"
 
 
+class Alone(st.Contact):
+    """A force that is one number."""
+
+    name: ClassVar[str] = "alone"
+
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        return 3
+
+
+class Homeless(st.Contact):
+    """A parameter without a field."""
+
+    name: ClassVar[str] = "homeless"
+    parameters: ClassVar[tuple[st.Parameter, ...]] = (st.Parameter("nu", "s/m"),)
+
+
+@pytest.mark.parametrize("certify", [False, True])
+def test_a_lean_names_a_member(certify: bool) -> None:
+    mine = st.spectrum("tumbling", contact=Weakening(0.97), lean=0.3, certify=certify)
+    known = st.spectrum("tumbling", contact=st.Viscous(0.97), lean=0.3, certify=certify)
+    assert mine.verdict is known.verdict
+    assert np.abs(mine.eigenvalues - known.eigenvalues).max() < 1e-11
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("warnings.warn", lambda *_, **__: None)
+        found = st.boundaries("tumbling", axis=("lean", 0.1, 1.4, 9), contact=Weakening(0.97))
+    stored = st.boundaries("tumbling", axis=("lean", 0.1, 1.4, 9), contact=st.Viscous(0.97))
+    assert [b.crossing for b in found] == [b.crossing for b in stored]
+
+
 @pytest.mark.parametrize("disk", DISKS.values(), ids=DISKS)
 @pytest.mark.parametrize(
     ("family", "axis", "at"),
@@ -181,6 +210,8 @@ def test_a_subclass_of_a_stored_law_does_not_get_its_polynomials() -> None:
         (lambda: st.spectrum("rolling", contact=Suction(0.3), at=2.0), "not linear in the normal"),
         (lambda: st.simulate(st.Disk(), Suction(0.3), {"theta": 1.3}, 1.0), "not linear"),
         (lambda: st.spectrum("rolling", contact=Boastful(0.3), at=2.0), "conservative"),
+        (lambda: st.spectrum("rolling", contact=Alone(), at=2.0), "force of the alone law is 3"),
+        (lambda: Homeless(), "parameter nu and no such field"),
         (lambda: Weakening(-1.0), "nu is -1"),
         (lambda: Weakening(None), "nu is None"),
         (lambda: st.spectrum("rolling", contact=Weakening, at=2.0), "contact is"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ..base.checks import arithmetic, positive
-from ..base.errors import NameUnknownError
+from ..base.errors import NameUnknownError, ParameterError
 
 ZERO_MU = "friction must be positive (without friction the law is Smooth(), `--contact smooth`)"
 
@@ -121,6 +121,11 @@ class Contact:
     def __post_init__(self) -> None:
         first = self.parameters[0].place if self.parameters else ""
         for p in self.parameters:
+            if not hasattr(self, p.name):
+                raise ParameterError(
+                    f"{type(self).__name__} has the parameter {p.name} and no such field; write "
+                    f"`{p.name}: float` in the class, under @dataclass(frozen=True, eq=False)."
+                )
             if getattr(self, p.name, None) is None and len(self.alternatives(p.name)) > 1:
                 continue
             extra = (ZERO_MU,) if p.place == first else ()

@@ -9,13 +9,14 @@ these equations with two derivations that share nothing with them.
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 
 from ..base.checks import flag
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, shown
 from ..systems.condition import Condition
 from ..systems.system import System
 from .contact import Contact
@@ -145,7 +146,7 @@ class _Body:
         )
         self.normal = ca.SX.sym("normal")
         self.extra = [ca.SX.sym("e1"), ca.SX.sym("e2")] if slips or law_is_rough else []
-        self.force = self.extra if law_is_rough else self.law.force(self.slip, self.normal, mu)
+        self.force = self.extra if law_is_rough else self._stated(mu)
         acc = ["d_theta_dot", "d_phi_dot", "d_omega3", "normal"]
         more = ["force_x", "force_y"] if law_is_rough else ["d_slip_x", "d_slip_y"]
         self.unknown_names = tuple(acc + (more if self.extra else []))
@@ -159,6 +160,17 @@ class _Body:
             order = [(r - 2, c) for r, c in order[:4]]
         self.pivots = order
         self.pivot_d = order.index((4, 0) if self.extra else (2, 0))
+
+    def _stated(self, mu: Any) -> list[Any]:
+        """The force that the law states, which must be two expressions."""
+        found = self.law.force(self.slip, self.normal, mu)
+        if isinstance(found, (list, tuple)) and len(found) == 2:
+            with suppress(NotImplementedError, TypeError):  # CasADi's words for another type
+                return [ca.SX(f) for f in found]
+        raise ParameterError(
+            f"the force of the {self.law.name} law is {shown(found)}; give a list of two "
+            "expressions."
+        )
 
     def rate(self, expression: ca.SX) -> ca.SX:
         """d/dt along the motion by the chain rule, with the accelerations as symbols."""

@@ -115,6 +115,8 @@ def _source(
 ) -> tuple[Conditions | Characteristic, str, bool]:
     exact = question.exact
     if exact is None:
+        if "lean" in given or axis == "lean":
+            raise NotExact("π is in it")
         a, q, _ = question.reduce(given | {axis: X}, _rational)
         factor, below = characteristic_ratios(question.family, a, q)
         return Characteristic([factor], below), "", False

@@ -163,8 +163,11 @@ def member_at(
 
 def _exact(question: Problem, values: Mapping[str, float]) -> tuple[list[Any], list[Any], Any]:
     """Family parameters, parameters and unit of rate: rationals, or balls where irrational."""
+    given = {n: rational(v) for n, v in values.items()}
+    if "lean" in given:  # π/2 - lean is a ball at best
+        given["lean"] = arb(given["lean"])
     with precision(MOST_BITS):
-        return question.reduce({n: rational(v) for n, v in values.items()}, _root)
+        return question.reduce(given, _root)
 
 
 def structural_zeros(member: Member) -> int:
