@@ -211,6 +211,11 @@ def test_a_subclass_of_a_stored_law_does_not_get_its_polynomials() -> None:
         (lambda: st.simulate(st.Disk(), Suction(0.3), {"theta": 1.3}, 1.0), "not linear"),
         (lambda: st.spectrum("rolling", contact=Boastful(0.3), at=2.0), "conservative"),
         (lambda: st.spectrum("rolling", contact=Alone(), at=2.0), "force of the alone law is 3"),
+        (
+            lambda: st.stream_map("rolling", x=("at", 1, 2, 9), y=("k", 0.1, 0.5, 9), out="m.nc",
+                                  contact=Weakening(0.3)),
+            "the weakening law has no exact polynomials",
+        ),
         (lambda: Homeless(), "parameter nu and no such field"),
         (lambda: Weakening(-1.0), "nu is -1"),
         (lambda: Weakening(None), "nu is None"),

@@ -104,6 +104,11 @@ def stream_map(
     check_run(workers, progress)
     axes = Grid.of(x, "x"), Grid.of(y, "y")
     question = prepare(str(family), axes, disk, contact, at, {})
+    if question.exact is None:
+        raise ParameterError(
+            f"the {question.law.name if question.law else ''} law has no exact polynomials, by "
+            "which maps are streamed; use stability_map."
+        )
     total = axes[0].count * axes[1].count
     if total > MOST_CELLS:
         raise ParameterError(
