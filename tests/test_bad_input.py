@@ -162,3 +162,8 @@ def test_numbers_of_any_kind_serve_as_expressions_of_a_system() -> None:
         st.System("s", x, p, rhs, mass=ca.SX(1), **words)
     with pytest.raises(st.StabilityError, match="forcing has shape 1 x 1; give 2 x 1"):
         st.System("s", x, p, rhs, mass=ca.SX.eye(2), forcing=ca.SX(1), unknowns=("u", "v"), **words)
+
+
+def test_a_launch_whose_rate_overflows_is_refused() -> None:
+    with pytest.raises(st.StabilityError, match="at of tumbling is 4.94066e-324, where its rate"):
+        st.launch("tumbling", at=5e-324, disk=st.Disk())

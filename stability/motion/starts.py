@@ -89,7 +89,13 @@ def launch(
         if ((where <= 0) | (where >= math.pi)).any():
             raise ParameterError("at of tumbling is theta; it must lie strictly between 0 and π.")
         six[..., 0] = where - lean
-        six[..., 2] = body.rate / np.sqrt(body.k * np.sin(where))
+        with np.errstate(all="ignore"):  # what overflows is refused
+            six[..., 2] = body.rate / np.sqrt(body.k * np.sin(where))
+        if not np.isfinite(six[..., 2]).all():
+            raise ParameterError(
+                f"at of tumbling is {where.min():g}, where its rate overflows double precision; "
+                "give a theta further from 0."
+            )
     bad = six[..., 0][(six[..., 0] <= 0) | (six[..., 0] >= math.pi)]
     if bad.size:
         raise ParameterError(
