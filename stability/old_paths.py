@@ -40,6 +40,8 @@ def found(name: str, old: str, places: Sequence[str]) -> Any:
     places
         The new ones, within the package.
     """
+    if name.startswith("__"):  # what Python and its tools ask of every module
+        raise AttributeError(name)
     for place in places:
         value = getattr(import_module(f"stability.{place}"), name, None)
         if value is not None:
@@ -61,8 +63,6 @@ class _Loader:
         old = module.__name__
 
         def hand_on(name: str) -> Any:
-            if name.startswith("__"):  # what Python and its tools ask of every module
-                raise AttributeError(name)
             return found(name, old, MOVED[old])
 
         module.__getattr__ = hand_on  # type: ignore[method-assign]

@@ -98,6 +98,22 @@ class Alone(st.Contact):
         return 3
 
 
+class Sticky(st.Coulomb):
+    """Another force, whose sticking would be that of Coulomb."""
+
+    name: ClassVar[str] = "sticky"
+
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
+        return [-mu * normal * slip[0], -mu * normal * slip[1]]
+
+
+class Slipless(Same):
+    """A force, and no slip for it to act on."""
+
+    name: ClassVar[str] = "slipless"
+    slips: ClassVar[bool] = False
+
+
 class Homeless(st.Contact):
     """A parameter without a field."""
 
@@ -216,6 +232,9 @@ def test_a_subclass_of_a_stored_law_does_not_get_its_polynomials() -> None:
                                   contact=Weakening(0.3)),
             "the weakening law has no exact polynomials",
         ),
+        (lambda: st.simulate(st.Disk(), Sticky(0.3), {"theta": 1.3}, 1.0), "sticky law sticks"),
+        (lambda: st.simulate(st.Disk(), Slipless(0.3), {"theta": 1.3}, 1.0), "leaves out the slip"),
+        (lambda: st.spectrum("rolling", contact=Slipless(0.3), at=2.0), "leaves out the slip"),
         (lambda: Homeless(), "parameter nu and no such field"),
         (lambda: Weakening(-1.0), "nu is -1"),
         (lambda: Weakening(None), "nu is None"),

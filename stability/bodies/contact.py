@@ -87,7 +87,6 @@ class Contact:
 
     Examples
     --------
-    >>> import math
     >>> from dataclasses import dataclass
     >>> import stability as st
     >>> @dataclass(frozen=True, eq=False)
@@ -126,7 +125,7 @@ class Contact:
                     f"{type(self).__name__} has the parameter {p.name} and no such field; write "
                     f"`{p.name}: float` in the class, under @dataclass(frozen=True, eq=False)."
                 )
-            if getattr(self, p.name, None) is None and len(self.alternatives(p.name)) > 1:
+            if getattr(self, p.name) is None and len(self.alternatives(p.name)) > 1:
                 continue
             extra = (ZERO_MU,) if p.place == first else ()
             object.__setattr__(self, p.name, positive(p.name, getattr(self, p.name), *extra))

@@ -283,6 +283,11 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
         found = LAWS[known("contact", law, LAWS)]
     else:
         found = MOTION_LAWS[known("contact", law, MOTION_LAWS)]
+    if (found.sticks or not found.slips) and found not in MOTION_LAWS.values():
+        raise NameUnknownError(
+            f"the {found.name} law sticks or leaves out the slip, whose equations are those of the "
+            "stored laws only; give a law with a force at every slip."
+        )
     if not motion and not found.linearises:
         raise NameUnknownError(
             f"contact is {shown(law)}, dry friction, which has no linearisation of its own; "
