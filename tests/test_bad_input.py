@@ -124,6 +124,8 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("state with nan", lambda: st.disk_system("rough").rates([1, np.nan, 0, 0], [0.25]),
      "NaN or infinite"),
     ("unknown state", lambda: st.disk_system("rough").index("x"), "known are theta"),
+    ("rows of a CasADi matrix", lambda: st.disk_family("tumbling", "viscous").checked_states(
+        np.ones((2, 1)), None, ca.DM([[0.25, 0.3]])), "shapes (2, 1), (2, 1), (1, 2)"),
 ]  # fmt: skip
 
 

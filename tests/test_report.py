@@ -278,6 +278,15 @@ def test_bad_input_gets_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert not (tmp_path / "r").exists()
 
 
+def test_an_interruption_names_its_folder_in_printable_characters(tmp_path: Path) -> None:
+    def interrupt(*_: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match="finished cells are kept in") as caught:
+        run([tasks(("one", time.time, ()))], Journal(tmp_path / "\x1b[31m"), progress=interrupt)
+    assert str(caught.value).isprintable()
+
+
 def test_an_interrupted_report_is_gone_on_with(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "stability", "chart", "spectrum", "--out", str(tmp_path / "r")]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)

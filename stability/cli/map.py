@@ -76,15 +76,14 @@ def _map(options: argparse.Namespace) -> None:
         return
     cells = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
     proved = f"; {dataset.attrs['box_comment']}" if options.certify else ""
-    print(
-        f"{' and '.join(map(str, targets))}: {cells}; {record['boundary_points']} boundary points"
-        + proved
-    )
+    wrote = " and ".join(map(path_text, targets))
+    print(f"{wrote}: {cells}; {record['boundary_points']} boundary points" + proved)
 
 
 def _stream(options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any, at: Any) -> None:
     from ..maps.netcdf import read_map
     from ..maps.stream import stream_map
+    from ..storage.targets import path_text
 
     for name in ("plot", "certify", "modes", "checkpoint"):
         if getattr(options, name):
@@ -101,7 +100,7 @@ def _stream(options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any
     if options.json:
         print(json_text(record))
     else:
-        print(f"{path}: {record['cells']} verdicts; {record['method']}")
+        print(f"{path_text(path)}: {record['cells']} verdicts; {record['method']}")
 
 
 def _draw(dataset: Any, target: Any) -> None:

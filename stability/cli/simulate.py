@@ -157,6 +157,7 @@ def _errors(dataset: Any) -> dict[str, float | None]:
 def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[str, Path]) -> None:
     from ..bodies.disk_equations import STATES
     from ..motion.result import BY_CODE
+    from ..storage.targets import path_text
 
     outcome = BY_CODE[int(dataset.outcome)]
     final = {name: float(dataset[name][-1]) for name in STATES}
@@ -199,4 +200,4 @@ def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[
     print(f"energy    audited to {record['energy_error']:.1e} of the initial energy")
     print(f"method    {record['method']}, {record['steps']} steps: {record['method_reason']}")
     for path in targets.values():
-        print(f"wrote     {path}")
+        print(f"wrote     {path_text(path)}")

@@ -114,8 +114,8 @@ def report(
         raise
     except (TypeError, KeyError, ValueError, AttributeError, IndexError) as error:
         raise FileError(
-            f"{journal.path} holds a cell that cannot be read ({type(error).__name__}); remove the "
-            "file to begin again."
+            f"{path_text(journal.path)} holds a cell that cannot be read "
+            f"({type(error).__name__}); remove the file to begin again."
         ) from error
 
 

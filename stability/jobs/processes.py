@@ -20,6 +20,7 @@ from typing import Any
 
 from ..base.errors import StabilityError
 from ..storage.files import STOPS, ignoring_signals
+from ..storage.targets import path_text
 from .following import follow
 from .journal import CRASHED, DONE, LATE, REFUSED, Cell, Journal
 
@@ -96,8 +97,8 @@ def run(
                     lanes.remove(lane)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
-            f"interrupted; {done} of {total} finished cells are kept in {journal.path.parent}: "
-            "give the same command again to go on"
+            f"interrupted; {done} of {total} finished cells are kept in "
+            f"{path_text(journal.path.parent)}: give the same command again to go on"
         ) from None
     finally:
         for lane in lanes:

@@ -254,7 +254,7 @@ def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, 
         numbers = np.zeros((len(first), len(its))) if empty else rows(what, table, its)
         found.append(numbers.reshape(-1, len(its)) if its else numbers)
     if len({len(t) for t in found}) > 1:
-        listed = ", ".join(str(np.shape(t)) for t in given)
+        listed = ", ".join(str(t.shape) for t in found)
         raise ParameterError(f"a, u and q have shapes {listed}; give as many rows of each.")
     return found[0], found[1], found[2]
 
