@@ -33,7 +33,8 @@ import stability as st
 from stability.algebra.number_types import balls
 from stability.algebra.program import Program
 from stability.bodies.disk_equations import STATES
-from stability.integrators.flow import FLAT, LIFT_OFF, flow
+from stability.bodies.disk_model import FLAT, LIFT_OFF
+from stability.integrators.flow import flow
 from stability.integrators.taylor import heyoka_algebra
 
 Scene = tuple[str, float, "float | None", tuple[float, ...], float]

@@ -153,6 +153,8 @@ def _simulate(r: random.Random) -> Words:
     words = ["simulate", "--theta", f"{r.uniform(0.7, 2.3):.4g}", *law]
     words += ["--epsilon", _near(r, 1e-3, 1)] * ("coulomb-regularised" in law)
     body = _body(r) * (r.random() < 0.5)
+    if "coulomb" in law and "--k" in body:  # D > 0 for every direction of slip
+        body[body.index("--k") + 1] = f"{r.uniform(0.2, 0.5):.3g}"
     size = {n: float(v) for n, v in zip(body[::2], body[1::2], strict=True) if n != "--disk"}
     g, length = size.get("--gravity", 1.0), size.get("--radius", 1.0)
     # turned faster than gravity holds it down, the disk is not in contact

@@ -199,3 +199,12 @@ def test_samples_up_to_the_end_are_all_there() -> None:
     run = st.simulate(st.Disk(k=K), st.Viscous(MU), START, [*times, 1.0], tolerance=1e-6)
     assert np.allclose(run.time.values[:12], times)
     assert (run.normal_force.values > 0.05).all()
+
+
+def test_an_end_at_which_the_force_has_no_value_is_told_without_nan() -> None:
+    """D reaches zero at an event: no step is made on rates that are not finite."""
+    disk, start = st.Disk(k=0.0109), [1.831, 0.306, 0.193, 0, -0.191, 0.166]
+    run = st.simulate(disk, st.Coulomb(0.356), start, 4.72, tolerance=3.54e-5, pose=True)
+    assert run.attrs["outcome"] == "no-contact"
+    assert "nan" not in str(run.evidence.values)
+    assert np.isfinite(run.theta.values).all()

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base.errors import ParameterError
 from ..base.types import Floats
-from ..integrators.flow import POSE
+from ..bodies.disk_model import POSE
 from ..integrators.stick_slip import SLIP, STICK, STICKING
 from ..motion.dataset import FORMAT
 

@@ -1,10 +1,10 @@
-"""What integrators read: the motion's graph with work, pose and the guards that end a run."""
+"""What integrators read: a model's graph as functions of one state or many, with its guards."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -14,25 +14,14 @@ import numpy as np
 from ..algebra.program import Program
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.contact_laws import Rough, law_class
-from ..bodies.disk_equations import disk_system
+from ..bodies.disk_model import disk_model
+from ..bodies.model import Model
 from ..systems.system import System
-
-POSE = ("phi", "psi", "centre_x", "centre_y")
-"""Precession angle, relative spin angle, horizontal place of the centre; x̂ = (cos φ, sin φ)."""
-POSE_UNIT = 1024.0
-"""What the pose is counted in while it is integrated: it grows without bound, and an integrator
-whose tolerance is relative to the largest entry of the state would grow careless with it."""
-LIFT_OFF, FLAT, NO_CONTACT, CONE = "lift-off", "flat", "no-contact", "slip"
-"""Names of the guards."""
 
 
 @dataclass(frozen=True, eq=False)
 class Flow:
-    """The rates of an extended state y and the guards that must stay positive; dimensionless.
-
-    y holds the law's own states, then the dissipated work, then the pose if asked.  The guards are
-    functions of y: when the first of them reaches zero, the run has ended there.
+    """The rates of a model's y and the guards that must stay positive, as numbers.
 
     Examples
     --------
@@ -43,25 +32,90 @@ class Flow:
     ['lift-off', 'flat', 'no-contact']
     """
 
-    system: System
-    """The disk under its law."""
-    x: ca.SX
-    """Symbols of y, shape (n,)."""
-    p: ca.SX
-    """Parameters: those of the system, then the sine of the angle that counts as flat."""
-    rhs: ca.SX
-    """dy/dt, shape (n,)."""
-    guards: Mapping[str, ca.SX]
-    """What must stay positive, by name."""
-    names: tuple[str, ...]
-    """Names of the entries of y."""
-    friction: str = ""
-    """The parameter in proportion to which slip decays, if there is one."""
+    model: Model
+    """Equations, guards and names."""
+
+    @property
+    def system(self) -> System:
+        """The equations of motion."""
+        return self.model.system
+
+    @property
+    def x(self) -> ca.SX:
+        """Symbols of y, shape (n,)."""
+        return self.model.x
+
+    @property
+    def p(self) -> ca.SX:
+        """Symbols of the parameters, shape (m,)."""
+        return self.model.p
+
+    @property
+    def rhs(self) -> ca.SX:
+        """dy/dt, shape (n,)."""
+        return self.model.rhs
+
+    @property
+    def guards(self) -> Mapping[str, ca.SX]:
+        """Functions that stay positive, by name."""
+        return self.model.guards
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the entries of y."""
+        return self.model.names
+
+    @property
+    def friction(self) -> str:
+        """The parameter in proportion to which slip decays, if there is one."""
+        return self.model.friction
+
+    @property
+    def compared(self) -> int:
+        """Entries of y in which two runs are compared."""
+        return min(len(self.names), len(self.model.states))
+
+    def having(self, **fields: Any) -> Flow:
+        """The flow of the same model with other fields."""
+        return Flow(replace(self.model, **fields))
+
+    def paces(self, points: Floats, p: Floats, spans: Floats) -> Floats:
+        """How fast motions change: the unit in which stiffness and looks at guards are counted.
+
+        Parameters
+        ----------
+        points, p
+            Starts and parameters, shapes (N, n) and (N, m).
+        spans
+            Lengths of the runs, shape (N,).
+
+        Returns
+        -------
+        ndarray
+            Largest angular velocity, and at least 1, where the model names some.  Else the largest
+            of the relative rates of the states, the frequencies of the linearised motion and one
+            over the length of the run; shape (N,).
+        """
+        turning = list(self.model.turning)
+        if turning:
+            fast: Floats = np.maximum(1.0, np.abs(points[:, turning]).max(axis=1))
+            return fast
+        own = len(self.system.states)
+        found = 1 / spans
+        for i, (y, values) in enumerate(zip(points, p, strict=True)):
+            rates = self.quick.rates(values, y)[:own]
+            matrix = self.quick.jacobian(values, y)[:own, :own]
+            with np.errstate(all="ignore"):
+                pace = float((np.abs(rates) / np.maximum(1.0, np.abs(y[:own]))).max())
+                if np.isfinite(matrix).all():
+                    pace = max(pace, float(np.abs(np.linalg.eigvals(matrix).imag).max()))
+            found[i] = max(found[i], pace) if np.isfinite(pace) else found[i]
+        return found
 
     @cached_property
     def rates(self) -> ca.Function:
         """CasADi function (y, p) → dy/dt."""
-        return ca.Function("rates", [self.x, self.p], [self.rhs])
+        return ca.Function("rates", [self.x, self.p], [ca.densify(self.rhs)])
 
     @cached_property
     def jacobian(self) -> ca.Function:
@@ -98,7 +152,7 @@ class Flow:
         values = ca.vertcat(*self.guards.values())
         return ca.Function(
             "watch", [self.x, self.p],
-            [ca.vertcat(values, ca.jtimes(values, self.x, self.rhs))],
+            [ca.densify(ca.vertcat(values, ca.jtimes(values, self.x, self.rhs)))],
         )  # fmt: skip
 
     @cached_property
@@ -127,6 +181,8 @@ class Flow:
         values, rates
             Shape (…, guards).
         """
+        if not self.guards:
+            return np.empty((*y.shape[:-1], 0)), np.empty((*y.shape[:-1], 0))
         if y.ndim == 1:
             return self.quick.watch(p, y)
         arguments = [list(np.moveaxis(y, -1, 0)), list(np.moveaxis(p, -1, 0))]
@@ -142,13 +198,13 @@ class Flow:
             held[self] = Quick(self)
         return held[self]
 
-    def pack(self, six: Floats) -> Floats:
-        """The state y at the start: the law's own states, no work done, pose at the origin.
+    def pack(self, states: Floats) -> Floats:
+        """The state y at the start: the system's own states, no work done, pose at the origin.
 
         Parameters
         ----------
-        six
-            The six states, shape (…, 6).
+        states
+            The states that a motion reports, shape (…, s).
 
         Returns
         -------
@@ -156,12 +212,12 @@ class Flow:
             Shape (…, n).
         """
         own = len(self.system.states)
-        y = np.zeros((*six.shape[:-1], len(self.names)))
-        y[..., :own] = six[..., :own]
+        y = np.zeros((*states.shape[:-1], len(self.names)))
+        y[..., :own] = states[..., :own]
         return y
 
-    def six(self, y: Floats) -> Floats:
-        """The six states in y; a law without slip in its state has none.
+    def reported(self, y: Floats) -> Floats:
+        """The states that a motion reports; those that the system does not have are 0.
 
         Parameters
         ----------
@@ -171,12 +227,12 @@ class Flow:
         Returns
         -------
         ndarray
-            Shape (…, 6).
+            Shape (…, s).
         """
-        own = len(self.system.states)
-        if own == 6:
-            return y[..., :6]
-        return np.concatenate([y[..., :own], np.zeros((*y.shape[:-1], 6 - own))], axis=-1)
+        own, count = len(self.system.states), len(self.model.states)
+        if own == count:
+            return y[..., :count]
+        return np.concatenate([y[..., :own], np.zeros((*y.shape[:-1], count - own))], axis=-1)
 
 
 class Quick:
@@ -247,7 +303,8 @@ class Evaluator:
     def __init__(self, flow: Flow, p: Floats) -> None:
         self.flow, self.p, self._quick = flow, p, flow.quick
         # stretched time has a pace of its own
-        self.paced = flow.names[3] == "omega3" and flow.names[-1] != "time"
+        self.turning = [] if flow.names[-1] == "time" else list(flow.model.turning)
+        self.looks = 1 if flow.model.turning else LOOKS
 
     def rates(self, _t: float, y: Floats) -> Floats:
         """dy/dt, shape (n,)."""
@@ -262,6 +319,8 @@ class Evaluator:
         return self._quick.watch(self.p, y)
 
 
+LOOKS = 4
+"""Looks at the guards within a step, where no angular velocity says how many it takes."""
 _THREAD = threading.local()
 CASADI = threading.RLock()
 """Held while a motion is made: CasADi's objects are not for several threads at once."""
@@ -286,93 +345,32 @@ def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> 
     return call
 
 
-def moving_system(law: str | type[Contact]) -> System:
-    """The disk with every state that a motion has: the smooth disk's slip too.
-
-    Parameters
-    ----------
-    law
-        A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law.
-
-    Returns
-    -------
-    System
-
-    Examples
-    --------
-    >>> len(moving_system("smooth").states), len(moving_system("rough").states)
-    (6, 4)
-    """
-    contact = law_class(law)
-    return disk_system(contact, slip_states=None if issubclass(contact, Rough) else True)
-
-
 def flow(law: str | type[Contact], *, pose: bool = False, sticking: bool = False) -> Flow:
     """The flow of the disk under a contact law; built once for each.
 
     Parameters
     ----------
-    law
-        A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law; one that
-        sticks is taken for its sliding.
-    pose
-        Whether φ, ψ and the centre's place are carried along.
-    sticking
-        Whether this is the sticking of `coulomb`: the rough disk with a guard that keeps the force
-        inside the friction cone.
+    law, pose, sticking
+        As for `stability.bodies.disk_model.disk_model`.
 
     Returns
     -------
     Flow
     """
-    return _flow(law_class(law), bool(pose), bool(sticking))  # type: ignore[arg-type]  # a class is hashable
+    return flow_of(disk_model(law, pose=pose, sticking=sticking))
 
 
-@lru_cache(maxsize=32)
-def _flow(law: type[Contact], pose: bool, sticking: bool) -> Flow:  # noqa: FBT001
-    if sticking:
-        system = disk_system("rough")
-        mu = ca.SX.sym("mu")
-        parameters = ca.vertcat(system.p, mu)
-    else:
-        system = moving_system(law)
-        mu, parameters = ca.SX(0), system.p
-    x = system.x
-    seen = system.observables
-    work = ca.SX.sym("work")
-    columns, rates, names = [x, work], [system.rhs, seen["power"]], [*system.states, "work"]
-    if pose:
-        extra = ca.SX.sym("pose", len(POSE))
-        columns.append(extra)
-        rates.append(_pose_rates(x, seen["slip"], extra))
-        names += POSE
-    flat = ca.SX.sym("flat")
-    normal = seen["normal_force"]
-    # gn D has the sign of gn, and stays finite where D vanishes
-    guards = {LIFT_OFF: normal * seen["determinant"], FLAT: ca.sin(x[0]) - flat}
-    if sticking:
-        guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
-    if not sticking and ca.depends_on(seen["determinant"], x[4:]):
-        # viscous friction pushes D away from zero while gn D is positive, but both may reach zero
-        # together (stability/integrators/painleve.py)
-        guards[NO_CONTACT] = seen["determinant"]
-    return Flow(
-        system, ca.vertcat(*columns), ca.vertcat(parameters, flat), ca.vertcat(*rates), guards,
-        tuple(names), law.symbols()[0] if law.relaxes and not sticking else "",
-    )  # fmt: skip
+@lru_cache(maxsize=64)
+def flow_of(model: Model) -> Flow:
+    """The flow of a model; built once for each.
 
+    Parameters
+    ----------
+    model
+        Of a body, or of a user's system.
 
-def _pose_rates(x: ca.SX, slip: ca.SX, pose: ca.SX) -> ca.SX:
-    """φ̇, ψ̇ = ω₃ − φ̇ cosθ, and ṡ = vA − ω×a turned by φ."""
-    theta, theta_dot, phi_dot, omega3 = (x[i] for i in range(4))
-    along_x = slip[0] + theta_dot * ca.sin(theta)
-    along_y = slip[1] - omega3
-    heading = POSE_UNIT * pose[0]
-    cosine, sine = ca.cos(heading), ca.sin(heading)
-    rates = ca.vertcat(
-        phi_dot,
-        omega3 - phi_dot * ca.cos(theta),
-        cosine * along_x - sine * along_y,
-        sine * along_x + cosine * along_y,
-    )
-    return rates / POSE_UNIT
+    Returns
+    -------
+    Flow
+    """
+    return Flow(model)

@@ -24,7 +24,8 @@ import casadi as ca
 import numpy as np
 
 from ..base.types import Floats
-from .flow import FLAT, LIFT_OFF, NO_CONTACT, Flow
+from ..bodies.disk_model import FLAT, LIFT_OFF, NO_CONTACT
+from .flow import Flow
 from .leg import UNRESOLVED, End, Leg, Path
 from .scipy_methods import FINEST
 from .scipy_methods import integrate as integrate_scipy
@@ -90,10 +91,9 @@ def stretched_flow(flow: Flow, least: float = NARROW) -> Flow:
     """
     d = flow.system.observables["determinant"]
     guards = {LIFT_OFF: flow.guards[LIFT_OFF], FLAT: flow.guards[FLAT], NO_CONTACT: d - least}
-    return Flow(
-        flow.system, ca.vertcat(flow.x, ca.SX.sym("time")), flow.p,
-        ca.vertcat(d * flow.rhs, d), guards, (*flow.names, "time"),
-        flow.friction,
+    return flow.having(
+        x=ca.vertcat(flow.x, ca.SX.sym("time")), rhs=ca.vertcat(d * flow.rhs, d), guards=guards,
+        names=(*flow.names, "time"),
     )  # fmt: skip
 
 

@@ -139,10 +139,12 @@ def _first_zero(
     solver: Any, run: Evaluator, before: tuple[Floats, Floats], after: tuple[Floats, Floats]
 ) -> tuple[float, str] | None:
     """The first zero of a guard within the last step, and the guard's name."""
+    if not run.flow.guards:
+        return None
     step = solver.t - solver.t_old
-    _, *rates = solver.y[:4].tolist()
-    parts, dense = 1, None
-    if run.paced and LOOKS * step * math.hypot(1.0, *rates) > 1:
+    rates = [solver.y[i].item() for i in run.turning]
+    parts, dense = run.looks, None
+    if run.turning and LOOKS * step * math.hypot(1.0, *rates) > 1:
         pace = max(1.0, *(abs(r) for r in rates))
         parts = int(min(max(1.0, np.ceil(LOOKS * step * pace)), MOST_LOOKS))
     times, seen = [solver.t_old, solver.t], [before, after]

@@ -12,11 +12,10 @@ from ..base.errors import ParameterError
 from ..base.types import Floats
 from . import scipy_methods as stepping
 from . import sundials, taylor
+from .flow import Flow
 from .leg import UNRESOLVED, Budget, Integrate, Leg, Path
 
 HEYOKA = "heyoka"
-DRY = "disk, coulomb"
-"""Name of the system whose Jacobian does not exist without slip."""
 METHODS: dict[str, Integrate] = {
     HEYOKA: taylor.integrate, **stepping.METHODS, **sundials.METHODS,
 }  # fmt: skip
@@ -80,6 +79,30 @@ def check_method(method: str) -> str:
     return method
 
 
+def check_flow(method: str, flow: Flow) -> None:
+    """Refuse an integrator that cannot read a flow, in one sentence.
+
+    Parameters
+    ----------
+    method
+        A key of `METHODS`, or `auto`.
+    flow
+        What it would integrate.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot.
+    """
+    if method == "idas" and flow.system.mass is None:
+        raise ParameterError(
+            f"method is 'idas', which integrates mass · u = forcing, and {flow.system.name} has no "
+            "mass matrix; take cvodes, or System.from_mass_matrix."
+        )
+    if method == HEYOKA and (why := taylor.unread(flow)):
+        raise ParameterError(f"method is 'heyoka', but {why.rstrip('.')}; take another method.")
+
+
 def stiffness(legs: Sequence[Leg], enough: Floats | float = 0.0) -> Floats:
     """Fastest rate of the linearised motion over the rate of the motion itself.
 
@@ -96,17 +119,18 @@ def stiffness(legs: Sequence[Leg], enough: Floats | float = 0.0) -> Floats:
     Returns
     -------
     ndarray
-        Largest modulus of an eigenvalue of the Jacobian, over the largest angular velocity or 1,
-        one for each leg; an upper bound of it (the row-sum norm) where that is below `enough`.
+        Largest modulus of an eigenvalue of the Jacobian over the pace of the motion, one for each
+        leg; an upper bound of it (the row-sum norm) where that is below `enough`.
     """
     flow = legs[0].flow
     own = len(flow.system.states)
     points = np.array([leg.start for leg in legs])
     p = np.array([leg.p for leg in legs])
-    pace = np.maximum(1.0, np.abs(points[:, 1:4]).max(axis=1))
+    pace = flow.paces(points, p, np.array([leg.times[-1] - leg.times[0] for leg in legs]))
     matrices = [flow.jacobians(points, p)[:, :own, :own]]
-    if own == 6 and flow.system.name != DRY and points[:, 4:6].any():
-        points[:, 4:6] = 0.0
+    slip = list(flow.model.sliding)
+    if slip and points[:, slip].any():
+        points[:, slip] = 0.0
         matrices.append(flow.jacobians(points, p)[:, :own, :own])
     with np.errstate(all="ignore"):
         bounds = [np.abs(m).sum(axis=2).max(axis=1) / pace for m in matrices]
@@ -125,8 +149,13 @@ def _fastest(matrices: Floats) -> Floats:
     return radius
 
 
-def explicit() -> str:
-    """The best explicit method that is installed.
+def explicit(flow: Flow | None = None) -> str:
+    """The best explicit method that is installed, and that can read a flow.
+
+    Parameters
+    ----------
+    flow
+        What it integrates; the disk's where left out.
 
     Returns
     -------
@@ -137,7 +166,8 @@ def explicit() -> str:
     >>> explicit() in METHODS
     True
     """
-    return HEYOKA if taylor.available() else "dop853"
+    smooth = flow is None or flow.model.turning or not taylor.available() or not taylor.unread(flow)
+    return HEYOKA if taylor.available() and smooth else "dop853"
 
 
 def choose(legs: Sequence[Leg]) -> list[Choice]:
@@ -164,8 +194,10 @@ def choose(legs: Sequence[Leg]) -> list[Choice]:
 def _choice(leg: Leg, turn: float, stiff: float) -> Choice:
     if stiff > turn:
         return Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
-    name, only = explicit(), ""
-    if not taylor.available():
+    name, only = explicit(leg.flow), ""
+    if name != HEYOKA and taylor.available():
+        only = ", and heyoka cannot read the graph"
+    elif not taylor.available():
         only = ", and heyoka is not installed"
         if leg.tolerance > EXPLICIT_TIGHT:
             name, only = "cvodes", ", but heyoka is not installed"
@@ -174,13 +206,13 @@ def _choice(leg: Leg, turn: float, stiff: float) -> Choice:
 
 
 def _turn(leg: Leg) -> float:
-    return float(TURN[explicit()] * (leg.tolerance / 1e-6) ** -TURN_POWER)
+    return float(TURN[explicit(leg.flow)] * (leg.tolerance / 1e-6) ** -TURN_POWER)
 
 
 def _patient(leg: Leg) -> Leg:
     """The leg with no more steps than an explicit method takes where it is the cheaper one."""
-    pace = max(1.0, float(np.abs(leg.start[1:4]).max()))
-    span = float(leg.times[-1] - leg.times[0]) * pace
+    length = leg.times[-1:] - leg.times[:1]
+    span = float((length * leg.flow.paces(leg.start[None], leg.p[None], length))[0])
     most = 20_000 + PATIENCE * _turn(leg) * span
     return replace(leg, max_steps=int(min(leg.max_steps, most)))
 
@@ -233,7 +265,8 @@ def run(
         if choice.method == HEYOKA:
             groups.setdefault(leg.tolerance, []).append(i)
     for mine in groups.values():
-        if len(mine) == 1:
+        which = legs[mine[0]].flow
+        if len(mine) == 1 or (which.guards and which.model.parking is None):
             continue
         found = taylor.integrate_many([legs[i] for i in mine], workers, advance)
         for i, path in zip(mine, found, strict=True):

@@ -28,7 +28,8 @@ import numpy as np
 
 from ..base.types import Floats
 from ..bodies.disk_equations import disk_system
-from .flow import CONE, FLAT, LIFT_OFF, NO_CONTACT, POSE, Flow, _pose_rates, flow
+from ..bodies.disk_model import CONE, FLAT, LIFT_OFF, NO_CONTACT, POSE, disk_model, pose_rates
+from .flow import Flow, flow
 from .friction_at_rest import continuations, polish, slip_acceleration, sticking_force
 from .leg import UNRESOLVED, Budget, End, Leg, Path
 from .scipy_methods import integrate as integrate_scipy
@@ -116,17 +117,18 @@ def polar_flow(*, pose: bool) -> Flow:
     rhs = [size * rates[:4], along, across, size * power]
     names = ["theta", "theta_dot", "phi_dot", "omega3", "log_slip", "direction", "work"]
     if pose:
-        rhs.append(size * _pose_rates(x, ca.vertcat(*slip), y[7:11]))
+        rhs.append(size * pose_rates(x, ca.vertcat(*slip), y[7:11]))
         names += POSE
     flat = ca.SX.sym("flat")
     guards = {
         LIFT_OFF: normal * determinant, FLAT: ca.sin(y[0]) - flat, NO_CONTACT: determinant,
         LANDED: y[4] - math.log(REST), LEFT: math.log(AWAY) - y[4],
     }  # fmt: skip
-    return Flow(
-        system, y, ca.vertcat(k, mu, flat), ca.vertcat(*rhs, size), guards,
-        (*names, "time"),
+    model = dataclasses.replace(
+        disk_model("coulomb", pose=pose), system=system, x=y, p=ca.vertcat(k, mu, flat),
+        rhs=ca.vertcat(*rhs, size), guards=guards, names=(*names, "time"), friction="",
     )  # fmt: skip
+    return Flow(model)
 
 
 @lru_cache(maxsize=4)
@@ -144,7 +146,7 @@ def sliding_flow(*, pose: bool) -> Flow:
     """
     plain = flow("coulomb", pose=pose)
     small = plain.x[4] ** 2 + plain.x[5] ** 2 - NEAR**2
-    return dataclasses.replace(plain, guards={**plain.guards, SMALL: small})
+    return plain.having(guards={**plain.guards, SMALL: small})
 
 
 @lru_cache(maxsize=4)
@@ -160,7 +162,7 @@ def held_flow(*, pose: bool) -> Flow:
     -------
     Flow
     """
-    return dataclasses.replace(flow("coulomb", pose=pose, sticking=True), guards={})
+    return flow("coulomb", pose=pose, sticking=True).having(guards={})
 
 
 class _Dry:

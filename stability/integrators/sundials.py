@@ -132,10 +132,10 @@ def _grid(leg: Leg) -> Floats:
     A stiff motion first has its slip decay, over a time that the eye of an even grid would miss.
     """
     times = leg.times
-    if leg.dense:
+    if leg.dense or not leg.flow.guards:
         return times
     span = float(times[-1] - times[0])
-    pace = max(1.0, float(np.abs(leg.start[1:4]).max()))
+    pace = float(leg.flow.paces(leg.start[None], leg.p[None], np.array([span]))[0])
     count = int(min(max(FILL, LOOKS * span * pace), MOST_LOOKS))
     even = np.linspace(times[0], times[-1], count + 1)
     early = times[0] + (even[1] - even[0]) * np.geomspace(EARLY, 0.7, EARLY_LOOKS)
@@ -263,8 +263,8 @@ def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
     when, name = min(ends)
     state = at(when)
     index = list(leg.flow.guards).index(name)
-    left = abs(float(leg.flow.margins(state, leg.p)[0][index]))
-    if not left < ZERO:  # the integrator failed there, or the state is not finite
+    left, first = (abs(float(leg.flow.margins(y, leg.p)[0][index])) for y in (state, start))
+    if not left < ZERO * max(1.0, first):  # the integrator failed there, or the state is not finite
         return End(UNRESOLVED, low, start, f"{plugin} made no further step")
     return End(name, when, state)
 

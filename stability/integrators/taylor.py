@@ -6,7 +6,7 @@ import copy
 import importlib.util
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -19,9 +19,11 @@ import numpy as np
 
 from ..algebra.number_types import Algebra
 from ..algebra.program import Program
+from ..base.errors import StabilityError
 from ..base.types import Floats
+from ..bodies.disk_model import NO_CONTACT
 from ..jobs.pipeline import in_order
-from .flow import NO_CONTACT, Flow
+from .flow import Flow
 from .leg import UNRESOLVED, Budget, End, Leg, Path, guard_at
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -62,22 +64,45 @@ def heyoka_algebra() -> Algebra:
     return Algebra("heyoka", hy.expression, table)
 
 
-def _expressions(flow: Flow) -> tuple[list[Any], list[Any], Any]:
-    """Symbols, rates and the product of the guards: one event in place of several."""
+@cache
+def unread(flow: Flow) -> str:
+    """Why heyoka cannot integrate a flow; empty where it can.
+
+    Parameters
+    ----------
+    flow
+        Of a body or of a user's system.
+
+    Returns
+    -------
+    str
+    """
+    try:
+        _expressions(flow)
+    except StabilityError as error:
+        return str(error)
+    except KeyError as error:
+        return f"the graph has the function {error.args[0]}, which has no Taylor series everywhere"
+    return ""
+
+
+def _expressions(flow: Flow) -> tuple[list[Any], list[Any], list[Any]]:
+    """Symbols, rates and events; lanes of a batch have one event, the product of the guards."""
     import heyoka as hy
 
-    product = ca.SX(1)
+    product, own = ca.SX(1), flow.model.parking is None
     for name, guard in flow.guards.items():
         if name == NO_CONTACT and flow.friction:
             continue  # it vanishes with gn D only: a change of both signs would hide in the product
         product = product * guard
-    program = Program(ca.Function("taylor", [flow.x, flow.p], [flow.rhs, product]))
-    symbols = list(hy.make_vars(*flow.names))
+    watched = [ca.SX(g) for g in flow.guards.values()] if own else [product]
+    program = Program(ca.Function("taylor", [flow.x, flow.p], [flow.rhs, *watched]))
+    symbols = [hy.make_vars(name) for name in flow.names]
     parameters = [hy.par[i] for i in range(flow.p.numel())]
     algebra = heyoka_algebra()
     values = program.dense(algebra, [symbols, parameters])
-    guard = program.run(algebra, [symbols, parameters])[1][0]
-    return symbols, [row[0] for row in values], guard
+    events = program.run(algebra, [symbols, parameters])[1:]
+    return symbols, [row[0] for row in values], [event[0] for event in events if event]
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,11 +135,12 @@ def _single(flow: Flow, tolerance: float) -> _Held:
     def build() -> Any:
         import heyoka as hy
 
-        symbols, rates, guard = _expressions(flow)
-        event = hy.t_event(guard, direction=hy.event_direction.negative)
+        symbols, rates, guards = _expressions(flow)
+        down = hy.event_direction.negative
         return hy.taylor_adaptive(
             list(zip(symbols, rates, strict=True)), np.zeros(len(symbols)),
-            pars=np.zeros(flow.p.numel()), tol=tolerance, t_events=[event],
+            tol=tolerance,
+            t_events=[hy.t_event(guard, direction=down) for guard in guards],
         )  # fmt: skip
 
     return _Held([], build, Lock())
@@ -137,9 +163,10 @@ def integrate(leg: Leg) -> Path:
     held = _single(leg.flow, max(leg.tolerance, FINEST))
     ta = held.take()
     ta.state[:] = leg.start
-    ta.pars[:] = leg.p
+    ta.pars[:] = leg.p[: len(ta.pars)]  # as many as the equations have
     ta.time = leg.times[0]
-    ta.reset_cooldowns()
+    if ta.with_events:
+        ta.reset_cooldowns()
     budget = Budget(leg.seconds)
     quiet = min(QUIET, leg.max_steps)
     outcome, _, _, steps, _, states = ta.propagate_grid(leg.times, max_steps=quiet)
@@ -166,7 +193,9 @@ def _sound(leg: Leg, path: Path) -> Path:
     if path.end is not None:
         return path
     last = path.states[-1]
-    if (leg.flow.margins(last, leg.p)[0] > 0).all() and (np.sin(path.states[:, 0]) > 0).all():
+    look = leg.flow.model.sound
+    seen = path.states if look is None else last
+    if (leg.flow.margins(seen, leg.p)[0] > 0).all() and (look is None or look(path.states)):
         return path
     end = End(UNRESOLVED, float(leg.times[0]), leg.start, "heyoka lost an event")
     return Path(leg.start[None], end, path.steps)
@@ -189,35 +218,34 @@ def _on_guard(leg: Leg, time: float, state: Floats) -> End:
     """
     kind = guard_at(leg.flow, leg.p, state)
     index = list(leg.flow.guards).index(kind)
-    rates = leg.flow.quick.rates
+    rates, most = leg.flow.quick.rates, SHIFT
+    if not leg.flow.model.turning:  # its unit of time is any
+        most *= min(1.0, float(leg.times[-1] - leg.times[0]))
     for _ in range(NEWTON):
         value, rate = (float(part[index]) for part in leg.flow.margins(state, leg.p))
         step = -value / rate if rate < 0 else 0.0
-        if not abs(step) < SHIFT:  # not a crossing that straightens out
+        moving = rates(leg.p, state)
+        # not a crossing that straightens out, or one at which the force has no value
+        if not abs(step) < most or not np.isfinite(moving).all():
             break
-        time, state = time + step, state + step * rates(leg.p, state)
+        time, state = time + step, state + step * moving
     return End(kind, time, state)
 
 
 class _Stop:
     """Notes the end of a lane of a batch, and parks the lane where it can do no harm.
 
-    The other lanes go on, so the ended one has to follow some motion: it spins upright without
-    friction, fast enough to be stable, which costs it few steps.
+    The other lanes go on, so the ended one has to follow some motion: that of the model's parking.
     """
 
-    def __init__(self, frictions: Sequence[int]) -> None:
+    def __init__(self, parking: Callable[[Any, Any, int], None]) -> None:
         self.ends: dict[int, tuple[float, Floats]] = {}
-        self.frictions = frictions
+        self.parking = parking
 
     def __call__(self, ta: Any, _sign: Any, lane: int) -> bool:
         if lane not in self.ends:
             self.ends[lane] = float(ta.time[lane]), ta.state[:, lane].copy()
-        ta.state[:, lane] = 0.0
-        ta.state[0, lane] = math.pi / 2
-        ta.state[2, lane] = 2.0 / math.sqrt(ta.pars[0, lane])
-        for index in self.frictions:
-            ta.pars[index, lane] = 0.0
+        self.parking(ta.state, ta.pars, lane)
         return True
 
 
@@ -226,15 +254,16 @@ def _batch(flow: Flow, tolerance: float) -> _Held:
     def build() -> Any:
         import heyoka as hy
 
-        symbols, rates, guard = _expressions(flow)
-        names = flow.system.parameters
-        stop = _Stop([names.index("mu")] if "mu" in names else [])
-        event = hy.t_event_batch(guard, callback=stop, direction=hy.event_direction.negative)
+        symbols, rates, guards = _expressions(flow)
+        down, events, more = hy.event_direction.negative, [], {}
         width = hy.recommended_simd_size()
+        if flow.model.parking is not None:
+            more = {"pars": np.ones((flow.p.numel(), width))}
+            stop = _Stop(flow.model.parking)
+            events = [hy.t_event_batch(guards[0], callback=stop, direction=down)]
         return hy.taylor_adaptive_batch(
             list(zip(symbols, rates, strict=True)),
-            np.zeros((len(symbols), width)), pars=np.ones((flow.p.numel(), width)),
-            tol=tolerance, t_events=[event],
+            np.zeros((len(symbols), width)), tol=tolerance, t_events=events, **more,
         )  # fmt: skip
 
     return _Held([], build, Lock())
@@ -244,6 +273,8 @@ def integrate_many(
     legs: Sequence[Leg], workers: int | None = None, progress: Callable[[int], None] | None = None
 ) -> list[Path]:
     """Run many legs of one flow and tolerance: as many at once as the processor has lanes.
+
+    A flow with guards needs a model that parks the lanes that have ended.
 
     Parameters
     ----------
@@ -291,15 +322,16 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
 
     width = ta.batch_size
     filled = legs + legs[-1:] * (width - len(legs))
-    stop: _Stop = ta.t_events[0].callback
+    ends = ta.t_events[0].callback.ends if ta.with_events else {}
     grid = np.column_stack([leg.times for leg in filled])
 
     def propagate(**options: Any) -> Floats:
         ta.state[:] = np.column_stack([leg.start for leg in filled])
-        ta.pars[:] = np.column_stack([leg.p for leg in filled])
+        ta.pars[:] = np.column_stack([leg.p for leg in filled])[: len(ta.pars)]
         ta.set_time([float(leg.times[0]) for leg in filled])
-        ta.reset_cooldowns()
-        stop.ends.clear()
+        if ta.with_events:
+            ta.reset_cooldowns()
+        ends.clear()
         found: Floats = ta.propagate_grid(grid, **options)[1]
         return found
 
@@ -309,10 +341,12 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     if limited and most > QUIET:  # begun again, now with an eye on the time
         states = propagate(max_steps=most, callback=Budget(sum(g.seconds for g in legs)))
     with _ASKING:
-        return _read(ta, legs, states, stop)
+        return _read(ta, legs, states, ends)
 
 
-def _read(ta: Any, legs: list[Leg], states: Floats, stop: _Stop) -> list[Path]:
+def _read(
+    ta: Any, legs: list[Leg], states: Floats, ends: Mapping[int, tuple[float, Floats]]
+) -> list[Path]:
     """The paths of a batch that has run; asks the graph for its guards."""
     import heyoka as hy
 
@@ -323,8 +357,8 @@ def _read(ta: Any, legs: list[Leg], states: Floats, stop: _Stop) -> list[Path]:
             paths.append(integrate(leg))  # one lane failed and stopped all: each for itself
             continue
         mine, end = states[:, :, lane], None
-        if lane in stop.ends:
-            when, where = stop.ends[lane]
+        if lane in ends:
+            when, where = ends[lane]
             end = _on_guard(leg, when, where)
             when = end.time
             mine = mine[: np.searchsorted(leg.times, when)]

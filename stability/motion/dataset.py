@@ -7,7 +7,7 @@ import platform
 from collections import Counter
 from dataclasses import replace
 from datetime import UTC, datetime
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
@@ -16,24 +16,29 @@ import numpy as np
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
-from ..bodies.disk_equations import STATES
-from ..bodies.disk_quantities import QUANTITIES
-from ..integrators.flow import POSE, POSE_UNIT, flow
+from ..bodies.disk_model import POSE, POSE_UNIT
+from ..integrators.flow import flow_of
 from ..integrators.stick_slip import SLIDING, STICKING
 from .result import BY_CODE, Outcome
 
 if TYPE_CHECKING:
     import xarray
 
+    from ..settling.nearest import Nearest
     from .result import Result, Settings
     from .starts import Launches
 
-from .observables import OBSERVED, observe
+from .observables import energy_slopes, observe
 
 FORMAT = "stability trajectory 1"
 """Marks a file as one of ours."""
 ACCOUNT = 1e-2
 """Share of the initial energy by which the account may fail before no outcome is given."""
+ENERGY_ERROR = (
+    "largest |audit| over the energy at the start",
+    "largest |audit| over the largest sum of |x dE/dx| of the states, or the energy lost",
+)
+"""What the energy account is measured against: of a disk, of a user's system."""
 LIBRARIES = ("casadi", "numpy", "scipy", "heyoka", "xarray")
 
 
@@ -70,19 +75,17 @@ def assemble(launches: Launches, settings: Settings, results: list[Result]) -> x
     dims = _dims(launches.shape)
     y, running, modes, times = _samples(launches, results, single)
     heading = None
-    if launches.law.sticks:  # a start at rest from which slip sets in at once
+    if launches.dry:  # a start at rest from which slip sets in at once
         first = [r.transitions[0].direction if r.transitions else 0.0 for r in results]
         heading = np.broadcast_to(np.array(first)[:, None], y.shape[:2])
     series = _series(launches, settings, y, modes, heading)
     along = (*dims, "time")
     shape = (*launches.shape, y.shape[1])
-    plain = launches.dimensionless
     fast: Any = xarray.Variable
+    labels = partial(launches.model.attributes, dimensionless=launches.dimensionless)
     variables = {
-        n: fast(along, v.reshape(shape), QUANTITIES[n].attributes(dimensionless=plain),
-                fastpath=True)
-        for n, v in series.items()
-    }  # fmt: skip
+        n: fast(along, v.reshape(shape), labels(n), fastpath=True) for n, v in series.items()
+    }
     if not single:
         variables["running"] = fast(along, running.reshape(shape), {
             "long_name": "whether the run had not ended", "flag_values": [0, 1],
@@ -92,16 +95,15 @@ def assemble(launches: Launches, settings: Settings, results: list[Result]) -> x
             "long_name": "mode of dry friction",
             "flag_values": np.array([SLIDING, STICKING], dtype=np.int8),
             "flag_meanings": "sliding sticking"})  # fmt: skip
-    results = _accounted(launches, results, series["audit"])
-    variables |= _summary(launches, results, series["audit"], dims)
+    error = _account(launches, y, series) if launches.model.accounted else None
+    if error is not None:
+        results = _accounted(results, error)
+    variables |= _summary(launches, results, error, dims)
     variables |= _log(launches, results)
-    coordinates = {
-        "time": fast("time", times, QUANTITIES["time"].attributes(dimensionless=plain),
-                     fastpath=True),
-    }  # fmt: skip
+    coordinates = {"time": fast("time", times, labels("time"), fastpath=True)}
     for name, value in launches.given.items():
         kept = ((), value) if value.ndim == 0 else (dims, value.reshape(launches.shape))
-        coordinates[name] = fast(*kept, {}, fastpath=True)
+        coordinates[name] = fast(*kept, {} if launches.law else labels(name), fastpath=True)
     if not single:  # a slice keeps it, and so tells its own events
         numbers = np.arange(launches.count).reshape(launches.shape)
         coordinates["number"] = fast(dims, numbers, {"long_name": "launch, counted flat"},
@@ -185,21 +187,23 @@ def _series(
     heading: Floats | None = None,
 ) -> dict[str, Floats]:
     """Every series by name, in the user's units, shape (launch, time)."""
-    which = flow(launches.law, pose=settings.pose)
-    own = len(which.system.states)
-    six, work = which.six(y), y[..., own]
-    seen = observe(launches.law, six, launches.p[:, None, :], modes, heading)
-    found = dict(zip(STATES, np.moveaxis(six, -1, 0), strict=True))
-    found |= dict(zip(OBSERVED, seen, strict=True))
-    found["kinetic"] = found["energy"] - found["potential"]
-    found["dissipated"] = work
-    found["audit"] = found["energy"] + work - launches.energies[:, None]
+    model = launches.model
+    own, states = len(model.system.states), flow_of(model).reported(y)
+    found = dict(zip(model.states, np.moveaxis(states, -1, 0), strict=True))
+    found |= observe(model, states, launches.p[:, None, :], modes, heading)
+    if launches.law is not None:
+        found["kinetic"] = found["energy"] - found["potential"]
+    if model.accounted:
+        found["dissipated"] = work = y[..., own]
+        found["audit"] = found["energy"] + work - launches.energies[:, None]
     if settings.pose:
         found |= dict(zip(POSE, POSE_UNIT * np.moveaxis(y[..., own + 1 :], -1, 0), strict=True))
         reach = np.cos(found["theta"])
         found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
         found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])
-    named = {n: q.kind for n, q in QUANTITIES.items() if n in found}
+    if launches.law is None:
+        return found
+    named = {n: q.kind for n, q in model.quantities.items() if n in found}
     if launches.dimensionless:
         return {n: found[n] for n in named}
     s = launches.scales
@@ -211,25 +215,22 @@ def _series(
 
 
 def _summary(
-    launches: Launches, results: list[Result], audit: Floats, dims: tuple[str, ...]
+    launches: Launches, results: list[Result], error: Floats | None, dims: tuple[str, ...]
 ) -> dict[str, Any]:  # fmt: skip
     """One value for each launch: outcome, evidence, times, the nearest steady motion."""
     import xarray
 
     shape, clock = launches.shape, launches.scales["time"]
-    rate = launches.scales["rate"]
-
     make: Any = xarray.Variable
 
     def variable(values: Any, **attributes: Any) -> Any:
         array = np.asarray(values).reshape(shape)
         return make(dims, array, attributes, fastpath=True)
 
-    near = [r.near for r in results]
-    turning = np.array([n.family != "tumbling" for n in near])
-    first = launches.energies * launches.scales["energy"]
-    plain = launches.dimensionless
-    second = Kind.TIME.unit(dimensionless=plain)
+    second = launches.unit("time")
+    account = {} if error is None else {
+        "energy_error": variable(error, units="1", long_name=ENERGY_ERROR[launches.law is None])
+    }  # fmt: skip
     return {
         "outcome": variable(
             np.array([r.outcome.code for r in results], dtype=np.int8),
@@ -243,20 +244,37 @@ def _summary(
         "settled_time": variable(np.array([r.settled_at for r in results]) * clock,
                                  long_name="time from which it stayed near the steady motion, "
                                  "or the end", units=second),
-        "energy_error": variable(np.abs(audit).max(axis=-1) / first, units="1",
-                                 long_name="largest |audit| over the energy at the start"),
-        "nearest_family": variable([n.family for n in near], long_name="nearest steady motion"),
-        "nearest_at": variable(
-            np.array([n.at for n in near]) * np.where(turning, rate, 1.0),
-            long_name="its phi_dot, theta or omega3",
-            units="1" if plain else f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})",
-        ),
-        "nearest_distance": variable([n.distance for n in near], units="1",
-                                     long_name="dimensionless distance from it"),
+        **account,
+        **_nearest(launches, [r.near for r in results], variable),
         **_errors(results, clock, variable, second),
         "steps": variable([r.path.steps for r in results], long_name="steps of the integrator"),
         "method": variable([r.choice.method for r in results], long_name="integrator"),
     }  # fmt: skip
+
+
+def _nearest(launches: Launches, near: list[Nearest], variable: Any) -> dict[str, Any]:
+    """The nearest steady motions; those of a user's system only where all launches have one."""
+    found = {
+        "nearest_family": variable([n.family for n in near], long_name="nearest steady motion"),
+        "nearest_distance": variable([n.distance for n in near], units="1",
+                                     long_name="dimensionless distance from it"),
+    }  # fmt: skip
+    if launches.law is not None:
+        turning = np.array([n.family != "tumbling" for n in near])
+        plain = launches.dimensionless
+        found["nearest_at"] = variable(
+            np.array([n.at for n in near]) * np.where(turning, launches.scales["rate"], 1.0),
+            long_name="its phi_dot, theta or omega3",
+            units="1" if plain else f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})",
+        )
+        return found
+    if any(n.member is None for n in near):
+        return {}
+    found["nearest_distance"].attrs["long_name"] = "distance from it, in units of the states"
+    member = np.array([n.member for n in near]).reshape(*launches.shape, -1)
+    label = {"long_name": "states of the steady motion", "columns": " ".join(launches.model.states)}
+    dims = (*found["nearest_family"].dims, "state")
+    return found | {"nearest_member": type(found["nearest_family"])(dims, member, label)}
 
 
 def _errors(
@@ -277,10 +295,25 @@ def _errors(
     }  # fmt: skip
 
 
-def _accounted(launches: Launches, results: list[Result], audit: Floats) -> list[Result]:
+def _account(launches: Launches, y: Floats, series: dict[str, Floats]) -> Floats:
+    """How far the energy account fails in each launch.
+
+    The disk's energy at the start is positive.  A user's may be counted from anywhere: there the
+    measure is the most that the states have to do with it, Σ |x ∂E/∂x|, or what was lost.
+    """
+    audit = np.abs(series["audit"]).max(axis=-1)
+    if launches.law is not None:
+        scale = launches.energies * launches.scales["energy"]
+    else:
+        x = y[..., : len(launches.model.states)]
+        share = np.abs(x * energy_slopes(launches.model, x, launches.p[:, None, :])).sum(axis=-1)
+        scale = np.maximum(share, np.abs(series["dissipated"])).max(axis=-1)
+        scale = np.where(scale > 0, scale, 1.0)
+    return np.asarray(audit / scale)
+
+
+def _accounted(results: list[Result], error: Floats) -> list[Result]:
     """The results, without the outcome of a run whose energy account does not close."""
-    start = launches.energies * launches.scales["energy"]
-    error = np.abs(audit).max(axis=-1) / np.broadcast_to(start, len(results))
     if not (error > ACCOUNT).any():
         return results
     return [
@@ -296,18 +329,19 @@ def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
     """The event log: transitions between sliding and sticking, and early ends."""
     import xarray
 
-    motion = flow(launches.law)  # the six states lie first in y, with or without the pose
+    motion = flow_of(launches.model)
+    count = len(launches.model.states)
     rows: list[tuple[int, float, str, Floats, float]] = []
     for i, result in enumerate(results):
         for t in result.transitions:
             rows.append((i, t.time, t.kind, t.state[:6], t.direction))
         end = result.path.end
         if end is not None:
-            rows.append((i, end.time, result.outcome.word, motion.six(end.state), 0.0))
+            rows.append((i, end.time, result.outcome.word, motion.reported(end.state), 0.0))
     clock = launches.scales["time"]
     which = np.array([r[0] for r in rows], dtype=np.int64)
     times = np.array([r[1] for r in rows], dtype=float)
-    states = np.array([r[3] for r in rows], dtype=float).reshape(len(rows), 6)
+    states = np.array([r[3] for r in rows], dtype=float).reshape(len(rows), count)
     if not launches.dimensionless:
         for column, name in ((slice(1, 4), "rate"), (slice(4, 6), "speed")):
             scale = launches.scales[name]
@@ -321,14 +355,20 @@ def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
     return {
         "event_launch": variable("event", which, {"long_name": "launch, counted flat"}),
         "event_time": variable("event", times * (clock[which] if clock.ndim else clock),
-                               {"units": Kind.TIME.unit(dimensionless=launches.dimensionless)}),
+                               {"units": launches.unit("time")}),
         "event_kind": variable("event", np.array([r[2] for r in rows], dtype="U12")),
         "event_state": variable(("event", "state"), states, {
-            "long_name": "state at the event", "columns": " ".join(STATES)}),
+            "long_name": "state at the event", "columns": " ".join(launches.model.states)}),
         "event_direction": variable("event", np.array([r[4] for r in rows], dtype=float), {
             "long_name": "direction of slip from x̂, before sticking or at its onset",
             "units": Kind.ANGLE.si}),
     }  # fmt: skip
+
+
+def _body(launches: Launches) -> dict[str, Any]:
+    if launches.law is None:
+        return {"system": launches.model.system.name}
+    return {"contact": launches.law.name, "dimensionless": int(launches.dimensionless)}
 
 
 def _provenance(launches: Launches, settings: Settings, results: list[Result]) -> dict[str, Any]:
@@ -337,8 +377,8 @@ def _provenance(launches: Launches, settings: Settings, results: list[Result]) -
     first = results[0].choice
     attributes: dict[str, Any] = {
         "format": FORMAT,
-        "title": f"motion of a disk, {launches.law.name} contact",
-        "contact": launches.law.name,
+        "title": launches.model.title,
+        **_body(launches),
         "outcome": ", ".join(
             word if launches.shape == () else f"{count} {word}" for word, count in outcomes.items()
         ),
@@ -347,14 +387,12 @@ def _provenance(launches: Launches, settings: Settings, results: list[Result]) -
         "method_reason": first.reason,
         "tolerance": settings.tolerance,
         "tolerance_used": results[0].tolerance,
-        "flat": settings.flat,
+        **({"flat": settings.flat} if launches.law else {}),
         "settle": settings.settle,
         "max_steps": settings.max_steps,
-        "dimensionless": int(launches.dimensionless),
         "software": f"stability {__version__}",
         "versions": _versions(),
-        "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
-        "204-231, integrated",
+        "source": launches.model.source,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "Conventions": "CF-1.11",
     }

@@ -65,8 +65,34 @@ TURNS = 4
 LASTING = (Outcome.MOVING, Outcome.SETTLED)
 SIGNS = np.array([1.0, -0.83, 0.71, -0.91, 0.77, 0.87])
 """Direction of the start's change: fixed, and of no symmetry."""
+GOLDEN = (5**0.5 - 1) / 2
+"""Its multiples, less the whole part, repeat nowhere: sizes of the change of further states."""
 COMPARED = 17
 """Times at which two neighbours are compared."""
+
+
+def signs(count: int) -> Floats:
+    """The direction of the change of a start with so many states.
+
+    Parameters
+    ----------
+    count
+        Number of states.
+
+    Returns
+    -------
+    ndarray
+        Shape (count,), of sizes from 0.7 to 1.
+
+    Examples
+    --------
+    >>> signs(8).round(2).tolist()
+    [1.0, -0.83, 0.71, -0.91, 0.77, 0.87, -0.91, 0.8]
+    """
+    more = np.arange(len(SIGNS), count)
+    rest = (0.7 + 0.3 * (GOLDEN * more % 1)) * np.where(more % 2, 1, -1)
+    return np.concatenate([SIGNS[:count], rest])
+
 
 Rerun = Callable[[Sequence[int], Floats, Floats], "list[Result]"]
 """Runs launches (by number) again from starts off by a relative size, at tolerances."""
@@ -133,7 +159,7 @@ def _in_time(one: Result, final: float, others: Sequence[Result]) -> float:
         return 0.0
     late = 0.0
     for other in others:
-        far = _distance(one.final, other.final)
+        far = _distance(one, other)
         if 0 < far < np.inf and np.isfinite(final):
             moved = np.abs(one.final - other.final)
             known = moved > 0  # no share of an infinite lag
@@ -259,13 +285,13 @@ def _distances(one: Result, other: Result) -> tuple[float, float]:
     """Distance of the final states, and of the times of the end."""
     if Outcome.UNRESOLVED in (one.outcome, other.outcome):
         return np.inf, np.inf
-    return _distance(one.final, other.final), abs(one.time - other.time)
+    return _distance(one, other), abs(one.time - other.time)
 
 
 def _gaps(one: Result, other: Result) -> Floats:
     """Distances of two neighbours at the times at which both were still running."""
     count = min(len(one.path.states), len(other.path.states))
-    return _each(one.path.states[:count], other.path.states[:count])
+    return _each(one.path.states[:count], other.path.states[:count], one.compared)
 
 
 def _spread(one: Result, other: Result) -> float:
@@ -276,21 +302,21 @@ def _spread(one: Result, other: Result) -> float:
 def _growth(one: Result, other: Result) -> float:
     """Largest ratio of the distance of two neighbours at the end to one before, and at least 1."""
     gaps = _gaps(one, other)
-    last = max(gaps[-1], min(_distance(one.final, other.final), 1.0))
+    last = max(gaps[-1], min(_distance(one, other), 1.0))
     least = gaps[gaps > 0]
     return max(1.0, float(last / least.min())) if least.size else 1.0
 
 
-def _each(a: Floats, b: Floats) -> Floats:
-    """Largest difference of the six states of each pair, over 1 or the state's own size."""
-    n = min(a.shape[-1], 6)
-    a, b = a[..., :n], b[..., :n]
+def _each(a: Floats, b: Floats, count: int) -> Floats:
+    """Largest difference of the states of each pair, over 1 or the state's own size."""
+    a, b = a[..., :count], b[..., :count]
     found: Floats = (np.abs(a - b) / np.maximum(1.0, np.abs(a))).max(axis=-1)
     return found
 
 
-def _distance(a: Floats, b: Floats) -> float:
-    return float(_each(a, b).max())
+def _distance(one: Result, other: Result) -> float:
+    """Distance of the final states."""
+    return float(_each(one.final, other.final, one.compared).max())
 
 
 def _alike(one: Result, other: Result) -> bool:

@@ -9,40 +9,53 @@ import numpy as np
 
 from ..algebra.program import Program
 from ..base.types import Floats
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import Rough
-from ..integrators.flow import moving_system
+from ..bodies.disk_model import disk_model
+from ..bodies.model import Model
 from ..integrators.stick_slip import REST, STICKING
 
 
 @cache
-def _observer(law: type[Contact]) -> Program:
-    """Energy, height, gn, contact force and power of six states."""
-    system = moving_system(law)
-    seen = system.observables
-    values = [
-        seen["energy"], ca.sin(system.x[0]), seen["normal_force"], seen["contact_force"],
-        seen["power"],
-    ]  # fmt: skip
-    return Program(ca.Function("observer", [system.x, system.p], [ca.vertcat(*values)]))
+def _observer(model: Model) -> Program:
+    """Every series of states and parameters."""
+    system, values = model.system, list(model.series.values())
+    return Program(ca.Function("observer", [system.x, system.p], [ca.densify(ca.vertcat(*values))]))
 
 
-OBSERVED = ("energy", "potential", "normal_force", "force_x", "force_y", "power")
+@cache
+def _slopes(model: Model) -> Program:
+    system = model.system
+    slopes = ca.densify(ca.jacobian(model.series["energy"], system.x)).T
+    return Program(ca.Function("slopes", [system.x, system.p], [slopes]))
+
+
+def energy_slopes(model: Model, states: Floats, p: Floats) -> Floats:
+    """Gradient of the energy, shape (…, n).
+
+    Parameters
+    ----------
+    model
+        With an energy.
+    states, p
+        As for `observe`.
+    """
+    x, q = list(np.moveaxis(states, -1, 0)), list(np.moveaxis(p, -1, 0))
+    return np.asarray(_slopes(model).arrays([x, q], states.shape[:-1])[0][..., 0])
 
 
 def observe(
-    law: type[Contact], six: Floats, p: Floats, modes: Floats | None, heading: Floats | None = None
-) -> Floats:
+    model: Model, states: Floats, p: Floats, modes: Floats | None = None,
+    heading: Floats | None = None,
+) -> dict[str, Floats]:  # fmt: skip
     """The observables of states.
 
     Parameters
     ----------
-    law
-        The law.
-    six
-        States, shape (…, 6).
+    model
+        Of the body or system.
+    states
+        Reported states, shape (…, s).
     p
-        Parameters of the law's system, shape (…, m).
+        Parameters of the system, shape (…, m).
     modes
         Sliding or sticking, shape (…), for dry friction.
     heading
@@ -50,21 +63,23 @@ def observe(
 
     Returns
     -------
-    ndarray
-        `OBSERVED` along the first axis, then (…).
+    dict
+        Arrays of shape (…) by name.
     """
-    program = _observer(law)  # type: ignore[arg-type]  # a class is hashable
+    if not model.series:
+        return {}
     if heading is not None:
-        still = np.hypot(six[..., 4], six[..., 5]) < REST
-        six = six.copy()
-        six[still, 4] = REST * np.cos(heading[still])
-        six[still, 5] = REST * np.sin(heading[still])
-    own = len(moving_system(law).states)
-    x, q = list(np.moveaxis(six[..., :own], -1, 0)), list(np.moveaxis(p, -1, 0))
-    values = program.arrays([x, q], six.shape[:-1])[0][..., 0]
+        still = np.hypot(states[..., 4], states[..., 5]) < REST
+        states = states.copy()
+        states[still, 4] = REST * np.cos(heading[still])
+        states[still, 5] = REST * np.sin(heading[still])
+    own = len(model.system.states)
+    x, q = list(np.moveaxis(states[..., :own], -1, 0)), list(np.moveaxis(p, -1, 0))
+    values = _observer(model).arrays([x, q], states.shape[:-1])[0][..., 0]
     if modes is not None and (modes == STICKING).any():
         sticking = modes == STICKING
-        held = [list(np.moveaxis(six[sticking][:, :4], -1, 0)),
+        held = [list(np.moveaxis(states[sticking][:, :4], -1, 0)),
                 [np.broadcast_to(p[..., 0], modes.shape)[sticking]]]  # fmt: skip
-        values[sticking] = _observer(Rough).arrays(held, (int(sticking.sum()),))[0][..., 0]
-    return np.moveaxis(values, -1, 0)
+        rough = _observer(disk_model("rough"))
+        values[sticking] = rough.arrays(held, (int(sticking.sum()),))[0][..., 0]
+    return dict(zip(model.series, np.moveaxis(values, -1, 0), strict=True))

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from ..base.checks import MOST_WORKERS, Sentences, flag, one_number, whole_number
 from ..base.errors import ParameterError
 from ..base.types import Floats
-from ..integrators.flow import FLAT, LIFT_OFF, NO_CONTACT
+from ..bodies.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.leg import UNRESOLVED, Path
 from ..integrators.selection import Choice
 from ..integrators.stick_slip import NON_UNIQUE, Transition
-from .settling import Nearest
+from ..settling.nearest import Nearest
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """One launch after its run, dimensionless."""
+    """One launch after its run, dimensionless for a disk."""
 
     path: Path
     """y at the asked times, and the end."""
@@ -42,6 +42,8 @@ class Result:
     """Why the outcome is what it is."""
     tolerance: float
     """What the integrator was given: not below what it accepts."""
+    compared: int
+    """Entries of y, from the first, in which neighbours are compared."""
     doubt: Doubt | None = None
     """What its shadow says; None where none was asked, or the run has no outcome."""
 
@@ -57,7 +59,10 @@ class Outcome(Sentences):
     0
     """
 
-    MOVING = "moving: contact lasted and no motion was settled on; ask for later times to see more"
+    MOVING = (
+        "moving: the run lasted and no steady motion was settled on; ask for later times to see "
+        "more"
+    )
     SETTLED = (
         "settled: the state lies so close to an asymptotically stable steady motion that its "
         "motion is proved, in ball arithmetic, to converge to that one or to a neighbour of the "
@@ -80,6 +85,10 @@ class Outcome(Sentences):
     UNDETERMINED = (
         "undetermined: neighbours within the tolerance end differently; ask for a finer tolerance "
         "or an earlier last time"
+    )
+    DOMAIN_END = (
+        "domain-end: a condition of the system has reached zero, beyond which its equations have "
+        "no meaning; see the evidence for its sentence"
     )
 
     @property

@@ -10,23 +10,16 @@ from functools import partial
 import numpy as np
 
 from ..base.types import Floats
-from ..integrators.flow import FLAT, LIFT_OFF, NO_CONTACT, flow
+from ..bodies.disk_model import FLAT, LIFT_OFF, NO_CONTACT
+from ..integrators.flow import flow_of
 from ..integrators.leg import UNRESOLVED, End, Leg, Path
 from ..integrators.painleve import OPEN_END, closer
 from ..integrators.selection import FINEST, Choice, explicit, run
 from ..integrators.stick_slip import SLIDING, DryPath
 from ..integrators.stick_slip import integrate as integrate_dry
-from .neighbours import COMPARED, SIGNS, doubts
+from .neighbours import COMPARED, doubts, signs
 from .result import OF_END, TIGHTEST, Doubt, Outcome, Result, Settings
-from .settling import Nearest, deviation, nearest
 from .starts import Launches
-
-GUARDS = {
-    LIFT_OFF: "normal force times D",
-    FLAT: "sine of theta less that of flat",
-    NO_CONTACT: "D",
-}
-"""What each guard is, in words."""
 
 TOGETHER = 1e-6
 """D at which a zero of gn D is taken for one of both."""
@@ -95,26 +88,27 @@ def _checked(
 
 
 def _legs(launches: Launches, settings: Settings) -> list[Leg]:
-    which = flow(launches.law, pose=settings.pose)
-    sine = math.sin(settings.flat)
-    lead = launches.times[:1] != 0
+    which = flow_of(launches.model)
+    # the disk's flow has one more parameter: the sine of the angle that counts as flat
+    more = [math.sin(settings.flat)] * (which.p.numel() - launches.p.shape[1])
+    turning, lead = list(launches.model.turning), launches.times[:1] != 0
     times = np.concatenate([[0.0], launches.times]) if lead else launches.times
     clock = launches.scales["time"]
     # launches of one time scale share their array of times
     shared = times / float(clock) if clock.ndim == 0 else None
     return [
         Leg(
-            which, np.append(p, sine), y,
+            which, np.append(p, more), y,
             times / float(clock[i]) if shared is None else shared,
-            _finer(settings.tolerance, y), settings.max_steps, settings.max_seconds,
+            _finer(settings.tolerance, y[turning]), settings.max_steps, settings.max_seconds,
         )
         for i, (p, y) in enumerate(zip(launches.p, which.pack(launches.starts), strict=True))
     ]  # fmt: skip
 
 
-def _shadow(leg: Leg, six: Floats, tolerance: float, off: float) -> Leg:
+def _shadow(leg: Leg, states: Floats, tolerance: float, off: float) -> Leg:
     """The leg from a start off by a relative size, with times to compare at."""
-    start = leg.flow.pack(six * (1.0 + off * SIGNS))
+    start = leg.flow.pack(states * (1.0 + off * signs(len(states))))
     times = np.linspace(leg.times[0], leg.times[-1], COMPARED)
     return replace(leg, start=start, times=times, tolerance=tolerance)
 
@@ -131,7 +125,7 @@ def _run(
 ) -> list[Result]:  # fmt: skip
     """Run legs, each by its method, and judge how they ended."""
     found: list[Result | None] = [None] * len(legs)
-    if launches.law.sticks:
+    if launches.dry:
         for i, (leg, method) in enumerate(zip(legs, methods, strict=True)):
             dry = integrate_dry(leg, method, pose=settings.pose)
             name = explicit() if method == "auto" else method
@@ -150,12 +144,12 @@ def _run(
     return [result for result in found if result is not None]
 
 
-def _finer(tolerance: float, y: Floats) -> float:
+def _finer(tolerance: float, turning: Floats) -> float:
     """The tolerance of a launch: finer by a decade for each in which it turns faster than 10.
 
     The normal force holds products of angular velocities, whose error is theirs times the other.
     """
-    fast = float(np.abs(y[1:4]).max()) / 10
+    fast = float(np.abs(turning).max(initial=0.0)) / 10
     return tolerance if fast <= 1 else max(tolerance * 10.0 ** -np.ceil(np.log10(fast)), TIGHTEST)
 
 
@@ -164,13 +158,14 @@ def _judge(
     dry: DryPath | None,
 ) -> Result:  # fmt: skip
     why = ""
-    if path.end is not None and dry is None and path.end.kind != FLAT:
+    contact = launches.law is not None and dry is None
+    if path.end is not None and contact and path.end.kind != FLAT:
         path, why = closer(leg, path) or (path, "")
     end: End | None = path.end
     final = path.states[-1] if end is None else end.state
     time = float(leg.times[-1]) if end is None else end.time
-    six = leg.flow.six(final)
-    near = nearest(six, launches.law, leg.p[:-1], settings.settle)
+    p = leg.p[: len(leg.flow.system.parameters)]
+    near = launches.settling.nearest(leg.flow.reported(final), p, settings.settle)
     since = time
     if end is not None:
         outcome, evidence = _ending(leg, end)
@@ -181,13 +176,14 @@ def _judge(
         outcome, evidence = Outcome.MOVING, near.evidence
         if near.settled:
             outcome = Outcome.SETTLED
-            since = _since(leg, path, near, settings.settle)
+            apart = launches.settling.distances(leg.flow.reported(path.states), p, near)
+            since = _since(leg, apart, settings.settle)
     return Result(
         path, choice, outcome, time, final, near, since,
         dry.modes if dry else None, dry.mode if dry else SLIDING,
         tuple(dry.transitions) if dry else (),
         evidence + ("" if launches.dimensionless else " (dimensionless numbers)"),
-        max(leg.tolerance, FINEST[choice.method]),
+        max(leg.tolerance, FINEST[choice.method]), leg.flow.compared,
     )  # fmt: skip
 
 
@@ -219,16 +215,18 @@ def _ending(leg: Leg, end: End) -> tuple[Outcome, str]:
         if d / (2 * -d_rate) < 1e-6 * max(1.0, end.time):
             why = f"D = {d:.1e} falls at {-d_rate:.1e}: it runs to zero, and the contact force "
             return Outcome.NO_CONTACT, why + "grows without bound"
-    outcome = OF_END[end.kind]
+    outcome = OF_END.get(end.kind, Outcome.DOMAIN_END)
     if end.message or end.kind not in seen:
         return outcome, end.message or end.kind
     value, rate = seen[end.kind]
-    return outcome, f"{GUARDS[end.kind]} {value:.1e}, falling at {-rate:.4g}"
+    words = leg.flow.model.words[end.kind]
+    said = words.format(value=value) if outcome is Outcome.DOMAIN_END else f"{words} {value:.1e}"
+    fall = f"at {-rate:.4g}" if math.isfinite(rate) else "without bound"
+    return outcome, f"{said}, falling {fall}"
 
 
-def _since(leg: Leg, path: Path, near: Nearest, within: float) -> float:
+def _since(leg: Leg, apart: Floats, within: float) -> float:
     """The first sample from which the motion stayed within the distance of the family."""
-    _, e = deviation(leg.flow.six(path.states), float(leg.p[0]), near.family)
-    outside = np.flatnonzero(np.linalg.norm(e, axis=-1) > within)
+    outside = np.flatnonzero(apart > within)
     first = 0 if outside.size == 0 else min(int(outside[-1]) + 1, len(leg.times) - 1)
     return float(leg.times[first])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,12 +10,14 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import callback
 from ..base.errors import ParameterError
-from ..bodies.contact import Contact
 from ..bodies.disk import Disk
-from ..integrators.flow import CASADI
-from ..integrators.selection import check_method
+from ..integrators.flow import CASADI, flow_of
+from ..integrators.selection import check_flow, check_method
+from ..systems.family import Family
+from ..systems.system import System
 from .result import Settings
 from .starts import Launches, gather
+from .system_starts import gather_system
 
 if TYPE_CHECKING:
     import xarray
@@ -24,11 +26,12 @@ from .run import results
 
 
 def simulate(
-    disk: Disk,
-    contact: Contact,
+    disk: Disk | System,
+    contact: Any,
     start: Any,
     times: ArrayLike,
     *,
+    families: Family | Sequence[Family] = (),
     method: str = "auto",
     tolerance: float = 1e-9,
     pose: bool = False,
@@ -40,28 +43,33 @@ def simulate(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xarray.Dataset:
-    """The motion of a disk from a start, and what becomes of it.
+    """The motion of a disk, or of a user's system, from a start, and what becomes of it.
 
     Parameters
     ----------
     disk
         The disk; its fields may be arrays.  With m = R = g = 1 every number is dimensionless,
-        otherwise SI.
+        otherwise SI.  Or a `System`, whose numbers are in its own units.
     contact
         `Smooth`, `Viscous`, `LinearViscous`, `Rough`, `Coulomb` (with true sticking) or
-        `RegularisedCoulomb`.
+        `RegularisedCoulomb`.  For a system its parameters: values by name, or along the last axis;
+        None where it has none.
     start
         theta, theta_dot, phi_dot, omega3, slip_x, slip_y along the last axis, shape (…, 6)
         [rad, rad/s, m/s], or a mapping by these names (what is left out is 0).  Four values do for
-        smooth and rough.
+        smooth and rough.  For a system every state by name, or along the last axis.
     times
         Times to report, rising [s], shape (t,), or a last time, which means 201 equal steps
         from 0.  The start is time 0.
+    families
+        Families of the user's system on which it may settle; the disk has its own.  Angles are
+        not wrapped: a member a whole turn away is another one.
     method
         `auto` (by stiffness and tolerance), or `heyoka`, `dop853`, `lsoda`, `radau`, `bdf`,
-        `cvodes`, `idas`.
+        `cvodes`, `idas` (a system needs a mass matrix for it).
     tolerance
-        Error allowed in one step, relative and absolute to 1; from 1e-16 to 1e-2.
+        Error allowed in one step, relative, and absolute to 1 in a system's own units; from 1e-16
+        to 1e-2.
     pose
         Whether to report φ, ψ, and the paths of centre and contact point.
     flat
@@ -87,18 +95,21 @@ def simulate(
         States and observables over (…, time), with units; `outcome` (CF flags), `evidence`,
         `end_time`, `energy_error`, `final_error` (estimated: the largest over the states, each over
         1 or its own size), `end_time_error` and the nearest steady motion for each launch; the
-        event log
-        along `event`; provenance in the attributes.  A single run that ended early has its end as
-        last sample.  Of several, each holds its last state after its end, where `running` is 0.
+        event log along `event`; provenance in the attributes.  A single run that ended early has
+        its end as last sample.  Of several, each holds its last state after its end, where
+        `running` is 0.  A system has its own observables; the energy account where it observes an
+        `energy` and a `power` (the energy lost in a unit of time); the nearest steady motion where
+        families were given; and ends where one of its conditions reaches zero (*domain-end*).
 
     Raises
     ------
     StabilityError
-        In one sentence, if something is not accepted: a flat or detached start, D ≤ 0, numbers
-        that are not finite, shapes that do not fit, times that do not rise.
+        In one sentence, if something is not accepted: a flat or detached start, D ≤ 0, a condition
+        that fails, numbers that are not finite, shapes that do not fit, times that do not rise.
 
     Source: Przybylska & Rauch-Wojciechowski 2016, Sections 2 and 5; tests/test_motion.py holds
-    it against an inertial-frame formulation and closed forms.
+    it against an inertial-frame formulation and closed forms; tests/test_system_motion.py systems
+    with closed forms.
 
     Examples
     --------
@@ -108,6 +119,18 @@ def simulate(
     ('settled', 'spinning')
     >>> bool(run.energy_error < 1e-9)
     True
+
+    A pendulum of one's own:
+
+    >>> import casadi as ca
+    >>> x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    >>> pendulum = st.System("pendulum", x, c, ca.vertcat(x[1], -ca.sin(x[0]) - c * x[1]),
+    ...                      states=("angle", "rate"), parameters=("c",))
+    >>> hanging = st.Family(pendulum, "hanging", at=("c",), held={"angle": 0, "rate": 0})
+    >>> start = {"angle": 1.0, "rate": 0.0}
+    >>> run = st.simulate(pendulum, {"c": 0.2}, start, 100.0, families=hanging)
+    >>> run.attrs["outcome"]
+    'settled'
     """
     from .dataset import assemble
 
@@ -117,8 +140,16 @@ def simulate(
     )
     settings.refuse()
     with CASADI:  # calls from several threads take turns; a batch uses threads of its own
-        launches = gather(disk, contact, start, times)
-        _not_flat(launches, settings)
+        if isinstance(disk, System):
+            if pose:
+                raise ParameterError("pose is True, and only a disk has one; leave it out.")
+            launches = gather_system(disk, contact, start, times, families)
+            check_flow(settings.method, flow_of(launches.model))
+        else:
+            if not isinstance(families, Sequence) or families:
+                raise ParameterError("families belong to a stability.System; leave them out.")
+            launches = gather(disk, contact, start, times, pose=pose)
+            _not_flat(launches, settings)
         return assemble(launches, settings, results(launches, settings, progress))
 
 

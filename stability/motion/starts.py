@@ -20,9 +20,12 @@ from ..bodies.contact import Contact, Scales
 from ..bodies.contact_laws import Rough
 from ..bodies.disk import Disk
 from ..bodies.disk_equations import STATES, disk_system
-from ..integrators.flow import moving_system
+from ..bodies.disk_model import disk_model, moving_system
+from ..bodies.model import Model
 from ..integrators.friction_at_rest import continuations
 from ..integrators.stick_slip import REST
+from ..settling.disk_settling import DiskSettling
+from ..settling.nearest import Settling
 
 LAUNCHES = ("rolling", "spinning")
 """The two reference launches."""
@@ -126,16 +129,16 @@ POINTS = 201
 
 @dataclass(frozen=True, eq=False)
 class Launches:
-    """N launches of a disk under one law, dimensionless, with the units they came in."""
+    """N launches of one model, dimensionless for a disk, with the units they came in."""
 
-    law: type[Contact]
-    """The law."""
+    model: Model
+    """The equations."""
     shape: tuple[int, ...]
     """The shape the user's arrays broadcast to."""
     starts: Floats
-    """The six states, shape (N, 6)."""
+    """The states that are reported, shape (N, s)."""
     p: Floats
-    """Parameters of the law's system, shape (N, m)."""
+    """Parameters of the system, shape (N, m)."""
     times: Floats
     """As the user gave them, shape (t,)."""
     given: Mapping[str, Floats]
@@ -143,22 +146,37 @@ class Launches:
     scales: Mapping[str, Floats]
     """Unit of time, speed, energy, force and length of each launch, shape (N,) or ()."""
     dimensionless: bool
-    """Whether all units are 1."""
+    """Whether all units are 1, or those of the user's own system."""
     energies: Floats
-    """Energy at the start, shape (N,)."""
+    """Energy at the start, shape (N,); 0 where none is counted."""
+    settling: Settling
+    """The steady motions that they may settle on."""
+    law: type[Contact] | None = None
+    """The contact law; None for a user's system."""
 
     @property
     def count(self) -> int:
         """N."""
         return len(self.starts)
 
+    @property
+    def dry(self) -> bool:
+        """Whether friction sticks."""
+        return self.law is not None and self.law.sticks
 
-def gather(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Launches:
+    def unit(self, name: str) -> str:
+        """The unit of a series or of time, as a file has it."""
+        return self.model.attributes(name, dimensionless=self.dimensionless)["units"]
+
+
+def gather(
+    disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool = False
+) -> Launches:
     """Check what `simulate` was given and make it dimensionless.
 
     Parameters
     ----------
-    disk, contact, start, times
+    disk, contact, start, times, pose
         As for `simulate`.
 
     Returns
@@ -178,12 +196,14 @@ def gather(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Launch
             "Rough(), Coulomb(mu), RegularisedCoulomb(mu, epsilon)."
         )
     with np.errstate(all="ignore"):  # what overflows is refused by _check
-        return _gathered(disk, contact, start, times)
+        return _gathered(disk, contact, start, times, pose=pose)
 
 
-def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Launches:
+def _gathered(
+    disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool
+) -> Launches:
     six = _start(start, contact)
-    when = _times(times)
+    when = times_of(times)
     fields = {n: getattr(disk, n) for n in ("mass", "radius", "gravity", "k")} | contact.given
     try:
         shape = np.broadcast_shapes(six.shape[:-1], *(np.shape(v) for v in fields.values()))
@@ -198,7 +218,7 @@ def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Lau
         "force": disk.force, "length": disk.radius,
     }  # fmt: skip
     flat = {n: _flat(v, shape) for n, v in (fields | scales).items()}
-    count = _count(shape, when)
+    count = counted(shape, when)
     starts = np.broadcast_to(six, (*shape, 6)).reshape(count, 6).copy()
     if not disk.dimensionless:
         starts[:, 1:4] *= flat["time"][..., None] if flat["time"].ndim else flat["time"]
@@ -211,13 +231,14 @@ def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike) -> Lau
             f"{LONGEST:g}."
         )
     energies = _check(type(contact), shape, starts, p)
+    law = type(contact)
     return Launches(
-        type(contact), shape, starts, p, when, {n: flat[n] for n in fields},
-        {n: flat[n] for n in scales}, disk.dimensionless, energies,
+        disk_model(law, pose=pose), shape, starts, p, when, {n: flat[n] for n in fields},
+        {n: flat[n] for n in scales}, disk.dimensionless, energies, DiskSettling(law), law,
     )  # fmt: skip
 
 
-def _count(shape: tuple[int, ...], when: Floats) -> int:
+def counted(shape: tuple[int, ...], when: Floats) -> int:
     """The number of launches, refused where no memory would hold their samples."""
     count = math.prod(shape)
     if count == 0:
@@ -277,7 +298,7 @@ def _start(start: Any, contact: Contact) -> Floats:
     return six
 
 
-def _times(times: Any) -> Floats:
+def times_of(times: Any) -> Floats:
     """Times to report, rising from 0."""
     when = np.asarray(checked("times", times), dtype=float)
     if when.ndim == 0:

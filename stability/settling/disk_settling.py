@@ -1,7 +1,7 @@
-"""Whether a motion has settled on a family: a distance, and a proof that it converges.
+"""Settling of the disk: closed forms of its members, and what surrounds them.
 
 Near a family member the deviation e is five numbers that vanish on the family.  A state counts as
-settled if its distance is below the asked one and `stability.motion.attraction` proves, in ball
+settled if its distance is below the asked one and `stability.settling.attraction` proves, in ball
 arithmetic, that the motion from there on converges to one member.  Passing slowly by an unstable
 member is not settling: nothing attracts there.  A stable rolling of a slipping disk drifts
 (`stability.drift`) and so is never settled on.  tests/test_settling.py runs launches on from where
@@ -12,33 +12,40 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
+from ..algebra.number_types import casadi_algebra
+from ..algebra.program import Program
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from .attraction import attraction
+from ..bodies.disk_equations import disk_system
+from .attraction import Attraction, Surroundings, Tilted, attraction
+from .nearest import Nearest
 
 FAMILIES = ("spinning", "tumbling", "rolling")
+ACROSS = {"spinning": [0, 1, 3, 4, 5], "tumbling": [1, 2, 3, 4, 5]}
+"""States whose deviations are e, by family."""
 
 
 @dataclass(frozen=True)
-class Nearest:
-    """The steady motion nearest to a state, and whether the state has settled on it."""
+class DiskSettling:
+    """Settling of the disk under a contact law."""
 
-    family: str
-    """Its family; empty for a law that settles on none."""
-    at: float
-    """The family's parameter there: phi_dot, theta or omega3."""
-    distance: float
-    """Norm of the deviation, dimensionless."""
-    settled: bool
-    """Whether the state counts as settled."""
-    reach: float
-    """Size of the box across the family in which convergence is proved; 0 where it is not."""
-    evidence: str
-    """One sentence."""
+    law: type[Contact]
+    """The law."""
+
+    def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
+        """As `nearest`."""
+        return nearest(state, self.law, p, within)
+
+    def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
+        """Distances of states, shape (t, 6), from the family of a nearest member, shape (t,)."""
+        found: Floats = np.linalg.norm(deviation(states, float(p[0]), near.family)[1], axis=-1)
+        return found
 
 
 def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
@@ -129,7 +136,7 @@ def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Neares
         return Nearest(family, at, distance, False, 0.0, why)
     sign = math.copysign(1.0, six[2])
     y, e = _balls(six, float(p[0]), family, sign)
-    found = attraction(law, family, p, sign, y, e)
+    found = settled(law, family, p, sign, y, e)
     if found is None:
         why = (
             f"{distance:.3g} from {family} at {at:.6g}; convergence to it is not proved from there"
@@ -137,7 +144,7 @@ def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Neares
         return Nearest(family, at, distance, False, 0.0, why)
     why = (
         f"{distance:.3g} from {family} at {at:.6g}; proved in ball arithmetic: from there on the "
-        f"motion converges to {family} at {found.limit:.6g} within {found.error:.2g}, its "
+        f"motion converges to {family} at {found.limit[0]:.6g} within {found.error:.2g}, its "
         f"deviation falling at the rate {found.rate:.3g} at least"
     )
     return Nearest(family, at, distance, True, found.reach, why)
@@ -151,3 +158,70 @@ def _balls(six: Floats, k: float, family: str, sign: float) -> tuple[Any, list[A
     if family == "spinning":
         return phi_dot, [theta - arb.pi() / 2, theta_dot, omega3, vx, vy]
     return theta, [theta_dot, phi_dot - sign / (k * theta.sin()).sqrt(), omega3, vx, vy]
+
+
+def settled(
+    law: type[Contact], family: str, p: Floats, sign: float, y: Any, e: list[Any]
+) -> Attraction | None:
+    """A proof that a motion converges to one steady motion of the disk.
+
+    Parameters
+    ----------
+    law, family
+        As for `surroundings`.
+    p
+        Parameters of the law's system.
+    sign
+        Sign of φ̇.
+    y, e
+        Parameter of the nearest member and deviation, as balls that hold the true ones.
+
+    Returns
+    -------
+    Attraction or None
+        None where the test fails.
+    """
+    around = surroundings(law, family)  # type: ignore[arg-type]  # a class is hashable
+    return attraction(around, [sign, *p.tolist()], [y], e)
+
+
+@lru_cache(maxsize=16)
+def surroundings(law: type[Contact], family: str) -> Surroundings:
+    """Programs of (y, (sign, p), e) → ∂G/∂e and ∂g/∂e, and → gn, D and sinθ.
+
+    Parameters
+    ----------
+    law
+        A contact law with the slip in its state.
+    family
+        spinning or tumbling.
+
+    Returns
+    -------
+    Surroundings
+    """
+    system = disk_system(law)
+    y, sign, e = ca.SX.sym("y"), ca.SX.sym("sign"), ca.SX.sym("e", 5)
+    parts = [e[i] for i in range(5)]
+    x: list[Any]
+    member = sign / ca.sqrt(system.p[0] * ca.sin(y))
+    if family == "spinning":
+        x = [Tilted(parts[0]), parts[1], y, *parts[2:]]
+    else:
+        x = [y, parts[0], member + parts[1], *parts[2:]]
+    seen = system.observables
+    positive = ca.vertcat(seen["normal_force"], seen["determinant"], ca.sin(system.x[0]))
+    graph = Program(ca.Function("graph", [system.x, system.p], [system.rhs, positive]))
+    values = graph.run(casadi_algebra(), [x, ca.vertsplit(system.p)])
+    rhs = dict(zip((row for row, _ in graph.places[0]), values[0], strict=True))
+    if family == "spinning":
+        across, along = [rhs[i] for i in ACROSS[family]], rhs[2]
+    else:
+        across, along = [rhs[i] for i in ACROSS[family]], parts[0]
+        across[1] = across[1] - ca.jacobian(member, y) * parts[0]  # the member moves with theta
+    slope = ca.densify(ca.jacobian(ca.vertcat(*across, along), e))
+    inputs = [y, ca.vertcat(sign, system.p), e]
+    return Surroundings(
+        1, 5, Program(ca.Function("slopes", inputs, [slope])),
+        Program(ca.Function("positive", inputs, [ca.densify(ca.vertcat(*values[1]))])),
+    )  # fmt: skip

@@ -1,0 +1,156 @@
+"""The disk as a launch sees it: its motion with work and pose, and the guards that end a run."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache, partial
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ..systems.system import System
+from .contact import Contact
+from .contact_laws import Rough, law_class
+from .disk_equations import STATES, disk_system
+from .disk_quantities import QUANTITIES
+from .model import WORK, Model
+
+POSE = ("phi", "psi", "centre_x", "centre_y")
+"""Precession angle, relative spin angle, horizontal place of the centre; x̂ = (cos φ, sin φ)."""
+POSE_UNIT = 1024.0
+"""What the pose is counted in while it is integrated: it grows without bound, and an integrator
+whose tolerance is relative to the largest entry of the state would grow careless with it."""
+LIFT_OFF, FLAT, NO_CONTACT, CONE = "lift-off", "flat", "no-contact", "slip"
+"""Names of the guards."""
+WORDS = {
+    LIFT_OFF: "normal force times D",
+    FLAT: "sine of theta less that of flat",
+    NO_CONTACT: "D",
+}
+"""What each guard is, in words."""
+
+
+def moving_system(law: str | type[Contact]) -> System:
+    """The disk with every state that a motion has: the smooth disk's slip too.
+
+    Parameters
+    ----------
+    law
+        A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law.
+
+    Returns
+    -------
+    System
+
+    Examples
+    --------
+    >>> len(moving_system("smooth").states), len(moving_system("rough").states)
+    (6, 4)
+    """
+    contact = law_class(law)
+    return disk_system(contact, slip_states=None if issubclass(contact, Rough) else True)
+
+
+def disk_model(law: str | type[Contact], *, pose: bool = False, sticking: bool = False) -> Model:
+    """The disk under a contact law; built once for each.
+
+    Parameters
+    ----------
+    law
+        A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law; one that
+        sticks is taken for its sliding.
+    pose
+        Whether φ, ψ and the centre's place are carried along.
+    sticking
+        Whether this is the sticking of `coulomb`: the rough disk with a guard that keeps the force
+        inside the friction cone.
+
+    Returns
+    -------
+    Model
+
+    Examples
+    --------
+    >>> model = disk_model("viscous")
+    >>> model.names
+    ('theta', 'theta_dot', 'phi_dot', 'omega3', 'slip_x', 'slip_y', 'work')
+    >>> list(model.guards)
+    ['lift-off', 'flat', 'no-contact']
+    """
+    return _disk_model(law_class(law), bool(pose), bool(sticking))  # type: ignore[arg-type]  # a class is hashable
+
+
+@lru_cache(maxsize=32)
+def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noqa: FBT001
+    if sticking:
+        system = disk_system("rough")
+        mu = ca.SX.sym("mu")
+        parameters = ca.vertcat(system.p, mu)
+    else:
+        system = moving_system(law)
+        mu, parameters = ca.SX(0), system.p
+    x = system.x
+    seen = system.observables
+    columns, names = [x, ca.SX.sym(WORK)], [*system.states, WORK]
+    rates = [system.rhs, seen["power"]]
+    if pose:
+        extra = ca.SX.sym("pose", len(POSE))
+        columns.append(extra)
+        rates.append(pose_rates(x, seen["slip"], extra))
+        names += POSE
+    flat = ca.SX.sym("flat")
+    normal = seen["normal_force"]
+    # gn D has the sign of gn, and stays finite where D vanishes
+    guards = {LIFT_OFF: normal * seen["determinant"], FLAT: ca.sin(x[0]) - flat}
+    if sticking:
+        guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
+    if not sticking and ca.depends_on(seen["determinant"], x[4:]):
+        # viscous friction pushes D away from zero while gn D is positive, but both may reach zero
+        # together (stability/integrators/painleve.py)
+        guards[NO_CONTACT] = seen["determinant"]
+    friction = [system.parameters.index("mu")] if "mu" in system.parameters else []
+    series = {
+        "energy": seen["energy"], "potential": ca.sin(system.x[0]), "normal_force": normal,
+        "force_x": seen["contact_force"][0], "force_y": seen["contact_force"][1],
+        "power": seen["power"],
+    }  # fmt: skip
+    return Model(
+        system, STATES, ca.vertcat(*columns), ca.vertcat(parameters, flat), ca.vertcat(*rates),
+        tuple(names), guards, WORDS, series, QUANTITIES,
+        law.symbols()[0] if law.relaxes and not sticking else "",
+        turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
+        parking=partial(_park, friction), sound=_stands, outline="disk",
+        title=f"motion of a disk, {law.name} contact",
+        source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
+        "204-231, integrated",
+    )  # fmt: skip
+
+
+def _park(friction: list[int], states: Any, parameters: Any, lane: int) -> None:
+    """Spin a disk upright without friction, fast enough to be stable, which costs few steps."""
+    states[:, lane] = 0.0
+    states[0, lane] = math.pi / 2
+    states[2, lane] = 2.0 / math.sqrt(parameters[0, lane])
+    for index in friction:
+        parameters[index, lane] = 0.0
+
+
+def _stands(states: Any) -> bool:
+    return bool((np.sin(states[:, 0]) > 0).all())
+
+
+def pose_rates(x: ca.SX, slip: ca.SX, pose: ca.SX) -> ca.SX:
+    """φ̇, ψ̇ = ω₃ − φ̇ cosθ, and ṡ = vA − ω×a turned by φ."""
+    theta, theta_dot, phi_dot, omega3 = (x[i] for i in range(4))
+    along_x = slip[0] + theta_dot * ca.sin(theta)
+    along_y = slip[1] - omega3
+    heading = POSE_UNIT * pose[0]
+    cosine, sine = ca.cos(heading), ca.sin(heading)
+    rates = ca.vertcat(
+        phi_dot,
+        omega3 - phi_dot * ca.cos(theta),
+        cosine * along_x - sine * along_y,
+        sine * along_x + cosine * along_y,
+    )
+    return rates / POSE_UNIT

@@ -1,0 +1,166 @@
+"""Everything that a launch asks of a body, or of a user's system, as one record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ..base.errors import ParameterError
+from ..base.quantities import Quantity
+from ..systems.system import System
+
+WORK, PROBE = "work", "probe"
+"""Entries of y: the energy lost since the start; a bounded function without symmetry."""
+PROBE_UNIT = 1024.0
+"""What the probe is counted in, so that it never decides a step that another entry can decide."""
+TAKEN = (
+    "time", "outcome", "evidence", "end_time", "end_time_error", "settled_time", "energy_error",
+    "final_error", "steps", "method", "running", "number", "nearest_family", "nearest_distance",
+    "nearest_member", "event_launch", "event_time", "event_kind", "event_state", "event_direction",
+    "dissipated", "audit", "launch", "event", "state", WORK, PROBE,
+)  # fmt: skip
+"""Names of a motion's dataset that no state, parameter or observable can have."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Equations, guards, observables and names that a launch asks for.
+
+    y holds the states of the system, then the energy lost where an account is kept, then what else
+    the body carries along (its pose).  A guard is a function of y that stays positive: when the
+    first of them reaches zero, the run has ended there.
+    """
+
+    system: System
+    """The equations of motion with their observables."""
+    states: tuple[str, ...]
+    """Names of the states that a motion reports; those that the system does not have are 0."""
+    x: ca.SX
+    """Symbols of y, shape (n,)."""
+    p: ca.SX
+    """Parameters: those of the system, then those of the guards."""
+    rhs: ca.SX
+    """dy/dt, shape (n,)."""
+    names: tuple[str, ...]
+    """Names of the entries of y."""
+    guards: Mapping[str, ca.SX]
+    """Functions that stay positive, by name."""
+    words: Mapping[str, str] = field(default_factory=dict)
+    """Each guard in words."""
+    series: Mapping[str, ca.SX] = field(default_factory=dict)
+    """Scalar functions of the system's states and parameters that a motion reports."""
+    quantities: Mapping[str, Quantity] = field(default_factory=dict)
+    """Names in words and units; a name without a record has its unit from the system."""
+    friction: str = ""
+    """The parameter in proportion to which slip decays, if there is one."""
+    turning: tuple[int, ...] = ()
+    """Entries of y that are angular velocities: the pace of the motion."""
+    sliding: tuple[int, ...] = ()
+    """Entries of y that a stiff motion soon loses: stiffness is looked at without them too."""
+    parking: Callable[[Any, Any, int], None] | None = None
+    """Puts one lane of a batch (states, parameters, lane) on a motion that costs few steps."""
+    sound: Callable[[Any], bool] | None = None
+    """Cheap look at states, shape (t, n), for a guard that failed there; all guards where None."""
+    outline: str = ""
+    """Shape that a film draws; empty where there is none."""
+    title: str = ""
+    """What a motion's dataset is called."""
+    source: str = ""
+    """Where the equations are from."""
+
+    @property
+    def accounted(self) -> bool:
+        """Whether y counts the energy lost."""
+        return WORK in self.names
+
+    def attributes(self, name: str, *, dimensionless: bool) -> dict[str, str]:
+        """Name in words and units of a labelled array.
+
+        Parameters
+        ----------
+        name
+            A state, parameter or observable, or `time`.
+        dimensionless
+            Whether the body's units are all 1; the units of a user's system are its own.
+        """
+        known = self.quantities.get(name)
+        if known is not None:
+            return known.attributes(dimensionless=dimensionless)
+        units, same = self.system.units, {"dissipated": "energy", "audit": "energy"}
+        unit = units.get(same.get(name, name), "1")
+        if name == "time" and name not in units and any("/s" in u for u in units.values()):
+            unit = "s"
+        return {"long_name": name.replace("_", " "), "units": unit}
+
+
+@lru_cache(maxsize=64)
+def system_model(system: System) -> Model:
+    """The model of a user's system: its conditions are the guards, all it observes is reported.
+
+    Parameters
+    ----------
+    system
+        Any; the energy lost is counted where it observes an `energy` and a `power`.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    ParameterError
+        If a name is one that a motion's dataset has for itself.
+
+    Examples
+    --------
+    >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    >>> s = System("cart", x, p, ca.vertcat(x[1], -p * x[1]), states=("q", "v"), parameters=("c",),
+    ...            observables={"energy": x[1] ** 2 / 2, "power": p * x[1] ** 2})
+    >>> system_model(s).names
+    ('q', 'v', 'work', 'probe')
+    """
+    series: dict[str, ca.SX] = {}
+    for name, value in system.observables.items():
+        parts = ca.vertsplit(ca.vec(ca.densify(value)))
+        series |= {name if len(parts) == 1 else f"{name}_{i}": v for i, v in enumerate(parts)}
+    for name in (*system.states, *system.parameters, *series):
+        if name in TAKEN:
+            raise ParameterError(
+                f"{system.name} has a quantity called {name!r}, a name that a motion has for "
+                "itself; give it another one."
+            )
+    for name in series:
+        if name in (*system.states, *system.parameters):
+            raise ParameterError(
+                f"{system.name} observes {name!r}, which is a state or a parameter; give it "
+                "another name."
+            )
+    x, rhs, names = [system.x], [system.rhs], [*system.states]
+    if "energy" in series and "power" in series:
+        x, rhs, names = [*x, ca.SX.sym(WORK)], [*rhs, series["power"]], [*names, WORK]
+    probe = ca.SX.sym(PROBE)
+    x, rhs, names = [*x, probe], [*rhs, _probed(system.x, probe)], [*names, PROBE]
+    sentences = {f"condition {i}": c.sentence for i, c in enumerate(system.conditions, 1)}
+    return Model(
+        system, system.states, ca.vertcat(*x), system.p, ca.vertcat(*rhs), tuple(names),
+        dict(zip(sentences, (c.value for c in system.conditions), strict=True)), sentences, series,
+        title=f"motion of {system.name}", source="user's system, integrated",
+    )  # fmt: skip
+
+
+def _probed(x: ca.SX, probe: ca.SX) -> ca.SX:
+    """The rate of the probe: its Taylor series has all orders where those of the states have gaps.
+
+    A Taylor integrator takes its step from the last two orders.  Let go at a right angle, the angle
+    of a pendulum has the orders 2, 6, 10, 14 alone: at order 12 both are zero, and the step has no
+    bound (tests/test_system_motion.py).
+    """
+    weights = 0.7 + 0.3 * np.modf((5**0.5 - 1) / 2 * np.arange(x.numel()))[0]
+    sum_of_all = ca.dot(ca.DM(weights), x)
+    square = sum_of_all**2
+    return (square / (1 + square) - probe) / PROBE_UNIT

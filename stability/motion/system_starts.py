@@ -1,0 +1,111 @@
+"""Launches of a user's system: parameters, starts and families, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import broadcast, checked, rows
+from ..base.errors import DomainError, NameUnknownError, ParameterError, shown
+from ..base.types import Floats
+from ..bodies.model import system_model
+from ..settling.system_settling import SystemSettling
+from ..systems.family import Family
+from ..systems.system import System
+from .starts import Launches, counted, times_of
+
+ONE = np.asarray(1.0)
+
+
+def gather_system(
+    system: System, parameters: Any, start: Any, times: ArrayLike, families: Any = ()
+) -> Launches:
+    """Check what `simulate` was given for a user's system.
+
+    Parameters
+    ----------
+    system
+        The system.
+    parameters, start
+        Values by name, or arrays with the names along the last axis; None for no parameters.
+    times
+        As for `simulate`.
+    families
+        Families of the system, on which it may settle.
+
+    Returns
+    -------
+    Launches
+
+    Raises
+    ------
+    StabilityError
+        In one sentence, if something is not accepted.
+    """
+    model = system_model(system)
+    p = _table("parameters", parameters, system.parameters)
+    x = _table("start", start, system.states)
+    when = times_of(times)
+    shape = broadcast(start=x.shape[:-1], parameters=p.shape[:-1])
+    count = counted(shape, when)
+    starts = np.broadcast_to(x, (*shape, x.shape[-1])).reshape(count, -1).copy()
+    values = np.broadcast_to(p, (*shape, p.shape[-1])).reshape(count, -1).copy()
+    for row in range(count):
+        try:
+            system.rates(starts[row], values[row])
+        except DomainError as error:
+            where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
+            raise DomainError(f"start{where}: {error}") from None
+    energies = np.zeros(count)
+    if model.accounted:
+        energies = np.asarray(system.observe(starts, values)["energy"]).reshape(count)
+    given = {
+        name: values[0, i] if not p.ndim > 1 else values[:, i]
+        for i, name in enumerate(system.parameters)
+    }
+    return Launches(
+        model, shape, starts, values, when, {n: np.asarray(v) for n, v in given.items()},
+        dict.fromkeys(("time", "rate"), ONE), True, energies,
+        SystemSettling(_families(system, families)),
+    )  # fmt: skip
+
+
+def _table(what: str, given: Any, names: tuple[str, ...]) -> Floats:
+    """Values along the last axis, in the order of their names."""
+    if given is None and not names:
+        return np.zeros(0)
+    if not isinstance(given, Mapping):
+        return rows(what, given, list(names))
+    for name in given:
+        if name not in names:
+            known = ", ".join(names) or "none"
+            raise NameUnknownError(f"{what} names {shown(name)}; known are {known}.")
+    missing = [n for n in names if n not in given]
+    if missing:
+        raise ParameterError(f"{what} does not name {missing[0]}; give {', '.join(names)}.")
+    columns = [np.asarray(checked(f"{what} {n}", given[n]), dtype=float) for n in names]
+    try:
+        return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
+    except ValueError:
+        raise ParameterError(
+            f"{what} has shapes {[c.shape for c in columns]}; make them fit."
+        ) from None
+
+
+def _families(system: System, families: Any) -> tuple[Family, ...]:
+    given = (families,) if isinstance(families, Family) else families
+    if not isinstance(given, Sequence) or not all(isinstance(f, Family) for f in given):
+        raise ParameterError(f"families is {shown(families)}; give a list of stability.Family.")
+    for family in given:
+        if family.system is not system:
+            raise ParameterError(
+                f"family {family.name} is one of {family.system.name}, another system; give "
+                f"families of {system.name}."
+            )
+    double = {f.name for f in given if sum(g.name == f.name for g in given) > 1}
+    if double:
+        raise ParameterError(f"two families are called {min(double)}; give each its own name.")
+    return tuple(given)

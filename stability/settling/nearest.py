@@ -1,0 +1,40 @@
+"""The steady motion nearest to a state: the answer of every settling."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from ..base.types import Floats
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The steady motion nearest to a state, and whether the state has settled on it."""
+
+    family: str
+    """Its family; empty where none was given, or none has a member there."""
+    at: float
+    """The disk's parameter there: phi_dot, theta or omega3; 0 for a user's system."""
+    distance: float
+    """Norm of the deviation; infinite where there is no member."""
+    settled: bool
+    """Whether the state counts as settled."""
+    reach: float
+    """Size of the box across the family in which convergence is proved; 0 where it is not."""
+    evidence: str
+    """One sentence."""
+    member: Floats | None = None
+    """The states of the steady motion, for a user's system."""
+
+
+class Settling(Protocol):
+    """What a launch asks about the steady motions of its body or system."""
+
+    def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
+        """The steady motion nearest to a state, and whether the state has settled on it."""
+        ...
+
+    def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
+        """Distances of states, shape (t, n), from the family of a nearest member, shape (t,)."""
+        ...

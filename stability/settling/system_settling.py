@@ -1,0 +1,195 @@
+"""Settling of a user's system on the families that were given: members, distances, surroundings.
+
+Members along which a state changes are known where the held states say all, and their rates vanish
+by structure; members that stand alone need no proof of their own (`stability.settling.attraction`).
+For the others distances are told, and nothing is called settled.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ..algebra.number_types import Upright
+from ..algebra.program import Program
+from ..base.errors import StabilityError
+from ..base.types import Floats
+from ..systems.family import Family, listing
+from ..systems.family_graph import Constants
+from .attraction import Surroundings, Tilted, attraction
+from .nearest import Nearest
+
+
+@dataclass(frozen=True)
+class SystemSettling:
+    """Settling of a user's system."""
+
+    families: tuple[Family, ...]
+    """The families that it may settle on."""
+
+    def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
+        """The nearest member of all families, and whether the state has settled on it."""
+        if not self.families:
+            why = "it lasted to the last time; give families=... to see what it settles on"
+            return Nearest("", 0.0, np.inf, False, 0.0, why)
+        found = [(members(f, state[None], p), f) for f in self.families]
+        far = [np.inf if m is None else float(np.linalg.norm(state - m[0])) for m, _ in found]
+        best = int(np.argmin(far))
+        (states, family), distance = found[best], far[best]
+        if states is None:
+            names = ", ".join(f.name for f in self.families)
+            return Nearest("", 0.0, np.inf, False, 0.0, f"none of {names} has a member there")
+        member = states[0]
+        at = listing(family.at, _at(family, state[None], p)[0])
+        where = f"nearest is {family.name} at {at}, {distance:.3g} away"
+        if distance > within:
+            return Nearest(family.name, 0.0, distance, False, 0.0, where, member)
+        why, proof = _proved(family, state, member, p)
+        if proof is None:
+            where = f"{distance:.3g} from {family.name} at {at}; {why}"
+            return Nearest(family.name, 0.0, distance, False, 0.0, where, member)
+        along = [n for n in family.at if n in family.system.states]
+        limit = f" at {listing(along, proof.limit)}" if along else ""
+        where = (
+            f"{distance:.3g} from {family.name} at {at}; proved in ball arithmetic: from there on "
+            f"the motion converges to {family.name}{limit} within {proof.error:.2g}, its deviation "
+            f"falling at the rate {proof.rate:.3g} at least"
+        )
+        return Nearest(family.name, 0.0, distance, True, proof.reach, where, member)
+
+    def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
+        """Distances of states, shape (t, n), from the family of a nearest member, shape (t,)."""
+        family = next(f for f in self.families if f.name == near.family)
+        found = np.full(len(states), np.inf)
+        known = members(family, states, p)
+        if known is not None:
+            found = np.linalg.norm(states - known, axis=-1)
+        else:  # some have no member
+            for i, state in enumerate(states):
+                one = members(family, state[None], p)
+                found[i] = np.inf if one is None else np.linalg.norm(state - one[0])
+        return found
+
+
+def _at(family: Family, states: Floats, p: Floats) -> Floats:
+    """Family parameters of the members with the states' own values of them, shape (t, at)."""
+    system, count = family.system, len(states)
+    columns = [
+        states[:, system.states.index(n)] if n in system.states
+        else np.full(count, p[system.parameters.index(n)])
+        for n in family.at
+    ]  # fmt: skip
+    return np.column_stack(columns) if columns else np.zeros((count, 0))
+
+
+def members(family: Family, states: Floats, p: Floats) -> Floats | None:
+    """The members of a family that have the same `at` as given states.
+
+    Parameters
+    ----------
+    family
+        Any.
+    states, p
+        States, shape (t, n), and the system's parameters, shape (m,).
+
+    Returns
+    -------
+    ndarray or None
+        Shape (t, n); None where one of them does not exist.
+    """
+    values = [p[family.system.parameters.index(n)] for n in family.parameters]
+    a, q = _at(family, states, p), np.tile(np.array(values, dtype=float), (len(states), 1))
+    try:
+        return family.checked_states(a, family.solve(a, q), q)
+    except StabilityError:
+        return None
+
+
+def _proved(family: Family, state: Floats, member: Floats, p: Floats) -> tuple[str, Any]:
+    """Why convergence is not proved, or its proof."""
+    from flint import arb
+
+    around = surroundings(family)
+    if isinstance(around, str):
+        return around, None
+    system = family.system
+    known = dict(zip(system.states, (arb(v) for v in state.tolist()), strict=True))
+    y = [known[n] for n in system.states if n in family.at]
+    fixed = dict(zip(system.states, member.tolist(), strict=True)) | dict(family.held)
+    e = [
+        known[n] - (arb.pi() / 2 if isinstance(v, Upright) else arb(float(v)))
+        for n, v in ((n, fixed[n]) for n in system.states if n not in family.at)
+    ]
+    given = [*p.tolist(), *(float(fixed[n]) for n in family.unknown)]
+    proof = attraction(around, given, y, e)
+    return "convergence to it is not proved from there", proof
+
+
+@lru_cache(maxsize=32)
+def surroundings(family: Family) -> Surroundings | str:
+    """What surrounds a family, or why nothing is proved of it.
+
+    Parameters
+    ----------
+    family
+        Any.
+
+    Returns
+    -------
+    Surroundings or str
+        A sentence without its full stop.
+    """
+    system = family.system
+    along = [n for n in system.states if n in family.at]
+    across = [n for n in system.states if n not in family.at]
+    if not across:
+        return "every state names a member, so that there is nothing to converge"
+    if along and family.unknown and not family.closed:
+        return (
+            "its members are found by a root-finder along "
+            f"{', '.join(along)}, and convergence to those is not proved"
+        )
+    try:
+        return _surroundings(family, along, across)
+    except StabilityError as error:
+        return f"convergence to it is not proved: {str(error).rstrip('.')}"
+
+
+def _surroundings(family: Family, along: list[str], across: list[str]) -> Surroundings | str:
+    system, constants = family.system, Constants()
+    y, e = (ca.SX.sym(name, len(names)) for name, names in (("y", along), ("e", across)))
+    u, p = ca.SX.sym("u", len(family.unknown)), ca.SX.sym("p", len(system.parameters))
+    fixed: dict[str, Any] = {n: constants(v) if not isinstance(v, Upright) else v
+                             for n, v in family.held.items()}  # fmt: skip
+    fixed |= dict(zip(family.unknown, ca.vertsplit(u), strict=False))
+    moving = dict(zip(along, ca.vertsplit(y) if along else [], strict=True))
+    off = dict(zip(across, ca.vertsplit(e), strict=True))
+    there = {n: moving[n] if n in moving else fixed[n] for n in system.states}
+    near = {
+        n: v if n in moving else Tilted(off[n]) if isinstance(v, Upright) else v + off[n]
+        for n, v in there.items()
+    }
+    guards = ca.vertcat(1, *(c.value for c in system.conditions))
+    graph = Program(ca.Function("graph", [system.x, system.p], [ca.densify(system.rhs), guards]))
+    algebra, own = constants.algebra(), ca.vertsplit(p) if system.parameters else []
+    order = [system.index(n) for n in (*across, *along)]
+    rest = graph.run(algebra, [list(there.values()), own])[0]
+    values, positive = graph.run(algebra, [list(near.values()), own])
+    still = all(ca.SX(rest[i]).is_zero() for i in order)
+    if along and not still:
+        return "that its rates vanish along the family is not seen from the graph's structure"
+    slope = ca.densify(ca.jacobian(ca.vertcat(*(values[i] for i in order)), e))
+
+    def program(name: str, output: ca.SX) -> Program:
+        inputs = [y, ca.vertcat(p, u), e, constants.column]
+        return Program(ca.Function(name, inputs, [ca.densify(output)]), constants.values)
+
+    remainder = None if along else program("rest", ca.vertcat(*(rest[i] for i in order)))
+    return Surroundings(
+        len(along), len(across), program("slopes", slope),
+        program("positive", ca.vertcat(*positive)), remainder,
+    )  # fmt: skip
