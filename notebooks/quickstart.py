@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 import stability as st
+from stability.figures.canvas import save
 from stability.figures.diagram import diagram
-from stability.figures.style import save
 
 coin = st.Disk.named("quarter")
 print(st.REAL_DISKS["quarter"][1])

@@ -17,7 +17,7 @@ MOVED = {
     "stability.formulas": ("derivation.formulas",),
     "stability.completeness": ("derivation.completeness",),
     "stability.outcome": ("motion.result",),
-    "stability.plots": ("figures.diagram", "figures.style"),
+    "stability.plots": ("figures.diagram", "figures.canvas"),
     "stability.pictures": ("figures.motion", "figures.caption"),
     "stability.verdict": ("base.verdict",),
     "stability.compare.cases": ("compare.spectrum.cases",),

@@ -101,7 +101,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
             path.write_text(str(figure))
         return paths
 
-    monkeypatch.setattr("stability.figures.style.save", save)
+    monkeypatch.setattr("stability.figures.canvas.save", save)
     monkeypatch.setattr("stability.figures.diagram.diagram", lambda *_, **__: None)
     monkeypatch.setattr("stability.figures.loci.locus", lambda *_, **__: None)
 

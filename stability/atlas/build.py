@@ -184,8 +184,8 @@ def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
 
 
 def _job(body: str, family: str, folder: str, resolution: int) -> Page:
+    from ..figures.canvas import save
     from ..figures.diagram import Strip, diagram
-    from ..figures.style import save
     from ..maps.netcdf import write_map
 
     make, name, inertia = BODIES[body]
@@ -220,8 +220,8 @@ def _job(body: str, family: str, folder: str, resolution: int) -> Page:
 
 
 def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Picture:
+    from ..figures.canvas import save
     from ..figures.loci import locus
-    from ..figures.style import save
 
     make, name, inertia = BODIES[body]
     disk = make()

@@ -127,6 +127,10 @@ def _single(dataset: Any) -> dict[str, Any]:
 
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise ParameterError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
+    if name := dataset.attrs.get("system"):
+        raise ParameterError(
+            f"the dataset is of {name}, and films show a disk; draw it with motion_figure."
+        )
     if "phi" not in dataset:
         raise ParameterError("the dataset has no pose; call simulate with pose=True.")
     lost = [n for n in (*POSED, *LINEAR, *KEPT) if n not in dataset.variables]

@@ -1,4 +1,4 @@
-"""Matplotlib without a screen, and without the settings of the user's machine.
+"""Matplotlib without a screen or the settings of the user's machine; sizes, spacing, files.
 
 Import this before Matplotlib: a backend that does not exist, in the environment or in a
 `matplotlibrc`, else ends in a traceback, and settings such as `text.usetex` change every figure.
@@ -7,6 +7,7 @@ Import this before Matplotlib: a backend that does not exist, in the environment
 from __future__ import annotations
 
 import logging
+import math
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -39,6 +40,8 @@ STYLE: dict[Any, Any] = {
     "mathtext.fontset": "dejavusans", "lines.linewidth": 1.3,
 }  # fmt: skip
 """What the package's figures have of their own."""
+COLUMN = 3.39
+"""Width of a journal column [in]."""
 OF_THE_SESSION = (
     "backend", "interactive", "toolbar", "webagg.", "tk.", "keymap.", "date.epoch", "timezone",
     "docstring.", "figure.max_open_warning", "figure.raise_window", "savefig.directory",
@@ -83,3 +86,43 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) ->
     with figure_style(STYLE):
         figure.savefig(content, format=name.suffix[1:].lower(), dpi=300, **options)
     name.write_bytes(content.getbuffer())
+
+
+def spacing(figure: Figure, **pads: float) -> None:
+    """Pads of a constrained layout [in]."""
+    engine: Any = figure.get_layout_engine()
+    engine.set(**pads)
+
+
+def power_of_ten(value: float) -> str:
+    """A signed power of ten as LaTeX."""
+    if value == 0:
+        return "0"
+    sign = "−" if value < 0 else "+"
+    return rf"${sign}10^{{{round(math.log10(abs(value)))}}}$".replace("−", "-")
+
+
+def save(figure: Figure, stem: Path) -> list[Path]:
+    """Write a figure as PNG and PDF.
+
+    Parameters
+    ----------
+    figure
+        The figure.
+    stem
+        Path without suffix; files there are replaced.
+
+    Returns
+    -------
+    list of Path
+        The two files.
+    """
+    from ..storage.files import whole
+
+    paths = [stem.parent / (stem.name + suffix) for suffix in (".png", ".pdf")]
+    for path in paths:
+        with whole(path, overwrite=True) as beside:
+            # no creation date, so that the same map gives the same file
+            meta = {"CreationDate": None} if path.suffix == ".pdf" else None
+            save_figure(figure, beside, metadata=meta)
+    return paths

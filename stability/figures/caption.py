@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,7 @@ from ..base.quantities import Kind
 from ..bodies.disk_equations import STATES
 from ..bodies.disk_quantities import SYSTEM, quantities_of
 from ..motion.result import BY_CODE
-from .single_run import one_launch
+from .single_run import one_launch, system_states
 
 if TYPE_CHECKING:
     import xarray
@@ -41,6 +42,8 @@ def caption(dataset: xarray.Dataset) -> str:
     >>> caption(run).split("  ")[1].split(",")[0]
     'Outcome: flat'
     """
+    if names := system_states(dataset):
+        return _of_system(dataset, names)
     needed = (*STATES, "outcome", "evidence", "end_time", "energy_error", "method")
     motion = one_launch(dataset, needed)
     data, plain = motion.data, bool(dataset.attrs.get("dimensionless", 0))
@@ -63,6 +66,29 @@ def caption(dataset: xarray.Dataset) -> str:
         f"{float(data.energy_error):.1g} of the initial energy.  "
         f"Outcome: {BY_CODE[int(data.outcome)].word}, at time {float(data.end_time):.4g}{second} "
         f"({data.evidence.item()})."
+    )
+
+
+def _of_system(dataset: xarray.Dataset, names: tuple[str, ...]) -> str:
+    """The caption of a user's system."""
+    motion = one_launch(dataset, names)
+    data = motion.data
+
+    def value(name: str) -> str:
+        unit = str(data[name].attrs.get("units", "1"))
+        return f"{name} = {float(data[name].values.flat[0]):.4g}" + f" {unit}" * (unit != "1")
+
+    second = f" {u}" if (u := data.time.attrs["units"]) != "1" else ""
+    given = ", ".join(value(n) for n in json.loads(dataset.attrs.get("parameters", "{}")))
+    account = ""
+    if "energy_error" in data:
+        account = f"; the energy audit closes to {float(data.energy_error):.1g} of the energy"
+    return (
+        f"Motion of {dataset.attrs['system']}{f' ({given})' if given else ''} from "
+        f"{', '.join(map(value, names))} at time {motion.times[0]:.4g} to "
+        f"{motion.times[-1]:.4g}{second}, by {data.method.item()} at tolerance "
+        f"{tolerance_of(dataset):.3g}{account}.  Outcome: {BY_CODE[int(data.outcome)].word}, at "
+        f"time {float(data.end_time):.4g}{second} ({data.evidence.item()})."
     )
 
 

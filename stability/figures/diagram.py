@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .canvas import STYLE, figure_style  # isort: skip
+from .canvas import COLUMN, STYLE, figure_style, power_of_ten, spacing  # isort: skip
 
 import math
 from dataclasses import dataclass
@@ -26,7 +26,6 @@ from ..boundary.curves import KINDS
 if TYPE_CHECKING:
     import xarray
 
-from .style import COLUMN, power_of_ten, spacing
 
 # Decay blue, growth vermilion: apart for every common colour vision, and in grey by the hatching.
 DIVERGING = LinearSegmentedColormap.from_list(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .canvas import STYLE, figure_style  # isort: skip
+from .canvas import COLUMN, STYLE, figure_style, power_of_ten, spacing  # isort: skip
 
 import math
 from collections.abc import Sequence
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from ..base.quantities import Kind, axis_label, in_latex
 from ..bodies.disk_quantities import is_angle, quantities_of
 from ..spectra.result import Spectrum
-from .style import COLUMN, power_of_ten, spacing
 
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
 """Okabe & Ito's colours, safe for colour-blind readers."""

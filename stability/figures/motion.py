@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .canvas import STYLE, figure_style  # isort: skip
+from .canvas import COLUMN, STYLE, figure_style, spacing  # isort: skip
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -17,12 +17,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
-from ..base.quantities import in_latex, unit_of
 from ..bodies.disk_equations import STATES
 from ..bodies.disk_quantities import QUANTITIES
 from ..motion.result import BY_CODE, Outcome
-from .single_run import Motion, one_launch
-from .style import COLUMN, spacing
+from .motion_panels import MOST_PANELS, STROKES, draw_system, legend, lines_of_energy, unit, words
+from .single_run import Motion, one_launch, system_states
 
 if TYPE_CHECKING:
     import xarray
@@ -33,12 +32,6 @@ PAGE = 7.0
 """Width of a figure over two journal columns [in]."""
 ENERGIES = ("potential", "kinetic", "dissipated")
 POSE = ("contact_x", "contact_y", "centre_x", "centre_y")
-# apart for every common colour vision, and in grey by the dashes
-STROKES: tuple[dict[str, Any], ...] = (
-    {"color": "#0072B2", "linestyle": "-", "linewidth": 1.0},
-    {"color": "#D55E00", "linestyle": (0, (4, 1.4)), "linewidth": 1.0},
-    {"color": "#000000", "linestyle": (0, (4, 1.2, 1, 1.2)), "linewidth": 0.9},
-)
 FILLS = (("#56B4E9", ""), ("#F0E442", "////"), ("#CC79A7", "...."))
 """Colour and hatching of each of `ENERGIES`."""
 # the palest end of the map would be lost on white paper
@@ -77,6 +70,10 @@ def states(dataset: xarray.Dataset) -> Figure:
     >>> len(states(run).axes)
     4
     """
+    if names := system_states(dataset):
+        motion = one_launch(dataset, names)
+        height = 1.2 + min(len(names), MOST_PANELS)
+        return _drawn(COLUMN, height, lambda page: draw_system(page, motion, names))
     motion = one_launch(dataset, (*STATES, "normal_force"))
     return _drawn(COLUMN, 4.7, lambda page: _draw_states(page, motion))
 
@@ -136,7 +133,7 @@ def energy(dataset: xarray.Dataset) -> Figure:
     >>> [axes.get_yscale() for axes in energy(run).axes]
     ['linear', 'log']
     """
-    motion = one_launch(dataset, (*ENERGIES, "energy", "audit"))
+    motion = one_launch(dataset, (*_energies(dataset), "energy", "audit"))
     return _drawn(COLUMN, 3.3, lambda page: _draw_energy(page, motion))
 
 
@@ -146,7 +143,8 @@ def motion_figure(dataset: xarray.Dataset) -> Figure:
     Parameters
     ----------
     dataset
-        From `simulate`, one launch; the paths are left out where it has no pose.
+        From `simulate`, one launch; the paths are left out where it has no pose, and the energy
+        where a system has no account of it.
 
     Returns
     -------
@@ -166,6 +164,8 @@ def motion_figure(dataset: xarray.Dataset) -> Figure:
     >>> len(figure.axes), float(figure.get_figwidth())
     (6, 7.0)
     """
+    if names := system_states(dataset):
+        return _system_figure(dataset, names)
     motion = one_launch(dataset, (*STATES, "normal_force", *ENERGIES, "energy", "audit"))
 
     def draw(page: Any) -> None:
@@ -180,6 +180,24 @@ def motion_figure(dataset: xarray.Dataset) -> Figure:
     return _drawn(PAGE, 5.6 if posed else 4.4, draw)
 
 
+def _system_figure(dataset: xarray.Dataset, names: tuple[str, ...]) -> Figure:
+    motion = one_launch(dataset, names)
+    if "audit" not in dataset:
+        return states(dataset)
+
+    def draw(page: Any) -> None:
+        left, right = page.subfigures(1, 2)
+        draw_system(left, motion, names)
+        _draw_energy(right, motion)
+
+    return _drawn(PAGE, max(3.3, 1.2 + min(len(names), MOST_PANELS)), draw)
+
+
+def _energies(dataset: Any) -> tuple[str, ...]:
+    """Layers of the energy: those of a disk, or of a user's system."""
+    return ("energy", "dissipated") if system_states(dataset) else ENERGIES
+
+
 def _drawn(width: float, height: float, draw: Callable[[Any], None]) -> Figure:
     with figure_style(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
@@ -189,21 +207,6 @@ def _drawn(width: float, height: float, draw: Callable[[Any], None]) -> Figure:
     return figure
 
 
-def _unit(data: xarray.Dataset, name: str) -> str:
-    unit = unit_of(data[name].attrs)
-    return "" if unit == "1" else f"[{in_latex(unit)}]"
-
-
-def _legend(axes: Axes, handles: list[Line2D] | None = None) -> None:
-    """Above the panel, where it can hide no data."""
-    shown = handles or axes.get_legend_handles_labels()[0]
-    axes.legend(
-        handles=shown, loc="lower right", bbox_to_anchor=(1.02, 0.98), fontsize=6.5,
-        ncols=len(shown) if len(shown) < 5 else 3, frameon=False, handlelength=2.2, borderpad=0.1,
-        columnspacing=1.1, handletextpad=0.4,
-    )  # fmt: skip
-
-
 def _draw_states(page: Any, motion: Motion) -> None:
     panels = page.subplots(len(PANELS), 1, sharex=True)
     data, times = motion.data, motion.times
@@ -211,7 +214,7 @@ def _draw_states(page: Any, motion: Motion) -> None:
         for name, stroke in zip(names, STROKES, strict=False):
             axes.plot(times, data[name].values, label=QUANTITIES[name].typeset, **stroke)
         symbol = QUANTITIES[names[0]].typeset if len(names) == 1 else ""
-        axes.set_ylabel(f"{word}\n{symbol} {_unit(data, names[0])}".replace("\n ", "\n"))
+        axes.set_ylabel(f"{word}\n{symbol} {unit(data, names[0])}".replace("\n ", "\n"))
         axes.yaxis.set_major_locator(MaxNLocator(5))
         for start, stop in motion.sticking:
             axes.axvspan(start, stop, facecolor="#e4e4e4", edgecolor="#9a9a9a", hatch="////",
@@ -227,10 +230,10 @@ def _draw_states(page: Any, motion: Motion) -> None:
     panels[3].axhline(0, color="#404040", linewidth=0.7, zorder=1)
     _steady(panels, data)
     for axes in panels[1:3]:
-        _legend(axes)
-    _words(panels[0], motion)
+        legend(axes)
+    words(panels[0], motion)
     panels[-1].set_xlim(times[0], times[-1])
-    panels[-1].set_xlabel(f"time $t$  {_unit(data, 'time')}")
+    panels[-1].set_xlabel(f"time $t$  {unit(data, 'time')}")
     page.align_ylabels()
 
 
@@ -242,25 +245,10 @@ def _steady(panels: list[Axes], data: xarray.Dataset) -> None:
     dots: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0}
     if family == "tumbling":
         panels[0].axhline(at, label="steady", **dots)
-        _legend(panels[0])
+        legend(panels[0])
         scale = np.sqrt(float(data.gravity) / float(data.radius) / float(data.k) / np.sin(at))
         at = float(np.copysign(scale, data.phi_dot.values[-1]))
     panels[1].axhline(at, label="steady", **dots)
-
-
-def _words(axes: Axes, motion: Motion) -> None:
-    """The word of each event over its line; of a crowd only those that can be read."""
-    room = 0.035 * (motion.times[-1] - motion.times[0])
-    marks = motion.events
-    if not marks:  # a slice whose events are not known
-        marks = [((a + b) / 2, "sticking") for a, b in motion.sticking]
-    free: list[float] = []
-    # the end comes first: it is the one that matters most
-    for t, word in marks[-1:] + marks[:-1]:
-        if all(abs(t - other) > room for other in free):
-            free.append(t)
-            axes.text(t, 1.03, word, rotation=90, fontsize=6.5, ha="center", va="bottom",
-                      transform=axes.get_xaxis_transform())  # fmt: skip
 
 
 def _draw_paths(page: Any, motion: Motion) -> None:
@@ -290,11 +278,11 @@ def _draw_paths(page: Any, motion: Motion) -> None:
     axes.autoscale_view()
     for axis, letter in ((axes.xaxis, "X"), (axes.yaxis, "Y")):
         axis.set_major_locator(MaxNLocator(5))
-        axis.set_label_text(f"${letter}$  {_unit(data, 'centre_x')}")
+        axis.set_label_text(f"${letter}$  {unit(data, 'centre_x')}")
     axes.ticklabel_format(useOffset=False)
-    _legend(axes, _keys(bool(motion.sticking)))
+    legend(axes, _keys(bool(motion.sticking)))
     bar = page.colorbar(ScalarMappable(**shade), ax=axes, pad=0.02, aspect=30, fraction=0.05)
-    bar.set_label(f"time $t$  {_unit(data, 'time')}")
+    bar.set_label(f"time $t$  {unit(data, 'time')}")
 
 
 def _keys(sticks: bool) -> list[Line2D]:
@@ -310,17 +298,15 @@ def _keys(sticks: bool) -> list[Line2D]:
 def _draw_energy(page: Any, motion: Motion) -> None:
     data, times = motion.data, motion.times
     upper, lower = page.subplots(2, 1, sharex=True, height_ratios=(1.5, 1))
-    first = float(data.energy.values[0])
-    layers = np.stack([data[name].values for name in ENERGIES])
-    fills = upper.stackplot(times, layers, colors=[c for c, _ in FILLS], labels=ENERGIES)
-    for fill, (_, hatch) in zip(fills, FILLS, strict=True):
-        fill.set(hatch=hatch, edgecolor="#606060", linewidth=0)
-    for line in np.cumsum(layers, axis=0):
-        upper.plot(times, line, color="black", linewidth=0.3)
-    upper.set_ylabel(f"energy\n{_unit(data, 'energy')}")
-    upper.set_ylim(0, 1.04 * float(layers.sum(axis=0).max()))
+    if system_states(data):
+        lines_of_energy(upper, motion)
+        first = float(np.abs(data.audit.values).max() / (float(data.energy_error) or 1.0)) or 1.0
+    else:
+        _layers_of_energy(upper, motion)
+        first = float(data.energy.values[0])
+    upper.set_ylabel(f"energy\n{unit(data, 'energy')}")
     upper.set_xlim(times[0], times[-1])
-    _legend(upper)
+    legend(upper)
     audit = np.abs(data.audit.values) / first
     seen = np.where(audit > 0, audit, np.nan)  # a log axis has no zero; a gap says so
     lower.set_yscale("log")
@@ -331,9 +317,21 @@ def _draw_energy(page: Any, motion: Motion) -> None:
                   linewidth=0.8)  # fmt: skip
     shown = np.append(seen[audit > 0], tolerance)
     lower.set_ylim(shown.min() / 5, shown.max() * 5)
-    _legend(lower)
+    legend(lower)
     lower.yaxis.set_major_locator(LogLocator(numticks=6))
     lower.yaxis.set_minor_locator(NullLocator())
-    lower.set_ylabel("|audit| over\ninitial energy")
-    lower.set_xlabel(f"time $t$  {_unit(data, 'time')}")
+    lower.set_ylabel("|audit| over\n" + ("energy" if system_states(data) else "initial energy"))
+    lower.set_xlabel(f"time $t$  {unit(data, 'time')}")
     page.align_ylabels()
+
+
+def _layers_of_energy(upper: Axes, motion: Motion) -> None:
+    """The energies of a disk, stacked to their constant total."""
+    data, times = motion.data, motion.times
+    layers = np.stack([data[name].values for name in ENERGIES])
+    fills = upper.stackplot(times, layers, colors=[c for c, _ in FILLS], labels=ENERGIES)
+    for fill, (_, hatch) in zip(fills, FILLS, strict=True):
+        fill.set(hatch=hatch, edgecolor="#606060", linewidth=0)
+    for line in np.cumsum(layers, axis=0):
+        upper.plot(times, line, color="black", linewidth=0.3)
+    upper.set_ylim(0, 1.04 * float(layers.sum(axis=0).max()))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+import json
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,8 +18,7 @@ if TYPE_CHECKING:
 
 
 KEPT = (
-    "end_time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "energy_error",
-    "nearest_family", "nearest_at", "method",
+    "end_time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "method",
 )  # fmt: skip
 """What every figure needs of a dataset beside its series."""
 Event = tuple[float, str]
@@ -80,6 +80,22 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> Motion:
     spans = _spans(log, data, times)
     seen = [(t, word) for t, word in log if times[0] <= t <= times[-1]]
     return Motion(data, times, seen, spans)
+
+
+def system_states(dataset: Any) -> tuple[str, ...]:
+    """The states of a user's system; none for a disk.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`.
+
+    Returns
+    -------
+    tuple of str
+    """
+    given = getattr(dataset, "attrs", {}).get("states", "[]")
+    return tuple(json.loads(given)) if isinstance(given, str) else ()
 
 
 def _until_end(dataset: xarray.Dataset) -> xarray.Dataset:

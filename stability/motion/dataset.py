@@ -367,7 +367,9 @@ def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
 
 def _body(launches: Launches) -> dict[str, Any]:
     if launches.law is None:
-        return {"system": launches.model.system.name}
+        return {
+            "system": launches.model.system.name, "states": json.dumps(launches.model.states),
+        }  # fmt: skip
     return {"contact": launches.law.name, "dimensionless": int(launches.dimensionless)}
 
 
