@@ -28,17 +28,12 @@ if TYPE_CHECKING:
     from .result import Result, Settings
     from .starts import Launches
 
-from .observables import energy_slopes, observe
+from .observables import ENERGY_ERROR, account, observe
 
 FORMAT = "stability trajectory 1"
 """Marks a file as one of ours."""
 ACCOUNT = 1e-2
 """Share of the initial energy by which the account may fail before no outcome is given."""
-ENERGY_ERROR = (
-    "largest |audit| over the energy at the start",
-    "largest |audit| over the largest sum of |x dE/dx| of the states, or the energy lost",
-)
-"""What the energy account is measured against: of a disk, of a user's system."""
 LIBRARIES = ("casadi", "numpy", "scipy", "heyoka", "xarray")
 
 
@@ -95,7 +90,7 @@ def assemble(launches: Launches, settings: Settings, results: list[Result]) -> x
             "long_name": "mode of dry friction",
             "flag_values": np.array([SLIDING, STICKING], dtype=np.int8),
             "flag_meanings": "sliding sticking"})  # fmt: skip
-    error = _account(launches, y, series) if launches.model.accounted else None
+    error = account(launches, y, series) if launches.model.accounted else None
     if error is not None:
         results = _accounted(results, error)
     variables |= _summary(launches, results, error, dims)
@@ -293,23 +288,6 @@ def _errors(
         "end_time_error": variable(np.array(late) * clock, units=second,
                                    long_name="estimated error of the end's time"),
     }  # fmt: skip
-
-
-def _account(launches: Launches, y: Floats, series: dict[str, Floats]) -> Floats:
-    """How far the energy account fails in each launch.
-
-    The disk's energy at the start is positive.  A user's may be counted from anywhere: there the
-    measure is the most that the states have to do with it, Σ |x ∂E/∂x|, or what was lost.
-    """
-    audit = np.abs(series["audit"]).max(axis=-1)
-    if launches.law is not None:
-        scale = launches.energies * launches.scales["energy"]
-    else:
-        x = y[..., : len(launches.model.states)]
-        share = np.abs(x * energy_slopes(launches.model, x, launches.p[:, None, :])).sum(axis=-1)
-        scale = np.maximum(share, np.abs(series["dissipated"])).max(axis=-1)
-        scale = np.where(scale > 0, scale, 1.0)
-    return np.asarray(audit / scale)
 
 
 def _accounted(results: list[Result], error: Floats) -> list[Result]:

@@ -12,6 +12,13 @@ from ..base.types import Floats
 from ..bodies.disk_model import disk_model
 from ..bodies.model import Model
 from ..integrators.stick_slip import REST, STICKING
+from .starts import Launches
+
+ENERGY_ERROR = (
+    "largest |audit| over the energy at the start",
+    "largest |audit| over the largest sum of |x dE/dx| of the states, or the energy lost",
+)
+"""What the energy account is measured against: of a disk, of a user's system."""
 
 
 @cache
@@ -28,16 +35,8 @@ def _slopes(model: Model) -> Program:
     return Program(ca.Function("slopes", [system.x, system.p], [slopes]))
 
 
-def energy_slopes(model: Model, states: Floats, p: Floats) -> Floats:
-    """Gradient of the energy, shape (…, n).
-
-    Parameters
-    ----------
-    model
-        With an energy.
-    states, p
-        As for `observe`.
-    """
+def _energy_slopes(model: Model, states: Floats, p: Floats) -> Floats:
+    """Gradient of the energy, shape (…, n)."""
     x, q = list(np.moveaxis(states, -1, 0)), list(np.moveaxis(p, -1, 0))
     return np.asarray(_slopes(model).arrays([x, q], states.shape[:-1])[0][..., 0])
 
@@ -83,3 +82,34 @@ def observe(
         rough = _observer(disk_model("rough"))
         values[sticking] = rough.arrays(held, (int(sticking.sum()),))[0][..., 0]
     return dict(zip(model.series, np.moveaxis(values, -1, 0), strict=True))
+
+
+def account(launches: Launches, y: Floats, series: dict[str, Floats]) -> Floats:
+    """How far the energy account fails in each launch.
+
+    The disk's energy at the start is positive.  A user's may be counted from anywhere: there the
+    measure is the most that the states have to do with it, Σ |x ∂E/∂x|, or what was lost.
+
+    Parameters
+    ----------
+    launches
+        With an account.
+    y
+        Shape (N, t, n).
+    series
+        In the user's units, shape (N, t).
+
+    Returns
+    -------
+    ndarray
+        Shape (N,).
+    """
+    audit = np.abs(series["audit"]).max(axis=-1)
+    if launches.law is not None:
+        scale = launches.energies * launches.scales["energy"]
+    else:
+        x = y[..., : len(launches.model.states)]
+        share = np.abs(x * _energy_slopes(launches.model, x, launches.p[:, None, :])).sum(axis=-1)
+        scale = np.maximum(share, np.abs(series["dissipated"])).max(axis=-1)
+        scale = np.where(scale > 0, scale, 1.0)
+    return np.asarray(audit / scale)

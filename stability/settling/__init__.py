@@ -1,6 +1,8 @@
-"""Settling: the steady motion nearest to a state, and the proof that a motion converges to it.
+"""Convergence to steady motions.
 
-`attraction.py` is the proof, `disk_settling.py` the disk's members in closed form,
-`system_settling.py` those of any `Family`.  May import `bodies` and the floors below.
-To have a body settle on its families: a class with the two methods of `nearest.Settling`.
+The steady motion nearest to a state, and the proof in ball arithmetic that a motion converges to
+it: `attraction.py` is the proof, `disk_settling.py` the disk's members, `system_settling.py` those
+of any `Family`.
+May import `spectra`, `derivation`, `integrators` and the floors below.
+To add a body: a class with the two methods of `Settling` in `nearest.py`.
 """
