@@ -9,16 +9,36 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
-from ..base.errors import ParameterError, shown
+from ..base.errors import ParameterError, listed, shown
+from ..bodies.disk_families import FAMILIES
 from .terminal import check, say
-
-FAMILY_HELP = "rolling, spinning, tumbling, circling (rough disk) or precession (smooth disk)"
 
 MOST_VALUES = 1000
 """Numbers in a list of a table, each of which takes a line or more."""
 
 CONTACTS = "smooth, viscous, linear-viscous, rough, or module:Class for a law of your own"
 PARAMETER_HELP = "a number of a law of your own; once for each"
+
+
+def family_help() -> str:
+    """The disk's families, each with the law that it needs."""
+    names = [f.name + (f" ({f.law} disk)" if f.law else "") for f in FAMILIES.values()]
+    return listed(names, "or")
+
+
+def at_help() -> str:
+    """What names a member of each family."""
+    names: dict[tuple[str, ...], list[str]] = {}
+    for family in FAMILIES.values():
+        names.setdefault(family.at, []).append(family.name)
+    single = listed([at[0] for at in names if len(at) == 1], "or")
+    several = [f"for {listed(n)} {','.join(at).upper()}" for at, n in names.items() if len(at) > 1]
+    return "; ".join([single, *several])
+
+
+def leaning() -> str:
+    """The families of which a lean names a member."""
+    return listed([f.name for f in FAMILIES.values() if f.by_angle])
 
 
 class _Parser(argparse.ArgumentParser):

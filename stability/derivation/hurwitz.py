@@ -22,7 +22,7 @@ import sympy
 
 from ..base.errors import FileError, StabilityError
 from ..bodies.contact_laws import LAWS
-from ..bodies.disk_families import FAMILIES, ONLY
+from ..bodies.disk_families import families_under
 from ..bodies.disk_polynomials import digest
 from ..storage.files import together, whole
 from .characteristic import LAM, SIN, Derived, K, derive
@@ -249,9 +249,7 @@ def catalogue() -> dict[str, Any]:
     """
     cases: dict[str, Any] = {}
     for law in LAWS:
-        for family in FAMILIES:
-            if ONLY.get(family, law) != law:
-                continue
+        for family in (record.name for record in families_under(law)):
             derived = derive(family, law)
             names = derived.factors[0].gens[1:]
             used = [x for x in names if any(f.has(x) for f in derived.factors)]

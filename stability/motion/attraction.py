@@ -24,11 +24,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..algebra.number_types import Upright, balls, casadi_algebra
+from ..algebra.number_types import balls, casadi_algebra
 from ..algebra.program import Program
+from ..algebra.upright import UPRIGHT, Upright
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.disk_equations import disk_system
+from ..bodies.disk_equations import STATES, disk_system
+from ..bodies.disk_families import FAMILIES, DiskFamily
 
 BITS = 64
 """Precision of the balls: what they are wide by is the box, not rounding."""
@@ -36,8 +38,6 @@ TURNS = 10
 """Widenings of the box after which the test gives up."""
 WIDEN = 1.1
 """Factor on the half-width that was found to be needed."""
-ACROSS = {"spinning": [0, 1, 3, 4, 5], "tumbling": [1, 2, 3, 4, 5]}
-"""States whose deviations are e, by family."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,6 @@ class Tilted(Upright):
         return -ca.sin(self.e)
 
 
-@lru_cache(maxsize=16)
 def rates(law: type[Contact], family: str) -> tuple[Program, Program]:
     """Programs (y, sign, p, e) → ∂G/∂e and ∂g/∂e, and → gn, D and sinθ.
 
@@ -78,32 +77,40 @@ def rates(law: type[Contact], family: str) -> tuple[Program, Program]:
     law
         A contact law with the slip in its state.
     family
-        spinning or tumbling.
+        Name of a family of which one number names a member.
 
     Returns
     -------
     tuple of Program
     """
+    return _rates(law, FAMILIES[family])  # type: ignore[arg-type]  # a class is hashable
+
+
+@lru_cache(maxsize=16)
+def _rates(law: type[Contact], family: DiskFamily) -> tuple[Program, Program]:
     system = disk_system(law)
     y, sign, e = ca.SX.sym("y"), ca.SX.sym("sign"), ca.SX.sym("e", 5)
-    parts = [e[i] for i in range(5)]
-    x: list[Any]
-    member = sign / ca.sqrt(system.p[0] * ca.sin(y))
-    if family == "spinning":
-        x = [Tilted(parts[0]), parts[1], y, *parts[2:]]
-    else:
-        x = [y, parts[0], member + parts[1], *parts[2:]]
+    [own] = family.at
+    others = [n for n in STATES if n != own]  # whose deviations are e
+    member = family.member(ca, y, system.p[0], sign)
+    deviations = {n: e[i] for i, n in enumerate(others)}
+    x = [
+        y if n == own
+        else Tilted(deviations[n]) if member[n] is UPRIGHT
+        else member[n] + deviations[n]
+        for n in STATES
+    ]  # fmt: skip
     seen = system.observables
     positive = ca.vertcat(seen["normal_force"], seen["determinant"], ca.sin(system.x[0]))
     graph = Program(ca.Function("graph", [system.x, system.p], [system.rhs, positive]))
     values = graph.run(casadi_algebra(), [x, ca.vertsplit(system.p)])
-    rhs = dict(zip((row for row, _ in graph.places[0]), values[0], strict=True))
-    if family == "spinning":
-        across, along = [rhs[i] for i in ACROSS[family]], rhs[2]
-    else:
-        across, along = [rhs[i] for i in ACROSS[family]], parts[0]
-        across[1] = across[1] - ca.jacobian(member, y) * parts[0]  # the member moves with theta
-    slope = ca.densify(ca.jacobian(ca.vertcat(*across, along), e))
+    rows = (STATES[row] for row, _ in graph.places[0])
+    rhs = dict.fromkeys(STATES, ca.SX(0)) | dict(zip(rows, values[0], strict=True))
+    along = rhs[own]
+    if family.solution is not None:  # the member moves with its parameter
+        for n in family.unknown:
+            rhs[n] = rhs[n] - ca.jacobian(member[n], y) * along
+    slope = ca.densify(ca.jacobian(ca.vertcat(*(rhs[n] for n in others), along), e))
     inputs = [y, sign, system.p, e]
     return (
         Program(ca.Function("slopes", inputs, [slope])),
@@ -144,7 +151,7 @@ def attraction(
 def _attraction(
     law: type[Contact], family: str, p: Floats, sign: float, y: Any, e: list[Any]
 ) -> Attraction | None:
-    program = rates(law, family)[0]  # type: ignore[arg-type]  # a class is hashable
+    program = rates(law, family)[0]
     y1, e1 = float(y.mid()), np.array([float(v.mid()) for v in e])
     centre, slow = y1, np.zeros(5)
     a = np.zeros((5, 5))
@@ -202,7 +209,7 @@ def _box(
     """The test of the module's docstring in one basis."""
     from flint import arb, arb_mat
 
-    slopes, positive = rates(law, family)  # type: ignore[arg-type]  # a class is hashable
+    slopes, positive = rates(law, family)
     x = arb_mat(basis.tolist())
     try:
         inverse = x.inv()

@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
 from ..bodies.disk_equations import STATES
+from ..bodies.disk_families import FAMILIES, lines_under
 from ..bodies.disk_quantities import QUANTITIES
 from ..integrators.flow import POSE, POSE_UNIT, flow
 from ..integrators.stick_slip import SLIDING, STICKING
@@ -226,7 +228,8 @@ def _summary(
         return make(dims, array, attributes, fastpath=True)
 
     near = [r.near for r in results]
-    turning = np.array([n.family != "tumbling" for n in near])
+    named = list(dict.fromkeys(f.at[0] for f in lines_under(launches.law.name)))
+    turning = np.array([not FAMILIES[n.family].by_angle for n in near])
     first = launches.energies * launches.scales["energy"]
     plain = launches.dimensionless
     second = Kind.TIME.unit(dimensionless=plain)
@@ -248,7 +251,7 @@ def _summary(
         "nearest_family": variable([n.family for n in near], long_name="nearest steady motion"),
         "nearest_at": variable(
             np.array([n.at for n in near]) * np.where(turning, rate, 1.0),
-            long_name="its phi_dot, theta or omega3",
+            long_name=f"its {listed(named, 'or')}",
             units="1" if plain else f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})",
         ),
         "nearest_distance": variable([n.distance for n in near], units="1",

@@ -12,15 +12,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from ..algebra.number_types import balls
+from ..algebra.upright import UPRIGHT
 from ..base.types import Floats
 from ..bodies.contact import Contact
+from ..bodies.disk_equations import STATES
+from ..bodies.disk_families import FAMILIES, DiskFamily, lines_under
 from .attraction import attraction
-
-FAMILIES = ("spinning", "tumbling", "rolling")
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,7 @@ def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
     k
         Inertia factor.
     family
-        One of `FAMILIES`.
+        One of the disk's, of which one number names a member.
 
     Returns
     -------
@@ -64,36 +67,37 @@ def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
     >>> float(at), float(abs(e).max())
     (2.5, 0.0)
     """
-    at, parts = _parts(np.moveaxis(six, -1, 0), k, np)[family]
-    return at, np.stack(parts, axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at, parts = _parts(FAMILIES[family], np.moveaxis(six, -1, 0), k, np)
+    e = np.stack(parts, axis=-1)
+    return at, np.where(np.isnan(e), np.inf, e)  # where there is no member it is infinitely far
 
 
-def _parts(six: Any, k: float, maths: Any) -> dict[str, tuple[Any, tuple[Any, ...]]]:
-    """For each family its parameter and the five deviations, with NumPy or with `math`."""
-    theta, theta_dot, phi_dot, omega3, vx, vy = six
-    lean = theta - math.pi / 2
-    sine = maths.sin(theta)
-    # at θ = 0 and beyond, where no disk stands, tumbling is infinitely far
-    with np.errstate(divide="ignore"):
-        size = 1 / np.sqrt(k * np.maximum(sine, 0.0)) if maths is np else _rate(k * sine)
-    rate = maths.copysign(size, phi_dot)
-    return {
-        "spinning": (phi_dot, (lean, theta_dot, omega3, vx, vy)),
-        "tumbling": (theta, (theta_dot, phi_dot - rate, omega3, vx, vy)),
-        "rolling": (omega3, (lean, theta_dot, phi_dot, vx, vy)),
-    }
+def _parts(
+    family: DiskFamily, six: Any, k: float, functions: Any, sign: Any = None,
+    right_angle: Any = math.pi / 2,
+) -> tuple[Any, tuple[Any, ...]]:  # fmt: skip
+    """The family's parameter and the five deviations, over any number type."""
+    own = dict(zip(STATES, six, strict=True))
+    [name] = family.at
+    if sign is None:
+        sign = functions.copysign(1.0, own["phi_dot"])
+    member = family.member(functions, own[name], k, sign) | {name: None}
+    values = {n: right_angle if member[n] is UPRIGHT else member[n] for n in STATES if n != name}
+    return own[name], tuple(own[n] - value for n, value in values.items())
 
 
-def _rate(square: float) -> float:
-    """One over the root; infinite where there is none."""
-    return 1 / math.sqrt(square) if square > 0 else math.inf
-
-
-def _closest(six: Floats, k: float) -> tuple[str, float, float]:
+def _closest(six: Floats, law: type[Contact], k: float) -> tuple[str, float, float]:
     """Family, parameter and distance of the nearest member, for one state."""
-    parts = _parts(six.tolist(), k, math)
-    distance, family = min((math.hypot(*e), name) for name, (_, e) in parts.items())
-    return family, parts[family][0], distance
+    found = []
+    for family in lines_under(law.name):
+        try:
+            at, e = _parts(family, six.tolist(), k, math)
+            found.append((math.hypot(*e), family.name, at))
+        except (ValueError, ArithmeticError):  # there is no such member: it is infinitely far
+            found.append((math.inf, family.name, math.nan))
+    distance, name, at = min(found)
+    return name, at, distance
 
 
 def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Nearest:
@@ -114,7 +118,7 @@ def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Neares
     -------
     Nearest
     """
-    family, at, distance = _closest(six, float(p[0]))
+    family, at, distance = _closest(six, law, float(p[0]))
     where = f"nearest is {family} at {at:.6g}, {distance:.3g} away"
     if law.conservative:
         where += "; energy is kept, so nothing is settled on"
@@ -124,8 +128,8 @@ def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Neares
         return Nearest(family, at, distance, False, 0.0, where)
     if distance > within:
         return Nearest(family, at, distance, False, 0.0, where)
-    if family == "rolling":
-        why = "rolling with slip drifts on its centre manifold (stability.drift): not settled"
+    if FAMILIES[family].drifts:
+        why = f"{family} with slip drifts on its centre manifold (stability.drift): not settled"
         return Nearest(family, at, distance, False, 0.0, why)
     sign = math.copysign(1.0, six[2])
     y, e = _balls(six, float(p[0]), family, sign)
@@ -147,7 +151,6 @@ def _balls(six: Floats, k: float, family: str, sign: float) -> tuple[Any, list[A
     """The family's parameter and the deviation, as balls that hold what the doubles mean."""
     from flint import arb
 
-    theta, theta_dot, phi_dot, omega3, vx, vy = (arb(v) for v in six.tolist())
-    if family == "spinning":
-        return phi_dot, [theta - arb.pi() / 2, theta_dot, omega3, vx, vy]
-    return theta, [theta_dot, phi_dot - sign / (k * theta.sin()).sqrt(), omega3, vx, vy]
+    exact, functions = [arb(v) for v in six.tolist()], SimpleNamespace(**balls().functions)
+    at, e = _parts(FAMILIES[family], exact, k, functions, sign, arb.pi() / 2)
+    return at, list(e)
