@@ -178,8 +178,11 @@ def _parser() -> argparse.ArgumentParser:
                   "stability spectrum tumbling --at 0.5 --mu 0.3 --json")  # fmt: skip
     sub.add_argument("family", metavar="FAMILY", help=family_help())
     sub.add_argument("--at", help=at_help())
-    sub.add_argument("--lean", type=float,
-                     help=f"for {leaning()}, in place of --at: π/2 - theta")  # fmt: skip
+    sub.add_argument(
+        "--lean",
+        type=float,
+        help=f"for {leaning()}, in place of --at: π/2 - theta, 0 is upright",
+    )
     sub.add_argument("--no-escalate", action="store_true",
                      help="leave undecided what double precision does not decide")  # fmt: skip
     _physics(sub)

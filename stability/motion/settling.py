@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,8 +23,10 @@ from ..algebra.upright import UPRIGHT
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.disk_equations import STATES
-from ..bodies.disk_families import FAMILIES, DiskFamily, lines_under
+from ..bodies.disk_families import AT_REST, FAMILIES, DiskFamily, lines_under
 from .attraction import attraction
+
+TURNING = STATES.index("phi_dot")
 
 
 @dataclass(frozen=True)
@@ -78,13 +81,26 @@ def _parts(
     right_angle: Any = math.pi / 2,
 ) -> tuple[Any, tuple[Any, ...]]:  # fmt: skip
     """The family's parameter and the five deviations, over any number type."""
-    own = dict(zip(STATES, six, strict=True))
-    [name] = family.at
-    if sign is None:
-        sign = functions.copysign(1.0, own["phi_dot"])
-    member = family.member(functions, own[name], k, sign) | {name: None}
-    values = {n: right_angle if member[n] is UPRIGHT else member[n] for n in STATES if n != name}
-    return own[name], tuple(own[n] - value for n, value in values.items())
+    own, others = _places(family)
+    at, solved = six[own], None
+    if family.solution is not None:
+        sign = functions.copysign(1.0, six[TURNING]) if sign is None else sign
+        solved = family.solution(functions, at, k, sign)
+    return at, tuple(
+        six[i] - (right_angle if v is UPRIGHT else solved if v is None else v) for i, v in others
+    )
+
+
+@lru_cache(maxsize=32)
+def _places(family: DiskFamily) -> tuple[int, list[tuple[int, Any]]]:
+    """Index of the parameter among the states, and of the others with their values.
+
+    None is the value of the state that is solved for; kept, since each launch asks several times.
+    """
+    guesses = family.unknown if family.solution is None else dict.fromkeys(family.unknown)
+    known = AT_REST | dict(family.held) | dict(guesses)
+    own = STATES.index(family.at[0])
+    return own, [(i, known[n]) for i, n in enumerate(STATES) if i != own]
 
 
 def _closest(six: Floats, law: type[Contact], k: float) -> tuple[str, float, float]:

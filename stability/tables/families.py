@@ -52,8 +52,8 @@ def condition(name: str) -> str:
 
     from ..algebra.number_types import sympy_algebra
 
-    law = FAMILIES[name].law or "viscous"
-    family = disk_family(name, law)
+    record = FAMILIES[name]
+    family = disk_family(name, record.law or "viscous")
     if family.closed:
         return f"none: every {family.at[0]}"
     symbols = {n: sympy.Symbol(n, positive=True) for n in (*family.at, *family.unknown, "k", "mu")}
@@ -69,7 +69,11 @@ def condition(name: str) -> str:
             sympy.expand(numerator).subs(symbols[unknown], sympy.sqrt(square)), square
         )
         return f"{unknown}**2 = {sympy.simplify(root)}"
-    [root] = sympy.solve(numerator, symbols[unknown])
+    roots = sympy.solve(numerator, symbols[unknown])
+    if record.solution is not None:  # the others belong to other families
+        wanted = record.solution(sympy, symbols[family.at[0]], symbols["k"], 1)
+        roots = [root for root in roots if sympy.simplify(root - wanted) == 0]
+    [root] = roots
     return f"{unknown} = {sympy.simplify(root)}"
 
 
