@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from typing import Any
 
 import kane_disk
@@ -200,6 +201,32 @@ def test_a_polynomial_is_derived_from_the_record(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
     found = derive("edge-on", "rough")
     assert [str(f.as_expr()) for f in found.factors] == ["k*lam**2 + k*z + lam**2 + z - 1"]
+
+
+def test_a_stored_polynomial_makes_its_answers_exact(monkeypatch: pytest.MonkeyPatch) -> None:
+    from stability.bodies import disk_polynomials
+
+    monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
+    stored = dict(disk_polynomials._catalogue())
+    stored["edge-on viscous"] = replace(stored["spinning viscous"], family="edge-on")
+    monkeypatch.setattr(disk_polynomials, "_catalogue", lambda: stored)
+    found = st.boundaries("edge-on", axis=("at", 0.5, 3.0, 9), contact=st.Viscous(0.97))
+    assert found.complete
+    # k phi_dot² = 1; the other to 20 digits in tests/test_boundaries.py
+    assert [b.value for b in found] == pytest.approx([2.0, 2.0451355787], abs=1e-10)
+    drawn = st.stability_map("edge-on", x=("at", 1.5, 3, 5), y=("mu", 0.3, 1.5, 3))
+    assert "exact polynomials" in drawn.attrs["method"]
+
+
+def test_a_family_whose_graph_has_another_form_gets_no_polynomial(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from stability.derivation import hurwitz
+
+    monkeypatch.setitem(FAMILIES, "coning", CONING)
+    monkeypatch.setattr(hurwitz, "LAWS", {"rough": None})
+    monkeypatch.setattr(hurwitz, "families_under", lambda _: [CONING, FAMILIES["rolling"]])
+    assert list(hurwitz.catalogue()["cases"]) == ["rolling rough"]
 
 
 def test_methods_are_compared_on_it(family: str) -> None:

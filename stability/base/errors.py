@@ -159,23 +159,6 @@ def shown(value: object) -> str:
 
 
 def listed(words: Sequence[str], last: str = "and") -> str:
-    """Words as a list within a sentence.
-
-    Parameters
-    ----------
-    words
-        One or more.
-    last
-        What stands before the last of several.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> listed(["rolling", "spinning", "tumbling"], "or")
-    'rolling, spinning or tumbling'
-    """
+    """One or more words as a list within a sentence, such as `a, b and c`."""
     *first, end = words
     return f"{', '.join(first)} {last} {end}" if first else end
