@@ -138,12 +138,25 @@ def test_a_launch_settles_on_it(family: str) -> None:
     assert last == pytest.approx(member(family, at, 0.25)[:4], abs=2e-3)
 
 
-def test_the_mirror_image_settles_too(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("name", ["coning", "tumbling"])
+def test_the_mirror_image_settles_too(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(FAMILIES, "coning", CONING)
-    start = st.launch("coning", at=3.0, tilt=0.02, disk=st.Disk()) * [1, 1, -1, 1, 1, 1]
+    if name == "tumbling":
+        monkeypatch.delitem(FAMILIES, "coning")
+    at = 3.0 if name == "coning" else math.asin(4 / 9)
+    start = st.launch(name, at=at, tilt=0.02, disk=st.Disk()) * [1, 1, -1, 1, 1, 1]
     run = st.simulate(st.Disk(), st.Viscous(0.3), start, [0.0, 2000.0])
-    assert str(run.nearest_family.values) == "coning"
-    assert float(run.nearest_at) == pytest.approx(-3.0, abs=0.1)
+    assert run.attrs["outcome"] == "settled"
+    assert str(run.nearest_family.values) == name
+    assert float(run.nearest_at) == pytest.approx(-3.0 if name == "coning" else at, abs=0.1)
+    assert float(run.phi_dot[-1]) == pytest.approx(-3.0, abs=0.1)
+
+
+def test_a_launch_has_the_units_of_the_disk(family: str) -> None:
+    disk = st.Disk(k=0.4, mass=2.0, radius=0.3, gravity=9.81)
+    rate = math.sqrt(9.81 / 0.3)
+    start = st.launch(family, at=2.5 * rate, tilt=0.0, disk=disk)
+    assert start == pytest.approx(np.array(member(family, 2.5, 0.4)) * [1, 0, rate, 0, 0, 0])
 
 
 def test_the_command_line_takes_it(family: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -166,12 +179,17 @@ def test_tables_hold_it(family: str) -> None:
     if family == "coning":
         assert row["condition"] == "theta = asin(1/(k*phi_dot**2))"
     assert row["structural_zeros"]["viscous"] == 1
-    rows = records("conditions", k=(0.25,), mu=(0.97,), laws=("viscous",))
+    disk = st.Disk(mass=2.0, radius=0.3, gravity=9.81)
+    rate, speed = float(np.asarray(disk.rate)), float(np.asarray(disk.speed))
+    rows = records("conditions", k=(0.25,), mu=(0.97 / speed,), laws=("viscous",), disk=disk)
     assert f"phi_dot ({family})" in text("conditions", rows, "√(g/R)")
     mine = [r for r in rows if r["family"] == family]
     for r in mine:
         if r["at"] is not None:
-            tops = [eigenvalues(family, r["at"] * s, 0.25, 0.97).real.max() for s in (0.999, 1.001)]
+            tops = [
+                eigenvalues(family, r["at"] / rate * s, 0.25, 0.97).real.max()
+                for s in (0.999, 1.001)
+            ]
             assert (tops[0] < 0) == (r["below"] == "stable")
             assert tops[0] * tops[1] < 0
     assert len(mine) == (2 if family == "edge-on" else 1)
