@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import kane_disk
@@ -22,6 +23,7 @@ import stability as st
 from stability.algebra.upright import UPRIGHT
 from stability.bodies.disk_families import FAMILIES, DiskFamily
 from stability.cli import main
+from stability.tables.launches import launch_rows
 from stability.tables.registry import records
 from stability.tables.render import text
 
@@ -140,9 +142,8 @@ def test_a_launch_settles_on_it(family: str) -> None:
 
 @pytest.mark.parametrize("name", ["coning", "tumbling"])
 def test_the_mirror_image_settles_too(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(FAMILIES, "coning", CONING)
-    if name == "tumbling":
-        monkeypatch.delitem(FAMILIES, "coning")
+    if name == "coning":
+        monkeypatch.setitem(FAMILIES, "coning", CONING)
     at = 3.0 if name == "coning" else math.asin(4 / 9)
     start = st.launch(name, at=at, tilt=0.02, disk=st.Disk()) * [1, 1, -1, 1, 1, 1]
     run = st.simulate(st.Disk(), st.Viscous(0.3), start, [0.0, 2000.0])
@@ -193,6 +194,45 @@ def test_tables_hold_it(family: str) -> None:
             assert (tops[0] < 0) == (r["below"] == "stable")
             assert tops[0] * tops[1] < 0
     assert len(mine) == (2 if family == "edge-on" else 1)
+
+
+def test_launches_are_tabled_beside_its_linear_theory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
+    rows = launch_rows(launches=("edge-on",), k=(0.25,), mu=(0.3,), at=(1.0, 2.4))
+    for row, stable in zip(rows, (False, True), strict=True):
+        assert (eigenvalues("edge-on", row.at, 0.25, 0.3).real.max() < 0) == stable
+        assert (row.linear, row.outcome) == ("stable" if stable else "unstable", "settled")
+    assert [row.final for row in rows] == ["tumbling", "edge-on"]
+
+
+def test_figures_mark_the_member_that_was_settled_on(family: str) -> None:
+    from stability.figures.motion import states
+
+    at = 2.5 if family == "edge-on" else 3.0
+    start = st.launch(family, at=at, tilt=0.02, disk=st.Disk())
+    run = st.simulate(st.Disk(), st.Viscous(0.3), start, np.linspace(0, 2000, 11))
+    panels = states(run).axes
+    steady = [[line for line in panel.lines if line.get_label() == "steady"] for panel in panels]
+    assert [len(lines) for lines in steady] == [int(family == "coning"), 1, 0, 0]
+    ends = member(family, float(run.nearest_at), 0.25)
+    assert [float(lines[0].get_ydata()[0]) for lines in steady if lines] == pytest.approx(
+        ends[2:3] if family == "edge-on" else [ends[0], ends[2]]
+    )
+
+
+def test_the_atlas_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from stability.atlas import build, page
+
+    monkeypatch.setattr(build, "LOCUS_FRICTION", ())
+    monkeypatch.setattr("stability.figures.style.save", lambda *_: None)  # it takes the most time
+    monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
+    assert [*page.drawn()] == ["rolling", "spinning", "tumbling", "edge-on"]
+    monkeypatch.setattr(page, "drawn", lambda: {"edge-on": EDGE_ON.drawn})
+    pages = [build._job("disk", "edge-on", str(tmp_path), 8)]
+    assert st.read_map(tmp_path / "edge-on-disk.nc").attrs["family"] == "edge-on"
+    at = [row[6] for row in pages[0].rows if row[3] == "rough"]
+    assert at == pytest.approx([2 / math.sqrt(5)])  # phi_dot² = 1/(1 + k)
+    assert '<h2 id="edge-on">Edge-on</h2>\n<p>θ = π/2</p>' in page._html(pages, 8)
 
 
 def test_flutter_points_are_those_of_the_same_motion(family: str) -> None:
@@ -269,5 +309,7 @@ def test_a_family_of_one_law_alone_is_refused_under_others(monkeypatch: Any) -> 
     same = st.spectrum("circling", at=[1.0, 1.3], contact=st.Rough())
     nonzero = same.eigenvalues[np.abs(same.eigenvalues) > 1e-9]
     assert np.sort_complex(mine.eigenvalues)[-1] == pytest.approx(np.sort_complex(nonzero)[-1])
+    with pytest.raises(st.StabilityError, match="known are rolling, spinning, tumbling"):
+        st.launch("banking", at=1.3)
     with pytest.raises(st.StabilityError, match="banking is a family of the rough disk"):
         st.spectrum("banking", at=1.3, contact=st.Smooth())

@@ -38,7 +38,8 @@ class DiskFamily:
     at: tuple[str, ...]
     """States that name a member; the last one is the one that formulas are solved for."""
     held: Mapping[str, float | Upright]
-    """Values of the states that are the same along the family; `UPRIGHT` for the exact π/2."""
+    """Values of the states that are the same along the family: angles, `UPRIGHT` for the exact
+    π/2, or 0 for rates."""
     unknown: Mapping[str, float]
     """First guesses of the states that are solved for, dimensionless."""
     motion: str
@@ -50,8 +51,8 @@ class DiskFamily:
     positive: tuple[str, ...] = ()
     """Unknowns that come out positive; the mirror image has the same spectrum."""
     solution: Callable[[Any, Any, Any, Any], Any] | None = None
-    """The unknown of (functions, at, k, unit of rate with the sign of phi_dot), as for `member`;
-    None where it is the first guess throughout, or where more than one number names a member."""
+    """The unknown as a function of (functions, at, k, unit), as for `member`; None where it is 0
+    throughout.  Without it no motion is launched near a family whose unknown is not 0."""
     law: str = ""
     """The one contact law under which the family exists; empty if it exists under every law."""
     drifts: bool = False
@@ -68,6 +69,12 @@ class DiskFamily:
     launch: str = ""
     """Normal force over m g at the start of a launch, as a formula; empty where `table launches`
     leaves the family out."""
+
+    @property
+    def line(self) -> bool:
+        """Whether one number names a member and gives its states: motions may settle on these."""
+        known = self.solution is not None or not any(self.unknown.values())
+        return len(self.at) == 1 and known
 
     @property
     def by_angle(self) -> bool:
@@ -155,8 +162,8 @@ def families_under(law: str) -> list[DiskFamily]:
 
 
 def lines_under(law: str) -> list[DiskFamily]:
-    """Those of which one number names a member: a motion is near one, and may settle on it."""
-    return [f for f in families_under(law) if len(f.at) == 1]
+    """Those of which a motion may be near a member, and settle on it."""
+    return [f for f in families_under(law) if f.line]
 
 
 def disk_family(name: str, law: str | type[Contact]) -> Family:

@@ -63,7 +63,7 @@ def launch(
     >>> launch("rolling", at=1.2, tilt=0.1).round(3).tolist()
     [1.471, 0.0, 0.0, 1.2, 0.0, 0.0]
     """
-    known("family", family, [name for name, one in FAMILIES.items() if len(one.at) == 1])
+    known("family", family, [name for name, one in FAMILIES.items() if one.line])
     record = FAMILIES[family]
     if disk is None and record.solution is not None:
         raise ParameterError(
