@@ -88,8 +88,8 @@ def launch(
         six[..., column] = math.pi / 2 if member[name] is UPRIGHT else member[name]
     if not np.isfinite(six).all():
         raise ParameterError(
-            f"at of {family} is {where.min():g}, where a rate leaves double precision, or there "
-            "is no such motion; give another."
+            f"at of {family} is {where.min():g}, where its rate overflows double precision, "
+            "or where there is no such motion; give another."
         )
     six[..., 0] -= lean
     bad = six[..., 0][(six[..., 0] <= 0) | (six[..., 0] >= math.pi)]
