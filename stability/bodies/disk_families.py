@@ -166,6 +166,11 @@ def lines_under(law: str) -> list[DiskFamily]:
     return [f for f in families_under(law) if f.line]
 
 
+def leaning() -> str:
+    """The families of which a lean names a member, in words."""
+    return listed([f.name for f in FAMILIES.values() if f.by_angle])
+
+
 def disk_family(name: str, law: str | type[Contact]) -> Family:
     """One of the disk's families under a contact law; dimensionless, built once.
 

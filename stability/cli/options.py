@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from typing import Any, NoReturn
 
 from ..base.errors import ParameterError, listed, shown
-from ..bodies.disk_families import FAMILIES
+from ..bodies.disk_families import FAMILIES, leaning
 from .terminal import check, say
 
 MOST_VALUES = 1000
@@ -18,27 +18,6 @@ MOST_VALUES = 1000
 
 CONTACTS = "smooth, viscous, linear-viscous, rough, or module:Class for a law of your own"
 PARAMETER_HELP = "a number of a law of your own; once for each"
-
-
-def family_help() -> str:
-    """The disk's families, each with the law that it needs."""
-    names = [f.name + (f" ({f.law} disk)" if f.law else "") for f in FAMILIES.values()]
-    return listed(names, "or")
-
-
-def at_help() -> str:
-    """What names a member of each family."""
-    names: dict[tuple[str, ...], list[str]] = {}
-    for family in FAMILIES.values():
-        names.setdefault(family.at, []).append(family.name)
-    single = listed([at[0] for at in names if len(at) == 1], "or")
-    several = [f"for {listed(n)} {','.join(at).upper()}" for at, n in names.items() if len(at) > 1]
-    return "; ".join([single, *several])
-
-
-def leaning() -> str:
-    """The families of which a lean names a member."""
-    return listed([f.name for f in FAMILIES.values() if f.by_angle])
 
 
 class _Parser(argparse.ArgumentParser):
@@ -52,6 +31,22 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         say(f"{message.rstrip('.')}; see `{self.prog} --help`.")
         raise SystemExit(2)
+
+
+def _family(parser: argparse.ArgumentParser) -> None:
+    names = [f.name + (f" ({f.law} disk)" if f.law else "") for f in FAMILIES.values()]
+    parser.add_argument("family", metavar="FAMILY", help=listed(names, "or"))
+
+
+def _member(parser: argparse.ArgumentParser) -> None:
+    names: dict[tuple[str, ...], list[str]] = {}
+    for family in FAMILIES.values():
+        names.setdefault(family.at, []).append(family.name)
+    one = listed([at[0] for at in names if len(at) == 1], "or")
+    several = [f"for {listed(n)} {','.join(at).upper()}" for at, n in names.items() if len(at) > 1]
+    parser.add_argument("--at", help="; ".join([one, *several]))
+    help_ = f"for {leaning()}, in place of --at: π/2 - theta, 0 is upright"
+    parser.add_argument("--lean", type=float, help=help_)
 
 
 def _physics(parser: argparse.ArgumentParser) -> None:

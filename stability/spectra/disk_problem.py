@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import checked, positive
-from ..base.errors import NameUnknownError, ParameterError, listed, shown
+from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import ZERO_MU, Contact, Scales
 from ..bodies.contact_laws import stored
 from ..bodies.disk import Disk
-from ..bodies.disk_families import FAMILIES, disk_family
+from ..bodies.disk_families import FAMILIES, disk_family, leaning
 from ..bodies.disk_polynomials import known_polynomial
 from ..bodies.disk_quantities import PHYSICAL, is_angle
 from .problem import Problem, _scalar
@@ -110,8 +110,7 @@ def disk_problem(
 def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
     """The lean as finite numbers strictly within a right angle, or a sentence why not."""
     if not FAMILIES[family].by_angle:
-        leaning = listed([name for name, record in FAMILIES.items() if record.by_angle])
-        raise ParameterError(f"lean names a member of {leaning}; for {family} give at.")
+        raise ParameterError(f"lean names a member of {leaning()}; for {family} give at.")
     if at is not None:
         raise ParameterError("at and lean are both given; give one of them.")
     value = checked("lean", lean)
