@@ -27,7 +27,7 @@ _HOME = {
     ),
     "systems.system": ("System",),
     "systems.condition": ("Condition",),
-    "algebra.number_types": ("UPRIGHT",),
+    "algebra.upright": ("UPRIGHT",),
     "systems.family": ("Family",),
     "bodies.disk_families": ("disk_family",),
     "bodies.disk_equations": ("disk_system",),
@@ -56,7 +56,7 @@ _WHERE = {name: module for module, names in _HOME.items() for name in names}
 __all__ = sorted(_WHERE)  # noqa: PLE0605
 
 if TYPE_CHECKING:
-    from .algebra.number_types import UPRIGHT as UPRIGHT
+    from .algebra.upright import UPRIGHT as UPRIGHT
     from .base.errors import StabilityError as StabilityError
     from .base.errors import StabilityWarning as StabilityWarning
     from .base.verdict import Nonlinear as Nonlinear

@@ -187,10 +187,13 @@ def test_a_factor_without_mu_keeps_a_statement_from_every_k() -> None:
     from stability.derivation.characteristic import K as k
     from stability.derivation.characteristic import M as m
 
-    line = Line("spinning", sp.expand((1 - 3 * k) * SQUARE + m + 10))
+    line = Line("spinning", sp.expand((1 - 3 * k) * SQUARE + m + 10), 1 / k)
     assert line.for_every_k() is None
     patterns = [
-        [r.pattern for r in Line("spinning", sp.expand((1 - 3 * k) * SQUARE + m + 10)).for_one_k(v)]
+        [
+            r.pattern
+            for r in Line("spinning", sp.expand((1 - 3 * k) * SQUARE + m + 10), 1 / k).for_one_k(v)
+        ]
         for v in (sp.Rational(1, 4), HALF)
     ]
     assert patterns[0] != patterns[1]

@@ -210,8 +210,9 @@ def test_however_small_the_tilt_the_spin_falls_by_the_same_and_stays_near_the_li
 
 def test_without_a_slow_tilt_rolling_is_reached_and_stays() -> None:
     """θ = π/2, θ̇ = φ̇ = v_x = 0 is invariant, and tends to rolling: codimension one of the rest."""
-    from stability.algebra.number_types import UPRIGHT, casadi_algebra
+    from stability.algebra.number_types import casadi_algebra
     from stability.algebra.program import Program
+    from stability.algebra.upright import UPRIGHT
 
     system = st.disk_system("viscous")
     import casadi as ca

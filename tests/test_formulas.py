@@ -174,7 +174,7 @@ def test_the_decomposition_can_fail() -> None:
     from stability.derivation.friction_ranges import Line
 
     odd = (4 * K - 1) * Z * K - M
-    assert Line("spinning", sympy.expand(odd)).for_every_k() is None
+    assert Line("spinning", sympy.expand(odd), 1 / K).for_every_k() is None
 
 
 def test_the_table_prints_text_latex_and_json(capsys: pytest.CaptureFixture[str]) -> None:

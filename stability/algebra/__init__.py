@@ -13,4 +13,6 @@ def __getattr__(name: str) -> Any:
     """What was in the module of this name until version 0.4."""
     from ..old_paths import found
 
-    return found(name, "stability.algebra", ("algebra.program", "algebra.number_types"))
+    return found(
+        name, "stability.algebra", ("algebra.program", "algebra.number_types", "algebra.upright")
+    )

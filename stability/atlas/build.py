@@ -1,4 +1,4 @@
-"""The atlas: diagrams and loci of the three families for three bodies, with data and a page.
+"""The atlas: diagrams and loci of the families for three bodies, with data and a page.
 
 Each (body, family) pair is one job; jobs run in processes of their own.  Everything is written into
 a folder beside the target and moved there when it is whole.
@@ -22,7 +22,7 @@ from ..base.checks import whole_number
 from ..base.errors import FileError, StabilityError
 from ..bodies.contact_laws import Rough, Smooth, Viscous
 from ..bodies.disk import Disk
-from ..bodies.disk_families import AT
+from ..bodies.disk_families import FAMILIES
 from ..bodies.disk_quantities import QUANTITIES
 from ..boundary.changes import boundaries
 from ..jobs.following import follow
@@ -37,12 +37,12 @@ from .page import (
     CODE_KINDS,
     FRICTION,
     LOCUS_FRICTION,
-    RANGES,
     Page,
     Picture,
     _diagram_caption,
     _html,
     _zeros,
+    drawn,
 )
 
 FINEST = 4000
@@ -95,7 +95,7 @@ def atlas(
     taken = f"{path_text(out)} exists and is not empty; choose another, or use --force."
     target = check_folder(place(out), "" if force else taken)
     with _beside(target) as folder:
-        jobs = [(body, family, str(folder), resolution) for body in BODIES for family in RANGES]
+        jobs = [(body, family, str(folder), resolution) for body in BODIES for family in drawn()]
         pages: dict[tuple[str, str], Page] = {}
         if progress:
             progress(0, len(jobs))
@@ -162,7 +162,7 @@ def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
     try:
         with ignoring_signals():  # a signal to stop is for this process to handle
             pool = ProcessPoolExecutor(min(workers, len(jobs)), context, follow, mine)
-            ordered = sorted(jobs, key=lambda j: j[1] != "tumbling")  # the longest first
+            ordered = sorted(jobs, key=lambda j: not FAMILIES[j[1]].by_angle)  # longest first
             futures = [pool.submit(_job, *job) for job in ordered]
         yield from completed(futures)
         pool.shutdown()
@@ -190,7 +190,7 @@ def _job(body: str, family: str, folder: str, resolution: int) -> Page:
 
     make, name, inertia = BODIES[body]
     disk, here, stem = make(), Path(folder), f"{family}-{body}"
-    low, high = RANGES[family]
+    low, high = drawn()[family]
     dataset = stability_map(
         family, x=("at", low, high, resolution), y=("mu", *FRICTION, 3 * resolution // 4, "log"),
         disk=disk, workers=1,
@@ -204,8 +204,8 @@ def _job(body: str, family: str, folder: str, resolution: int) -> Page:
         growth = spectrum(family, at=at, disk=disk, contact=law).abscissa
         strips.append(Strip(law.name, at, growth, tuple(p.value for p in points)))
         rows += [
-            (body, disk.k, family, law.name, i, AT[family][0], p.value, "", p.crossing.word,
-             p.frequency, p.error, "at")
+            (body, disk.k, family, law.name, i, FAMILIES[family].at[0], p.value, "",
+             p.crossing.word, p.frequency, p.error, "at")
             for i, p in enumerate(points)
         ]  # fmt: skip
         where = ", ".join(f"{p.value:.6g}" for p in points)
@@ -225,7 +225,7 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
 
     make, name, inertia = BODIES[body]
     disk = make()
-    low, high = RANGES[family]
+    low, high = drawn()[family]
     at = np.linspace(low, high, 2 * resolution)
     law = Viscous(mu)
     spectra = spectrum(family, at=at, disk=disk, contact=law)
@@ -233,7 +233,7 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
     stem = f"locus-{family}-{body}-mu{mu:g}".replace(".", "_")
     title = rf"{family}: {name}, $\mu = {mu:g}$"
     save(locus(spectra, thresholds=[p.value for p in points], title=title), here / stem)
-    quantity = QUANTITIES[AT[family][0]].long_name
+    quantity = QUANTITIES[FAMILIES[family].at[0]].long_name
     changes = "; ".join(f"{p.crossing.word} boundary at {p.value:.10g}" for p in points)
     caption = (
         f"Eigenvalues of {family} of the {name} ({inertia}) under viscous friction, μ = {mu:g} "
@@ -252,8 +252,8 @@ def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[
              "boundary_error", "boundary_axis")  # fmt: skip
     columns = [dataset[n].values.tolist() for n in names]
     return [
-        (body, disk.k, family, "viscous", curve, AT[family][0], at, mu, CODE_KINDS[kind].word,
-         frequency, error, ("at", "mu")[axis])
+        (body, disk.k, family, "viscous", curve, FAMILIES[family].at[0], at, mu,
+         CODE_KINDS[kind].word, frequency, error, ("at", "mu")[axis])
         for curve, at, mu, kind, frequency, error, axis in zip(*columns, strict=True)
     ]  # fmt: skip
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import json
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -17,6 +16,7 @@ import numpy as np
 from ..base.verdict import CODES
 from ..base.version import __version__
 from ..bodies.disk import Disk
+from ..bodies.disk_families import FAMILIES
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
 from ..maps.dataset import LIBRARIES
@@ -27,9 +27,6 @@ BODIES: dict[str, tuple[Callable[[], Disk], str, str]] = {
     "hoop": (Disk.hoop, "hoop", "k = 1/2"),
 }
 """The bodies of the atlas: disk, name, inertia."""
-
-RANGES = {"rolling": (0.02, 3.0), "spinning": (0.02, 5.0), "tumbling": (0.02, math.pi / 2)}
-"""Interval of `at`, dimensionless."""
 
 FRICTION = (0.01, 100.0)
 """Interval of mu*, even in the logarithm."""
@@ -64,6 +61,11 @@ class Page:
     """Figures, the diagram first."""
     rows: tuple[tuple[Any, ...], ...]
     """Rows of the CSV."""
+
+
+def drawn() -> dict[str, tuple[float, float]]:
+    """The dimensionless interval of `at` by family, for the families that the atlas draws."""
+    return {name: family.drawn for name, family in FAMILIES.items() if family.drawn}
 
 
 def _zeros(count: int) -> str:
@@ -122,11 +124,14 @@ def _html(pages: list[Page], resolution: int) -> str:
         "dimensionless (m = R = g = 1). The equations are those of Przybylska &amp; "
         "Rauch-Wojciechowski, <cite>Regul. Chaotic Dyn.</cite> 21(2), 2016, 204–231; every result "
         "is recomputed. All boundaries: <a href=\"boundaries.csv\">boundaries.csv</a>.</p>",
-        "<nav>" + "".join(f'<a href="#{f}">{f}</a>' for f in RANGES) + "</nav>",
+        "<nav>" + "".join(f'<a href="#{f}">{f}</a>' for f in drawn()) + "</nav>",
     ]  # fmt: skip
-    for family in RANGES:
+    for family in drawn():
         mine = [p for p in pages if p.family == family]
-        parts += [f'<h2 id="{family}">{family.capitalize()}</h2>', f"<p>{_lead(family)}</p>"]
+        parts += [
+            f'<h2 id="{family}">{family.capitalize()}</h2>',
+            f"<p>{FAMILIES[family].symbols}</p>",
+        ]
         for index in range(len(mine[0].pictures)):
             parts.append('<div class="row">')
             parts += [_figure(p, p.pictures[index], index == 0) for p in mine]
@@ -139,14 +144,6 @@ def _html(pages: list[Page], resolution: int) -> str:
         "each diagram with units, error bounds and provenance.</p></footer></body></html>"
     )
     return "\n".join(parts) + "\n"
-
-
-def _lead(family: str) -> str:
-    return {
-        "rolling": "Upright, straight ahead: θ = π/2, φ̇ = 0, named by ω₃.",
-        "spinning": "Upright, turning on the spot: θ = π/2, ω₃ = 0, named by φ̇.",
-        "tumbling": "Inclined, its centre at rest: ω₃ = 0, φ̇² = g/(kR sin θ), named by θ.",
-    }[family]
 
 
 def _figure(page: Page, picture: Picture, diagram: bool) -> str:

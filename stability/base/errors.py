@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import reprlib
+from collections.abc import Sequence
 from typing import Any
 
 LONGEST = 280
@@ -155,3 +156,9 @@ def shown(value: object) -> str:
         return one_line(_SHORT.repr(value), VALUE)
     except Exception:  # as above
         return one_line(f"a {type(value).__name__}", VALUE)
+
+
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """One or more words as a list within a sentence, such as `a, b and c`."""
+    *first, end = words
+    return f"{', '.join(first)} {last} {end}" if first else end

@@ -73,7 +73,7 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     Parameters
     ----------
     family
-        rolling, spinning, tumbling, circling (rough) or precession (smooth).
+        A key of `stability.bodies.disk_families.FAMILIES`.
     law
         A contact law or its name.
 
@@ -95,17 +95,21 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     (2, ['2*k*z - 1'])
     """
     name = law.name if isinstance(law, Contact) else law
-    known = _catalogue()
     if not isinstance(family, str) or not isinstance(name, str):
         bad = name if isinstance(family, str) else family
         raise NameUnknownError(f"{shown(bad)} is no name; give a family and a law by their names.")
-    key = f"{family} {name}"
-    if key not in known:
+    found = known_polynomial(family, name)
+    if found is None:
+        cases = ", ".join(key.replace(" ", " under ") for key in _catalogue())
         raise NameUnknownError(
-            f"{shown(key)} has no polynomial; there is one for rolling, spinning and tumbling "
-            "under each law of spectra, for circling under rough and for precession under smooth."
+            f"{shown(f'{family} {name}')} has no polynomial; there is one for {cases}."
         )
-    return known[key]
+    return found
+
+
+def known_polynomial(family: str, law: str) -> Exact | None:
+    """The same by names, or None where no polynomial is stored: there the graph is the route."""
+    return _catalogue().get(f"{family} {law}")
 
 
 @lru_cache(maxsize=1)

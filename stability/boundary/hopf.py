@@ -30,13 +30,15 @@ from flint import acb, acb_mat, arb, arb_mat
 from ..algebra.balls import precision
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.real_roots import UnclearError
-from ..algebra.number_types import Upright, balls
+from ..algebra.number_types import balls
 from ..algebra.program import Program
+from ..algebra.upright import Upright
 from ..base.checks import Sentences, checked, instance, whole_number
-from ..base.errors import ParameterError, StabilityError, StabilityWarning, shown
+from ..base.errors import ParameterError, StabilityError, StabilityWarning, listed, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.disk_families import FAMILIES, DiskFamily
 from ..bodies.disk_polynomials import exact_polynomial
 from ..spectra.disk_problem import disk_problem
 from ..spectra.problem import Problem
@@ -48,10 +50,6 @@ from .search import Mark, search
 
 Balls = list[Any]
 
-LINES = ("spinning", "tumbling")
-"""Families whose flutter boundaries these are."""
-SCANNED = {"spinning": (0.01, 100.0), "tumbling": (0.001, 1.5707)}
-"""Part of each line that is scanned for a law without stored conditions, dimensionless."""
 BITS = 256
 """Working precision of the first attempt."""
 MOST_BITS = 4096
@@ -152,7 +150,7 @@ def hopf(
     Parameters
     ----------
     family
-        spinning or tumbling.
+        spinning, tumbling, or another with `DiskFamily.flutter`.
     contact
         A law with friction; one number.
     disk
@@ -180,10 +178,12 @@ def hopf(
     ...                                              disk=Disk(k=0.375))]
     [('elliptic', True), ('hyperbolic', False)]
     """
-    if not isinstance(family, str) or family not in LINES:
+    record = FAMILIES.get(family) if isinstance(family, str) else None
+    if record is None or record.flutter is None:
+        lines = listed([name for name, one in FAMILIES.items() if one.flutter])
         raise ParameterError(
-            f"family is {shown(family)}; spinning and tumbling have such boundaries (rolling "
-            "passes its own slowly, see drift)."
+            f"family is {shown(family)}; {lines} have such boundaries (rolling passes its own "
+            "slowly, see drift)."
         )
     if not isinstance(contact, Contact) or not contact.parameters:
         raise ParameterError(f"contact is {shown(contact)}; a law with friction is needed.")
@@ -193,13 +193,13 @@ def hopf(
     for name, value in question.values.items():
         if np.ndim(value):
             raise ParameterError(f"{name} is an array; give one number.")
-    unit = 1.0 if family == "tumbling" else float(np.asarray(body.rate))
+    unit = record.unit(float(np.asarray(body.rate)))
     bits = BITS
     while True:  # until the signs that make the type are proved
         last = bits >= MOST_BITS
         try:
             with precision(bits):
-                marks = _flutter(question, bits, unit, points)
+                marks = _flutter(question, record, bits, unit, points)
                 found = [_point(question, mark, unit) for mark in marks]
         except (StabilityError, UnclearError) as error:
             if last:
@@ -210,25 +210,27 @@ def hopf(
         bits *= 2
 
 
-def _flutter(question: Problem, bits: int, unit: float, points: int) -> list[Mark]:
+def _flutter(
+    question: Problem, record: DiskFamily, bits: int, unit: float, points: int
+) -> list[Mark]:
     """The flutter boundaries along the whole line, in balls."""
     try:
         marks = search(question, "at", None, None, bits).marks
     except NotExact:
-        return _scanned(question, unit, points)
+        return _scanned(question, record, unit, points)
     except UnclearError:
         raise ParameterError(
             f"the boundaries of {question.family.name} cannot be separated at these numbers; give "
             "values nearer to 1."
         ) from None
-    end = arb.pi() / 2 if question.family.name == "tumbling" else arb("inf")
+    end = arb.pi() / 2 if record.by_angle else arb("inf")
     return [m for m in marks if m.kind == "flutter" and m.below != m.above and 0 < m.value < end]
 
 
 @lru_cache(maxsize=1)
-def _scanned(question: Problem, unit: float, points: int) -> list[Mark]:
+def _scanned(question: Problem, record: DiskFamily, unit: float, points: int) -> list[Mark]:
     """Those along part of the line, bracketed between the points of a scan."""
-    low, high = (v * unit for v in SCANNED[question.family.name])
+    low, high = (v * unit for v in record.flutter or ())
     found = along(question, "at", low, high, points=points)
     name = question.family.name
     warnings.warn(

@@ -35,7 +35,7 @@ class Mark:
     value: Any
     """Ball in the unit of the axis."""
     kind: str
-    """static, flutter, edge (upright, where tumbling meets spinning) or pole (no linearisation)."""
+    """static, flutter, edge (upright, where families meet) or pole (no linearisation)."""
     below: int
     """Verdict just below: 1 stable or neutral, -1 unstable."""
     above: int
@@ -120,14 +120,15 @@ def _source(
         a, q, _ = question.reduce(given | {axis: X}, _rational)
         factor, below = characteristic_ratios(question.family, a, q)
         return Characteristic([factor], below), "", False
-    theta = exact.family == "tumbling" and axis == "at"
+    by_angle = question.family.at == ("theta",)
+    theta = by_angle and axis == "at"
     angle = "theta" if theta or axis == "theta" else "lean" if axis == "lean" else ""
     place = question.point(given | {axis: X}, sine=None) if not angle else None
     upright = place is not None and "s" in exact.variables
     if place is None:
         place = question.point(given | {axis: X}, sine=lambda _: X if angle else S)
     assert place is not None
-    edge = exact.family == "tumbling" and not exact.even
+    edge = by_angle and not exact.even
     found = [(kind, _cleared(p(*place))) for kind, p in exact.conditions]
     if not (upright and edge) and all(not p.is_zero() for _, p in found):
         sine = None

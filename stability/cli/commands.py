@@ -14,7 +14,7 @@ from ..base.version import __version__
 from ..storage.json_text import HELP, json_text
 from .compare import add_arguments as add_compare
 from .map import _map
-from .options import CONTACTS, FAMILY_HELP, _bar, _disk, _list, _Parser, _physics
+from .options import CONTACTS, _bar, _disk, _family, _list, _member, _Parser, _physics
 from .simulate import add_arguments
 from .spectrum import _spectrum
 from .table import _table
@@ -166,13 +166,8 @@ def _parser() -> argparse.ArgumentParser:
 
     sub = command("spectrum", _spectrum, "Eigenvalues and verdict of one steady motion",
                   "stability spectrum tumbling --at 0.5 --mu 0.3 --json")  # fmt: skip
-    sub.add_argument("family", metavar="FAMILY", help=FAMILY_HELP)
-    sub.add_argument(
-        "--at", help="omega3, phi_dot, or theta; for circling and precession THETA,PHI_DOT"
-    )
-    sub.add_argument(
-        "--lean", type=float, help="for tumbling, in place of --at: π/2 - theta, 0 is upright"
-    )
+    _family(sub)
+    _member(sub)
     sub.add_argument("--no-escalate", action="store_true",
                      help="leave undecided what double precision does not decide")  # fmt: skip
     _physics(sub)
@@ -180,7 +175,7 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("map", _map, "Verdict and growth rate over two parameters",
                   "stability map spinning --x at:0.5:5:400 --y mu:0.01:10:300:log "
                   "--out spinning.nc --plot spinning.png")  # fmt: skip
-    sub.add_argument("family", metavar="FAMILY", help=FAMILY_HELP)
+    _family(sub)
     for axis in ("--x", "--y"):
         sub.add_argument(axis, required=True, metavar="NAME:LO:HI:N[:log]",
                          help="axis: at, k, mu, mass, radius or gravity")  # fmt: skip
@@ -199,7 +194,7 @@ def _parser() -> argparse.ArgumentParser:
                      help="keep finished cells there, to go on after an interruption")  # fmt: skip
     sub.add_argument("--force", action="store_true", help="replace existing files")
 
-    sub = command("atlas", _atlas, "The three families' diagrams for disk, annulus and hoop",
+    sub = command("atlas", _atlas, "The families' diagrams for disk, annulus and hoop",
                   "stability atlas --out atlas")  # fmt: skip
     sub.add_argument("--out", required=True, metavar="DIR", help="folder to write")
     sub.add_argument("--resolution", type=int, default=400, metavar="N",

@@ -9,10 +9,9 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
-from ..base.errors import ParameterError, shown
+from ..base.errors import ParameterError, listed, shown
+from ..bodies.disk_families import FAMILIES, leaning
 from .terminal import check, say
-
-FAMILY_HELP = "rolling, spinning, tumbling, circling (rough disk) or precession (smooth disk)"
 
 MOST_VALUES = 1000
 """Numbers in a list of a table, each of which takes a line or more."""
@@ -32,6 +31,22 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         say(f"{message.rstrip('.')}; see `{self.prog} --help`.")
         raise SystemExit(2)
+
+
+def _family(parser: argparse.ArgumentParser) -> None:
+    names = [f.name + (f" ({f.law} disk)" if f.law else "") for f in FAMILIES.values()]
+    parser.add_argument("family", metavar="FAMILY", help=listed(names, "or"))
+
+
+def _member(parser: argparse.ArgumentParser) -> None:
+    names: dict[tuple[str, ...], list[str]] = {}
+    for family in FAMILIES.values():
+        names.setdefault(family.at, []).append(family.name)
+    one = listed([at[0] for at in names if len(at) == 1], "or")
+    several = [f"for {listed(n)} {','.join(at).upper()}" for at, n in names.items() if len(at) > 1]
+    parser.add_argument("--at", help="; ".join([one, *several]))
+    help_ = f"for {leaning()}, in place of --at: π/2 - theta, 0 is upright"
+    parser.add_argument("--lean", type=float, help=help_)
 
 
 def _physics(parser: argparse.ArgumentParser) -> None:

@@ -6,6 +6,7 @@ import argparse
 
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Kind
+from ..bodies.disk_families import FAMILIES, leaning
 from ..storage.json_text import json_text
 from .options import _at, _disk, contact_of
 
@@ -13,15 +14,14 @@ from .options import _at, _disk, contact_of
 
 
 def _spectrum(options: argparse.Namespace) -> None:
-    from ..bodies.disk_families import AT
     from ..spectra.spectrum import spectrum
 
     if (options.at is None) == (options.lean is None):
-        raise ParameterError("give --at, or for tumbling --lean, and not both.")
+        raise ParameterError(f"give --at, or for {leaning()} --lean, and not both.")
     disk = _disk(options)
     contact = contact_of(options)
     at = None if options.at is None else _at(options.at)
-    parts = AT.get(options.family, ("at",))
+    parts = FAMILIES[options.family].at if options.family in FAMILIES else ("at",)
     if isinstance(at, list) and len(at) != len(parts):
         raise ParameterError(
             f"at is {shown(options.at)}; {options.family} takes {' and '.join(parts)}, "
@@ -59,7 +59,7 @@ def _spectrum(options: argparse.Namespace) -> None:
         where = [f"lean = {options.lean:g}"]
     else:
         given = at if isinstance(at, list) else [at]
-        where = [f"{n} = {v:g}" for n, v in zip(AT[options.family], given, strict=True)]
+        where = [f"{n} = {v:g}" for n, v in zip(parts, given, strict=True)]
     rest = [
         f"{n} = {v:g}" for n, v in parameters.items() if n in ("k", "mu") or not disk.dimensionless
     ]

@@ -14,19 +14,11 @@ import sympy
 
 from ..algebra.number_types import sympy_algebra
 from ..base.errors import StabilityError
-from ..bodies.disk_families import disk_family
+from ..bodies.disk_families import FAMILIES, disk_family
 from ..systems.family import Family
 
 LAM, K, MU, SIN, COS = sympy.symbols("lam k mu s c")
 AT, SQUARE, M = sympy.symbols("at z M")
-VARIABLES = {
-    "rolling": (K, M, SQUARE),
-    "spinning": (K, M, SQUARE),
-    "tumbling": (K, M, SIN),
-    "circling": (K, SQUARE, SIN),
-    "precession": (K, SQUARE, SIN),
-}
-"""What the coefficients depend on: k, M = mu*², and z = at*² or s = sinθ (or both)."""
 TRIG = sympy.Poly(SIN**2 + COS**2 - 1, COS)
 
 
@@ -74,8 +66,16 @@ def derive(family: str, law: str) -> Derived:
     kept = [(sympy.sympify(f), n) for f, n in factors if sympy.sympify(f).has(LAM)]
     rest = [f for f, n in kept if f != LAM for _ in range(n)]
     even = all(_even(f) for f in rest)
-    polys = tuple(_scaled(f, VARIABLES[family], even) for f in rest)
+    polys = tuple(_scaled(f, variables(family), even) for f in rest)
     return Derived(zeros, even, tuple(sorted(polys, key=lambda p: (p.degree(), str(p)))))
+
+
+def variables(family: str) -> tuple[sympy.Symbol, ...]:
+    """What the coefficients depend on: k, M = mu*² and z = at*² or s = sinθ (or both)."""
+    record = FAMILIES[family]
+    friction = () if record.law else (M,)  # the laws of one family alone have none
+    turning = (SQUARE,) if set(record.at) - {"theta"} else ()
+    return (K, *friction, *turning, *((SIN,) if "theta" in record.at else ()))
 
 
 def _matrix(family: Family) -> tuple[sympy.Matrix, sympy.Poly | None]:

@@ -18,8 +18,8 @@ import sympy
 
 from ..algebra.polynomial import Polynomial
 from ..base.errors import ParameterError, shown
-from ..bodies.disk_families import FAMILIES, ONLY
-from ..bodies.disk_polynomials import Exact, exact_polynomial
+from ..bodies.disk_families import FAMILIES, families_under
+from ..bodies.disk_polynomials import Exact, exact_polynomial, known_polynomial
 from ..bodies.disk_quantities import QUANTITIES
 from .branches import where
 from .characteristic import LAM, MU, SQUARE, Derived, M
@@ -28,8 +28,6 @@ from .hurwitz import conditions, decisive
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""
-AT = {"rolling": "omega3", "spinning": "phi_dot", "tumbling": "theta", "circling": "phi_dot",
-      "precession": "phi_dot"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -176,7 +174,7 @@ def _solved(kind: str, condition: Expr, family: str) -> list[dict[str, str]]:
         poly = sympy.Poly(condition, variable)
         if poly.degree() > 2:
             continue
-        of = f"{AT[family]}**2" if variable is SQUARE else "mu**2"
+        of = f"{FAMILIES[family].at[-1]}**2" if variable is SQUARE else "mu**2"
         if poly.degree() == 1:
             roots = [sympy.factor(-poly.nth(0) / poly.nth(1))]
         else:
@@ -237,8 +235,10 @@ def _statements(
         return {"statements": [text + "unstable below"]}
     statements: list[str] = []
     ranges: list[dict[str, Any]] = []
-    line = Line(family, condition)
-    general = line.for_every_k() if family == "spinning" else None
+    static = next((c.polynomial.as_expr() for c in asked if c.kind == "static"), None)
+    beyond = sympy.solve(static, SQUARE)[0] if static is not None else sympy.Integer(0)
+    line = Line(family, condition, beyond)
+    general = line.for_every_k() if beyond != 0 else None
     if general is not None:
         statements += [f"for every k in (0, 1/2] and {_span(r)}: {r.pattern}" for r in general]
         statements.append(line.obligation)
@@ -256,7 +256,7 @@ def _statements(
 def _plain(family: str, known: Exact, asked: Sequence[Any]) -> list[str]:
     good = "neutral" if known.even else "stable"
     if not asked:
-        return [f"for every k in (0, 1/2] and every {AT[family]}: {good}"]
+        return [f"for every k in (0, 1/2] and every {FAMILIES[family].at[-1]}: {good}"]
     shown = [sympy.factor(c.polynomial.as_expr()) for c in asked]
     return [f"{good} where {value} > 0, unstable where it is negative" for value in shown]
 
@@ -334,7 +334,12 @@ def cases(laws: Sequence[str]) -> list[tuple[str, str]]:
     laws
         Contact laws.
     """
-    return [(f, law) for law in laws for f in FAMILIES if ONLY.get(f, law) == law]
+    return [
+        (family.name, law)
+        for law in laws
+        for family in families_under(law)
+        if known_polynomial(family.name, law)
+    ]
 
 
 def rows(

@@ -15,6 +15,7 @@ import sympy
 from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 
 from ..algebra.balls import precision
+from ..bodies.disk_families import FAMILIES
 from .characteristic import SIN, SQUARE, K, M
 
 ROOT_BITS, DIGITS = 1024, 300
@@ -45,17 +46,20 @@ class Line:
     Parameters
     ----------
     family
-        spinning or tumbling.
+        A family of which one number names a member.
     condition
         In k, M = mu*² and z = at*² or s = sinθ; positive where stable.
+    static
+        The static boundary, beyond which the family is asked; 0 where there is none.
     """
 
-    def __init__(self, family: str, condition: Expr) -> None:
+    def __init__(self, family: str, condition: Expr, static: Expr = 0) -> None:
         self.family, self.condition = family, condition
-        self.x = SQUARE if family == "spinning" else SIN
-        # spinning is asked beyond its static boundary z = 1/k; tumbling for s in (0, 1)
-        self.low: Expr = 1 / K if family == "spinning" else sympy.Integer(0)
-        self.high: Expr = sympy.oo if family == "spinning" else sympy.Integer(1)
+        record = FAMILIES[family]
+        self.name = record.at[0]
+        self.x = SIN if record.by_angle else SQUARE
+        self.low: Expr = sympy.sympify(static)
+        self.high: Expr = sympy.Integer(1) if record.by_angle else sympy.oo
         self.obligation = ""
 
     def critical(self, condition: Expr) -> list[Expr]:
@@ -77,8 +81,7 @@ class Line:
     def for_one_k(self, k: Expr) -> list[Range]:
         """Ranges of mu for one inertia factor."""
         condition = self.condition.subs(K, k)
-        line = Line(self.family, condition)
-        line.low = self.low.subs(K, k)
+        line = Line(self.family, condition, self.low.subs(K, k))
         critical = line.critical(condition)
         roots: list[Expr] = []
         for factor in critical:
@@ -148,11 +151,11 @@ class Line:
             at = _between(a, b)
             signs.append("stable" if poly.eval(at) > 0 else "unstable")
         kept = [s for i, s in enumerate(signs) if i == 0 or s != signs[i - 1]]
-        if self.family == "spinning":
-            return f"{', then '.join(kept)} beyond the static boundary" if len(kept) == 1 else (
-                f"{', then '.join(kept)} as phi_dot grows beyond the static boundary")  # fmt: skip
-        return f"{kept[0]} for every theta" if len(kept) == 1 else (
-            f"{', then '.join(kept)} as the disk goes from flat to upright")  # fmt: skip
+        beyond = " beyond the static boundary" if self.low != 0 else ""
+        if len(kept) == 1:
+            return kept[0] + (beyond or f" for every {self.name}")
+        turn = "the disk goes from flat to upright" if self.x is SIN else f"{self.name} grows"
+        return f"{', then '.join(kept)} as {turn}{beyond}"
 
 
 def _irreducible(expression_: Expr) -> list[Expr]:

@@ -18,6 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ..bodies.disk_equations import STATES
+from ..bodies.disk_families import FAMILIES
 from ..bodies.disk_quantities import QUANTITIES
 from ..motion.result import BY_CODE, Outcome
 from .motion_panels import MOST_PANELS, STROKES, draw_system, legend, lines_of_energy, unit, words
@@ -241,14 +242,18 @@ def _steady(panels: list[Axes], data: xarray.Dataset) -> None:
     """Dotted, the steady motion that was settled on."""
     if "nearest_at" not in data or BY_CODE[int(data.outcome)] is not Outcome.SETTLED:
         return
-    family, at = str(data.nearest_family.values), float(data.nearest_at)
-    dots: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0}
-    if family == "tumbling":
-        panels[0].axhline(at, label="steady", **dots)
-        legend(panels[0])
-        scale = np.sqrt(float(data.gravity) / float(data.radius) / float(data.k) / np.sin(at))
-        at = float(np.copysign(scale, data.phi_dot.values[-1]))
-    panels[1].axhline(at, label="steady", **dots)
+    family, at = FAMILIES.get(str(data.nearest_family.values)), float(data.nearest_at)
+    if family is None:  # of a file from elsewhere
+        return
+    rate = np.sqrt(float(data.gravity) / float(data.radius))
+    turned = np.copysign(rate, data.phi_dot.values[-1])
+    member = family.member(np, at, float(data.k), turned)
+    shown = [*family.at, *(family.unknown if family.solution else ())]
+    for axes, (_, names) in zip(panels, PANELS, strict=True):
+        for name in (n for n in names if n in shown):
+            axes.axhline(member[name], label="steady", color="black", linestyle=":", linewidth=1.0)
+            if axes is panels[0]:
+                legend(axes)
 
 
 def _draw_paths(page: Any, motion: Motion) -> None:

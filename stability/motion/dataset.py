@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
+from ..bodies.disk_families import FAMILIES, lines_under
 from ..bodies.disk_model import POSE, POSE_UNIT
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import SLIDING, STICKING
@@ -255,11 +257,12 @@ def _nearest(launches: Launches, near: list[Nearest], variable: Any) -> dict[str
                                      long_name="dimensionless distance from it"),
     }  # fmt: skip
     if launches.law is not None:
-        turning = np.array([n.family != "tumbling" for n in near])
+        named = list(dict.fromkeys(f.at[0] for f in lines_under(launches.law.name)))
+        turning = np.array([not FAMILIES[n.family].by_angle for n in near])
         plain = launches.dimensionless
         found["nearest_at"] = variable(
             np.array([n.at for n in near]) * np.where(turning, launches.scales["rate"], 1.0),
-            long_name="its phi_dot, theta or omega3",
+            long_name=f"its {listed(named, 'or')}",
             units="1" if plain else f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})",
         )
         return found

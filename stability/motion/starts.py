@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra.program import Program
+from ..algebra.upright import UPRIGHT
 from ..base.checks import checked, known
 from ..base.errors import DomainError, NameUnknownError, ParameterError, shown
 from ..base.types import Floats
@@ -20,15 +21,13 @@ from ..bodies.contact import Contact, Scales
 from ..bodies.contact_laws import Rough
 from ..bodies.disk import Disk
 from ..bodies.disk_equations import STATES, disk_system
+from ..bodies.disk_families import FAMILIES
 from ..bodies.disk_model import disk_model, moving_system
 from ..bodies.model import Model
 from ..integrators.friction_at_rest import continuations
 from ..integrators.stick_slip import REST
 from ..settling.disk_settling import DiskSettling
 from ..settling.nearest import Settling
-
-LAUNCHES = ("rolling", "spinning")
-"""The two reference launches."""
 
 TILT, TIME = 0.1, 1000.0
 """Tilt of the symmetry axis [rad] and length of a run [√(R/g)]."""
@@ -42,7 +41,7 @@ def launch(
     Parameters
     ----------
     family
-        rolling, spinning or tumbling.
+        A family of which one number names a member: rolling, spinning or tumbling.
     at
         omega3, phi_dot or theta of the steady motion, shape (…) [rad/s or rad].
     tilt
@@ -67,10 +66,11 @@ def launch(
     >>> launch("rolling", at=1.2, tilt=0.1).round(3).tolist()
     [1.471, 0.0, 0.0, 1.2, 0.0, 0.0]
     """
-    known("family", family, (*LAUNCHES, "tumbling"))
-    if disk is None and family == "tumbling":
+    known("family", family, [name for name, one in FAMILIES.items() if one.line])
+    record = FAMILIES[family]
+    if disk is None and record.solution is not None:
         raise ParameterError(
-            "disk is missing; the rate of tumbling depends on the body, as √(g/(k R sinθ)): give "
+            f"disk is missing; {', '.join(record.unknown)} of {family} depends on the body: give "
             "disk=stability.Disk(...)."
         )
     body = _body(disk)
@@ -82,23 +82,19 @@ def launch(
         raise ParameterError(
             f"at, tilt and the disk have shapes {', '.join(map(str, shapes))}; make them fit."
         ) from None
+    if record.by_angle and ((where <= 0) | (where >= math.pi)).any():
+        raise ParameterError(f"at of {family} is theta; it must lie strictly between 0 and π.")
+    with np.errstate(all="ignore"):  # what overflows is refused
+        member = record.member(np, where, body.k, body.rate)
     six = np.zeros((*shape, 6))
-    six[..., 0] = math.pi / 2 - lean
-    if family == "rolling":
-        six[..., 3] = where
-    elif family == "spinning":
-        six[..., 2] = where
-    else:
-        if ((where <= 0) | (where >= math.pi)).any():
-            raise ParameterError("at of tumbling is theta; it must lie strictly between 0 and π.")
-        six[..., 0] = where - lean
-        with np.errstate(all="ignore"):  # what overflows is refused
-            six[..., 2] = body.rate / np.sqrt(body.k * np.sin(where))
-        if not np.isfinite(six[..., 2]).all():
-            raise ParameterError(
-                f"at of tumbling is {where.min():g}, where its rate overflows double precision; "
-                "give a theta further from 0."
-            )
+    for column, name in enumerate(STATES):
+        six[..., column] = math.pi / 2 if member[name] is UPRIGHT else member[name]
+    if not np.isfinite(six).all():
+        raise ParameterError(
+            f"at of {family} is {where.min():g}, where its rate overflows double precision, "
+            "or where there is no such motion; give another."
+        )
+    six[..., 0] -= lean
     bad = six[..., 0][(six[..., 0] <= 0) | (six[..., 0] >= math.pi)]
     if bad.size:
         raise ParameterError(

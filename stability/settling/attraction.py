@@ -29,8 +29,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..algebra.number_types import Upright, balls
+from ..algebra.number_types import balls
 from ..algebra.program import Program
+from ..algebra.upright import Upright
 from ..base.types import Floats
 
 BITS = 64

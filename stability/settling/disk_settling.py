@@ -13,22 +13,23 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from ..algebra.number_types import casadi_algebra
+from ..algebra.number_types import balls, casadi_algebra
 from ..algebra.program import Program
+from ..algebra.upright import UPRIGHT
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.disk_equations import disk_system
+from ..bodies.disk_equations import STATES, disk_system
+from ..bodies.disk_families import AT_REST, FAMILIES, DiskFamily, lines_under
 from .attraction import Attraction, Surroundings, Tilted, attraction
 from .nearest import Nearest
 
-FAMILIES = ("spinning", "tumbling", "rolling")
-ACROSS = {"spinning": [0, 1, 3, 4, 5], "tumbling": [1, 2, 3, 4, 5]}
-"""States whose deviations are e, by family."""
+TURNING = STATES.index("phi_dot")
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
     k
         Inertia factor.
     family
-        One of `FAMILIES`.
+        One of the disk's, of which one number names a member.
 
     Returns
     -------
@@ -71,36 +72,50 @@ def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
     >>> float(at), float(abs(e).max())
     (2.5, 0.0)
     """
-    at, parts = _parts(np.moveaxis(six, -1, 0), k, np)[family]
-    return at, np.stack(parts, axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at, parts = _parts(FAMILIES[family], np.moveaxis(six, -1, 0), k, np)
+    e = np.stack(parts, axis=-1)
+    return at, np.where(np.isnan(e), np.inf, e)  # where there is no member it is infinitely far
 
 
-def _parts(six: Any, k: float, maths: Any) -> dict[str, tuple[Any, tuple[Any, ...]]]:
-    """For each family its parameter and the five deviations, with NumPy or with `math`."""
-    theta, theta_dot, phi_dot, omega3, vx, vy = six
-    lean = theta - math.pi / 2
-    sine = maths.sin(theta)
-    # at θ = 0 and beyond, where no disk stands, tumbling is infinitely far
-    with np.errstate(divide="ignore"):
-        size = 1 / np.sqrt(k * np.maximum(sine, 0.0)) if maths is np else _rate(k * sine)
-    rate = maths.copysign(size, phi_dot)
-    return {
-        "spinning": (phi_dot, (lean, theta_dot, omega3, vx, vy)),
-        "tumbling": (theta, (theta_dot, phi_dot - rate, omega3, vx, vy)),
-        "rolling": (omega3, (lean, theta_dot, phi_dot, vx, vy)),
-    }
+def _parts(
+    family: DiskFamily, six: Any, k: float, functions: Any, sign: Any = None,
+    right_angle: Any = math.pi / 2,
+) -> tuple[Any, tuple[Any, ...]]:  # fmt: skip
+    """The family's parameter and the five deviations, over any number type."""
+    own, others = _places(family)
+    at, solved = six[own], None
+    if family.solution is not None:
+        sign = functions.copysign(1.0, six[TURNING]) if sign is None else sign
+        solved = family.solution(functions, at, k, sign)
+    return at, tuple(
+        six[i] - (right_angle if v is UPRIGHT else solved if v is None else v) for i, v in others
+    )
 
 
-def _rate(square: float) -> float:
-    """One over the root; infinite where there is none."""
-    return 1 / math.sqrt(square) if square > 0 else math.inf
+@lru_cache(maxsize=32)
+def _places(family: DiskFamily) -> tuple[int, list[tuple[int, Any]]]:
+    """Index of the parameter among the states, and of the others with their values.
+
+    None is the value of the state that is solved for; kept, since each launch asks several times.
+    """
+    guesses = family.unknown if family.solution is None else dict.fromkeys(family.unknown)
+    known = AT_REST | dict(family.held) | dict(guesses)
+    own = STATES.index(family.at[0])
+    return own, [(i, known[n]) for i, n in enumerate(STATES) if i != own]
 
 
-def _closest(six: Floats, k: float) -> tuple[str, float, float]:
+def _closest(six: Floats, law: type[Contact], k: float) -> tuple[str, float, float]:
     """Family, parameter and distance of the nearest member, for one state."""
-    parts = _parts(six.tolist(), k, math)
-    distance, family = min((math.hypot(*e), name) for name, (_, e) in parts.items())
-    return family, parts[family][0], distance
+    found = []
+    for family in lines_under(law.name):
+        try:
+            at, e = _parts(family, six.tolist(), k, math)
+            found.append((math.hypot(*e), family.name, at))
+        except (ValueError, ArithmeticError):  # there is no such member: it is infinitely far
+            found.append((math.inf, family.name, math.nan))
+    distance, name, at = min(found)
+    return name, at, distance
 
 
 def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Nearest:
@@ -121,7 +136,7 @@ def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Neares
     -------
     Nearest
     """
-    family, at, distance = _closest(six, float(p[0]))
+    family, at, distance = _closest(six, law, float(p[0]))
     where = f"nearest is {family} at {at:.6g}, {distance:.3g} away"
     if law.conservative:
         where += "; energy is kept, so nothing is settled on"
@@ -131,8 +146,8 @@ def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Neares
         return Nearest(family, at, distance, False, 0.0, where)
     if distance > within:
         return Nearest(family, at, distance, False, 0.0, where)
-    if family == "rolling":
-        why = "rolling with slip drifts on its centre manifold (stability.drift): not settled"
+    if FAMILIES[family].drifts:
+        why = f"{family} with slip drifts on its centre manifold (stability.drift): not settled"
         return Nearest(family, at, distance, False, 0.0, why)
     sign = math.copysign(1.0, six[2])
     y, e = _balls(six, float(p[0]), family, sign)
@@ -154,10 +169,9 @@ def _balls(six: Floats, k: float, family: str, sign: float) -> tuple[Any, list[A
     """The family's parameter and the deviation, as balls that hold what the doubles mean."""
     from flint import arb
 
-    theta, theta_dot, phi_dot, omega3, vx, vy = (arb(v) for v in six.tolist())
-    if family == "spinning":
-        return phi_dot, [theta - arb.pi() / 2, theta_dot, omega3, vx, vy]
-    return theta, [theta_dot, phi_dot - sign / (k * theta.sin()).sqrt(), omega3, vx, vy]
+    exact, functions = [arb(v) for v in six.tolist()], SimpleNamespace(**balls().functions)
+    at, e = _parts(FAMILIES[family], exact, k, functions, sign, arb.pi() / 2)
+    return at, list(e)
 
 
 def settled(
@@ -181,11 +195,10 @@ def settled(
     Attraction or None
         None where the test fails.
     """
-    around = surroundings(law, family)  # type: ignore[arg-type]  # a class is hashable
+    around = surroundings(law, family)
     return attraction(around, [sign, *p.tolist()], [y], e)
 
 
-@lru_cache(maxsize=16)
 def surroundings(law: type[Contact], family: str) -> Surroundings:
     """Programs of (y, (sign, p), e) → ∂G/∂e and ∂g/∂e, and → gn, D and sinθ.
 
@@ -194,32 +207,40 @@ def surroundings(law: type[Contact], family: str) -> Surroundings:
     law
         A contact law with the slip in its state.
     family
-        spinning or tumbling.
+        Name of a family of which one number names a member.
 
     Returns
     -------
     Surroundings
     """
+    return _surroundings(law, FAMILIES[family])  # type: ignore[arg-type]  # a class is hashable
+
+
+@lru_cache(maxsize=16)
+def _surroundings(law: type[Contact], family: DiskFamily) -> Surroundings:
     system = disk_system(law)
     y, sign, e = ca.SX.sym("y"), ca.SX.sym("sign"), ca.SX.sym("e", 5)
-    parts = [e[i] for i in range(5)]
-    x: list[Any]
-    member = sign / ca.sqrt(system.p[0] * ca.sin(y))
-    if family == "spinning":
-        x = [Tilted(parts[0]), parts[1], y, *parts[2:]]
-    else:
-        x = [y, parts[0], member + parts[1], *parts[2:]]
+    [own] = family.at
+    others = [n for n in STATES if n != own]  # whose deviations are e
+    member = family.member(ca, y, system.p[0], sign)
+    deviations = {n: e[i] for i, n in enumerate(others)}
+    x = [
+        y if n == own
+        else Tilted(deviations[n]) if member[n] is UPRIGHT
+        else member[n] + deviations[n]
+        for n in STATES
+    ]  # fmt: skip
     seen = system.observables
     positive = ca.vertcat(seen["normal_force"], seen["determinant"], ca.sin(system.x[0]))
     graph = Program(ca.Function("graph", [system.x, system.p], [system.rhs, positive]))
     values = graph.run(casadi_algebra(), [x, ca.vertsplit(system.p)])
-    rhs = dict(zip((row for row, _ in graph.places[0]), values[0], strict=True))
-    if family == "spinning":
-        across, along = [rhs[i] for i in ACROSS[family]], rhs[2]
-    else:
-        across, along = [rhs[i] for i in ACROSS[family]], parts[0]
-        across[1] = across[1] - ca.jacobian(member, y) * parts[0]  # the member moves with theta
-    slope = ca.densify(ca.jacobian(ca.vertcat(*across, along), e))
+    rows = (STATES[row] for row, _ in graph.places[0])
+    rhs = dict.fromkeys(STATES, ca.SX(0)) | dict(zip(rows, values[0], strict=True))
+    along = rhs[own]
+    if family.solution is not None:  # the member moves with its parameter
+        for n in family.unknown:
+            rhs[n] = rhs[n] - ca.jacobian(member[n], y) * along
+    slope = ca.densify(ca.jacobian(ca.vertcat(*(rhs[n] for n in others), along), e))
     inputs = [y, ca.vertcat(sign, system.p), e]
     return Surroundings(
         1, 5, Program(ca.Function("slopes", inputs, [slope])),

@@ -14,8 +14,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..algebra.number_types import Upright
 from ..algebra.program import Program
+from ..algebra.upright import Upright
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from ..systems.family import Family, listing

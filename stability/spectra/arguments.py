@@ -14,7 +14,7 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, Viscous, law_class
 from ..bodies.disk import Disk
-from ..bodies.disk_families import AT
+from ..bodies.disk_families import FAMILIES
 from ..bodies.disk_quantities import PHYSICAL
 from ..systems.family import Family
 from .disk_problem import check_axis, disk_problem, disk_roundings
@@ -114,8 +114,9 @@ def prepare(
 
 
 def _pair(family: Any, names: Sequence[str], at: ArrayLike | None) -> Any:
-    """Both parts of a circling member where one is the axis and `at` is the other."""
-    parts = AT.get(family, ()) if isinstance(family, str) else ()
+    """Both parts of a member that two numbers name, where one is the axis and `at` is the other."""
+    known = FAMILIES.get(family) if isinstance(family, str) else None
+    parts = known.at if known else ()
     swept = [p for p in parts if p in names]
     if len(parts) != 2 or len(swept) != 1 or at is None or np.ndim(at):
         return at
@@ -181,7 +182,7 @@ def problem(
     parameters
         For a user's family.
     lean
-        In place of `at` for tumbling.
+        In place of `at` where theta alone names a member.
 
     Returns
     -------
@@ -194,7 +195,7 @@ def problem(
     """
     if isinstance(family, Family):
         if lean is not None:
-            raise ParameterError(f"lean belongs to the disk's tumbling; {family.name} takes at.")
+            raise ParameterError(f"lean belongs to families of the disk; {family.name} takes at.")
         if disk is not None or contact is not None:
             raise ParameterError(
                 f"disk and contact belong to the disk's families; {family.name} takes "

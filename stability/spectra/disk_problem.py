@@ -14,8 +14,8 @@ from ..base.types import Floats
 from ..bodies.contact import ZERO_MU, Contact, Scales
 from ..bodies.contact_laws import stored
 from ..bodies.disk import Disk
-from ..bodies.disk_families import AT, disk_family
-from ..bodies.disk_polynomials import exact_polynomial
+from ..bodies.disk_families import FAMILIES, disk_family, leaning
+from ..bodies.disk_polynomials import known_polynomial
 from ..bodies.disk_quantities import PHYSICAL, is_angle
 from .problem import Problem, _scalar
 
@@ -29,14 +29,14 @@ def disk_problem(
     Parameters
     ----------
     family
-        rolling, spinning, tumbling, circling (rough) or precession (smooth).
+        A key of `FAMILIES`.
     disk, contact
         The body and the law; their fields may be arrays.
     at
-        Family parameter; for circling and precession the pair (theta, phi_dot) along the last
-        axis.  None where it is an axis to come.
+        Family parameter; where several name a member, along the last axis.  None where it is an
+        axis to come.
     lean
-        In place of theta for tumbling: π/2 - theta [rad], exactly upright at 0.
+        In place of theta where theta alone names a member: π/2 - theta [rad], exactly upright at 0.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def disk_problem(
     if not isinstance(disk, Disk):
         raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
     resolved = disk_family(family, law)
-    parts = AT[family]
+    parts = resolved.at
     keys = ("at",) if len(parts) == 1 else parts
     values: dict[str, Any] = {}
     if at is not None:
@@ -103,14 +103,14 @@ def disk_problem(
         resolved, values, disk.dimensionless, reduce,
         lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
         disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
-        exact_polynomial(family, contact) if stored(law) else None,
+        known_polynomial(family, law.name) if stored(law) else None,
     )  # fmt: skip
 
 
 def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
     """The lean as finite numbers strictly within a right angle, or a sentence why not."""
-    if family != "tumbling":
-        raise ParameterError(f"lean names a member of tumbling; for {family} give at.")
+    if not FAMILIES[family].by_angle:
+        raise ParameterError(f"lean names a member of {leaning()}; for {family} give at.")
     if at is not None:
         raise ParameterError("at and lean are both given; give one of them.")
     value = checked("lean", lean)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra.number_types import Upright
+from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ..base.types import Floats

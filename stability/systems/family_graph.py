@@ -10,8 +10,9 @@ import casadi as ca
 import numpy as np
 
 from ..algebra.exact.number_fields import RATIONAL_AT
-from ..algebra.number_types import Algebra, Upright, casadi_algebra
+from ..algebra.number_types import Algebra, casadi_algebra
 from ..algebra.program import Program
+from ..algebra.upright import Upright
 from .system import System
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}

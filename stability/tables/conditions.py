@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from ..base.errors import NameUnknownError, shown
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, LinearViscous, Viscous
 from ..bodies.disk import Disk
+from ..bodies.disk_families import FAMILIES, DiskFamily
 from ..boundary.changes import along
+from ..boundary.crossings import BoundaryPoint
 from ..spectra.disk_problem import disk_problem
-
-SCAN = {"rolling": (0.02, 50.0), "spinning": (0.02, 50.0), "tumbling": (1e-3, np.pi / 2)}
-"""Dimensionless interval of `at` in which boundaries are looked for."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +69,8 @@ def conditions(
     Returns
     -------
     list of ConditionRow
-        `at` is scanned over `SCAN` (in √(g/R); tumbling up to upright, beyond it is the mirror
-        image).
+        `at` is scanned over `DiskFamily.searched` (in √(g/R); tumbling up to upright, beyond it is
+        the mirror image).
 
     Source: recomputed; thresholds are tested in tests/test_published.py.
 
@@ -85,10 +83,12 @@ def conditions(
     base = Disk() if disk is None else disk
     bodies = [Disk(base.mass, base.radius, inertia, base.gravity) for inertia in k]
     asked = [
-        (name, body, contact)
-        for name in SCAN
+        (family, body, contact)
+        for family in FAMILIES.values()
+        if family.searched
         for body in bodies
         for law in laws
+        if family.law in ("", law)
         for contact in _contacts(law, mu)
     ]
     rows: list[ConditionRow] = []
@@ -109,28 +109,31 @@ def _contacts(law: str, mu: Sequence[float]) -> list[Contact]:
     return [LAWS[law]()]
 
 
-def _scan(name: str, disk: Disk, contact: Contact) -> list[Any]:
-    low, high = SCAN[name]
-    unit = 1.0 if name == "tumbling" else float(disk.rate)
-    question = disk_problem(name, disk, contact)
+def scan(family: DiskFamily, disk: Disk, contact: Contact) -> list[BoundaryPoint]:
+    """Every change of verdict along the family, over the interval that its record says."""
+    assert family.searched is not None
+    low, high = family.searched
+    unit = family.unit(float(disk.rate))
+    question = disk_problem(family.name, disk, contact)
     found = along(question, "at", low * unit, high * unit)
     found.warn("at")
     return list(found)
 
 
-def _rows(name: str, disk: Disk, contact: Contact) -> list[ConditionRow]:
+def _rows(family: DiskFamily, disk: Disk, contact: Contact) -> list[ConditionRow]:
     from ..spectra.spectrum import spectrum
 
     mu = contact.given.get("mu")
-    points = _scan(name, disk, contact)
+    points = scan(family, disk, contact)
     good = "neutral" if contact.conservative else "stable"
     common: dict[str, Any] = {
-        "family": name, "contact": contact.name, "k": float(disk.k), "mu": mu,
+        "family": family.name, "contact": contact.name, "k": float(disk.k), "mu": mu,
     }  # fmt: skip
     if not points:
-        low, high = SCAN[name]
-        middle = np.sqrt(low * high) * (1.0 if name == "tumbling" else float(disk.rate))
-        verdict = spectrum(name, at=middle, disk=disk, contact=contact).verdict.word
+        assert family.searched is not None
+        low, high = family.searched
+        middle = math.sqrt(low * high) * family.unit(float(disk.rate))
+        verdict = spectrum(family.name, at=middle, disk=disk, contact=contact).verdict.word
         return [ConditionRow(**common, at=None, error=None, crossing="none", frequency=None,
                              below=verdict, above=verdict)]  # fmt: skip
     return [

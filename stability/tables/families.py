@@ -7,9 +7,9 @@ from functools import lru_cache
 
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
-from ..bodies.disk_families import AT, FAMILIES, ONLY, disk_family
+from ..bodies.disk_families import FAMILIES, disk_family
 from ..systems.structural_zeros import structure
-from .conditions import SCAN, _scan
+from .conditions import scan
 
 
 @dataclass(frozen=True)
@@ -28,15 +28,6 @@ class FamilyRow:
     """By contact law."""
     thresholds: dict[str, list[float]]
     """Squares of `at` where the smooth and rough verdicts change, for k = 1/4."""
-
-
-MOTION = {
-    "rolling": "upright, rolling straight ahead",
-    "spinning": "upright, turning about its vertical diameter on the spot",
-    "tumbling": "inclined, its centre at rest, axial angular velocity zero",
-    "circling": "inclined, its contact point running round a circle without slip",
-    "precession": "inclined, its centre at rest or in uniform straight motion, without friction",
-}
 
 
 @lru_cache(maxsize=8)
@@ -61,8 +52,8 @@ def condition(name: str) -> str:
 
     from ..algebra.number_types import sympy_algebra
 
-    law = ONLY.get(name, "viscous")
-    family = disk_family(name, law)
+    record = FAMILIES[name]
+    family = disk_family(name, record.law or "viscous")
     if family.closed:
         return f"none: every {family.at[0]}"
     symbols = {n: sympy.Symbol(n, positive=True) for n in (*family.at, *family.unknown, "k", "mu")}
@@ -72,13 +63,17 @@ def condition(name: str) -> str:
     _, _, residual, *_ = family.graph.tangent.run(sympy_algebra(), arguments)
     [unknown] = family.unknown
     numerator = sympy.fraction(sympy.together(sympy.simplify(residual[0])))[0]
-    if name == "tumbling":
+    if unknown in family.positive:  # its square is solved for, and the sign is free
         square = sympy.Symbol("square", positive=True)
         [root] = sympy.solve(
             sympy.expand(numerator).subs(symbols[unknown], sympy.sqrt(square)), square
         )
         return f"{unknown}**2 = {sympy.simplify(root)}"
-    [root] = sympy.solve(numerator, symbols[unknown])
+    roots = sympy.solve(numerator, symbols[unknown])
+    if record.solution is not None:  # the others belong to other families
+        wanted = record.solution(sympy, symbols[family.at[0]], symbols["k"], 1)
+        roots = [root for root in roots if sympy.simplify(root - wanted) == 0]
+    [root] = roots
     return f"{unknown} = {sympy.simplify(root)}"
 
 
@@ -98,16 +93,16 @@ def families() -> list[FamilyRow]:
     ['rolling', 'spinning', 'tumbling', 'circling', 'precession']
     """
     rows = []
-    for name in FAMILIES:
-        laws = [ONLY[name]] if name in ONLY else list(LAWS)
+    for name, record in FAMILIES.items():
+        laws = [record.law] if record.law else list(LAWS)
         zeros = {law: structure(disk_family(name, law)).zeros for law in laws}
         thresholds: dict[str, list[float]] = {}
-        if name in SCAN:
-            for law in ("smooth", "rough"):
-                points = _scan(name, Disk(), LAWS[law]())
-                power = 1 if name == "tumbling" else 2
+        if record.searched:
+            for law in (n for n in ("smooth", "rough") if n in laws):
+                points = scan(record, Disk(), LAWS[law]())
+                power = 1 if record.by_angle else 2
                 thresholds[law] = [p.value**power for p in points]
         rows.append(
-            FamilyRow(name, ", ".join(AT[name]), MOTION[name], condition(name), zeros, thresholds)
+            FamilyRow(name, ", ".join(record.at), record.motion, condition(name), zeros, thresholds)
         )
     return rows

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..base.types import Progress
 from ..bodies.disk import Disk
+from ..bodies.disk_families import FAMILIES
 from ..boundary.hopf import hopf
 from .drift import _body, law_of
 
@@ -68,7 +69,8 @@ def hopf_rows(
     [('spinning', 'elliptic'), ('tumbling', 'hyperbolic')]
     """
     rows: list[HopfRow] = []
-    asked = [(f, inertia, value) for f in ("spinning", "tumbling") for inertia in k for value in mu]
+    lines = [name for name, family in FAMILIES.items() if family.flutter]
+    asked = [(f, inertia, value) for f in lines for inertia in k for value in mu]
     for done, (family, inertia, value) in enumerate(asked, start=1):
         found = hopf(family, contact=law_of(law, value), disk=_body(disk, inertia))
         rows += [

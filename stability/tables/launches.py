@@ -9,15 +9,16 @@ from typing import Any
 import numpy as np
 
 from ..base.checks import checked, positive
-from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.types import Floats
 from ..base.verdict import Nonlinear, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.disk_families import FAMILIES
 from ..boundary.drift import drift
 from ..motion.result import BY_CODE, Outcome
 from ..motion.simulate import simulate
-from ..motion.starts import LAUNCHES, TILT, TIME, _body, launch
+from ..motion.starts import TILT, TIME, _body, launch
 from ..spectra.spectrum import spectrum
 from .drift import law_of
 
@@ -30,7 +31,8 @@ NOTES = (
     "linear: spectral verdict of the steady motion launched near; rate: its",
     "largest growth rate. final: the nearest steady motion at the end and its parameter (a tilde:",
     "near, not settled). energy: final over initial. normal_force: the least over m g.",
-    "At the start gn = k/(k + c²) for rolling and k (1 + phi_dot² s c²)/(k + c²) for spinning",
+    "At the start gn = "
+    + listed([f"{f.launch} for {f.name}" for f in FAMILIES.values() if f.launch]),
     "(s, c: sine and cosine of theta), positive for every angular velocity.",
 )
 
@@ -40,7 +42,7 @@ class LaunchRow:
     """One launch, what linear theory says of it and what it does."""
 
     launch: str
-    """The steady motion launched near: rolling or spinning."""
+    """The steady motion launched near."""
     k: float
     """Inertia factor [-]."""
     mu: float
@@ -110,7 +112,7 @@ def _list(name: str, values: Any) -> list[float]:
 
 def launch_rows(
     *,
-    launches: Sequence[str] = LAUNCHES,
+    launches: Sequence[str] | None = None,
     k: Sequence[float] = (0.25, 0.5),
     mu: Sequence[float] = (0.1, 0.3, 1.0, 3.0),
     at: Sequence[float] | None = None,
@@ -125,7 +127,7 @@ def launch_rows(
     Parameters
     ----------
     launches
-        rolling, spinning, or both.
+        Families launched near; rolling and spinning when left out.
     k, mu
         Inertia factors [-] and friction coefficients.
     at
@@ -156,8 +158,12 @@ def launch_rows(
     scale = _body(disk)
     if np.ndim(scale.rate) or np.ndim(scale.mass):
         raise ParameterError("disk holds arrays; the table takes one mass, radius and gravity.")
-    if isinstance(launches, str) or not launches or not set(launches) <= set(LAUNCHES):
-        raise NameUnknownError(f"launches is {shown(launches)}; give a list of rolling, spinning.")
+    launched = [name for name, family in FAMILIES.items() if family.launch]
+    launches = launched if launches is None else launches
+    if isinstance(launches, str) or not launches or not set(launches) <= set(launched):
+        raise NameUnknownError(
+            f"launches is {shown(launches)}; give a list of {', '.join(launched)}."
+        )
     values = np.asarray(VELOCITIES) * float(scale.rate) if at is None else _list("at", at)
     last = TIME * float(scale.time) if time is None else positive("time", time)
     lean = checked("tilt", tilt)

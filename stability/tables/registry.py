@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from ..base.errors import NameUnknownError, shown
+from ..base.errors import NameUnknownError, listed, shown
+from ..bodies.disk_families import FAMILIES
 from .drift import drift_rows
 from .hopf import hopf_rows
 from .launches import launch_rows
@@ -16,12 +17,14 @@ if TYPE_CHECKING:
 from .conditions import conditions
 from .families import families
 
+_LINES = listed([f.name for f in FAMILIES.values() if f.flutter])
+_LAUNCHED = listed([f.name for f in FAMILIES.values() if f.launch])
 TABLES = {
     "families": "the steady motions with their conditions, structural zeros and limits",
     "conditions": "where the verdict changes along each family, for several k and mu",
     "drift": "how long straight rolling under friction lasts before it crosses its threshold",
-    "hopf": "flutter boundaries of spinning and tumbling as Hopf bifurcations without parameters",
-    "launches": "what becomes of rolling and spinning launched with a tilt, beside linear theory",
+    "hopf": f"flutter boundaries of {_LINES} as Hopf bifurcations without parameters",
+    "launches": f"what becomes of {_LAUNCHED} launched with a tilt, beside linear theory",
     "completeness": "why the viscous disk has no other steady motions: proof and search",
 }
 """What each table holds."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..bodies.disk_families import FAMILIES
 from ..derivation.branches import LIMITS
-from .conditions import SCAN
 from .drift import DRIFT_NOTES
 from .hopf import HOPF_NOTES
 from .launches import NOTES as LAUNCH_NOTES
@@ -46,15 +46,24 @@ def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:
             notes = (*contact_lines(rows), "", *notes)
         return "\n".join(head + _aligned(_cells(rows)) + ["", *notes, units])
     cells = _cells(rows, {"error": "± proved"})
+    ranges = {n: f.searched for n, f in FAMILIES.items() if f.searched}
     foot = [
         "",
-        f"at: omega3 (rolling), phi_dot (spinning) in {unit}, theta (tumbling) in rad; "
-        f"frequency in {unit}.",
-        f"Searched: {', '.join(f'{n} {a:g}…{b:.4g}' for n, (a, b) in SCAN.items())} "
+        f"at: {_names(unit)}; frequency in {unit}.",
+        f"Searched: {', '.join(f'{n} {a:g}…{b:.4g}' for n, (a, b) in ranges.items())} "
         "(dimensionless), completely: every real root of the conditions over Q is isolated; each "
         "place is a bracket proved in ball arithmetic.",
     ]
     return "\n".join(head + _aligned(cells) + foot)
+
+
+def _names(unit: str) -> str:
+    """What names a member of each family, with its unit."""
+    kinds: dict[str, list[str]] = {unit: [], "rad": []}
+    for family in FAMILIES.values():
+        if family.searched:
+            kinds["rad" if family.by_angle else unit].append(f"{family.at[0]} ({family.name})")
+    return ", ".join(f"{', '.join(words)} in {u}" for u, words in kinds.items() if words)
 
 
 FORMATS = {

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...base.types import Floats
+from ...bodies.disk_families import FAMILIES
 from .points import Points, edge
 
 SEED = 20161
@@ -66,8 +67,8 @@ def _points(family: str, law: str, k: Any, mu: Any, at: Any, label: str = "") ->
 
 
 def _random(rng: np.random.Generator, count: int, mu: tuple[float, float]) -> list[Points]:
-    """Members of the three viscous families, mu* log-uniform."""
-    ranges = {"rolling": (0.2, 4.0), "spinning": (0.2, 6.0), "tumbling": (0.1, 1.5)}
+    """Members of the viscous families, mu* log-uniform."""
+    ranges = {name: family.sampled for name, family in FAMILIES.items() if family.sampled}
     return [
         _points(
             family, "viscous", rng.uniform(0.05, 0.5, count),

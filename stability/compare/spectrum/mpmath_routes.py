@@ -8,8 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...algebra.number_types import Algebra
+from ...algebra.upright import UPRIGHT
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict
+from ...bodies.disk_families import FAMILIES
 from .points import Points
 from .routes import Answer, Route, jacobian_program
 
@@ -35,22 +37,19 @@ class ManyDigits(Route):
         return Answer(np.array(codes, dtype=np.int8), values, tops)
 
     def _states(self, points: Points) -> list[list[Any]]:
-        """The states with upright, and tumbling's phi_dot, to all digits."""
+        """The states with upright, and what is solved for, to all digits."""
         import mpmath
 
-        rows = []
+        record, rows = FAMILIES[points.family], []
         for i, row in enumerate(points.states):
-            x = [mpmath.mpf(float(v)) for v in row]
-            if points.given is not None:
-                pass
-            elif points.family == "tumbling":
+            found: list[Any] = [float(v) for v in row]
+            if points.given is None:
+                at = mpmath.mpf(float(points.at[i]))
                 if points.lean is not None:
-                    x[0] = mpmath.pi / 2 - mpmath.mpf(float(points.lean[i]))
-                k = mpmath.mpf(float(points.k[i]))
-                x[2] = 1 / mpmath.sqrt(k * mpmath.sin(x[0]))
-            else:
-                x[0] = mpmath.pi / 2
-            rows.append(x)
+                    at = mpmath.pi / 2 - mpmath.mpf(float(points.lean[i]))
+                member = record.member(mpmath, at, mpmath.mpf(float(points.k[i])))
+                found = [member[name] for name in points.member.system.states]
+            rows.append([mpmath.pi / 2 if v is UPRIGHT else mpmath.mpf(v) for v in found])
         return rows
 
     def _spectrum(self, points: Points, x: list[Any], p: Floats) -> list[Any]:

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from ...algebra.balls import precision
 from ...algebra.routh_balls import hurwitz_sign, verdict_polynomial
+from ...algebra.upright import Upright
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
 from ...bodies.contact import Contact
 from ...bodies.disk import Disk
-from ...bodies.disk_families import disk_family
+from ...bodies.disk_families import FAMILIES, disk_family
 from ...bodies.law_names import law_named
 from ...spectra.disk_problem import disk_problem
 from ...spectra.problem import Problem
@@ -91,13 +92,10 @@ class Points:
             return self.given
         names = self.member.system.states
         x = np.zeros((len(self), len(names)))
-        if self.family == "tumbling":
-            x[:, 0] = self.at
-            x[:, names.index("phi_dot")] = 1 / np.sqrt(self.k * np.sin(self.at))
-        else:
-            x[:, 0] = np.pi / 2
-            column = "omega3" if self.family == "rolling" else "phi_dot"
-            x[:, names.index(column)] = self.at
+        member = FAMILIES[self.family].member(np, self.at, self.k)
+        for column, name in enumerate(names):
+            value = member[name]
+            x[:, column] = np.pi / 2 if isinstance(value, Upright) else value
         return x
 
     @cached_property
