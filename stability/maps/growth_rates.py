@@ -1,6 +1,6 @@
-"""Eigenvalues over arrays from the exact polynomials, without an eigenvalue solver.
+"""Eigenvalues over arrays from the exact polynomials, nearly without an eigensolver.
 
-A tile of a map is worked through from coarse to fine: LAPACK finds the roots at a few cells, and
+A tile of a map is worked through from coarse to fine: an eigensolver finds a few cells' roots, and
 every other cell starts from its neighbour's factors.  What double precision leaves too uncertain is
 done again in extended precision where the machine has it, and then exactly.
 """
@@ -21,7 +21,7 @@ from ..spectra.problem import Problem
 from .verdict_filter import INPUT, PLAIN, point
 
 STRIDE = 16
-"""Distance of the cells of a tile at which LAPACK starts."""
+"""Distance of the cells of a tile at which the eigensolver starts."""
 STEPS = 2
 """Corrections of a cell that starts between its neighbours, before the change is looked at."""
 WANTED = 1e-13
@@ -119,7 +119,7 @@ class GrowthKernel:
             Float or array by name, broadcasting to two dimensions (rows, columns), or one.
         scattered
             Whether neighbours have nothing to do with each other, so that every cell starts from
-            LAPACK.
+            the eigensolver.
 
         Returns
         -------
@@ -269,7 +269,7 @@ def _some(values: Mapping[str, Any], shape: tuple[int, ...], index: Any, kind: A
 
 
 def _coarse_to_fine(a: list[Any], shape: tuple[int, int]) -> Factors:
-    """Factors over a grid: every STRIDE-th cell from LAPACK, the others from their neighbours."""
+    """Factors over a grid: every STRIDE-th cell by eigensolver, others from neighbours."""
     coefficients = [c.reshape(shape) for c in a]
     count = len(a)
     whole = np.empty((count, *shape), dtype=a[0].dtype)

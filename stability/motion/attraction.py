@@ -24,6 +24,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ..algebra.eigensolver import eigenpairs, eigenvalues_alone
 from ..algebra.number_types import Upright, balls, casadi_algebra
 from ..algebra.program import Program
 from ..base.types import Floats
@@ -156,7 +157,7 @@ def _attraction(
             return None
         slow = np.linalg.solve(a.T, along)
         centre = y1 - float(slow @ e1)
-    if not (np.linalg.eigvals(a).real < 0).all():
+    if not (eigenvalues_alone(a).real < 0).all():
         return None
     for basis in (_modal(a), _lyapunov(a)):
         if basis is not None:
@@ -168,7 +169,7 @@ def _attraction(
 
 def _modal(a: Floats) -> Floats | None:
     """Real and imaginary parts of the eigenvectors, as columns of unit length."""
-    values, vectors = np.linalg.eig(a)
+    values, vectors = eigenpairs(a)
     columns = []
     for value, vector in zip(values, vectors.T, strict=True):
         if value.imag == 0:

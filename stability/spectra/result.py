@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
 from ..base.errors import ParameterError
 from ..base.types import Complexes, Floats
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
 from ..systems.family import Family
 from .deflation import Place
-from .eigenvalues import NOT_STEADY, in_words
+from .eigenvalues import NOT_STEADY, Eigenpairs, in_words
 from .modes import Modes, lift, mode_labels, track
 
 GROWS = -2
@@ -88,6 +89,10 @@ class Spectrum:
     one of them is a tangent of the family."""
     note: str = ""
     """A sentence on structural zeros, where there are fewer here than at typical members."""
+    pairs: Eigenpairs | None = None
+    """From the eigensolver, dimensionless; None where it was not needed, or for many points."""
+    solver: EigenSolver = lapack
+    """The eigensolver."""
 
     def __repr__(self) -> str:
         shape = self.eigenvalues.shape[:-1]
@@ -175,7 +180,8 @@ class Spectrum:
         """Eigenvectors and readable labels, in the order of the eigenvalues."""
         values = self.eigenvalues / np.asarray(self.rate)[..., None]
         reduced = self.place.reduced(self.family, self.structural_zeros)
-        vectors, participation = lift(values, reduced, self.scale)
+        pairs = self.pairs or Eigenpairs(*eigenpairs(reduced.matrix, self.solver))
+        vectors, participation = lift(values, reduced, pairs, self.scale)
         labels = mode_labels(
             self.eigenvalues, self.radius, participation, self.family.system.states
         )
