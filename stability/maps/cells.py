@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.eigensolver import chosen, name_of
+from ..algebra.exact_polynomial import TabulatedPolynomial
 from ..base.axis import Grid
 from ..base.errors import DomainError, ParameterError
 from ..base.types import Floats, Progress
@@ -27,7 +28,7 @@ from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
 from ..systems.multiplicity import certain
 from ..systems.structural_zeros import structure
-from .dataset import EXACT, GRAPH
+from .dataset import EXACT, GRAPH, OWN
 from .growth_rates import GrowthKernel, steady_memory
 from .verdict_tiles import GridVerdicts
 
@@ -69,12 +70,14 @@ class Cells:
         self.frequency = np.empty(self.shape)
         self.codes = np.zeros(self.shape, dtype=np.int8)
         self.values = None
-        self.exact = question.exact is not None
+        self.exact = isinstance(question.exact, TabulatedPolynomial)
         self.handed_on = 0
         self._graph = GRAPH.replace("LAPACK", name_of(chosen()))
+        if question.exact is not None:
+            self._graph += OWN
         family = question.family
         zeros = structure(family).zeros  # established here, before the threads start
-        self._certain = self.exact or certain(family)
+        self._certain = question.derived or certain(family)
         if modes:
             count = len(family.system.states) - zeros
             self.values = np.empty((*self.shape, count), dtype=complex)
@@ -90,8 +93,12 @@ class Cells:
     def route(self) -> str:
         """How the cells were worked out, in words."""
         if not self.exact:
-            return self._graph
-        return f"{EXACT} ({self.handed_on} of {math.prod(self.shape)} cells there)"
+            route = self._graph
+            if self.question.exact is None:
+                return route
+        else:
+            route = EXACT
+        return f"{route} ({self.handed_on} of {math.prod(self.shape)} cells there)"
 
     def key(self) -> dict[str, Any]:
         """What the map is of, for a checkpoint; with all digits, so that maps are distinguished.

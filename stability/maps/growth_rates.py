@@ -18,7 +18,7 @@ from ..algebra.real_factors import Factors, Roots, enclose, settle, start
 from ..base.types import Floats
 from ..spectra.certificate import certify
 from ..spectra.problem import Problem
-from .verdict_filter import INPUT, PLAIN, point
+from .verdict_filter import point, tabulated
 
 STRIDE = 16
 """Distance of the cells of a tile at which the eigensolver starts."""
@@ -91,24 +91,19 @@ class GrowthKernel:
     Parameters
     ----------
     question
-        About a family with an exact polynomial.
+        About a family with a tabulated polynomial.
     modes
         Whether all eigenvalues are kept.
     """
 
     def __init__(self, question: Problem, *, modes: bool = False) -> None:
-        assert question.exact is not None
-        self.question, self.modes = question, modes
-        self.even = question.exact.even
-        behind = PLAIN if question.dimensionless else INPUT
-        one = Polynomial(question.exact.variables, ((1, (0,) * len(question.exact.variables)),))
-        self._factors = [_Coefficients(f, behind) for f in question.exact.factors]
-        self._squared = [_Coefficients((c, one), behind) for c in self._even_terms()]
-
-    def _even_terms(self) -> tuple[Polynomial, ...]:
-        """c₀ and c₂ of a law whose polynomial is c₀ + c₂ λ²."""
-        assert self.question.exact is not None
-        return self.question.exact.factors[0][::2] if self.even else ()
+        self.question, self.modes, self.exact = question, modes, tabulated(question)
+        known, behind = self.exact.known, self.exact.roundings(dimensionless=question.dimensionless)
+        self.even = known.even
+        one = Polynomial(known.variables, ((1, (0,) * len(known.variables)),))
+        self._factors = [_Coefficients(f, behind) for f in known.factors]
+        even_terms = known.factors[0][::2] if self.even else ()  # of c₀ + c₂ λ²
+        self._squared = [_Coefficients((c, one), behind) for c in even_terms]
 
     def __call__(self, values: Mapping[str, Any], *, scattered: bool = False) -> Growth:
         """Eigenvalues for broadcast values over a tile.
@@ -191,7 +186,7 @@ class GrowthKernel:
 
     def _rated(self, values: Mapping[str, Any], shape: tuple[int, ...], roots: list[Roots]) -> _All:
         """What is wanted of the roots, in the user's unit of rate, as doubles."""
-        scale, square = self.question.scale(values)
+        scale, square = self.exact.scale(values)
         unit: Any = np.sqrt(square) if scale is None else scale
         unit = np.broadcast_to(unit, shape).reshape(-1) if np.ndim(unit) else unit
         real = [x for found in roots for x in found.real]

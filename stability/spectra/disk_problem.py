@@ -15,7 +15,7 @@ from ..bodies.contact import ZERO_MU, Contact, Scales
 from ..bodies.contact_laws import stored
 from ..bodies.disk import Disk
 from ..bodies.disk_families import AT, disk_family
-from ..bodies.disk_polynomials import exact_polynomial
+from ..bodies.disk_polynomials import DiskPolynomial, exact_polynomial
 from ..bodies.disk_quantities import PHYSICAL, is_angle
 from .problem import Problem, _scalar
 
@@ -103,7 +103,7 @@ def disk_problem(
         resolved, values, disk.dimensionless, reduce,
         lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
         disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
-        exact_polynomial(family, contact) if stored(law) else None,
+        DiskPolynomial(exact_polynomial(family, contact)) if stored(law) else None,
     )  # fmt: skip
 
 

@@ -36,13 +36,16 @@ class Proof:
     `NOT_ASKED` where double precision decided."""
     escalated: bool = False
     """Whether only those points were certified that double precision left undecided."""
+    own: bool = False
+    """Whether they were proved from the polynomial that the family was given."""
 
     def sentence(self, *, certified: bool) -> str:
         """How far the proof of a single spectrum came, in words."""
         if self.bits == NOT_STEADY:
             return "no steady motion: at the root of the equations another rate is not zero"
         far = "proved" if certified else "undecided within the budget of precision"
-        return f"{far} in {in_words(int(self.bits))}"
+        source = " from the family's polynomial" if self.own else ""
+        return f"{far} in {in_words(int(self.bits))}{source}"
 
 
 @dataclass(frozen=True, eq=False)

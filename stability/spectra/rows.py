@@ -60,7 +60,7 @@ class Rows:
             len(a), lambda p: (family.checked_states(a[p], u[p], q[p]),)
         )[0]
         self.zeros = structure(family).zeros
-        self.certain = question.exact is not None or certain(family)
+        self.certain = question.derived or certain(family)
         """Whether that number is proved at every member of the family."""
         self._members: dict[int, Member] = {}
         if not self.certain:
@@ -122,7 +122,7 @@ class Rows:
         from .deflation import grows
 
         family, place = self.question.family, self.place
-        if self.zeros == family.tangents or self.question.exact is not None:
+        if self.zeros == family.tangents or self.question.derived:
             return None
 
         def piece(rows: slice) -> tuple[NDArray[np.bool_]]:

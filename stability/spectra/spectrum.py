@@ -170,7 +170,9 @@ def proved(
     return replace(
         found, eigenvalues=flat.reshape(found.eigenvalues.shape),
         radius=radius.reshape(found.radius.shape), codes=codes.reshape(shape),
-        proof=Proof(error.reshape(shape), bits.reshape(shape), escalated),
+        proof=Proof(
+            error.reshape(shape), bits.reshape(shape), escalated, found.family.exact is not None
+        ),
     )  # fmt: skip
 
 
