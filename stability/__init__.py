@@ -40,7 +40,8 @@ _HOME = {
     "boundary.changes": ("boundaries",),
     "maps.netcdf": ("read_map", "write_map"),
     "maps.stream": ("stream_map",),
-    "bodies.disk_polynomials": ("exact_polynomial", "Exact"),
+    "algebra.exact_polynomial": ("Exact", "ExactPolynomial"),
+    "bodies.disk_polynomials": ("exact_polynomial",),
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
     "motion.simulate": ("simulate",),
@@ -56,6 +57,8 @@ _WHERE = {name: module for module, names in _HOME.items() for name in names}
 __all__ = sorted(_WHERE)  # noqa: PLE0605
 
 if TYPE_CHECKING:
+    from .algebra.exact_polynomial import Exact as Exact
+    from .algebra.exact_polynomial import ExactPolynomial as ExactPolynomial
     from .algebra.upright import UPRIGHT as UPRIGHT
     from .base.errors import StabilityError as StabilityError
     from .base.errors import StabilityWarning as StabilityWarning
@@ -73,7 +76,6 @@ if TYPE_CHECKING:
     from .bodies.disk import Disk as Disk
     from .bodies.disk_equations import disk_system as disk_system
     from .bodies.disk_families import disk_family as disk_family
-    from .bodies.disk_polynomials import Exact as Exact
     from .bodies.disk_polynomials import exact_polynomial as exact_polynomial
     from .boundary.changes import boundaries as boundaries
     from .boundary.crossings import Boundaries as Boundaries

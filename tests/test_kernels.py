@@ -13,9 +13,10 @@ import stability as st
 from stability.algebra.real_factors import Factors, enclose, improve, settle, start
 from stability.base.axis import Grid
 from stability.base.verdict import CODES, Verdict
+from stability.bodies.disk_polynomials import INPUT, PLAIN
 from stability.maps.growth_rates import GrowthKernel
 from stability.maps.proved_boxes import BoxConditions, Interval, prove_boxes
-from stability.maps.verdict_filter import INPUT, Filtered, VerdictKernel, point
+from stability.maps.verdict_filter import Filtered, VerdictKernel, point
 from stability.maps.verdict_tiles import GridVerdicts
 from stability.spectra.certificate import certify, verdict
 from stability.spectra.disk_problem import disk_problem
@@ -157,7 +158,7 @@ def test_circling_without_precession_has_no_member_and_no_verdict(tmp_path: Path
 
 
 def test_what_overflows_goes_to_exact_arithmetic() -> None:
-    kernel = VerdictKernel(question("tumbling").exact)
+    kernel = VerdictKernel(question("tumbling").exact.known)
     assert kernel([0.25, 1e200, 0.5]) == 0
     assert kernel([0.25, 1e-250, 0.5]) == 0
     codes, left = Filtered(question("spinning")).codes(
@@ -277,12 +278,11 @@ def test_bounds_of_coefficients_hold_and_are_not_idle() -> None:
     from fractions import Fraction
 
     from stability.maps.growth_rates import _Coefficients
-    from stability.maps.verdict_filter import PLAIN
 
     random = np.random.default_rng(9)
     closest = 0.0
     for family in ("spinning", "tumbling"):
-        known = question(family).exact
+        known = question(family).exact.known
         [factor] = known.factors
         coefficients = _Coefficients(factor, PLAIN)
         for _ in range(200):

@@ -108,7 +108,7 @@ def judge(family_name: str, count: int, seed: int) -> tuple[int, int]:
     """Wrong and undecided verdicts among random points, against 60-digit arithmetic."""
     family = st.disk_family(family_name, "viscous")
     a, q = random_points(family_name, count, seed)
-    values, radius = eigenvalues(reduce(family, a, q), even=False)
+    values, radius, _ = eigenvalues(reduce(family, a, q), even=False)
     codes = decide(values, radius, even=False)
     wrong = 0
     for i in range(count):

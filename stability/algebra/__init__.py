@@ -4,6 +4,7 @@ A CasADi graph is read in any number type: doubles with error bounds, balls, exa
 May import `base` only.
 To add a number type: an `Algebra` in `number_types.py`, which is a table of functions by name; then
 `Program.run` reads every graph in it.
+To add an eigensolver: a function of matrices, given to `eigensolver` in `eigensolver.py`.
 """
 
 from typing import Any

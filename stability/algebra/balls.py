@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from threading import RLock
 from typing import Any
 
 import numpy as np
-from flint import ctx
+from flint import arb, ctx
+
+from .number_types import UNARY, Algebra
 
 
 def upper(ball: Any) -> float:
@@ -50,3 +53,11 @@ def precision(bits: int) -> Iterator[None]:
             yield
         finally:
             ctx.prec = before
+
+
+MIXED = Algebra(
+    "rationals and balls", arb,
+    {name: partial(lambda method, x: getattr(arb(x), method)(), name) for name in UNARY}
+    | {"pow": lambda x, y: arb(x) ** y, "fabs": abs},
+)  # fmt: skip
+"""Rationals as they are, balls where a function makes them irrational."""

@@ -26,7 +26,7 @@ class Algebra:
     """sin, cos, tan, sqrt, exp, log, … by name."""
 
 
-_UNARY = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh", "tanh")
+UNARY = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh", "tanh")
 
 
 def numpy_algebra() -> Algebra:
@@ -39,7 +39,7 @@ def numpy_algebra() -> Algebra:
     """
     other = {"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "pow": np.power}
     other |= {"fabs": np.abs}
-    table = {name: getattr(np, name) for name in _UNARY if name not in other}
+    table = {name: getattr(np, name) for name in UNARY if name not in other}
     return Algebra("numpy", float, table | other)
 
 
@@ -53,7 +53,7 @@ def ball_algebra() -> Algebra:
     """
     from flint import arb
 
-    table: dict[str, Callable[..., Any]] = {name: operator.methodcaller(name) for name in _UNARY}
+    table: dict[str, Callable[..., Any]] = {name: operator.methodcaller(name) for name in UNARY}
     table["pow"] = lambda x, y: x**y
     table["fabs"] = abs
     return Algebra("ball", arb, table)
@@ -69,7 +69,7 @@ def sympy_algebra() -> Algebra:
     """
     import sympy
 
-    table = {name: getattr(sympy, name) for name in _UNARY}
+    table = {name: getattr(sympy, name) for name in UNARY}
     return Algebra("sympy", sympy.Rational, table | {"pow": sympy.Pow, "fabs": sympy.Abs})
 
 
@@ -86,7 +86,7 @@ def casadi_algebra() -> Algebra:
         # the one algebra in which the right angle is met
         return lambda x: getattr(x, name)() if isinstance(x, Upright) else getattr(ca, name)(x)
 
-    table = {name: exact(name) for name in _UNARY}
+    table = {name: exact(name) for name in UNARY}
     return Algebra("casadi", ca.SX, table | {"pow": ca.power, "fabs": ca.fabs})
 
 

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from ..base.errors import StabilityError
-from .number_types import _UNARY, Algebra, numpy_algebra
+from .number_types import UNARY, Algebra, numpy_algebra
 
 _SYMBOLS = {
     ca.OP_ADD: "{0} + {1}",
@@ -32,7 +32,7 @@ _SYMBOLS = {
     ca.OP_FABS: "f_fabs({0})",
 }
 """Each operation as Python."""
-_SYMBOLS |= {getattr(ca, f"OP_{name.upper()}"): f"f_{name}({{0}})" for name in _UNARY}
+_SYMBOLS |= {getattr(ca, f"OP_{name.upper()}"): f"f_{name}({{0}})" for name in UNARY}
 
 
 class Program:
@@ -104,7 +104,7 @@ class Program:
                     "special function); only smooth elementary functions are read."
                 )
         body = "\n".join(lines)
-        used = [name for name in (*_UNARY, "pow", "fabs") if f"f_{name}(" in body]
+        used = [name for name in (*UNARY, "pow", "fabs") if f"f_{name}(" in body]
         head = "\n".join(["def run(f, c, a):", *[f"    f_{n} = f[{n!r}]" for n in used]])
         outputs = ", ".join(f"o{i}" for i in range(len(self.places)))
         return f"{head}\n{body}\n    return [{outputs}]\n"

@@ -17,6 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .eigensolver import eigenvalues_alone
+
 Array = NDArray[Any]
 
 BLOCK = 65536
@@ -97,7 +99,7 @@ class Roots(NamedTuple):
 
 
 def start(a: Sequence[Array]) -> Factors:
-    """Factors from LAPACK's eigenvalues of the companion matrix.
+    """Factors from the eigenvalues of the companion matrix.
 
     Parameters
     ----------
@@ -115,7 +117,7 @@ def start(a: Sequence[Array]) -> Factors:
         companion[:, i, n - 1] = -c
     # what overflowed has no factors; nothing will be proved of it, and it is passed on
     companion[~np.isfinite(companion).all(axis=(1, 2))] = 0.0
-    found = np.linalg.eigvals(companion).astype(complex)
+    found = eigenvalues_alone(companion)
     # sorted by whether real, then size: real roots first, conjugates next to each other
     order = np.lexsort((found.imag, found.real, np.abs(found.imag), found.imag != 0), axis=-1)
     found = np.take_along_axis(found, order, -1)
@@ -186,7 +188,7 @@ def settle(a: Sequence[Array], factors: Factors, steps: int = 0) -> Factors:
     a
         Monic coefficients, lowest first.
     factors
-        First factors; rows that do not settle from them start again from LAPACK.
+        First factors; rows that do not settle from them start again from `start`.
     steps
         Corrections of every row before it is looked at which have settled.
 

@@ -40,6 +40,29 @@ def verdict_polynomial(coefficients: Sequence[Any], zeros: int, conservative: bo
     return reduced
 
 
+def product(factors: Sequence[Sequence[Any]]) -> list[Any]:
+    """The monic multiple of a product of polynomials, as balls.
+
+    Parameters
+    ----------
+    factors
+        Coefficients of each, lowest first; the last one is not zero.
+
+    Returns
+    -------
+    list of arb
+    """
+    out = [arb(1)]
+    for factor in factors:
+        terms = [arb(c) for c in factor]
+        longer = [arb(0)] * (len(out) + len(terms) - 1)
+        for i, p in enumerate(out):
+            for j, c in enumerate(terms):
+                longer[i + j] += p * c
+        out = longer
+    return [c / out[-1] for c in out[:-1]] + [arb(1)]
+
+
 def hurwitz_sign(polynomial: Sequence[Any]) -> int:
     """Whether all roots have negative real part, by Routh's array in balls.
 

@@ -10,15 +10,18 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
+
+from ..algebra.exact_polynomial import Exact, TabulatedPolynomial
+from ..algebra.number_types import Algebra
 from ..algebra.polynomial import Polynomial
-from ..base.checks import arithmetic
-from ..base.errors import NameUnknownError, ParameterError, StabilityError, shown
+from ..base.errors import NameUnknownError, NoMemberError, StabilityError, shown
 from .contact import Contact
+from .disk_families import FAMILIES
 
 DATA = "disk_polynomials.json"
 """The file of derived polynomials, in stability/data."""
@@ -26,45 +29,77 @@ DIGEST = "d60731b19cd4d14caabd9d683c1229d5ee419c736590ce8994c1b54211caac27"
 """SHA-256 of that file, written by `make derive`; another content is refused."""
 
 
-@dataclass(frozen=True)
-class Exact:
-    """What is known of a family under a law over Q."""
+INPUT = {"k": 0, "M": 5, "z": 5, "s": 2}
+"""Roundings behind each variable at most: mu·mu·(g·R), at·at·(R/g), the sine within one unit."""
+PLAIN = INPUT | {"M": 1, "z": 1}
+"""The same with m = R = g = 1."""
 
-    family: str
-    """Name of the family."""
-    law: str
-    """Name of the contact law."""
-    variables: tuple[str, ...]
-    """k, then M = mu*² (laws with mu), then z = at*² or s = sinθ (both for circling and
-    precession, z = φ̇*²)."""
-    zeros: int
-    """Structural zeros."""
-    even: bool
-    """Whether the rest is even in λ."""
-    factors: tuple[tuple[Polynomial, ...], ...]
-    """Factors over Q; each by powers of σ, lowest first.  λ = σ mu* for a law with mu, else σ."""
-    conditions: tuple[tuple[str, Polynomial], ...]
-    """(kind, polynomial): all positive means stable (or neutral), some negative unstable."""
 
-    @arithmetic("give numbers of one type")
-    def coefficients(self, values: Sequence[Any]) -> list[list[Any]]:
-        """Coefficients of each factor at a point, lowest power of σ first.
+class DiskPolynomial(TabulatedPolynomial):
+    """The polynomial of a disk's family, from numbers in a user's units.
 
-        Parameters
-        ----------
-        values
-            Of `variables`, any number type.
+    Parameters
+    ----------
+    known
+        From `exact_polynomial`.
+    """
 
-        Returns
-        -------
-        list of list
-        """
-        if isinstance(values, (str, bytes)) or len(values) != len(self.variables):
-            raise ParameterError(
-                f"values is {shown(values)}; give one number for each of "
-                f"{', '.join(self.variables)}."
-            )
-        return [[c(*values) for c in factor] for factor in self.factors]
+    def __init__(self, known: Exact) -> None:
+        super().__init__(known)
+        self.by_angle = FAMILIES[known.family].by_angle
+        self.borders = self.by_angle and not known.even
+
+    def point(self, values: Mapping[str, Any], algebra: Algebra) -> list[Any]:
+        """Values of k, M, z, s, those that the polynomial depends on."""
+        v = values
+        length = v["radius"] / v["gravity"]
+        found = {"k": v["k"], "M": 1}
+        if "mu" in v:
+            found["M"] = v["mu"] * v["mu"] * (v["gravity"] * v["radius"])
+        elif "c" in v:
+            drag = v["c"] / v["mass"]
+            found["M"] = drag * drag * length
+        turn = next((n for n in ("phi_dot", "at") if n in v), None)
+        if turn and "z" in self.known.variables:
+            if turn == "phi_dot" and np.any(np.equal(v[turn], 0)):
+                raise NoMemberError(
+                    f"{self.known.family} has no member at phi_dot = 0; give another phi_dot."
+                )
+            found["z"] = v[turn] * v[turn] * length
+        if "s" in self.known.variables:
+            found["s"] = self.sine(v, algebra)
+        return [found[n] for n in self.known.variables]
+
+    def sine(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
+        """Of theta, or of π/2 - lean."""
+        if "lean" in values:
+            return algebra.functions["cos"](values["lean"])
+        return algebra.functions["sin"](values["theta"] if "theta" in values else values["at"])
+
+    def scale(self, values: Mapping[str, Any]) -> tuple[Any, Any]:
+        """Scale mu g or c/m; without friction none, and square g/R."""
+        if "mu" in values:
+            return values["mu"] * values["gravity"], None
+        if "c" in values:
+            return values["c"] / values["mass"], None
+        return None, values["gravity"] / values["radius"]
+
+    def natural(self, point: Sequence[Any]) -> Any:
+        """M, since λ = σ mu*; 1 without friction."""
+        return 1 if self.known.even else point[self.known.variables.index("M")]
+
+    def roundings(self, *, dimensionless: bool) -> Mapping[str, int]:
+        """Those of `point`."""
+        return PLAIN if dimensionless else INPUT
+
+    def angle(self, axis: str) -> str:
+        """Theta (also called at where it alone names a member) or lean."""
+        theta = self.by_angle and axis == "at"
+        return "theta" if theta or axis == "theta" else "lean" if axis == "lean" else ""
+
+    def edge(self, values: Mapping[str, Any]) -> bool:
+        """Upright: s = 1."""
+        return "s" in self.known.variables and "lean" in values and bool(values["lean"] == 0)
 
 
 def exact_polynomial(family: str, law: str | Contact) -> Exact:
@@ -105,6 +140,12 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
             f"{shown(f'{family} {name}')} has no polynomial; there is one for {cases}."
         )
     return found
+
+
+def disk_polynomial(family: str, law: str) -> DiskPolynomial | None:
+    """The stored polynomial in a user's units, by names; None where there is none."""
+    known = known_polynomial(family, law)
+    return None if known is None else DiskPolynomial(known)
 
 
 def known_polynomial(family: str, law: str) -> Exact | None:

@@ -15,11 +15,12 @@ import numpy as np
 from flint import arb, ctx
 from scipy.optimize import brentq
 
-from ..algebra.balls import precision
+from ..algebra.balls import MIXED, precision
+from ..algebra.exact_polynomial import TabulatedPolynomial
 from ..algebra.routh_balls import hurwitz_determinant, hurwitz_sign, verdict_polynomial
 from ..base.errors import NoMemberError
 from ..base.verdict import Verdict, best
-from ..spectra.certificate import ball_sine, member_at, of_member, structural_zeros
+from ..spectra.certificate import member_at, of_member, structural_zeros
 from ..spectra.problem import Problem
 from ..systems.enclosure import ball_unknowns, characteristic, matrix_polynomial
 from ..systems.multiplicity import certain
@@ -67,8 +68,9 @@ class Line:
             a, q = self.problem.balls(self.fixed | {self.axis: value})
             if not family.unknown or family.closed:
                 return characteristic(family, a, q)
-            # the disk's member is unique; a user's is the one that the family's guess leads to
-            for near in (self._near, None) if self.problem.exact is not None else (None,):
+            # a member that is not unique is the one that the family's guess leads to
+            unique = self.problem.derived
+            for near in (self._near, None) if unique else (None,):
                 try:
                     return self._solved(a, q, near)
                 except NoMemberError:
@@ -79,17 +81,13 @@ class Line:
 
     def _exact(self, value: float) -> list[Any] | None:
         """The characteristic polynomial from the one over Q, where that is known."""
-        problem = self.problem
-        if problem.exact is None:
+        exact = self.problem.exact
+        if not isinstance(exact, TabulatedPolynomial):
             return None
         given = {n: arb(float(v)) for n, v in (self.fixed | {self.axis: value}).items()}
-        point = problem.point(given, sine=ball_sine)
-        assert point is not None
-        scale = arb(1)
-        if not problem.exact.even:  # λ = σ mu
-            scale = arb(point[problem.exact.variables.index("M")]).sqrt()
-        product = [arb(0)] * problem.exact.zeros + [arb(1)]
-        for factor in problem.exact.coefficients(point):
+        scale = arb(exact.natural(exact.point(given, MIXED))).sqrt()
+        product = [arb(0)] * exact.zeros + [arb(1)]
+        for factor in exact.coefficients(given, MIXED):
             terms = [c / scale**i for i, c in enumerate(factor)]
             longer = [arb(0)] * (len(product) + len(terms) - 1)
             for i, p in enumerate(product):
@@ -148,7 +146,7 @@ class Line:
             Of the axis.
         """
         family = self.problem.family
-        if self.problem.exact is None and not certain(family):
+        if not self.problem.derived and not certain(family):
             with precision(BITS):
                 dropped = self.coefficients(value, BITS)[: structure(family).zeros]
                 if all(c.contains(0) for c in dropped):
@@ -158,7 +156,7 @@ class Line:
         return self._proved(value)
 
     def _proved(self, value: float) -> tuple[Verdict, bool]:
-        own = self.problem.exact is None
+        own = not self.problem.derived
         if own and not certain(self.problem.family):
             return self._by_member(value)  # which zeros are structural is proved there
         bits = BITS

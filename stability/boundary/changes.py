@@ -7,8 +7,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..algebra.balls import MIXED
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.real_roots import UnclearError
+from ..algebra.exact_polynomial import TabulatedPolynomial
 from ..base.axis import Grid
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Floats
@@ -16,7 +18,6 @@ from ..base.verdict import Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..spectra.arguments import Axis, prepare
-from ..spectra.certificate import ball_sine
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structural_zeros import structure
@@ -87,6 +88,7 @@ def boundaries(
 
 
 EXACT = "every real root of every condition that decides the verdict was isolated exactly"
+OWN = "from the family's polynomial"
 SCANNED = "verdicts at the points of a scan, refined and proved where neighbours differ"
 CROSSINGS = {"static": Crossing.STATIC, "flutter": Crossing.FLUTTER}
 
@@ -191,16 +193,21 @@ def located(line: Line, found: Search) -> Boundaries:
         if m.kind != "pole" and m.below == m.above == 1 and found.source.dissipative
     ]
     left = list(dict.fromkeys(left))
-    return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), EXACT)
+    how = EXACT + (f", {OWN}" if line.problem.family.exact else "")
+    return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), how)
 
 
 def _proof(line: Line, found: Search) -> Callable[[float], int]:
     """The proved verdict at a double: from the graph, by Routh's array or over Q."""
-    source = found.source
+    source, exact = found.source, line.problem.exact
 
     def exactly(value: float) -> int:
-        if found.angle and isinstance(source, Conditions):
-            return source.sign_of_angle(lambda: ball_sine({found.angle: value}))
+        if (
+            isinstance(exact, TabulatedPolynomial)
+            and found.angle
+            and isinstance(source, Conditions)
+        ):
+            return source.sign_of_angle(lambda: exact.sine({found.angle: value}, MIXED))
         return 0 if found.angle else source.sign(rational(value))
 
     def by_graph(value: float) -> int:
@@ -209,7 +216,7 @@ def _proof(line: Line, found: Search) -> Callable[[float], int]:
         except StabilityError:  # beyond the end of what the body can have
             return 0
 
-    if line.problem.exact is None:
+    if exact is None:
         return exactly
     if isinstance(source, Characteristic):  # an eigenvalue stays on the axis: balls cannot see it
         return lambda value: exactly(value) or by_graph(value)

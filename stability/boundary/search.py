@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import mul
 from typing import Any
 
 from flint import arb, fmpq
 
-from ..algebra.balls import precision
-from ..algebra.exact.number_fields import NotExact, rational, rational_root
+from ..algebra.balls import MIXED, precision
+from ..algebra.exact.number_fields import EXACT, NotExact, rational, rational_root
 from ..algebra.exact.rational_functions import RING, Ratio, multivariate, univariate
 from ..algebra.exact.real_roots import (
     BITS,
@@ -19,7 +21,8 @@ from ..algebra.exact.real_roots import (
     sign_at,
     specialised,
 )
-from ..spectra.certificate import ball_sine
+from ..algebra.exact_polynomial import TabulatedPolynomial
+from ..algebra.number_types import Algebra
 from ..spectra.problem import Problem
 from .critical import Characteristic, Conditions, characteristic_ratios
 
@@ -113,41 +116,58 @@ def search(
 def _source(
     question: Problem, given: dict[str, Any], axis: str
 ) -> tuple[Conditions | Characteristic, str, bool]:
-    exact = question.exact
+    exact, axes = question.exact, given | {axis: X}
     if exact is None:
         if "lean" in given or axis == "lean":
             raise NotExact("π is in it")
-        a, q, _ = question.reduce(given | {axis: X}, _rational)
+        a, q, _ = question.reduce(axes, _rational)
         factor, below = characteristic_ratios(question.family, a, q)
         return Characteristic([factor], below), "", False
-    by_angle = question.family.at == ("theta",)
-    theta = by_angle and axis == "at"
-    angle = "theta" if theta or axis == "theta" else "lean" if axis == "lean" else ""
-    place = question.point(given | {axis: X}, sine=None) if not angle else None
-    upright = place is not None and "s" in exact.variables
-    if place is None:
-        place = question.point(given | {axis: X}, sine=lambda _: X if angle else S)
-    assert place is not None
-    edge = by_angle and not exact.even
-    found = [(kind, _cleared(p(*place))) for kind, p in exact.conditions]
-    if not (upright and edge) and all(not p.is_zero() for _, p in found):
-        sine = None
-        if "s" in exact.variables and not angle and not upright:
-            named = given if "lean" in given or "theta" in given else given | {"theta": given["at"]}
-
-            def sine() -> Any:
-                return ball_sine(named)
-
-        return Conditions(found, sine, dissipative=not exact.even), angle, edge and bool(angle)
+    angle, edge, over, sine = "", False, EXACT, None
+    if isinstance(exact, TabulatedPolynomial):
+        angle, edge = exact.angle(axis), exact.borders
+        over, sine = _tabulated(exact, axes, angle)
+    found = exact.conditions(axes, over)
+    if found is not None:
+        cleared = [(kind, _cleared(p)) for kind, p in found]
+        if all(not p.is_zero() for _, p in cleared):
+            dissipative = not question.family.conservative
+            return Conditions(cleared, sine, dissipative=dissipative), angle, edge and bool(angle)
     # a condition vanishes all along the axis: what is left is seen from the polynomial itself
-    factors = []
-    for factor in exact.coefficients(place):
-        ratios = [Ratio.of(c) for c in factor]
-        common = RING.constant(1)
-        for r in ratios:
-            common = common * (r.bottom / common.gcd(r.bottom))
-        factors.append([univariate(r.top * (common / r.bottom)) for r in ratios])
-    return Characteristic(factors, None), angle, False
+    factors, below = zip(*map(_whole, exact.coefficients(axes, over)), strict=True)
+    # a table's denominators are powers of positive axes
+    poles = None if isinstance(exact, TabulatedPolynomial) else reduce(mul, below)
+    return Characteristic(factors, poles), angle, False
+
+
+def _tabulated(
+    exact: TabulatedPolynomial, axes: Mapping[str, Any], angle: str
+) -> tuple[Algebra, Callable[[], Any] | None]:
+    """Sines along an axis: of the axis itself, exact, or a variable with its value in balls."""
+    if angle:
+        return _sines(X), None
+    try:
+        exact.point(axes, EXACT)
+    except NotExact:
+        return _sines(S), lambda: exact.sine(axes, MIXED)
+    return EXACT, None
+
+
+def _sines(value: Ratio) -> Algebra:
+    return Algebra("sines", EXACT.constant, {"sin": lambda _: value, "cos": lambda _: value})
+
+
+def _whole(factor: Sequence[Any]) -> tuple[list[Any], Any]:
+    """Polynomials in proportion to a factor, without common factor; at which zeros it has none."""
+    ratios = [Ratio.of(c) for c in factor]
+    common = RING.constant(1)
+    for r in ratios:
+        common = common * (r.bottom / common.gcd(r.bottom))
+    whole = [univariate(r.top * (common / r.bottom)) for r in ratios]
+    content = whole[-1]
+    for c in whole:
+        content = content.gcd(c)
+    return [c / content for c in whole], univariate(common)
 
 
 def _rational(value: Any) -> Any:

@@ -16,10 +16,11 @@ from typing import Any
 
 import sympy
 
+from ..algebra.exact_polynomial import Exact
 from ..algebra.polynomial import Polynomial
 from ..base.errors import ParameterError, shown
 from ..bodies.disk_families import FAMILIES, families_under
-from ..bodies.disk_polynomials import Exact, exact_polynomial, known_polynomial
+from ..bodies.disk_polynomials import exact_polynomial, known_polynomial
 from ..bodies.disk_quantities import QUANTITIES
 from .branches import where
 from .characteristic import LAM, MU, SQUARE, Derived, M

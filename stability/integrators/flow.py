@@ -11,6 +11,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ..algebra.eigensolver import eigenvalues_alone
 from ..algebra.program import Program
 from ..base.types import Floats
 from ..bodies.contact import Contact
@@ -108,7 +109,7 @@ class Flow:
             with np.errstate(all="ignore"):
                 pace = float((np.abs(rates) / np.maximum(1.0, np.abs(y[:own]))).max())
                 if np.isfinite(matrix).all():
-                    pace = max(pace, float(np.abs(np.linalg.eigvals(matrix).imag).max()))
+                    pace = max(pace, float(np.abs(eigenvalues_alone(matrix).imag).max()))
             found[i] = max(found[i], pace) if np.isfinite(pace) else found[i]
         return found
 

@@ -23,6 +23,7 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
+from ..algebra.eigensolver import eigenpairs
 from ..base.types import Floats
 from ..bodies.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from .flow import Flow
@@ -129,7 +130,7 @@ def approach(flow: Flow, y: Floats, p: Floats) -> Approach:
     both, gradients, jacobian = (np.array(part) for part in _slopes(flow)(y, p))
     # to leading order ∇(D, N) J = M ∇(D, N), since J = f₀ ∇Dᵀ + f₁ ∇Nᵀ there
     matrix = np.linalg.lstsq(gradients.T, (gradients @ jacobian).T, rcond=None)[0].T
-    rates, vectors = np.linalg.eig(matrix)
+    rates, vectors = eigenpairs(matrix.astype(float))
     order = np.argsort(-rates.real)
     slow, fast = (complex(r) for r in rates[order])
     shares = np.linalg.solve(vectors[:, order], both.ravel().astype(complex))

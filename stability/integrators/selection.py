@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..algebra.eigensolver import eigenvalues_alone
 from ..base.checks import known
 from ..base.errors import ParameterError
 from ..base.types import Floats
@@ -145,7 +146,7 @@ def _fastest(matrices: Floats) -> Floats:
     """The spectral radius of each matrix; infinite where it is not finite."""
     finite = np.isfinite(matrices).all(axis=(1, 2))
     radius = np.full(len(matrices), np.inf)
-    radius[finite] = np.abs(np.linalg.eigvals(matrices[finite])).max(axis=1)
+    radius[finite] = np.abs(eigenvalues_alone(matrices[finite])).max(axis=1)
     return radius
 
 

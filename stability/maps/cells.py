@@ -6,12 +6,15 @@ import math
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from contextvars import copy_context
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..algebra.eigensolver import chosen, name_of
+from ..algebra.exact_polynomial import TabulatedPolynomial
 from ..base.axis import Grid
 from ..base.errors import DomainError, ParameterError
 from ..base.types import Floats, Progress
@@ -25,7 +28,7 @@ from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
 from ..systems.multiplicity import certain
 from ..systems.structural_zeros import structure
-from .dataset import EXACT, GRAPH
+from .dataset import EXACT, GRAPH, OWN
 from .growth_rates import GrowthKernel, steady_memory
 from .verdict_tiles import GridVerdicts
 
@@ -67,11 +70,14 @@ class Cells:
         self.frequency = np.empty(self.shape)
         self.codes = np.zeros(self.shape, dtype=np.int8)
         self.values = None
-        self.exact = question.exact is not None
+        self.exact = isinstance(question.exact, TabulatedPolynomial)
         self.handed_on = 0
+        self._graph = GRAPH.replace("LAPACK", name_of(chosen()))
+        if question.exact is not None:
+            self._graph += OWN
         family = question.family
         zeros = structure(family).zeros  # established here, before the threads start
-        self._certain = self.exact or certain(family)
+        self._certain = question.derived or certain(family)
         if modes:
             count = len(family.system.states) - zeros
             self.values = np.empty((*self.shape, count), dtype=complex)
@@ -87,8 +93,12 @@ class Cells:
     def route(self) -> str:
         """How the cells were worked out, in words."""
         if not self.exact:
-            return GRAPH
-        return f"{EXACT} ({self.handed_on} of {math.prod(self.shape)} cells there)"
+            route = self._graph
+            if self.question.exact is None:
+                return route
+        else:
+            route = EXACT
+        return f"{route} ({self.handed_on} of {math.prod(self.shape)} cells there)"
 
     def key(self) -> dict[str, Any]:
         """What the map is of, for a checkpoint; with all digits, so that maps are distinguished.
@@ -108,7 +118,7 @@ class Cells:
             "values": {n: float(v) for n, v in self.question.values.items() if n not in swept},
             "modes": self.values is not None,
             "chunk": self.chunk,
-            "route": EXACT if self.exact else GRAPH,
+            "route": EXACT if self.exact else self._graph,
         }
 
     def fill(self, workers: int, progress: Progress | None, parts: Parts | None = None) -> None:
@@ -158,9 +168,10 @@ class Cells:
             self.handed_on += 1
 
     def _task(self, start: int, total: int) -> Callable[[], Chunk]:
+        run = copy_context().run  # a thread has a context of its own
         if self.exact:
-            return partial(self._band, start, total)
-        return partial(self._work, *self._inputs(start, total))
+            return partial(run, self._band, start, total)
+        return partial(run, self._work, *self._inputs(start, total))
 
     def _band(self, start: int, total: int) -> Chunk:
         """Whole rows by the exact route, which no CasADi function takes part in."""
@@ -194,7 +205,7 @@ class Cells:
         watch = not self._certain
         reduced = reduce(family, a, q, u, self.question.roundings, watch=watch)
         even = family.conservative and self._certain
-        values, radius = eigenvalues(reduced, even=even)
+        values, radius, _ = eigenvalues(reduced, even=even)
         codes = decide(values, radius, even=even)
         if watch:
             self._restore(values, radius, codes, (a, q, u), reduced.supported)
@@ -227,7 +238,7 @@ class Cells:
                 )
             a, q, u = (part[rows] for part in place)
             reduced = reduce(self.question.family, a, q, u, self.question.roundings, count)
-            all_values, discs = eigenvalues(reduced, even=False)
+            all_values, discs, _ = eigenvalues(reduced, even=False)
             codes[rows] = decide(all_values, discs, even=False)
             kept = values.shape[1]
             values[rows], radius[rows] = all_values[:, -kept:], discs[:, -kept:]

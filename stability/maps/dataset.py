@@ -37,6 +37,8 @@ GRAPH = (
     "(LAPACK), error discs by running error analysis and Gershgorin's theorem"
 )
 
+OWN = "; verdicts that these leave open from the family's polynomial, exactly or in balls"
+"""Added to `GRAPH` where a family has a polynomial of its own."""
 
 FORMAT = "stability map 1"
 """Marks a file as one of ours."""

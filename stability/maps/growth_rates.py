@@ -1,6 +1,6 @@
-"""Eigenvalues over arrays from the exact polynomials, without an eigenvalue solver.
+"""Eigenvalues over arrays from the exact polynomials, nearly without an eigensolver.
 
-A tile of a map is worked through from coarse to fine: LAPACK finds the roots at a few cells, and
+A tile of a map is worked through from coarse to fine: an eigensolver finds a few cells' roots, and
 every other cell starts from its neighbour's factors.  What double precision leaves too uncertain is
 done again in extended precision where the machine has it, and then exactly.
 """
@@ -18,10 +18,10 @@ from ..algebra.real_factors import Factors, Roots, enclose, settle, start
 from ..base.types import Floats
 from ..spectra.certificate import certify
 from ..spectra.problem import Problem
-from .verdict_filter import INPUT, PLAIN, point
+from .verdict_filter import point, tabulated
 
 STRIDE = 16
-"""Distance of the cells of a tile at which LAPACK starts."""
+"""Distance of the cells of a tile at which the eigensolver starts."""
 STEPS = 2
 """Corrections of a cell that starts between its neighbours, before the change is looked at."""
 WANTED = 1e-13
@@ -91,24 +91,19 @@ class GrowthKernel:
     Parameters
     ----------
     question
-        About a family with an exact polynomial.
+        About a family with a tabulated polynomial.
     modes
         Whether all eigenvalues are kept.
     """
 
     def __init__(self, question: Problem, *, modes: bool = False) -> None:
-        assert question.exact is not None
-        self.question, self.modes = question, modes
-        self.even = question.exact.even
-        behind = PLAIN if question.dimensionless else INPUT
-        one = Polynomial(question.exact.variables, ((1, (0,) * len(question.exact.variables)),))
-        self._factors = [_Coefficients(f, behind) for f in question.exact.factors]
-        self._squared = [_Coefficients((c, one), behind) for c in self._even_terms()]
-
-    def _even_terms(self) -> tuple[Polynomial, ...]:
-        """c₀ and c₂ of a law whose polynomial is c₀ + c₂ λ²."""
-        assert self.question.exact is not None
-        return self.question.exact.factors[0][::2] if self.even else ()
+        self.question, self.modes, self.exact = question, modes, tabulated(question)
+        known, behind = self.exact.known, self.exact.roundings(dimensionless=question.dimensionless)
+        self.even = known.even
+        one = Polynomial(known.variables, ((1, (0,) * len(known.variables)),))
+        self._factors = [_Coefficients(f, behind) for f in known.factors]
+        even_terms = known.factors[0][::2] if self.even else ()  # of c₀ + c₂ λ²
+        self._squared = [_Coefficients((c, one), behind) for c in even_terms]
 
     def __call__(self, values: Mapping[str, Any], *, scattered: bool = False) -> Growth:
         """Eigenvalues for broadcast values over a tile.
@@ -119,7 +114,7 @@ class GrowthKernel:
             Float or array by name, broadcasting to two dimensions (rows, columns), or one.
         scattered
             Whether neighbours have nothing to do with each other, so that every cell starts from
-            LAPACK.
+            the eigensolver.
 
         Returns
         -------
@@ -191,7 +186,7 @@ class GrowthKernel:
 
     def _rated(self, values: Mapping[str, Any], shape: tuple[int, ...], roots: list[Roots]) -> _All:
         """What is wanted of the roots, in the user's unit of rate, as doubles."""
-        scale, square = self.question.scale(values)
+        scale, square = self.exact.scale(values)
         unit: Any = np.sqrt(square) if scale is None else scale
         unit = np.broadcast_to(unit, shape).reshape(-1) if np.ndim(unit) else unit
         real = [x for found in roots for x in found.real]
@@ -269,7 +264,7 @@ def _some(values: Mapping[str, Any], shape: tuple[int, ...], index: Any, kind: A
 
 
 def _coarse_to_fine(a: list[Any], shape: tuple[int, int]) -> Factors:
-    """Factors over a grid: every STRIDE-th cell from LAPACK, the others from their neighbours."""
+    """Factors over a grid: every STRIDE-th cell by eigensolver, others from neighbours."""
     coefficients = [c.reshape(shape) for c in a]
     count = len(a)
     whole = np.empty((count, *shape), dtype=a[0].dtype)

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..algebra.exact_polynomial import TabulatedPolynomial
+from ..algebra.number_types import Algebra
 from ..algebra.polynomial import Polynomial
 from ..algebra.running_error import UNIT
 from ..base.axis import Grid
@@ -22,8 +24,8 @@ from ..base.checks import whole_number
 from ..base.errors import NoMemberError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, Verdict, best
-from ..bodies.disk_polynomials import Exact
 from ..spectra.problem import Problem
+from .verdict_filter import tabulated
 
 MOST_LEVELS = 16
 """Deepest bisection; an axis is then cut into 65 536."""
@@ -102,7 +104,8 @@ def prove_boxes(
     (0.99, [0, 1, 2])
     """
     levels = whole_number("levels", levels, 0, MOST_LEVELS)
-    judge = BoxConditions(question) if question.exact is not None else _WideBalls(question)
+    fast = isinstance(question.exact, TabulatedPolynomial)
+    judge = BoxConditions(question) if fast else _WideBalls(question)
     edges = [_edges(axis, levels) for axis in axes]
     i = j = np.zeros(1, dtype=np.int64)
     found: list[tuple[Any, Any, Any]] = []
@@ -138,14 +141,12 @@ class BoxConditions:
     Parameters
     ----------
     question
-        About a family with an exact polynomial.
+        About a family with a tabulated polynomial.
     """
 
     def __init__(self, question: Problem) -> None:
-        assert question.exact is not None
-        self.question = question
-        self.exact: Exact = question.exact
-        self.parts = [_Range(p) for _, p in self.exact.conditions]
+        self.question, self.exact = question, tabulated(question)
+        self.parts = [_Range(p) for _, p in self.exact.known.conditions]
 
     def __call__(self, spans: Spans) -> NDArray[np.int8]:
         """Verdict flags, 0 where none is proved.
@@ -166,8 +167,7 @@ class BoxConditions:
         for name, value in self.question.values.items():
             low, high = spans.get(name, (value, value))
             low, high = (np.broadcast_to(np.asarray(v, dtype=float), (count,)) for v in (low, high))
-            angle = name in ("lean", "theta") or (name == "at" and "s" in self.exact.variables)
-            if angle:
+            if self.exact.angle(name):
                 upright |= _upright(name, low, high)
                 values[name] = (name, low, high)
             else:
@@ -177,8 +177,7 @@ class BoxConditions:
                 least = np.where(inside, 0.0, np.minimum(np.abs(low), np.abs(high)))
                 values[name] = Interval(least, np.maximum(np.abs(low), np.abs(high)))
         with np.errstate(all="ignore"):
-            point = self.question.point(values, sine=_sine)
-            assert point is not None
+            point = self.exact.point(values, INTERVALS)
             box = [p if isinstance(p, Interval) else Interval(p, p) for p in point]
             signs = [part(box) for part in self.parts]
         good: Any = np.ones(count, dtype=bool)
@@ -186,7 +185,7 @@ class BoxConditions:
         for sign in signs:
             good, bad = good & (sign > 0), bad | (sign < 0)
         codes = np.zeros(count, dtype=np.int8)
-        codes[good] = CODES[best(even=self.exact.even)]
+        codes[good] = CODES[best(even=self.exact.known.even)]
         codes[bad] = CODES[Verdict.UNSTABLE]
         codes[upright] = 0  # there the static boundary itself runs through the box
         return codes
@@ -199,11 +198,15 @@ def _upright(name: str, low: Floats, high: Floats) -> NDArray[np.bool_]:
     return (low <= np.pi / 2) & (high > np.pi / 2)
 
 
-def _sine(values: Mapping[str, Any]) -> Interval:
-    name, low, high = values["lean"] if "lean" in values else values["theta"]
+def _sine(angle: tuple[str, Floats, Floats]) -> Interval:
+    name, low, high = angle
     ends = (np.cos(low), np.cos(high)) if name == "lean" else (np.sin(low), np.sin(high))
     top = np.where(_upright(name, low, high), 1.0, np.maximum(*ends) * (1 + SLACK))
     return Interval(np.minimum(*ends) * (1 - SLACK), np.minimum(top, 1.0))
+
+
+INTERVALS = Algebra("intervals", float, {"sin": _sine, "cos": _sine})
+"""Sines over boxes; the cosine is met as that of a lean."""
 
 
 class _Range:

@@ -126,6 +126,7 @@ def stability_map(
     if certify:
         finest = (max(g.count for g in axes) - 1).bit_length()
         boxes = prove_boxes(question, axes, min(finest, 12) if levels is None else levels)
+    if certify or (question.exact is not None and not cells.exact):
         cells.settle()
     curves = trace(question, axes, cells.codes, cells.abscissa, progress) if boundaries else None
     return assemble(question, axes, cells, curves, boxes)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..algebra.exact_polynomial import TabulatedPolynomial
 from ..base.axis import Grid
 from ..base.errors import FileError, ParameterError
 from ..base.types import Progress
@@ -104,7 +105,7 @@ def stream_map(
     check_run(workers, progress)
     axes = Grid.of(x, "x"), Grid.of(y, "y")
     question = prepare(str(family), axes, disk, contact, at, {})
-    if question.exact is None:
+    if not isinstance(question.exact, TabulatedPolynomial):
         raise ParameterError(
             f"the {question.law.name if question.law else ''} law has no exact polynomials, by "
             "which maps are streamed; use stability_map."

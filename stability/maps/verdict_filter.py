@@ -13,19 +13,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..algebra.exact_polynomial import Exact, TabulatedPolynomial
+from ..algebra.number_types import numpy_algebra
 from ..algebra.polynomial import Polynomial
 from ..algebra.running_error import UNIT
 from ..base.verdict import CODES, Verdict, best
-from ..bodies.disk_polynomials import Exact
+from ..bodies.disk_polynomials import INPUT
 from ..spectra.certificate import verdict
 from ..spectra.problem import Problem
 
 Codes = NDArray[np.int8]
 
-INPUT = {"k": 0, "M": 5, "z": 5, "s": 2}
-"""Roundings behind each variable at most: mu·mu·(g·R), at·at·(R/g), the sine within one unit."""
-PLAIN = INPUT | {"M": 1, "z": 1}
-"""The same with m = R = g = 1."""
+NUMPY = numpy_algebra()
 RANGE = 280.0
 """Decimal exponents that a monomial may use, so that nothing over- or underflows."""
 
@@ -37,8 +36,8 @@ class VerdictKernel:
     ----------
     exact
         Polynomial and conditions of a family and law.
-    dimensionless
-        Whether M and z have but one rounding behind them.
+    behind
+        Roundings behind each of its variables; those of the disk's when left out.
 
     Examples
     --------
@@ -48,11 +47,11 @@ class VerdictKernel:
     [2, 0, 1]
     """
 
-    def __init__(self, exact: Exact, *, dimensionless: bool = False) -> None:
+    def __init__(self, exact: Exact, behind: Mapping[str, int] = INPUT) -> None:
         self.exact = exact
         self.good = CODES[best(even=exact.even)]
         self.bad = CODES[Verdict.UNSTABLE]
-        self._parts = [_Split(p, PLAIN if dimensionless else INPUT) for _, p in exact.conditions]
+        self._parts = [_Split(p, behind) for _, p in exact.conditions]
 
     def __call__(self, point: list[Any]) -> Codes:
         """Verdict flags at a point for broadcast arrays; 0 where the filter does not decide.
@@ -134,9 +133,10 @@ class Filtered:
     """
 
     def __init__(self, question: Problem) -> None:
-        assert question.exact is not None
         self.question = question
-        self.kernel = VerdictKernel(question.exact, dimensionless=question.dimensionless)
+        exact = tabulated(question)
+        behind = exact.roundings(dimensionless=question.dimensionless)
+        self.kernel = VerdictKernel(exact.known, behind)
 
     def codes(self, values: Mapping[str, Any]) -> tuple[Codes, int]:
         """Verdict flags for broadcast values, each of them proved.
@@ -169,6 +169,12 @@ class Filtered:
         return codes, len(open_cells)
 
 
+def tabulated(question: Problem) -> TabulatedPolynomial:
+    """The polynomials that a map's kernels are made of."""
+    assert isinstance(question.exact, TabulatedPolynomial)
+    return question.exact
+
+
 def _at(value: Any, shape: tuple[int, ...], where: tuple[Any, ...]) -> Any:
     return np.broadcast_to(value, shape)[where]
 
@@ -189,10 +195,5 @@ def point(question: Problem, values: Mapping[str, Any]) -> list[Any]:
         As `exact.variables`.
     """
     with np.errstate(all="ignore"):  # what overflows is left open by the filter
-        found = question.point(values, sine=_sine)
-    assert found is not None
+        found = tabulated(question).point(values, NUMPY)
     return [v if np.ndim(v) else float(v) for v in found]
-
-
-def _sine(values: Mapping[str, Any]) -> Any:
-    return np.cos(values["lean"]) if "lean" in values else np.sin(values["theta"])

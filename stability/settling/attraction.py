@@ -29,6 +29,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ..algebra.eigensolver import eigenpairs, eigenvalues_alone
 from ..algebra.number_types import balls
 from ..algebra.program import Program
 from ..algebra.upright import Upright
@@ -131,7 +132,7 @@ def _attraction(
             return None
         slow = np.array([np.linalg.solve(a.T, row) for row in along]).reshape(len(y), m)
         centre = [c - float(row @ e1) for c, row in zip(y1, slow, strict=True)]
-    if not (np.linalg.eigvals(a).real < 0).all():
+    if not (eigenvalues_alone(a).real < 0).all():
         return None
     for basis in (_modal(a), _lyapunov(a)):
         if basis is not None:
@@ -143,7 +144,7 @@ def _attraction(
 
 def _modal(a: Floats) -> Floats | None:
     """Real and imaginary parts of the eigenvectors, as columns of unit length."""
-    values, vectors = np.linalg.eig(a)
+    values, vectors = eigenpairs(a)
     columns = []
     for value, vector in zip(values, vectors.T, strict=True):
         if value.imag == 0:

@@ -1,15 +1,15 @@
 """Proved verdicts and eigenvalue enclosures: rational arithmetic where it can be, balls elsewhere.
 
-For the disk everything starts from the exact ratios of the given doubles, mu²gR and at²R/g, and
-from the polynomials over Q of `stability.bodies.disk_polynomials`.  With θ given as a double its
-sine is transcendental (Lindemann), so no condition vanishes there and raising the precision ends; a
-lean of exactly zero is the right angle.  A user's family goes through the same steps: over Q where
-its member and its graph are rational, else in balls with proved zeros.
+Where the body or the family has an exact polynomial everything starts from it and from the given
+doubles as rationals.  With the disk's θ given as a double its sine is transcendental (Lindemann),
+so no condition vanishes there and raising the precision ends; a lean of exactly zero is the right
+angle.  Any other family goes through the same steps: over Q where its member and its graph are
+rational, else in balls with proved zeros.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -18,13 +18,13 @@ import numpy as np
 from flint import acb, arb, fmpq_poly
 from numpy.typing import ArrayLike
 
-from ..algebra.balls import precision, upper
-from ..algebra.exact.number_fields import NotExact, rational, rational_root
+from ..algebra.balls import MIXED, precision, upper
+from ..algebra.exact.number_fields import EXACT, NotExact, rational, rational_root
 from ..algebra.exact.root_balls import clustered, exact_roots, isolated
 from ..algebra.exact.routh import on_the_axis
-from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
+from ..algebra.exact_polynomial import ExactPolynomial
+from ..algebra.routh_balls import hurwitz_sign, product, verdict_polynomial
 from ..base.verdict import Verdict, best
-from ..bodies.disk_polynomials import Exact
 from ..systems.enclosure import characteristic
 from ..systems.family import Family
 from ..systems.multiplicity import Member, certain
@@ -186,19 +186,20 @@ def structural_zeros(member: Member) -> int:
 # --- verdicts ---
 
 
-def _decided(exact: Exact, question: Problem, values: Mapping[str, float]) -> tuple[Verdict, int]:
-    """The disk's verdict, and the bits of the balls that decided it (0: rational arithmetic)."""
+def _decided(
+    exact: ExactPolynomial, question: Problem, values: Mapping[str, float]
+) -> tuple[Verdict, int]:
+    """The verdict from an exact polynomial, and the bits of the balls that decided it, or 0."""
     given = {name: rational(value) for name, value in values.items()}
-    point = question.point(given, sine=None)
-    if point is None:
-        return _raised(lambda: _by_conditions(exact, question.point(given, sine=ball_sine)))
-    signs = [polynomial(*point) for _, polynomial in exact.conditions]
-    edge = "s" in exact.variables  # s is 1 then, the edge of the domain of the conditions
-    if any(v < 0 for v in signs):
-        return Verdict.UNSTABLE, 0
-    if not edge and all(v > 0 for v in signs):
-        return best(even=exact.even), 0
-    return on_the_axis([fmpq_poly(c) for c in exact.coefficients(point)]), 0
+    even = question.family.conservative
+    try:
+        conditions = exact.conditions(given, EXACT)
+        found = _by_conditions(conditions, even) if conditions is not None else None
+        if found is None:
+            found = on_the_axis([fmpq_poly(c) for c in exact.coefficients(given, EXACT)])
+    except NotExact:
+        return _raised(lambda: _in_balls(exact, given, even))
+    return found, 0
 
 
 def of_member(member: Member, zeros: int) -> tuple[Verdict, int]:
@@ -278,12 +279,18 @@ def _raised(attempt: Callable[[], Verdict | None]) -> tuple[Verdict, int]:
     return Verdict.UNDECIDED, MOST_BITS
 
 
-def _by_conditions(exact: Exact, point: Any) -> Verdict | None:
-    signs = [arb(polynomial(*point)) for _, polynomial in exact.conditions]
-    if any(v < 0 for v in signs):
+def _in_balls(exact: ExactPolynomial, given: Mapping[str, Any], even: bool) -> Verdict | None:
+    conditions = exact.conditions(given, MIXED)
+    if conditions is not None:
+        return _by_conditions(conditions, even)
+    return _enclosed_verdict(product(exact.coefficients(given, MIXED)))
+
+
+def _by_conditions(conditions: Sequence[tuple[str, Any]], even: bool) -> Verdict | None:
+    if any(v < 0 for _, v in conditions):
         return Verdict.UNSTABLE
-    if all(v > 0 for v in signs):
-        return best(even=exact.even)
+    if all(v > 0 for _, v in conditions):
+        return best(even=even)
     return None
 
 
@@ -315,41 +322,35 @@ def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
     return {1: best(even=even), -1: Verdict.UNSTABLE}.get(sign)
 
 
-def ball_sine(given: Mapping[str, Any]) -> Any:
-    """sinθ as a ball from θ, or from the lean π/2 - θ.
-
-    Parameters
-    ----------
-    given
-        Exact number by name.
-    """
-    return arb(given["lean"]).cos() if "lean" in given else arb(given["theta"]).sin()
-
-
 # --- enclosures ---
 
 
 def _roots(
-    exact: Exact, question: Problem, values: Mapping[str, float], *, last: bool
+    exact: ExactPolynomial, question: Problem, values: Mapping[str, float], *, last: bool
 ) -> Balls | None:
     """Every eigenvalue that is not zero by structure, as a complex ball; None if not isolated."""
     given = {name: rational(value) for name, value in values.items()}
-    scale, square = question.scale(given)
+    scale, square = exact.scale(given)
     unit = arb(square).sqrt() if scale is None else arb(scale)
-    point = question.point(given, sine=None)
-    place: Any = point or question.point(given, sine=ball_sine)
     out: Balls = []
-    for factor in exact.coefficients(place):
-        if point is not None:
-            found: Balls | None = exact_roots(fmpq_poly(factor))
-        else:
-            found = isolated(factor, exact.even)
-        if found is None and last:
-            found = clustered([arb(c) / arb(factor[-1]) for c in factor[:-1]] + [arb(1)])
-        if found is None:
-            return None
-        out += [root * unit for root in found]
-    return out
+    try:
+        for factor in exact.coefficients(given, EXACT):
+            out += exact_roots(fmpq_poly(factor))
+    except NotExact:
+        for factor in exact.coefficients(given, MIXED):
+            found = _ball_roots(factor, question.family.conservative, last=last)
+            if found is None:
+                return None
+            out += found
+    return [root * unit for root in out]
+
+
+def _ball_roots(coefficients: Sequence[Any], even: bool, *, last: bool) -> Balls | None:
+    found = isolated(list(coefficients), even)
+    if found is None and last:
+        lead = arb(coefficients[-1])
+        found = clustered([arb(c) / lead for c in coefficients[:-1]] + [arb(1)])
+    return found
 
 
 def _member_roots(member: Member, zeros: int, unit: Any, *, last: bool) -> Balls | None:

@@ -15,7 +15,7 @@ from ..bodies.contact import ZERO_MU, Contact, Scales
 from ..bodies.contact_laws import stored
 from ..bodies.disk import Disk
 from ..bodies.disk_families import FAMILIES, disk_family, leaning
-from ..bodies.disk_polynomials import known_polynomial
+from ..bodies.disk_polynomials import disk_polynomial
 from ..bodies.disk_quantities import PHYSICAL, is_angle
 from .problem import Problem, _scalar
 
@@ -103,7 +103,7 @@ def disk_problem(
         resolved, values, disk.dimensionless, reduce,
         lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
         disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
-        known_polynomial(family, law.name) if stored(law) else None,
+        disk_polynomial(family, law.name) if stored(law) else None,
     )  # fmt: skip
 
 

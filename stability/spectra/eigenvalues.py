@@ -6,9 +6,12 @@ Gershgorin's theorem after diagonalisation; a verdict is given only where those 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ..algebra.eigensolver import eigenpairs
 from ..algebra.running_error import TINY, UNIT
 from ..base.errors import DomainError
 from ..base.types import Complexes, Floats
@@ -17,6 +20,10 @@ from .deflation import Reduced
 
 NOT_STEADY = -2
 """In place of bits where a rate is proved not to vanish at the root of the equations."""
+POOR = 8
+"""Residual over its own rounding error from which vectors are refined."""
+SPARE = 2.0**-20
+"""Share of a radius that is less than the roundings which are counted but not made."""
 
 
 def in_words(bits: int) -> str:
@@ -33,7 +40,27 @@ def in_words(bits: int) -> str:
 # --- eigenvalues and their error ---
 
 
-def eigenvalues(reduced: Reduced, *, even: bool) -> tuple[Complexes, Floats]:
+class Eigenpairs(NamedTuple):
+    """Eigenvalues and eigenvectors of matrices, in any order and without bounds."""
+
+    values: Complexes
+    """Shape (N, m)."""
+    vectors: Complexes
+    """As columns, shape (N, m, m)."""
+
+
+class Enclosed(NamedTuple):
+    """Eigenvalues with error discs, and the vectors that they were found with."""
+
+    values: Complexes
+    """Sorted by real, then imaginary part, shape (N, m)."""
+    radius: Floats
+    """Bound on the error of each, shape (N, m)."""
+    pairs: Eigenpairs | None
+    """From the eigensolver; None where the values came from a formula."""
+
+
+def eigenvalues(reduced: Reduced, *, even: bool) -> Enclosed:
     """Eigenvalues with error bounds, sorted by real, then imaginary part.
 
     Parameters
@@ -46,10 +73,10 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> tuple[Complexes, Floats]:
 
     Returns
     -------
-    values, radius
-        Shapes (N, m).  The exact eigenvalues lie in the union of the discs, and a connected part
-        of the union made of j discs holds j of them (Gershgorin); for an even polynomial the same
-        holds of each λ separately.
+    Enclosed
+        The exact eigenvalues lie in the union of the discs, and a connected part of the union made
+        of j discs holds j of them (Gershgorin); for an even polynomial the same holds of each λ
+        separately.
 
     Raises
     ------
@@ -64,30 +91,34 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> tuple[Complexes, Floats]:
             "(dimensionless mu, at and 1/k below 1e100)."
         )
     with np.errstate(all="ignore"):  # what overflows comes out as a disc without bound
-        values, radius = _even(reduced) if even else _general(reduced.matrix, reduced.error)
+        found = _even(reduced) if even else _general(reduced.matrix, reduced.error)
+        values, radius, pairs = found
         radius = np.where(np.isfinite(radius), radius, np.inf)
     if not np.isfinite(values).all():
         raise DomainError("the eigenvalues overflow double precision; give values nearer to 1.")
     order = np.lexsort((values.imag, values.real), axis=-1)
-    return np.take_along_axis(values, order, -1), np.take_along_axis(radius, order, -1)
+    return Enclosed(
+        np.take_along_axis(values, order, -1), np.take_along_axis(radius, order, -1), pairs
+    )
 
 
-def _general(matrix: Floats, error: Floats) -> tuple[Complexes, Floats]:
-    """LAPACK's eigenvalues, with Gershgorin discs of X⁻¹(B + E)X - Λ.
+def _general(matrix: Floats, error: Floats) -> Enclosed:
+    """The eigensolver's eigenvalues, with Gershgorin discs of X⁻¹(B + E)X - Λ.
 
-    The residual BX - XΛ is computed, so LAPACK's own backward error is measured, not assumed.
-    Where it is large (balancing can do that to a matrix with a tiny entry) X is refined once.
+    The residual BX - XΛ is computed, so the solver's own error is measured, not assumed.
+    Where it is large (LAPACK's balancing can do that to a matrix with a tiny entry) X is refined
+    once.
     """
-    found = np.linalg.eig(matrix)
-    values, x = found[0].astype(complex), found[1].astype(complex)
+    values, x = eigenpairs(matrix)
     radius, excess = _discs(matrix, error, values, x)
-    poor = np.flatnonzero(excess > 8)
+    poor = np.flatnonzero(excess > POOR)
     if len(poor):
         better = _refined(matrix[poor], values[poor], x[poor])
         discs, _ = _discs(matrix[poor], error[poor], *better)
         gain = discs.max(axis=-1) < radius[poor].max(axis=-1)
         values[poor[gain]], radius[poor[gain]] = better[0][gain], discs[gain]
-    return values, radius
+        x[poor[gain]] = better[1][gain]
+    return Enclosed(values, radius, Eigenpairs(values, x))
 
 
 def _discs(matrix: Floats, error: Floats, values: Complexes, x: Complexes) -> tuple[Floats, Floats]:
@@ -100,11 +131,14 @@ def _discs(matrix: Floats, error: Floats, values: Complexes, x: Complexes) -> tu
         # rounding of that residual: each entry is a sum of `size` products and one more
         terms = np.abs(matrix) @ ax + ax * np.abs(values)[:, None, :]
         rough = (size + 3) * (UNIT * terms + TINY) + error @ ax
-        radius = (ay @ (residual + rough)).sum(axis=-1) + size * TINY
+        sums = (ay @ (residual + rough)).sum(axis=-1) + size * TINY
         flaw = np.abs(y @ x - np.eye(size)).sum(axis=-1).max(axis=-1)
         flaw += size * UNIT * (ay @ ax).sum(axis=-1).max(axis=-1)
-        radius = radius / np.where(flaw < 0.5, 1 - flaw, 0.0)[:, None]
+        radius = sums / np.where(flaw < 0.5, 1 - flaw, 0.0)[:, None]
         excess = residual.max(axis=(1, 2)) / rough.max(axis=(1, 2))
+        # a flaw of y mixes the rows: a bad vector reaches the discs of the good ones
+        mixed = flaw[:, None] * radius.max(axis=-1, keepdims=True)
+        radius = np.where((mixed > SPARE * radius) | (excess > POOR)[:, None], sums + mixed, radius)
     radius[~np.isfinite(radius)] = np.inf
     return radius, excess
 
@@ -140,19 +174,19 @@ def _inverse(x: Complexes) -> Complexes:
         return out
 
 
-def _even(reduced: Reduced) -> tuple[Complexes, Floats]:
+def _even(reduced: Reduced) -> Enclosed:
     """Eigenvalues of a matrix whose characteristic polynomial is even by structure."""
     if reduced.matrix.shape[-1] == 2:
         return _one_square(reduced.matrix, reduced.error)
     # With λ also -λ̄ is an eigenvalue.  A disc that meets the imaginary axis is put symmetric to it;
     # if it then keeps clear of all others it holds one eigenvalue, which is its own mirror image.
-    values, radius = _general(reduced.matrix, reduced.error)
+    values, radius, pairs = _general(reduced.matrix, reduced.error)
     near = np.abs(values.real) <= radius
     radius = np.where(near, radius + np.abs(values.real), radius)
-    return np.where(near, 1j * values.imag, values), radius
+    return Enclosed(np.where(near, 1j * values.imag, values), radius, pairs)
 
 
-def _one_square(matrix: Floats, error: Floats) -> tuple[Complexes, Floats]:
+def _one_square(matrix: Floats, error: Floats) -> Enclosed:
     """±√z with z = λ² = (tr B²)/2, since the trace of the 2 × 2 matrix is zero by structure."""
     square = matrix @ matrix
     z = 0.5 * (square[:, 0, 0] + square[:, 1, 1])
@@ -164,7 +198,7 @@ def _one_square(matrix: Floats, error: Floats) -> tuple[Complexes, Floats]:
     # |√z - √z'| ≤ min(r/|√z|, √r): the bound of a simple root, and the one at zero
     spread = np.minimum(bound / size, np.sqrt(bound))
     both: Floats = np.stack([spread, spread], axis=-1)
-    return np.stack([root, -root], axis=-1), both
+    return Enclosed(np.stack([root, -root], axis=-1), both, None)
 
 
 # --- verdict ---

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..base.types import Complexes, Floats
 from .deflation import Reduced
+from .eigenvalues import Eigenpairs
 
 
 class Modes(NamedTuple):
@@ -22,7 +23,9 @@ class Modes(NamedTuple):
     """Readable names, shape (…, mode); a tuple for a single spectrum."""
 
 
-def lift(eigenvalues: Complexes, reduced: Reduced, scale: Floats) -> tuple[Complexes, Floats]:
+def lift(
+    eigenvalues: Complexes, reduced: Reduced, pairs: Eigenpairs, scale: Floats
+) -> tuple[Complexes, Floats]:
     """Eigenvectors over the states, and each state's share, in the order of the eigenvalues.
 
     Parameters
@@ -31,6 +34,8 @@ def lift(eigenvalues: Complexes, reduced: Reduced, scale: Floats) -> tuple[Compl
         Dimensionless, shape (…, mode).
     reduced
         The linearisation without structural zeros, one row per point.
+    pairs
+        Its eigenvalues and eigenvectors, in any order.
     scale
         Unit of each state, broadcastable to (…, states).
 
@@ -39,11 +44,10 @@ def lift(eigenvalues: Complexes, reduced: Reduced, scale: Floats) -> tuple[Compl
     vectors, participation
         Shapes (…, mode, state).
     """
-    matrix, shape = reduced.matrix, eigenvalues.shape
-    values = eigenvalues.reshape(len(matrix), -1)
-    raw, x = np.linalg.eig(matrix)
-    pick = _match(values, raw)
-    w = np.take_along_axis(x.astype(complex), pick[:, None, :], axis=2)
+    shape = eigenvalues.shape
+    values = eigenvalues.reshape(pairs.values.shape)
+    pick = _match(values, pairs.values)
+    w = np.take_along_axis(pairs.vectors, pick[:, None, :], axis=2)
     for step in reversed(reduced.steps):
         # (r·w, λ w) up to a factor; at λ = 0 a mode may coincide with the removed direction
         head = (step.row[:, :, None] * w).sum(axis=1)
@@ -65,13 +69,16 @@ def lift(eigenvalues: Complexes, reduced: Reduced, scale: Floats) -> tuple[Compl
     return lifted, share.reshape(*shape, -1)
 
 
-def _match(values: Complexes, raw: Any) -> NDArray[np.intp]:
-    """For each value the column of LAPACK's eigenvalue nearest to it, each used once."""
-    from scipy.optimize import linear_sum_assignment
+def _match(values: Complexes, given: Complexes) -> NDArray[np.intp]:
+    """For each value the place of the given one nearest to it, each used once."""
+    distance = np.abs(values[:, :, None] - given[:, None, :])
+    pick: NDArray[np.intp] = distance.argmin(axis=2)
+    twice = np.flatnonzero((np.sort(pick, axis=1) != np.arange(values.shape[1])).any(axis=1))
+    if len(twice):
+        from scipy.optimize import linear_sum_assignment
 
-    pick = np.empty(values.shape, dtype=np.intp)
-    for index, (wanted, given) in enumerate(zip(values, raw, strict=True)):
-        pick[index] = linear_sum_assignment(np.abs(wanted[:, None] - given[None, :]))[1]
+        for row in twice:
+            pick[row] = linear_sum_assignment(distance[row])[1]
     return pick
 
 

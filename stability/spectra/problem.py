@@ -10,18 +10,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from flint import arb, fmpq_poly
 from numpy.typing import ArrayLike
 
+from ..algebra.balls import MIXED, precision
+from ..algebra.exact.number_fields import EXACT, NotExact, rational
+from ..algebra.exact_polynomial import ExactPolynomial
+from ..algebra.routh_balls import product
 from ..base.checks import checked
-from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
+from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.disk_polynomials import Exact
-from ..systems.family import Family
+from ..systems.enclosure import characteristic
+from ..systems.family import Family, listing
+from ..systems.multiplicity import certain
+from ..systems.structural_zeros import SAMPLE_BITS, SAMPLES, sampled, structure
+
+DERIVED = ("conditions", "scale")
+"""What a polynomial may have only if it is derived."""
+MOST_SIGNS = 4
+"""Numbers that are sampled with both signs."""
+CLOSE = 2.0**-100
+"""Relative difference of balls that may hold one coefficient; wide ones overlap too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,13 +58,18 @@ class Problem:
     """Roundings behind each of (family parameters, parameters) when they are made dimensionless."""
     law: Contact | None = None
     """The contact law, for the disk."""
-    exact: Exact | None = None
-    """The characteristic polynomial over Q, where it is known."""
+    exact: ExactPolynomial | None = None
+    """The characteristic polynomial, where the body or the family knows it."""
 
     @property
     def names(self) -> tuple[str, ...]:
         """What may be an axis."""
         return tuple(self.values)
+
+    @property
+    def derived(self) -> bool:
+        """Whether an exact polynomial is proved for every member of the family."""
+        return self.exact is not None and self.exact.derived
 
     def arrays(self, values: Mapping[str, Any]) -> tuple[Floats, Floats, Floats, tuple[int, ...]]:
         """Dimensionless rows for broadcast values.
@@ -88,71 +109,9 @@ class Problem:
         -------
         a, q
         """
-        from flint import arb
-
         exact = {name: arb(float(v)) for name, v in values.items()}
         a, q, _ = self.reduce(exact, lambda v: v.sqrt())
         return a, q
-
-    def point(
-        self, given: Mapping[str, Any], sine: Callable[[Mapping[str, Any]], Any] | None
-    ) -> list[Any] | None:
-        """What the exact polynomial depends on, over any number type: k, M, z, s.
-
-        Parameters
-        ----------
-        given
-            Number by name, in the user's units.
-        sine
-            sinθ from these numbers, or None to have only what is rational in them.
-
-        Returns
-        -------
-        list or None
-            Values of `exact.variables`; None if sinθ is needed and neither given nor exactly 1.
-        """
-        assert self.exact is not None
-        v = given
-        length = v["radius"] / v["gravity"]
-        found = {"k": v["k"], "M": 1}
-        if "mu" in v:
-            found["M"] = v["mu"] * v["mu"] * (v["gravity"] * v["radius"])
-        elif "c" in v:
-            drag = v["c"] / v["mass"]
-            found["M"] = drag * drag * length
-        turn = next((n for n in ("phi_dot", "at") if n in v), None)
-        if turn and "z" in self.exact.variables:
-            if turn == "phi_dot" and np.any(np.equal(v[turn], 0)):
-                raise NoMemberError(
-                    f"{self.family.name} has no member at phi_dot = 0; give another phi_dot."
-                )
-            found["z"] = v[turn] * v[turn] * length
-        if "s" in self.exact.variables:
-            named = dict(v) if "theta" in v or "lean" in v else dict(v) | {"theta": v["at"]}
-            if sine is None and not ("lean" in v and v["lean"] == 0):
-                return None
-            found["s"] = 1 if sine is None else sine(named)
-        return [found[n] for n in self.exact.variables]
-
-    def scale(self, given: Mapping[str, Any]) -> tuple[Any, Any]:
-        """Unit of the exact polynomial's variable in the user's unit of rate.
-
-        Parameters
-        ----------
-        given
-            As in `point`.
-
-        Returns
-        -------
-        scale, square
-            λ = σ · scale, with scale mu g or c/m; without friction that is None, and λ² = σ² ·
-            square with square g/R.
-        """
-        if "mu" in given:
-            return given["mu"] * given["gravity"], None
-        if "c" in given:
-            return given["c"] / given["mass"], None
-        return None, given["gravity"] / given["radius"]
 
 
 def broadcast_shape(values: Mapping[str, Any]) -> tuple[int, ...]:
@@ -236,8 +195,73 @@ def system_problem(
             )
         return [v[k] for k in keys], [v[n] for n in family.parameters], 1.0
 
-    exact = (0,) * (len(family.at) + len(family.parameters))
-    return Problem(family, values, False, reduce, roundings=exact)
+    roundings = (0,) * (len(family.at) + len(family.parameters))
+    return Problem(family, values, False, reduce, roundings=roundings, exact=_compared(family))
+
+
+@lru_cache(maxsize=64)
+def _compared(family: Family) -> ExactPolynomial | None:
+    """The polynomial that a family was given, once it agrees with the equations of motion."""
+    exact = family.exact
+    if exact is None or exact.derived:
+        return exact
+    zeros, said = structure(family).zeros, ""
+    if exact.zeros != zeros:
+        said = f"leaves out {exact.zeros} zeros, and {zeros} eigenvalues vanish by structure"
+    elif not certain(family):
+        said = "is not taken, since structural zeros are not proved for every member"
+    elif family.unknown and not family.closed:
+        said = "is not taken, since its members are solved for and may be others than it means"
+    elif any(getattr(type(exact), n) is not getattr(ExactPolynomial, n) for n in DERIVED):
+        said = f"has {' or '.join(DERIVED)} without a proof; leave out all but coefficients in λ"
+    if said:
+        raise ParameterError(f"the exact polynomial of {family.name} {said}.")
+    for number in range(SAMPLES + 2 ** min(MOST_SIGNS, len(family.at) + len(family.parameters))):
+        _compare(family, number)
+    return exact
+
+
+def _compare(family: Family, number: int) -> None:
+    """Refuse a polynomial that is not det(λ - A) at a sampled member; later ones in all signs."""
+    names, cut = (*family.at, *family.parameters), len(family.at)
+    flips = max(0, number - SAMPLES)
+    with precision(SAMPLE_BITS):
+        point = [-v if flips >> i & 1 else v for i, v in enumerate(sampled(family, number))]
+        true = characteristic(family, point[:cut], point[cut:])
+        if flips and not all(t.is_finite() for t in true):
+            return
+        given = _monic(family, dict(zip(names, point, strict=True)))
+        zeros = [arb(0)] * structure(family).zeros
+        same = [
+            c.overlaps(t) and abs(c - t) < CLOSE * (1 + abs(t))
+            for c, t in zip(zeros + given, true, strict=False)
+        ]
+    if not all(same) or len(zeros + given) != len(true):
+        power = same.index(False) if False in same else len(same)
+        ours, theirs = (float(p[power]) if power < len(p) else 0.0 for p in (zeros + given, true))
+        raise ParameterError(
+            f"the exact polynomial of {family.name} is not that of its equations: at "
+            f"{listing(names, [float(v) for v in point])} the coefficient of λ^{power} is "
+            f"{ours:.6g}, that of det(λ - A) {theirs:.6g}."
+        )
+
+
+def _monic(family: Family, values: Mapping[str, Any]) -> list[Any]:
+    """The monic polynomial without structural zeros, from the one that a family was given."""
+    exact = family.exact
+    assert exact is not None
+    try:
+        with suppress(NotExact):  # the doubles next to these numbers, over Q
+            near = {n: rational(float(v)) for n, v in values.items()}
+            for factor in exact.coefficients(near, EXACT):
+                fmpq_poly(list(factor))
+        return product(exact.coefficients(values, MIXED))
+    except Exception as error:  # a user's code runs here
+        raise ParameterError(
+            f"the exact polynomial of {family.name} has no value in rational numbers and balls "
+            f"({type(error).__name__}: {error}); write it with + - * /, whole numbers and "
+            "algebra.functions."
+        ) from None
 
 
 def _scalar(value: Any) -> Any:

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
 from ..base.errors import ParameterError
 from ..base.types import Complexes, Floats
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
 from ..systems.family import Family
 from .deflation import Place
-from .eigenvalues import NOT_STEADY, in_words
+from .eigenvalues import NOT_STEADY, Eigenpairs, in_words
 from .modes import Modes, lift, mode_labels, track
 
 GROWS = -2
@@ -35,13 +36,16 @@ class Proof:
     `NOT_ASKED` where double precision decided."""
     escalated: bool = False
     """Whether only those points were certified that double precision left undecided."""
+    own: bool = False
+    """Whether they were proved from the polynomial that the family was given."""
 
     def sentence(self, *, certified: bool) -> str:
         """How far the proof of a single spectrum came, in words."""
         if self.bits == NOT_STEADY:
             return "no steady motion: at the root of the equations another rate is not zero"
         far = "proved" if certified else "undecided within the budget of precision"
-        return f"{far} in {in_words(int(self.bits))}"
+        source = " from the family's polynomial" if self.own else ""
+        return f"{far} in {in_words(int(self.bits))}{source}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +92,10 @@ class Spectrum:
     one of them is a tangent of the family."""
     note: str = ""
     """A sentence on structural zeros, where there are fewer here than at typical members."""
+    pairs: Eigenpairs | None = None
+    """From the eigensolver, dimensionless; None where it was not needed, or for many points."""
+    solver: EigenSolver = lapack
+    """The eigensolver."""
 
     def __repr__(self) -> str:
         shape = self.eigenvalues.shape[:-1]
@@ -175,7 +183,8 @@ class Spectrum:
         """Eigenvectors and readable labels, in the order of the eigenvalues."""
         values = self.eigenvalues / np.asarray(self.rate)[..., None]
         reduced = self.place.reduced(self.family, self.structural_zeros)
-        vectors, participation = lift(values, reduced, self.scale)
+        pairs = self.pairs or Eigenpairs(*eigenpairs(reduced.matrix, self.solver))
+        vectors, participation = lift(values, reduced, pairs, self.scale)
         labels = mode_labels(
             self.eigenvalues, self.radius, participation, self.family.system.states
         )

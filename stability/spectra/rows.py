@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..base.errors import ParameterError
 from ..systems.structural_zeros import structure
 from .deflation import Place, Reduced
-from .eigenvalues import decide, eigenvalues
+from .eigenvalues import Eigenpairs, decide, eigenvalues
 from .problem import Problem, broadcast_shape
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class Rows:
             len(a), lambda p: (family.checked_states(a[p], u[p], q[p]),)
         )[0]
         self.zeros = structure(family).zeros
-        self.certain = question.exact is not None or certain(family)
+        self.certain = question.derived or certain(family)
         """Whether that number is proved at every member of the family."""
         self._members: dict[int, Member] = {}
         if not self.certain:
@@ -91,33 +91,38 @@ class Rows:
     def _reduced(self, rows: slice, *, watch: bool) -> Reduced:
         return self.place[rows].reduced(self.question.family, self.zeros, watch=watch)
 
-    def spectra(self) -> tuple[Complexes, Floats, NDArray[np.int8]]:
+    def spectra(self) -> tuple[Complexes, Floats, NDArray[np.int8], Eigenpairs | None]:
         """Eigenvalues, error discs and flag values of the verdicts, dimensionless.
 
         Returns
         -------
         values, radius, codes
             Shapes (N, m), (N, m), (N,).
+        pairs
+            With eigenvectors; None where there are none yet, or the members are worked on in
+            pieces, so that they do not fill the memory.
         """
         even = self.question.family.conservative and self.certain
+        pairs = None
 
         def piece(rows: slice) -> tuple[NDArray[Any], ...]:
+            nonlocal pairs
             watch = self.exact and not self.certain
             reduced = self._reduced(rows, watch=watch)
             if watch:  # the zeros are proved; where these vectors are not theirs, nothing is known
                 reduced.error[reduced.supported < self.zeros] = np.inf
-            values, radius = eigenvalues(reduced, even=even)
+            values, radius, pairs = eigenvalues(reduced, even=even)
             return values, radius, decide(values, radius, even=even)
 
         values, radius, codes = self._joined(len(self.place.a), piece)
-        return values, radius, codes
+        return values, radius, codes, pairs if len(self.place.a) <= self._step else None
 
     def grows(self) -> NDArray[np.bool_] | None:
         """Where structural zeros that no tangent of the family explains are not semisimple."""
         from .deflation import grows
 
         family, place = self.question.family, self.place
-        if self.zeros == family.tangents or self.question.exact is not None:
+        if self.zeros == family.tangents or self.question.derived:
             return None
 
         def piece(rows: slice) -> tuple[NDArray[np.bool_]]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..algebra.eigensolver import chosen
 from ..algebra.running_error import UNIT
 from ..base.checks import flag
 from ..base.errors import DomainError, NoMemberError, ParameterError
@@ -97,7 +98,7 @@ def spectrum(
             kind = QUANTITIES[name].kind
             unit = speed if kind is Kind.VELOCITY else rate
             scale[:, index] = 1.0 if kind is Kind.ANGLE else unit
-    values, radius, codes = rows.spectra()
+    values, radius, codes, pairs = rows.spectra()
     with np.errstate(all="ignore"):  # a radius may overflow to one without bound
         values, radius = values * rate[:, None], (radius + last * np.abs(values)) * rate[:, None]
     if not np.isfinite(values).all():
@@ -115,6 +116,8 @@ def spectrum(
         _shaped(scale, shape),
         grows=rows.grows(),
         note=rows.note,
+        pairs=pairs,
+        solver=chosen(),
     )
     asked = np.full(len(rate), certify)
     if escalate:
@@ -167,7 +170,9 @@ def proved(
     return replace(
         found, eigenvalues=flat.reshape(found.eigenvalues.shape),
         radius=radius.reshape(found.radius.shape), codes=codes.reshape(shape),
-        proof=Proof(error.reshape(shape), bits.reshape(shape), escalated),
+        proof=Proof(
+            error.reshape(shape), bits.reshape(shape), escalated, found.family.exact is not None
+        ),
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..algebra.exact_polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
@@ -60,6 +61,8 @@ class Family:
         Whether first integrals make a spectrally neutral member stable.
     drifts
         Whether a slow flow on the centre manifold carries a stable member to its threshold.
+    exact
+        The characteristic polynomial, if you know it: verdicts are then proved from it.
 
     Raises
     ------
@@ -101,6 +104,8 @@ class Family:
     """Whether first integrals make a neutral member stable."""
     drifts: bool = False
     """Whether a slow flow on the centre manifold carries a stable member to its threshold."""
+    exact: ExactPolynomial | None = None
+    """The characteristic polynomial, if it is known."""
 
     def __post_init__(self) -> None:
         instance("system", self.system, System, "give a stability.System")

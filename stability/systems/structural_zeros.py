@@ -83,22 +83,34 @@ def structure(family: Family) -> Structure:
     return Structure(zeros, even, how, steady)
 
 
+def sampled(family: Family, sample: int) -> list[arb]:
+    """Random family parameters and parameters near the typical ones, away from special values.
+
+    Parameters
+    ----------
+    family
+        The family.
+    sample
+        Number of the sample.
+    """
+    names = (*family.at, *family.parameters)
+    with precision(SAMPLE_BITS):
+        # Incommensurable factors near 1.
+        spread = [arb(2 + 7 * sample + 3 * i).sqrt() for i in range(len(names))]
+        factor = [1 + (s - s.floor()) / 4 - arb(1) / 8 for s in spread]
+        return [
+            (arb(family.typical.get(n, 1.0)) * f).mid() for n, f in zip(names, factor, strict=True)
+        ]
+
+
 def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
     """Which coefficients vanish to 200 bits at a random member, and whether its rates vanish.
 
     Large entries take more bits.  Held values may be rounded: rates vanish to a few digits only.
     """
-    names = (*family.at, *family.parameters)
     cut, least = len(family.at), 2.0 ** (-SAMPLE_BITS // 2)
+    point = sampled(family, sample)
     for bits in (SAMPLE_BITS, 4 * SAMPLE_BITS, 16 * SAMPLE_BITS):
-        with precision(SAMPLE_BITS):
-            # Incommensurable factors near 1, away from every special value.
-            spread = [arb(2 + 7 * sample + 3 * i).sqrt() for i in range(len(names))]
-            factor = [1 + (s - s.floor()) / 4 - arb(1) / 8 for s in spread]
-            point = [
-                (arb(family.typical.get(n, 1.0)) * f).mid()
-                for n, f in zip(names, factor, strict=True)
-            ]
         with precision(bits):
             a, q = point[:cut], point[cut:]
             u = ball_unknowns(family, a, q)

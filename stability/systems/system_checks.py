@@ -8,6 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ..algebra.exact_polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import checked, flag, instance, known, one_number, rows
 from ..base.errors import NameUnknownError, ParameterError, shown
@@ -216,6 +217,11 @@ def check_family(family: Any) -> None:
         known("positive", name, tuple(family.unknown))
     for what in ("conservative", "integrals", "drifts"):
         keep(what, flag(what, getattr(family, what)))
+    if not isinstance(family.exact, ExactPolynomial | None):
+        raise ParameterError(
+            f"exact is {shown(family.exact)}; give an object of a subclass of "
+            "stability.ExactPolynomial."
+        )
 
 
 def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, Floats]:

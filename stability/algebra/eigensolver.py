@@ -1,0 +1,129 @@
+"""Eigenvalues of matrices in floating point: LAPACK, or another solver of the caller's choice.
+
+This is the only module of the package that calls an eigensolver.  Nothing is assumed of its error:
+error discs come from residuals, proofs from exact numbers and balls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import DomainError, ParameterError, shown
+from ..base.types import Complexes, Floats
+
+EigenSolver = Callable[[Floats], tuple[Any, Any]]
+"""Real matrices, shape (…, n, n) → eigenvalues (…, n), and eigenvectors as columns (…, n, n)."""
+
+
+def lapack(matrix: Floats) -> tuple[Any, Any]:
+    """LAPACK's dgeev, the default."""
+    return np.linalg.eig(matrix)
+
+
+_CHOSEN: ContextVar[EigenSolver] = ContextVar("eigensolver", default=lapack)
+
+
+@contextmanager
+def eigensolver(solver: EigenSolver) -> Iterator[None]:
+    """A context in which every eigenvalue in floating point comes from another solver.
+
+    Parameters
+    ----------
+    solver
+        Function from real matrices, shape (…, n, n), to their eigenvalues, shape (…, n), and
+        eigenvectors of any length as columns, shape (…, n, n).  A solver with large errors gives
+        wide error discs, and verdicts that are proved by other means or stay undecided.
+
+    Examples
+    --------
+    >>> import numpy as np, stability as st
+    >>> def slow(matrices):  # one matrix at a time
+    ...     pairs = [np.linalg.eig(m) for m in matrices]
+    ...     return np.array([v for v, _ in pairs]), np.array([x for _, x in pairs])
+    >>> with eigensolver(slow):
+    ...     st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3)).verdict.word
+    'stable'
+    """
+    if not callable(solver):
+        raise ParameterError(
+            f"solver is {shown(solver)}; give a function from matrices to (values, vectors)."
+        )
+    token = _CHOSEN.set(solver)
+    try:
+        yield
+    finally:
+        _CHOSEN.reset(token)
+
+
+def chosen() -> EigenSolver:
+    """The solver of this context."""
+    return _CHOSEN.get()
+
+
+def eigenpairs(matrix: Floats, solver: EigenSolver | None = None) -> tuple[Complexes, Complexes]:
+    """Eigenvalues and eigenvectors of finite matrices.
+
+    Parameters
+    ----------
+    matrix
+        Shape (…, n, n).
+    solver
+        The solver; that of the context when left out.
+
+    Returns
+    -------
+    values, vectors
+        Shapes (…, n) and (…, n, n), eigenvectors as columns; without any bound on their errors.
+
+    Raises
+    ------
+    DomainError
+        If LAPACK does not converge, or another solver gives a value that is not finite.
+    ParameterError
+        If a solver returns anything but arrays of these shapes.
+    """
+    solver = solver or chosen()
+    try:
+        found = solver(matrix)
+    except np.linalg.LinAlgError:
+        raise DomainError("the eigenvalues do not converge; give values nearer to 1.") from None
+    try:
+        values, vectors = (np.asarray(part).astype(complex) for part in found)
+    except (TypeError, ValueError):
+        raise ParameterError(_refusal(solver, shown(found), matrix)) from None
+    if (values.shape, vectors.shape) != (matrix.shape[:-1], matrix.shape):
+        shapes = f"arrays of shapes {values.shape} and {vectors.shape}"
+        raise ParameterError(_refusal(solver, shapes, matrix))
+    if solver is not lapack and not np.isfinite(values).all():
+        raise DomainError(_refusal(solver, "values that are not finite", matrix))
+    return values, vectors
+
+
+def eigenvalues_alone(matrix: Floats) -> Complexes:
+    """Eigenvalues of finite matrices, where no eigenvector is needed.
+
+    Parameters
+    ----------
+    matrix
+        Shape (…, n, n).
+    """
+    if chosen() is lapack:  # which has a shorter way to the values alone
+        return np.linalg.eigvals(matrix).astype(complex)
+    return eigenpairs(matrix)[0]
+
+
+def name_of(solver: EigenSolver) -> str:
+    """What a solver is called in a method's description."""
+    return "LAPACK" if solver is lapack else str(getattr(solver, "__name__", shown(solver)))
+
+
+def _refusal(solver: EigenSolver, found: str, matrix: Floats) -> str:
+    return (
+        f"the eigensolver {name_of(solver)} returned {found} for matrices of shape {matrix.shape}; "
+        "it must return finite eigenvalues (…, n) and eigenvectors as columns (…, n, n)."
+    )

@@ -1,0 +1,229 @@
+"""Characteristic polynomials that a body, or a user's family, knows exactly.
+
+Where one is known, verdicts are proved from its coefficients in place of the graph's.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ..base.checks import arithmetic
+from ..base.errors import ParameterError, shown
+from .number_types import Algebra
+from .polynomial import Polynomial
+
+
+@dataclass(frozen=True)
+class Exact:
+    """What is known of a family under a law over Q."""
+
+    family: str
+    """Name of the family."""
+    law: str
+    """Name of the contact law."""
+    variables: tuple[str, ...]
+    """For the disk: k, then M = mu*² (laws with mu), then z = at*² or s = sinθ (both for circling
+    and precession, z = φ̇*²)."""
+    zeros: int
+    """Structural zeros."""
+    even: bool
+    """Whether the rest is even in λ."""
+    factors: tuple[tuple[Polynomial, ...], ...]
+    """Factors over Q; each by powers of σ, lowest first.  λ = σ mu* for a law with mu, else σ."""
+    conditions: tuple[tuple[str, Polynomial], ...]
+    """(kind, polynomial): all positive means stable (or neutral), some negative unstable."""
+
+    @arithmetic("give numbers of one type")
+    def coefficients(self, values: Sequence[Any]) -> list[list[Any]]:
+        """Coefficients of each factor at a point, lowest power of σ first.
+
+        Parameters
+        ----------
+        values
+            Of `variables`, any number type.
+
+        Returns
+        -------
+        list of list
+        """
+        if isinstance(values, (str, bytes)) or len(values) != len(self.variables):
+            raise ParameterError(
+                f"values is {shown(values)}; give one number for each of "
+                f"{', '.join(self.variables)}."
+            )
+        return [[c(*values) for c in factor] for factor in self.factors]
+
+
+class ExactPolynomial(ABC):
+    """The characteristic polynomial of a family, from the numbers that name a member.
+
+    A subclass for a family of your own has one method, `coefficients`, and `zeros` where
+    eigenvalues vanish by structure; an instance is given to `Family` as `exact`, if no member is
+    solved for.  At first use it is compared with the equations of motion at random members.
+
+    Examples
+    --------
+    >>> import casadi as ca, stability as st
+    >>> class Damped(ExactPolynomial):
+    ...     def coefficients(self, values, algebra):  # λ² + d λ + g
+    ...         return [[values["g"], values["d"], 1]]
+    >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    >>> system = st.System("pendulum", x, p, ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] * x[1]),
+    ...                    states=("angle", "rate"), parameters=("g", "d"))
+    >>> hanging = st.Family(system, "hanging", at=("g",), held={"angle": 0, "rate": 0},
+    ...                     exact=Damped())
+    >>> st.spectrum(hanging, at=1.0, d=0.0).reason
+    ... # doctest: +ELLIPSIS
+    "double precision left it open; proved in rational arithmetic from the family's polynomial; ..."
+    """
+
+    zeros: int = 0
+    """Eigenvalues that vanish by structure; they are left out of the coefficients."""
+    derived: ClassVar[bool] = False
+    """Whether polynomial and conditions are proved for every member, so that nothing is compared
+    at first use, and whether a member's unknowns are unique."""
+
+    @abstractmethod
+    def coefficients(self, values: Mapping[str, Any], algebra: Algebra) -> Sequence[Sequence[Any]]:
+        """Coefficients of the factors of the polynomial in λ, lowest power first.
+
+        Parameters
+        ----------
+        values
+            Number of any type by name, in the user's units: rational, ball, ratio in an axis.
+        algebra
+            Functions of this number type: `algebra.functions["sqrt"](x)`.
+
+        Returns
+        -------
+        sequence of sequence
+            For each factor its coefficients, real, the last one not zero.
+        """
+
+    def conditions(
+        self,
+        values: Mapping[str, Any],  # noqa: ARG002
+        algebra: Algebra,  # noqa: ARG002
+    ) -> list[tuple[str, Any]] | None:
+        """Numbers whose signs are the verdict; only for a polynomial that is `derived`.
+
+        Parameters
+        ----------
+        values, algebra
+            As for `coefficients`.
+
+        Returns
+        -------
+        list or None
+            (kind, number): all positive means stable (or neutral), some negative unstable.  Kinds
+            are static, flutter and auxiliary.  None where the coefficients are judged.
+        """
+        return None
+
+    def scale(self, values: Mapping[str, Any]) -> tuple[Any, Any]:  # noqa: ARG002
+        """Unit of the polynomial's variable in the user's unit of rate; as for `conditions`.
+
+        Parameters
+        ----------
+        values
+            Number by name.
+
+        Returns
+        -------
+        scale, square
+            λ = σ · scale with a positive scale; where it is None, λ² = σ² · square.
+        """
+        return 1, None
+
+
+class TabulatedPolynomial(ExactPolynomial):
+    """One that is kept as `Polynomial`s in a few positive variables, proved offline.
+
+    Maps bound these over whole arrays and boxes.  Each factor is of odd degree, or the polynomial
+    is even and has one factor, linear in λ².
+
+    Parameters
+    ----------
+    known
+        The polynomials.
+    """
+
+    derived = True
+    borders: bool = False
+    """Whether the verdict can change where the sine of the angle is 1."""
+
+    def __init__(self, known: Exact) -> None:
+        self.known, self.zeros = known, known.zeros
+
+    @abstractmethod
+    def point(self, values: Mapping[str, Any], algebra: Algebra) -> list[Any]:
+        """Values of `known.variables`.
+
+        Parameters
+        ----------
+        values, algebra
+            As for `coefficients`.
+        """
+
+    @abstractmethod
+    def sine(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
+        """The sine that the polynomials depend on.
+
+        Parameters
+        ----------
+        values, algebra
+            As for `coefficients`.
+        """
+
+    @abstractmethod
+    def roundings(self, *, dimensionless: bool) -> Mapping[str, int]:
+        """Roundings behind each variable at most, in floating point.
+
+        Parameters
+        ----------
+        dimensionless
+            Whether the user's numbers are dimensionless.
+        """
+
+    @abstractmethod
+    def natural(self, point: Sequence[Any]) -> Any:
+        """Square of the unit of σ in the family's own unit of rate.
+
+        Parameters
+        ----------
+        point
+            As from `point`.
+        """
+
+    @abstractmethod
+    def angle(self, axis: str) -> str:
+        """By which angle the polynomials depend on an axis, through its sine: theta, lean or none.
+
+        Parameters
+        ----------
+        axis
+            Its name.
+        """
+
+    @abstractmethod
+    def edge(self, values: Mapping[str, Any]) -> bool:
+        """Whether a member lies on the edge of the domain on which the conditions are proved.
+
+        Parameters
+        ----------
+        values
+            Exact number by name.
+        """
+
+    def coefficients(self, values: Mapping[str, Any], algebra: Algebra) -> list[list[Any]]:
+        """As for every exact polynomial."""
+        return self.known.coefficients(self.point(values, algebra))
+
+    def conditions(self, values: Mapping[str, Any], algebra: Algebra) -> list[tuple[str, Any]]:
+        """As for every exact polynomial; on the edge one of them is zero."""
+        point = self.point(values, algebra)
+        edge = [("static", 0)] if self.edge(values) else []
+        return [(kind, p(*point)) for kind, p in self.known.conditions] + edge
