@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from ..algebra.program import Program
-from ..base.types import Floats
+from ..base.types import Floats, fields_of
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import Rough, law_class
 from ..bodies.disk_equations import disk_system
@@ -57,6 +57,8 @@ class Flow:
     """Names of the entries of y."""
     friction: str = ""
     """The parameter in proportion to which slip decays, if there is one."""
+
+    __getstate__ = fields_of
 
     @cached_property
     def rates(self) -> ca.Function:
@@ -265,6 +267,9 @@ class Evaluator:
 _THREAD = threading.local()
 CASADI = threading.RLock()
 """Held while a motion is made: CasADi's objects are not for several threads at once."""
+ASKING = threading.Lock()
+"""Held by the worker of a motion that asks CasADi something: the solvers of a process share its
+standard error."""
 
 
 def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> Any:

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,10 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.disk_polynomials import Exact
 from ..systems.family import Family
+
+
+def _one(_: Mapping[str, Any]) -> float:
+    return 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +41,7 @@ class Problem:
     """Whether the user's numbers are dimensionless."""
     reduce: Callable[[Mapping[str, Any], Callable[[Any], Any]], tuple[list[Any], list[Any], Any]]
     """(values, square root) → family parameters, parameters, unit of rate; over any number type."""
-    speed: Callable[[Mapping[str, Any]], Any] = field(default=lambda _: 1.0)
+    speed: Callable[[Mapping[str, Any]], Any] = _one
     """Unit of speed from the values."""
     roundings: tuple[int, ...] = ()
     """Roundings behind each of (family parameters, parameters) when they are made dimensionless."""
@@ -225,19 +230,19 @@ def system_problem(
         columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
         values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
 
-    def reduce(
-        v: Mapping[str, Any],
-        root: Callable[[Any], Any],  # noqa: ARG001
-    ) -> tuple[list[Any], list[Any], Any]:
-        missing = [n for n in (*keys, *family.parameters) if n not in v]
-        if missing:
-            raise NameUnknownError(
-                f"{shown(missing[0])} is missing; {family.name} needs its value."
-            )
-        return [v[k] for k in keys], [v[n] for n in family.parameters], 1.0
-
     exact = (0,) * (len(family.at) + len(family.parameters))
-    return Problem(family, values, False, reduce, roundings=exact)
+    return Problem(family, values, False, partial(_reduce, family), roundings=exact)
+
+
+def _reduce(
+    family: Family,
+    v: Mapping[str, Any],
+    root: Callable[[Any], Any],  # noqa: ARG001
+) -> tuple[list[Any], list[Any], Any]:
+    missing = [n for n in (*family.at, *family.parameters) if n not in v]
+    if missing:
+        raise NameUnknownError(f"{shown(missing[0])} is missing; {family.name} needs its value.")
+    return [v[k] for k in family.at], [v[n] for n in family.parameters], 1.0
 
 
 def _scalar(value: Any) -> Any:

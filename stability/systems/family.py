@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from ..algebra.number_types import Upright
 from ..base.checks import broadcast, instance, rows
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
-from ..base.types import Floats
+from ..base.types import Floats, fields_of
 from .family_graph import FamilyGraph, Frame
 from .steadiness import rate_noise, step_noise
 from .system import System
@@ -101,6 +101,8 @@ class Family:
     """Whether first integrals make a neutral member stable."""
     drifts: bool = False
     """Whether a slow flow on the centre manifold carries a stable member to its threshold."""
+
+    __getstate__ = fields_of
 
     def __post_init__(self) -> None:
         instance("system", self.system, System, "give a stability.System")
