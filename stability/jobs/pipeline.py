@@ -42,6 +42,8 @@ LOOK = 0.05
 AHEAD = 4
 """Pieces in flight for each worker: those that run, those that wait, and those that wait for an
 earlier one."""
+SHORT = 120
+"""Characters of another's error that are shown."""
 ENDED = (
     "a worker was ended from outside, or did not start; if the memory is short, take a smaller "
     "task or fewer workers, and in a script make the call under `if __name__ == '__main__':`."
@@ -224,13 +226,14 @@ def ordered(
                 "the executor has cancelled the work; give one that runs."
             ) from None
         finally:
-            with postponed():
-                for future in work.unfinished:
-                    future.cancel()
+            if work.unfinished:
+                with postponed():
+                    for future in work.unfinished:
+                        future.cancel()
 
 
 class _Work(Generic[K, T]):
-    """Pieces in flight."""
+    """Pieces in flight, each with a list that holds its result once it is there."""
 
     def __init__(
         self, pool: Executor | None, task: Callable[[K], Callable[[], T]],
@@ -238,46 +241,53 @@ class _Work(Generic[K, T]):
     ) -> None:  # fmt: skip
         self.pool, self.task, self.keep = pool, task, keep
         self.progress, self.size = progress, size
-        self.flight: deque[tuple[K, Future[T]]] = deque()
-        self.unfinished: dict[Future[T], K] = {}
+        self.flight: deque[tuple[K, list[T]]] = deque()
+        self.unfinished: dict[Future[T], tuple[K, list[T]]] = {}
 
     def begin(self, key: K) -> None:
         """Fetch a piece that is kept, or send its work."""
+        piece: tuple[K, list[T]] = (key, [])
         kept = self.keep.get(key) if self.keep is not None and self.keep.done(key) else None
-        piece = None if kept is not None else _Piece(self.task(key), os.getpid())
-        future: Future[T] = Future()
-        if piece is None or self.pool is None:
-            future.set_result(kept if piece is None else piece())  # type: ignore[arg-type]
-            self.flight.append((key, future))
-            self._finished(key, future, new=piece is not None)
-            return
-        with postponed():
-            try:
-                future = self.pool.submit(piece)
-            except BrokenExecutor:
-                raise
-            except RuntimeError as error:
-                raise ParameterError(f"executor takes no more work: {one_line(str(error), 120)}.") from None
-            self.flight.append((key, future))
-            self.unfinished[future] = key
+        if kept is not None:
+            self._told(piece, kept)
+        elif self.pool is None:
+            self._finished(piece, self.task(key)())
+        else:
+            work = _Piece(self.task(key), os.getpid())
+            with postponed():
+                self.unfinished[_sent(self.pool, work)] = piece
+        self.flight.append(piece)
 
     def first(self) -> tuple[K, T]:
         """The earliest piece and its result, once it is there."""
-        key, future = self.flight[0]
-        while future in self.unfinished:
+        key, found = self.flight[0]
+        while not found:
             with postponed():
                 done, _ = wait(self.unfinished, LOOK, FIRST_COMPLETED)
-            for other in done:
-                self._finished(self.unfinished.pop(other), other, new=True)
+            for future in done:
+                self._finished(self.unfinished.pop(future), future.result())
         self.flight.popleft()
-        return key, future.result()
+        return key, found[0]
 
-    def _finished(self, key: K, future: Future[T], *, new: bool) -> None:
-        result = future.result()
-        if new and self.keep is not None:
-            self.keep.add(key, result)
+    def _finished(self, piece: tuple[K, list[T]], result: T) -> None:
+        if self.keep is not None:
+            self.keep.add(piece[0], result)
+        self._told(piece, result)
+
+    def _told(self, piece: tuple[K, list[T]], result: T) -> None:
+        piece[1].append(result)
         if self.progress is not None:
-            self.progress.add(self.size(key))
+            self.progress.add(self.size(piece[0]))
+
+
+def _sent(pool: Executor, work: Callable[[], T]) -> Future[T]:
+    try:
+        return pool.submit(work)
+    except BrokenExecutor:
+        raise
+    except RuntimeError as error:
+        why = one_line(str(error), SHORT)
+        raise ParameterError(f"executor takes no more work: {why}.") from None
 
 
 @dataclass(frozen=True)

@@ -62,8 +62,8 @@ def shared(value: T, executor: Executor | None) -> Callable[[], T]:
             content = pickle.dumps(value)
     except Exception as error:
         raise ParameterError(
-            f"the work cannot be sent to the workers of the executor: {one_line(str(error), SHORT)}; define "
-            "contact laws and systems in a module, not in a function."
+            "the work cannot be sent to the workers of the executor: "
+            f"{one_line(str(error), SHORT)}; define contact laws in a module, not in a function."
         ) from None
     return _Copied(hashlib.sha256(content).digest(), content)
 
@@ -98,6 +98,6 @@ class _Copied(Generic[T]):
                 return pickle.loads(self.content)
         except Exception as error:
             raise StabilityError(
-                f"a worker cannot read its work: {one_line(str(error), SHORT)}; contact laws have to be in a "
-                "module that it can import."
+                f"a worker cannot read its work: {one_line(str(error), SHORT)}; define contact "
+                "laws in a module that it can import."
             ) from None
