@@ -186,7 +186,7 @@ def ordered(
     keep
         Finished pieces: those there are not done again, the others are added.
     progress
-        Told of each piece when it has been finished, in whatever order.
+        Told of each piece when it has been finished, in any order.
     size
         What a piece counts there.
 
