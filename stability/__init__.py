@@ -40,7 +40,7 @@ _HOME = {
     "boundary.changes": ("boundaries",),
     "maps.netcdf": ("read_map", "write_map"),
     "maps.stream": ("stream_map",),
-    "algebra.exact_polynomial": ("Exact", "ExactPolynomial"),
+    "algebra.exact.known_polynomial": ("Exact", "ExactPolynomial"),
     "bodies.disk_polynomials": ("exact_polynomial",),
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
@@ -57,8 +57,8 @@ _WHERE = {name: module for module, names in _HOME.items() for name in names}
 __all__ = sorted(_WHERE)  # noqa: PLE0605
 
 if TYPE_CHECKING:
-    from .algebra.exact_polynomial import Exact as Exact
-    from .algebra.exact_polynomial import ExactPolynomial as ExactPolynomial
+    from .algebra.exact.known_polynomial import Exact as Exact
+    from .algebra.exact.known_polynomial import ExactPolynomial as ExactPolynomial
     from .algebra.upright import UPRIGHT as UPRIGHT
     from .base.errors import StabilityError as StabilityError
     from .base.errors import StabilityWarning as StabilityWarning

@@ -69,13 +69,13 @@ def _part(folder: Path) -> Sample:
     chunks = [{"abscissa": random.normal(size=300), "codes": np.ones(300, np.int8)} for _ in "ab"]
     contents = []
     for i, chunk in enumerate(chunks):
-        Parts(folder / f"kept{i}", key | {"map": i}).save(0, chunk)
+        Parts(folder / f"kept{i}", key | {"map": i}).add(0, chunk)
         contents.append((folder / f"kept{i}" / "0.npz").read_bytes())
 
     def read(path: Path) -> Any:
         parts = Parts(folder / "kept0", key | {"map": 0})
         shutil.copy(path, parts.folder / "0.npz")
-        return parts.load(0)
+        return parts.get(0)
 
     return Sample(contents[0], contents[1], ".npz", read, lambda found: all(
         np.array_equal(found[n], v) for n, v in chunks[0].items()))  # fmt: skip
@@ -88,7 +88,7 @@ def _journal(folder: Path) -> Sample:
         journal = Journal(folder / f"report{i}")
         for n in range(40):
             value = {"error": [n + i, 0.1 * n, math.inf], "word": "right"}  # of which JSON has none
-            journal.add(Cell(f"cell {n}", DONE, value, "", 0.25 * n))
+            journal.add(f"cell {n}", Cell(f"cell {n}", DONE, value, "", 0.25 * n))
         for line in journal.path.read_text(encoding="utf-8").splitlines():
             json.loads(line.partition("\t")[0], parse_constant=pytest.fail)
         kept.append(journal)

@@ -10,11 +10,11 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
-from stability.settling.attraction import _modal
 
 import stability as st
 import stability.spectra.eigenvalues as spectra
 from stability.algebra.eigensolver import EigenSolver, eigenpairs, eigensolver, lapack
+from stability.settling.attraction import _modal
 from stability.spectra.modes import _match
 
 EIG = np.linalg.eig

@@ -1,39 +1,116 @@
-"""Work handed to an executor: order, bounds, and an interruption at the worst moment."""
+"""Work handed to an executor: order, bounds, what is kept, interruptions at the worst moment."""
 
+import os
+import random
 import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from collections.abc import Callable
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import closing
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
 from typing import Any
 
 import pytest
+from executors import Distributed
+from kills import soon
 
-from stability.jobs.pipeline import completed, in_order
-from stability.storage.files import postponed
+import stability as st
+from stability.jobs.following import processes
+from stability.jobs.pipeline import AHEAD, Counted, here, ordered, threads
 
 
-def test_results_keep_the_order_of_the_tasks_and_few_run_ahead() -> None:
+class Kept(dict[int, int]):
+    """What is kept, in memory; odd pieces prove damaged."""
+
+    folder = Path()
+
+    def done(self, key: int) -> bool:
+        return key in self
+
+    def get(self, key: int) -> int | None:
+        return None if key % 2 else self[key]
+
+    def add(self, key: int, value: int) -> None:
+        self[key] = value
+
+
+def children() -> list[str]:
+    """Worker processes; one that was reaped by another thread is listed for a moment yet."""
+    return [str(child) for child in get_context().active_children()]
+
+
+def square(i: int) -> int:
+    time.sleep(0.01 if i % 2 else 0.0)
+    return i * i
+
+
+def die(i: int) -> int:
+    if i == 3:
+        os._exit(5)
+    return i
+
+
+def squares(i: int) -> Callable[[], int]:
+    return partial(square, i)
+
+
+@pytest.mark.parametrize("own", [threads, here, processes])
+def test_results_keep_the_order_of_the_keys(own: Any) -> None:
+    seen: list[tuple[int, int]] = []
+    count = Counted(lambda *pair: seen.append(pair), 12)
+    found = list(ordered(range(12), squares, workers=2, own=own, progress=count))
+    assert found == [(i, i * i) for i in range(12)]
+    assert seen == [(i, 12) for i in range(1, 13)]
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3])
+def test_few_pieces_are_in_flight(workers: int) -> None:
     begun: list[int] = []
 
     def task(i: int) -> Callable[[], int]:
-        def work() -> int:
-            time.sleep(0.01 if i % 2 else 0.0)
-            return i * i
+        begun.append(i)
+        return partial(square, i)
 
-        return work
+    with Distributed() as pool:
+        for n, _ in enumerate(ordered(range(60), task, executor=pool, workers=workers)):
+            assert len(begun) <= n + AHEAD * workers
+        assert 1 < pool.most <= AHEAD * workers
+    assert begun == list(range(60))
 
-    def tasks() -> Iterator[tuple[int, Callable[[], int]]]:
-        for i in range(30):
-            begun.append(i)
-            yield i, task(i)
 
-    with ThreadPoolExecutor(3) as pool:
-        for n, (key, value) in enumerate(in_order(pool, tasks(), ahead=4)):
-            assert (key, value) == (n, n * n)
-            assert len(begun) <= n + 5
+def test_a_piece_is_kept_and_told_of_as_soon_as_it_is_finished() -> None:
+    """The first one runs until all the others in flight have been finished and kept."""
+    kept, seen = Kept(), []
+
+    def wait(i: int) -> int:
+        end = time.monotonic() + 20
+        while i == 0 and len(kept) < 7 and time.monotonic() < end:
+            time.sleep(0.01)
+        return i
+
+    count = Counted(lambda done, _: seen.append(done), 8)
+    tasks: Any = ordered(range(8), lambda i: partial(wait, i), workers=2, keep=kept, progress=count)
+    with closing(tasks) as results:
+        next(results)
+        assert len(kept) == 8
+        assert seen == list(range(1, 9))
+
+
+def test_what_is_kept_whole_is_not_done_again() -> None:
+    kept, worked = Kept({0: 100, 1: 101, 2: 102}), []
+
+    def task(i: int) -> Callable[[], int]:
+        worked.append(i)
+        return partial(square, i)
+
+    found = dict(ordered(range(5), task, keep=kept))
+    assert found == {0: 100, 1: 1, 2: 102, 3: 9, 4: 16}
+    assert worked == [1, 3, 4]
+    assert kept == found
 
 
 def test_what_has_not_begun_is_cancelled_when_the_iterator_is_closed() -> None:
@@ -46,30 +123,86 @@ def test_what_has_not_begun_is_cancelled_when_the_iterator_is_closed() -> None:
         done.append(i)
 
     with ThreadPoolExecutor(1) as pool:
-        tasks = [(i, lambda i=i: work(i)) for i in range(20)]
-        with closing(in_order(pool, tasks, ahead=20)) as results:
+        tasks = ordered(range(20), lambda i: partial(work, i), executor=pool, workers=5)
+        with closing(tasks) as results:
             next(results)
         gate.set()
     assert len(done) <= 3
 
 
-def test_any_executor_serves() -> None:
-    """One that works at once, as a queue of a cluster might in a test."""
+def test_an_error_of_the_work_is_the_error_of_the_caller() -> None:
+    for own in (threads, here):
+        with pytest.raises(ZeroDivisionError):
+            list(ordered([0, 1], lambda i: lambda: 1 // i, own=own))
 
-    class Here(Executor):
-        def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-            future: Future[Any] = Future()
-            future.set_result(fn(*args, **kwargs))
+
+def test_a_worker_that_dies_gets_one_sentence() -> None:
+    def run(**how: Any) -> None:
+        list(ordered(range(9), lambda i: partial(die, i), workers=2, **how))
+
+    with pytest.raises(st.StabilityError, match="a worker was ended from outside") as caught:
+        run(own=processes)
+    assert str(caught.value).endswith(".")
+    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        with pytest.raises(st.StabilityError, match="a worker was ended from outside"):
+            run(executor=pool)
+
+
+def test_an_executor_that_takes_nothing_gets_one_sentence() -> None:
+    pool = ThreadPoolExecutor(1)
+    pool.shutdown()
+    with pytest.raises(st.StabilityError, match="executor takes no more work: cannot schedule"):
+        list(ordered([1], squares, executor=pool))
+
+    class Cancels(ThreadPoolExecutor):
+        def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Any:
+            future = super().submit(time.sleep, 0.1)
+            future = super().submit(fn, *args, **kwargs)
+            future.cancel()
             return future
 
-    assert list(in_order(Here(), [(i, lambda i=i: -i) for i in range(4)], 2)) == [
-        (0, 0), (1, -1), (2, -2), (3, -3)
-    ]  # fmt: skip
+    with Cancels(1) as pool, pytest.raises(st.StabilityError, match="has cancelled the work"):
+        list(ordered([1], squares, executor=pool))
 
 
-def test_an_error_of_the_work_is_the_error_of_the_caller() -> None:
-    with ThreadPoolExecutor(1) as pool, pytest.raises(ZeroDivisionError):
-        list(in_order(pool, [(0, lambda: 1 // 0)], 1))
+@pytest.mark.parametrize("kind", ["threads", "here", "processes", "distributed"])
+def test_an_interruption_at_any_moment_leaves_what_was_finished(kind: str) -> None:
+    chosen = random.Random(20261122)
+    for _ in range(1 if kind == "processes" else 6):
+        kept, limit = Kept(), chosen.randrange(1, 20)
+
+        def stop(done: int, _: int, limit: int = limit) -> None:
+            if done >= limit:
+                raise KeyboardInterrupt
+
+        def run(progress: Any, kept: Kept = kept) -> dict[int, int]:
+            how: dict[str, Any] = {"own": {"here": here, "processes": processes}.get(kind, threads)}
+            pool: Executor = Distributed() if kind == "distributed" else ThreadPoolExecutor(1)
+            with pool:
+                if kind == "distributed":
+                    how["executor"] = pool
+                tasks = ordered(range(0, 40, 2), squares, workers=2, keep=kept, progress=progress,
+                                **how)  # fmt: skip
+                with closing(tasks) as results:
+                    return dict(results)
+
+        with pytest.raises(KeyboardInterrupt):
+            run(Counted(stop, 20))
+        assert limit <= len(kept) <= 20
+        assert soon(children, 5.0) == []
+        assert run(None) == {i: i * i for i in range(0, 40, 2)}
+
+
+def test_processes_of_our_own_do_not_outlive_a_failure() -> None:
+    def stop(*_: int) -> None:
+        raise KeyboardInterrupt
+
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        list(ordered([0.0, 90.0], lambda t: partial(time.sleep, t), workers=2, own=processes,
+                     progress=Counted(stop, 2)))  # fmt: skip
+    assert time.monotonic() - begin < 60
+    assert soon(children, 5.0) == []
 
 
 def _slow() -> int:
@@ -82,20 +215,12 @@ def _by_hand(pool: ThreadPoolExecutor) -> None:
         future.result()
 
 
-def _in_order(pool: ThreadPoolExecutor) -> None:
-    with closing(in_order(pool, [(i, _slow) for i in range(4)], 2)) as results:
+def _ordered(pool: ThreadPoolExecutor) -> None:
+    with closing(ordered(range(4), lambda _: _slow, executor=pool)) as results:
         list(results)
 
 
-def _completed(pool: ThreadPoolExecutor) -> None:
-    with postponed():
-        futures = [pool.submit(_slow) for _ in range(3)]
-    list(completed(futures))
-
-
-@pytest.mark.parametrize(
-    ("run", "stopped"), [(_by_hand, RuntimeError), (_in_order, None), (_completed, None)]
-)
+@pytest.mark.parametrize(("run", "stopped"), [(_by_hand, RuntimeError), (_ordered, None)])
 def test_an_interruption_within_a_condition_is_an_interruption(
     run: Callable[[ThreadPoolExecutor], None], stopped: type[Exception] | None
 ) -> None:

@@ -98,7 +98,7 @@ def test_a_cell_that_cannot_be_read_gets_a_sentence(tmp_path: Path) -> None:
     for value in (5, [1], {}, {"mark": "odd", "digits": 1, "note": ""}):
         kept = Journal(tmp_path / "r")
         for task in (task for group in groups for task in group):
-            kept.add(journal.Cell(task.key, DONE, value, "", 0.0))
+            kept.add(task.key, journal.Cell(task.key, DONE, value, "", 0.0))
         with pytest.raises(st.StabilityError, match="holds a cell that cannot be read"):
             report.report(tmp_path / "r", ["failures"])
 

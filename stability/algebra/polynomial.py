@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from ..base.errors import ParameterError, shown
+from ..base.types import fields_of
 
 MOST = 1000
 """Largest exponent."""
@@ -29,6 +30,8 @@ class Polynomial:
     """Names."""
     terms: tuple[tuple[int, tuple[int, ...]], ...]
     """(coefficient, exponents) of each monomial."""
+
+    __getstate__ = fields_of
 
     def __post_init__(self) -> None:
         """Refuse what is no polynomial over Z: the terms become the source of a function."""

@@ -7,29 +7,29 @@ a folder beside the target and moved there when it is whole.
 from __future__ import annotations
 
 import csv
-import multiprocessing
 import os
 import shutil
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable
+from concurrent.futures import Executor
+from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..base.checks import whole_number
-from ..base.errors import FileError, StabilityError
+from ..base.errors import FileError
 from ..bodies.contact_laws import Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from ..bodies.disk_families import FAMILIES
 from ..bodies.disk_quantities import QUANTITIES
 from ..boundary.changes import boundaries
-from ..jobs.following import follow
-from ..jobs.pipeline import completed
+from ..jobs.following import processes
+from ..jobs.pipeline import Counted, check_run, here, ordered
 from ..maps.stability_map import stability_map
 from ..spectra.spectrum import spectrum
-from ..storage.files import ignoring_signals, postponed, record
+from ..storage.files import postponed, record
 from ..storage.litter import clear, temporary
 from ..storage.targets import check_folder, path_text, place, refusing
 from .page import (
@@ -60,6 +60,7 @@ def atlas(
     resolution: int = 400,
     force: bool = False,
     workers: int | None = None,
+    executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
     """Draw the atlas into a folder: figures (PNG, PDF), maps (NetCDF), boundaries (CSV), a page.
@@ -74,6 +75,9 @@ def atlas(
         Whether files in an existing folder may be replaced; other files there are left alone.
     workers
         Processes; all processors when left out.  With 1 everything runs in this process.
+    executor
+        Any `concurrent.futures.Executor` in place of the processes, whose workers see the same
+        folders; `workers` is then how many workers it has.
     progress
         Called with (jobs done, jobs in all).
 
@@ -92,20 +96,24 @@ def atlas(
     resolution = whole_number(
         "resolution", resolution, 8, FINEST, "`stability map --verdict-only` draws finer ones"
     )
+    check_run(workers, progress, executor)
     taken = f"{path_text(out)} exists and is not empty; choose another, or use --force."
     target = check_folder(place(out), "" if force else taken)
     with _beside(target) as folder:
-        jobs = [(body, family, str(folder), resolution) for body in BODIES for family in drawn()]
-        pages: dict[tuple[str, str], Page] = {}
-        if progress:
-            progress(0, len(jobs))
-        for page in _run(jobs, workers or os.cpu_count() or 1):
-            pages[page.body, page.family] = page
-            if progress:
-                progress(len(pages), len(jobs))
-        ordered = [pages[job[0], job[1]] for job in jobs]
-        _write_csv(folder / "boundaries.csv", ordered)
-        (folder / "index.html").write_text(_html(ordered, resolution), encoding="utf-8")
+        jobs = [(body, family) for body in BODIES for family in drawn()]
+        counted = Counted(progress, len(jobs))
+        counted.add(0)
+        count = min(workers or os.cpu_count() or 1, len(jobs))
+        with closing(ordered(
+            sorted(jobs, key=lambda job: not FAMILIES[job[1]].by_angle),  # the longest first
+            lambda job: partial(_job, *job, str(folder), resolution),
+            executor=executor, workers=count, own=here if workers == 1 else processes,
+            progress=counted,
+        )) as results:  # fmt: skip
+            found = dict(results)
+        pages = [found[job] for job in jobs]
+        _write_csv(folder / "boundaries.csv", pages)
+        (folder / "index.html").write_text(_html(pages, resolution), encoding="utf-8")
         _move(folder, target)
     return target / "index.html"
 
@@ -148,36 +156,6 @@ def _move(folder: Path, target: Path) -> None:
             for path in sorted(folder.iterdir(), key=lambda p: p.name == "index.html"):
                 path.replace(target / path.name)  # the page last: it points at what is there
         record(target)
-
-
-def _run(jobs: list[tuple[str, str, str, int]], workers: int) -> Iterator[Page]:
-    if workers == 1:
-        for job in jobs:
-            yield _job(*job)
-        return
-    context = multiprocessing.get_context("spawn")
-    others = set(multiprocessing.active_children())
-    mine = (os.getpid(),)
-    pool: ProcessPoolExecutor | None = None
-    try:
-        with ignoring_signals():  # a signal to stop is for this process to handle
-            pool = ProcessPoolExecutor(min(workers, len(jobs)), context, follow, mine)
-            ordered = sorted(jobs, key=lambda j: not FAMILIES[j[1]].by_angle)  # longest first
-            futures = [pool.submit(_job, *job) for job in ordered]
-        yield from completed(futures)
-        pool.shutdown()
-    except BaseException as stop:
-        if pool is not None:
-            pool.shutdown(wait=False, cancel_futures=True)
-        for child in set(multiprocessing.active_children()) - others:
-            child.kill()  # it has nothing to put in order
-            child.join()
-        if isinstance(stop, BrokenProcessPool):
-            raise StabilityError(
-                "a process that draws the atlas was ended from outside; nothing was written. "
-                "If the memory is short, take a lower resolution or fewer workers."
-            ) from None
-        raise
 
 
 # --- one job ---

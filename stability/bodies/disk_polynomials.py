@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra.exact_polynomial import Exact, TabulatedPolynomial
+from ..algebra.exact.known_polynomial import Exact, TabulatedPolynomial
 from ..algebra.number_types import Algebra
 from ..algebra.polynomial import Polynomial
 from ..base.errors import NameUnknownError, NoMemberError, StabilityError, shown

@@ -16,7 +16,7 @@ from flint import arb, ctx
 from scipy.optimize import brentq
 
 from ..algebra.balls import MIXED, precision
-from ..algebra.exact_polynomial import TabulatedPolynomial
+from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.routh_balls import hurwitz_determinant, hurwitz_sign, verdict_polynomial
 from ..base.errors import NoMemberError
 from ..base.verdict import Verdict, best

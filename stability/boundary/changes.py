@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra.balls import MIXED
+from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.real_roots import UnclearError
-from ..algebra.exact_polynomial import TabulatedPolynomial
 from ..base.axis import Grid
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Floats

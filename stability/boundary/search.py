@@ -11,6 +11,7 @@ from typing import Any
 from flint import arb, fmpq
 
 from ..algebra.balls import MIXED, precision
+from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational, rational_root
 from ..algebra.exact.rational_functions import RING, Ratio, multivariate, univariate
 from ..algebra.exact.real_roots import (
@@ -21,7 +22,6 @@ from ..algebra.exact.real_roots import (
     sign_at,
     specialised,
 )
-from ..algebra.exact_polynomial import TabulatedPolynomial
 from ..algebra.number_types import Algebra
 from ..spectra.problem import Problem
 from .critical import Characteristic, Conditions, characteristic_ratios

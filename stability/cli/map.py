@@ -12,6 +12,7 @@ from .options import _at, _axis, _bar, _disk, _picture, contact_of
 
 def _map(options: argparse.Namespace) -> None:
     from ..jobs.checkpoint import remove_parts
+    from ..jobs.pipeline import resumable
     from ..maps.netcdf import write_map
     from ..maps.stability_map import stability_map
     from ..storage.files import named, together, whole
@@ -52,10 +53,8 @@ def _map(options: argparse.Namespace) -> None:
     except KeyboardInterrupt:
         if options.checkpoint is None or targets[0] in named():
             raise
-        raise KeyboardInterrupt(
-            f"interrupted; finished cells are kept in {path_text(options.checkpoint)}: give the "
-            "same command again to go on"
-        ) from None
+        with resumable(options.checkpoint):
+            raise
     if options.checkpoint is not None:
         remove_parts(options.checkpoint)
     from ..base.verdict import CODES

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.checks import MOST_WORKERS, callback, flag, whole_number
+from ..base.checks import flag
 from ..base.errors import FileError, NameUnknownError, shown
 from ..jobs.journal import JOURNAL, Cell, Journal, is_journal
+from ..jobs.pipeline import check_run, resumable
 from ..jobs.processes import Task, run
 from ..storage.files import together, whole
 from ..storage.netcdf import packed
@@ -99,17 +100,13 @@ def report(
         run(groups, journal, workers=lanes, progress=told)
         before += sum(map(len, groups))
     try:
-        ready = [part(name, journal.cells) for name in PARTS if _whole(name, journal)]
-        with together():
+        missing = resumable(folder, said="every cell is kept in", then="have what is missing drawn")
+        with missing, together():
+            ready = [part(name, journal.cells) for name in PARTS if _whole(name, journal)]
             for one in ready:
                 if one.name in wanted or not all((folder / name).exists() for name in one.data):
                     _write(folder, one, journal.cells)
             return write(folder, ready)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            f"interrupted; every cell is kept in {path_text(folder)}: give the same command again "
-            "to have what is missing drawn"
-        ) from None
     except FileError:
         raise
     except (TypeError, KeyError, ValueError, AttributeError, IndexError) as error:
@@ -125,9 +122,7 @@ def _checked(parts: Any, workers: Any, progress: Any) -> list[str]:
     for name in parts:
         if not isinstance(name, str) or name not in PARTS:
             raise NameUnknownError(f"part is {shown(name)}; known are {', '.join(PARTS)}.")
-    if workers is not None:
-        whole_number("workers", workers, most=MOST_WORKERS)
-    callback(progress)
+    check_run(workers, progress)
     return [name for name in PARTS if name in parts]
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import sympy
 
-from ..algebra.exact_polynomial import Exact
+from ..algebra.exact.known_polynomial import Exact
 from ..algebra.polynomial import Polynomial
 from ..base.errors import ParameterError, shown
 from ..bodies.disk_families import FAMILIES, families_under

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..algebra.eigensolver import eigenvalues_alone
 from ..algebra.program import Program
-from ..base.types import Floats
+from ..base.types import Floats, fields_of
 from ..bodies.contact import Contact
 from ..bodies.disk_model import disk_model
 from ..bodies.model import Model
@@ -112,6 +112,8 @@ class Flow:
                     pace = max(pace, float(np.abs(eigenvalues_alone(matrix).imag).max()))
             found[i] = max(found[i], pace) if np.isfinite(pace) else found[i]
         return found
+
+    __getstate__ = fields_of
 
     @cached_property
     def rates(self) -> ca.Function:
@@ -325,6 +327,9 @@ LOOKS = 4
 _THREAD = threading.local()
 CASADI = threading.RLock()
 """Held while a motion is made: CasADi's objects are not for several threads at once."""
+ASKING = threading.Lock()
+"""Held by the worker of a motion that asks CasADi something: the solvers of a process share its
+standard error."""
 
 
 def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> Any:

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -42,6 +43,14 @@ class Leg:
     """Computing time of the thread after which it gives up [s]."""
     dense: bool = False
     """Whether the times are so close that guards need no look between them."""
+
+    @property
+    def numbers(self) -> tuple[Any, ...]:
+        """All but the flow, of which a worker has a copy of its own."""
+        return (
+            self.p, self.start, self.times, self.tolerance, self.max_steps, self.seconds,
+            self.dense,
+        )  # fmt: skip
 
     @property
     def absolute(self) -> float:

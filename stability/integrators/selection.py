@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from ..algebra.eigensolver import eigenvalues_alone
 from ..base.checks import known
 from ..base.errors import ParameterError
-from ..base.types import Floats
+from ..base.types import Floats, Progress
+from ..jobs.pipeline import Counted, here, ordered
+from ..jobs.shared import shared
 from . import scipy_methods as stepping
 from . import sundials, taylor
-from .flow import Flow
+from .flow import ASKING, Flow
 from .leg import UNRESOLVED, Budget, Integrate, Leg, Path
 
 HEYOKA = "heyoka"
@@ -223,7 +229,8 @@ def run(
     method: str = "auto",
     *,
     workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> tuple[list[Path], list[Choice]]:
     """Run legs of one flow and number of times.
 
@@ -238,6 +245,8 @@ def run(
         Threads for heyoka's batches.
     progress
         Called with (done, total).
+    executor
+        Does every leg, or None: heyoka's batches in threads then, the others in this one.
 
     Returns
     -------
@@ -253,14 +262,7 @@ def run(
             for leg, choice in zip(legs, choices, strict=True)
         ]
     paths: list[Path | None] = [None] * len(legs)
-    total, done = len(legs), 0
-
-    def advance(count: int) -> None:
-        nonlocal done
-        done += count
-        if progress is not None:
-            progress(done, total)
-
+    counted = Counted(progress, len(legs))
     groups: dict[float, list[int]] = {}
     for i, (leg, choice) in enumerate(zip(legs, choices, strict=True)):
         if choice.method == HEYOKA:
@@ -269,19 +271,42 @@ def run(
         which = legs[mine[0]].flow
         if len(mine) == 1 or (which.guards and which.model.parking is None):
             continue
-        found = taylor.integrate_many([legs[i] for i in mine], workers, advance)
+        found = taylor.integrate_many([legs[i] for i in mine], workers, counted, executor)
         for i, path in zip(mine, found, strict=True):
             paths[i] = path
-    for i, leg in enumerate(legs):
-        known = paths[i]
-        path = known if known is not None else _timed(choices[i].method, leg)
-        if known is None:
-            advance(1)
-        gave_up = path.end is not None and path.end.kind == UNRESOLVED
-        if auto and gave_up and path.steps < asked[i].max_steps:
-            path, choices[i] = _second(asked[i], path, choices[i])
-        paths[i] = path
+    left = [i for i, p in enumerate(paths) if p is None or (auto and _gave_up(p, asked[i]))]
+    alone = {i for i in left if paths[i] is None}
+    flow = shared(legs[0].flow, executor)
+
+    def task(i: int) -> Callable[[], tuple[Path, Choice]]:
+        most = legs[i].max_steps
+        return partial(_alone, flow, asked[i].numbers, most, paths[i], choices[i], auto)
+
+    with closing(ordered(
+        left, task, executor=executor, workers=workers or taylor.CORES, own=here,
+        progress=counted, size=lambda i: i in alone,
+    )) as results:  # fmt: skip
+        for i, (path, choice) in results:
+            paths[i], choices[i] = path, choice
     return [p for p in paths if p is not None], choices
+
+
+def _gave_up(path: Path, leg: Leg) -> bool:
+    """Whether the integrator gave up before the leg's own number of steps."""
+    gave_up = path.end is not None and path.end.kind == UNRESOLVED
+    return gave_up and path.steps < leg.max_steps
+
+
+def _alone(
+    flow: Callable[[], Flow], numbers: tuple[Any, ...], most: int, path: Path | None,
+    choice: Choice, auto: bool,
+) -> tuple[Path, Choice]:  # fmt: skip
+    """One leg, by a worker: its first path if there is none, and another where that gave up."""
+    with ASKING:
+        leg = Leg(flow(), *numbers)
+        if path is None:
+            path = _timed(choice.method, replace(leg, max_steps=most))
+        return _second(leg, path, choice) if auto and _gave_up(path, leg) else (path, choice)
 
 
 def _timed(method: str, leg: Leg) -> Path:

@@ -7,7 +7,7 @@ import importlib.util
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
@@ -22,8 +22,9 @@ from ..algebra.program import Program
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from ..bodies.disk_model import NO_CONTACT
-from ..jobs.pipeline import in_order
-from .flow import Flow
+from ..jobs.pipeline import Counted, here, ordered, threads
+from ..jobs.shared import shared
+from .flow import ASKING, Flow
 from .leg import UNRESOLVED, Budget, End, Leg, Path, guard_at
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -250,13 +251,12 @@ class _Stop:
 
 
 @lru_cache(maxsize=64)
-def _batch(flow: Flow, tolerance: float) -> _Held:
+def _batch(flow: Flow, tolerance: float, width: int) -> _Held:
     def build() -> Any:
         import heyoka as hy
 
         symbols, rates, guards = _expressions(flow)
         down, events, more = hy.event_direction.negative, [], {}
-        width = hy.recommended_simd_size()
         if flow.model.parking is not None:
             more = {"pars": np.ones((flow.p.numel(), width))}
             stop = _Stop(flow.model.parking)
@@ -270,8 +270,9 @@ def _batch(flow: Flow, tolerance: float) -> _Held:
 
 
 def integrate_many(
-    legs: Sequence[Leg], workers: int | None = None, progress: Callable[[int], None] | None = None
-) -> list[Path]:
+    legs: Sequence[Leg], workers: int | None = None, progress: Counted | None = None,
+    executor: Executor | None = None,
+) -> list[Path]:  # fmt: skip
     """Run many legs of one flow and tolerance: as many at once as the processor has lanes.
 
     A flow with guards needs a model that parks the lanes that have ended.
@@ -283,37 +284,36 @@ def integrate_many(
     workers
         Threads; as many as there are cores when left out.  Each has an integrator of its own.
     progress
-        Called with the number of legs that were finished since the last call.
+        Told of the legs of a batch when it has been finished.
+    executor
+        In place of the threads, or None.
 
     Returns
     -------
     list of Path
         In the order of the legs; a lane's result does not depend on the number of workers.
     """
-    held = _batch(legs[0].flow, max(legs[0].tolerance, FINEST))
-    first = held.take()
-    width: int = first.batch_size
-    held.give(first)
+    import heyoka as hy
+
+    width: int = hy.recommended_simd_size()
     groups = [range(i, min(i + width, len(legs))) for i in range(0, len(legs), width)]
-    paths: list[Path | None] = [None] * len(legs)
-
-    def run(group: range) -> None:
-        ta = held.take()
-        for i, path in zip(group, _lanes(ta, [legs[i] for i in group]), strict=True):
-            paths[i] = path
-        held.give(ta)
-
-    threads = min(workers or CORES, len(groups))
-    tasks = [(len(group), partial(run, group)) for group in groups]
-    with ThreadPoolExecutor(threads) as pool, closing(in_order(pool, tasks, len(tasks))) as results:
-        for done, _ in results if threads > 1 else ((n, task()) for n, task in tasks):
-            if progress is not None:
-                progress(done)
-    return [path for path in paths if path is not None]
+    flow, count = shared(legs[0].flow, executor), min(workers or CORES, len(groups))
+    with closing(ordered(
+        groups, lambda group: partial(_together, flow, width, [legs[i].numbers for i in group]),
+        executor=executor, workers=count, own=threads if count > 1 else here,
+        progress=progress, size=len,
+    )) as results:  # fmt: skip
+        return [path for _, paths in results for path in paths]
 
 
-_ASKING = Lock()
-"""Held by the thread of a batch that asks CasADi something."""
+def _together(flow: Callable[[], Flow], width: int, numbers: list[tuple[Any, ...]]) -> list[Path]:
+    """One batch, by a worker."""
+    legs = [Leg(flow(), *some) for some in numbers]
+    held = _batch(legs[0].flow, max(legs[0].tolerance, FINEST), width)
+    ta = held.take()
+    paths = _lanes(ta, legs)
+    held.give(ta)
+    return paths
 
 
 def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
@@ -340,7 +340,7 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     limited = any(r[0] == hy.taylor_outcome.step_limit for r in ta.propagate_res)
     if limited and most > QUIET:  # begun again, now with an eye on the time
         states = propagate(max_steps=most, callback=Budget(sum(g.seconds for g in legs)))
-    with _ASKING:
+    with ASKING:
         return _read(ta, legs, states, ends)
 
 

@@ -1,6 +1,8 @@
 """Work in pieces, kept and resumed.
 
-Ordered work over an executor, processes that may fail, checkpoints, the journal of a comparison.
+Ordered work over any executor, copies for its workers, processes that may fail, checkpoints, the
+journal of a comparison.
 May import `storage`, `algebra` and `base`.
-To add a kind of worker: any `concurrent.futures.Executor`, given to `pipeline.in_order`.
+To add a kind of worker: any `concurrent.futures.Executor`, given to `pipeline.ordered`.
+To add a store of finished pieces: the three functions of `pipeline.Keep`.
 """

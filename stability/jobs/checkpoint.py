@@ -6,8 +6,10 @@ import hashlib
 import io
 import json
 import zipfile
+from collections.abc import Callable
 from contextlib import suppress
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,6 +33,8 @@ class Parts:
         Where they are kept; made if it is missing.
     key
         What the map is of; a folder that holds the parts of another map is refused.
+    fits
+        Whether a chunk is one of the map's, from its first cell and its arrays.
 
     Raises
     ------
@@ -40,7 +44,11 @@ class Parts:
 
     NAME = "map.json"
 
-    def __init__(self, folder: str | PathLike[str], key: dict[str, Any]) -> None:
+    def __init__(
+        self, folder: str | PathLike[str], key: dict[str, Any],
+        fits: Callable[[int, Chunk], bool] = lambda *_: True,
+    ) -> None:  # fmt: skip
+        self._fits = fits
         if not isinstance(folder, (str, PathLike)) or not str(folder):
             raise FileError(f"the checkpoint folder is {shown(folder)}; give the name of a folder.")
         self.folder = check_folder(folder)
@@ -62,12 +70,26 @@ class Parts:
                 with whole(note, result=False) as beside:
                     beside.write_text(wanted, encoding="utf-8")
 
-    def load(self, start: int) -> Chunk | None:
+    def done(self, key: int) -> bool:
+        """Whether a chunk is there, though it may prove damaged.
+
+        Parameters
+        ----------
+        key
+            Its first cell.
+
+        Returns
+        -------
+        bool
+        """
+        return self._path(key).is_file()
+
+    def get(self, key: int) -> Chunk | None:
         """A finished chunk, or None; a damaged one, or one of another map, counts as not there.
 
         Parameters
         ----------
-        start
+        key
             Its first cell.
 
         Returns
@@ -75,27 +97,30 @@ class Parts:
         dict of ndarray or None
         """
         with suppress(OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-            stored = (self.folder / f"{start}.npz").read_bytes()
-            content = unsealed(stored, f"{self.label} {start}")
+            content = unsealed(self._path(key).read_bytes(), f"{self.label} {key}")
             if content is not None:
                 with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-                    return dict(arrays)
+                    chunk = dict(arrays)
+                return chunk if self._fits(key, chunk) else None
         return None
 
-    def save(self, start: int, chunk: Chunk) -> None:
+    def add(self, key: int, value: Chunk) -> None:
         """Keep a finished chunk with its checksum.
 
         Parameters
         ----------
-        start
+        key
             Its first cell.
-        chunk
+        value
             Its arrays by name.
         """
         content = io.BytesIO()
-        np.savez(content, allow_pickle=False, **chunk)
-        with whole(self.folder / f"{start}.npz", overwrite=True, result=False) as beside:
-            beside.write_bytes(sealed(content.getbuffer(), f"{self.label} {start}"))
+        np.savez(content, allow_pickle=False, **value)
+        with whole(self._path(key), overwrite=True, result=False) as beside:
+            beside.write_bytes(sealed(content.getbuffer(), f"{self.label} {key}"))
+
+    def _path(self, key: int) -> Path:
+        return self.folder / f"{key}.npz"
 
 
 def remove_parts(folder: str | PathLike[str]) -> None:

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import ctypes
+import multiprocessing
 import os
 import signal
 import sys
 import threading
 import time
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager, suppress
+from functools import cache
+from typing import Any, TypeVar
 
+from ..storage.files import ignoring_signals
+
+T = TypeVar("T")
 LOOK = 0.5
 """Time between two looks at the parent [s]."""
 PR_SET_PDEATHSIG = 1
@@ -39,3 +47,51 @@ def _watch(parent: int) -> None:
     while os.getppid() == parent:
         time.sleep(LOOK)
     os._exit(1)
+
+
+@cache
+def follow_starter() -> None:
+    """End this process when the one that started it by `multiprocessing` has ended.
+
+    For a worker of an executor that is not ours.  The kernel's signal would come with the end of
+    the thread that started the worker, which the rest of the program may outlive.
+    """
+    starter = multiprocessing.parent_process()
+    if starter is not None:
+        threading.Thread(target=_outlived, args=(starter,), daemon=True).start()
+
+
+def _outlived(starter: Any) -> None:
+    starter.join()
+    os._exit(1)
+
+
+class _Processes(ProcessPoolExecutor):
+    """Fresh processes that leave signals to stop to this one."""
+
+    def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
+        with ignoring_signals():  # processes start here
+            return super().submit(fn, *args, **kwargs)
+
+
+@contextmanager
+def processes(workers: int) -> Iterator[Executor]:
+    """Processes of our own, killed where the work fails: they have nothing to put in order.
+
+    Parameters
+    ----------
+    workers
+        How many.
+    """
+    context = multiprocessing.get_context("spawn")
+    others = set(multiprocessing.active_children())
+    pool = _Processes(workers, context, follow, (os.getpid(),))
+    try:
+        yield pool
+        pool.shutdown()
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for child in set(multiprocessing.active_children()) - others:
+            child.kill()
+            child.join()
+        raise

@@ -61,7 +61,7 @@ class Journal:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.path = folder / JOURNAL
+        self.folder, self.path = folder, folder / JOURNAL
         self.cells: dict[str, Cell] = {}
         head = json.dumps({MARK: fingerprint()})
         try:
@@ -95,11 +95,19 @@ class Journal:
                 if isinstance(cell.key, str) and cell.status in ENDS:
                     self.cells[cell.key] = cell
 
-    def add(self, cell: Cell) -> None:
+    def done(self, key: str) -> bool:
+        """Whether a cell is there."""
+        return key in self.cells
+
+    def get(self, key: str) -> Cell | None:
+        """A cell that has ended, or None."""
+        return self.cells.get(key)
+
+    def add(self, key: str, value: Cell) -> None:
         """Keep a cell, at once."""
-        self.cells[cell.key] = cell
+        self.cells[key] = value
         with refusing(self.path), self.path.open("a", encoding="utf-8") as handle:
-            handle.write(_line(cell))
+            handle.write(_line(value))
 
 
 def _line(cell: Cell) -> str:

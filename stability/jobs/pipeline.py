@@ -1,4 +1,4 @@
-"""Work handed to an executor, with results in order and an interruption at any moment.
+"""Ordered, bounded work over any executor of `concurrent.futures`, interrupted and resumed.
 
 An interruption within a condition of `threading` ends in `RuntimeError: release unlocked lock`
 (CPython; tests/test_pipeline.py shows it).  Here signals wait while such a condition is used.
@@ -6,17 +6,95 @@ An interruption within a condition of `threading` ends in `RuntimeError: release
 
 from __future__ import annotations
 
+import os
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from typing import Any, TypeVar
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
 
-from ..base.checks import MOST_WORKERS, callback, whole_number
+from ..base.checks import MOST_WORKERS, callback, instance, whole_number
+from ..base.errors import ParameterError, StabilityError, one_line
+from ..base.types import Progress
 from ..storage.files import postponed
+from ..storage.targets import path_text
+from .following import follow_starter
+
+K = TypeVar("K")
+T = TypeVar("T")
+Key = TypeVar("Key", contravariant=True)
+Pool = Callable[[int], AbstractContextManager[Executor | None]]
+"""Makes workers of our own, so many; None where the work is done in this thread."""
+
+LOOK = 0.05
+"""Longest time that a signal waits [s]."""
+AHEAD = 4
+"""Pieces in flight for each worker: those that run, those that wait, and those that wait for an
+earlier one."""
+SHORT = 120
+"""Characters of another's error that are shown."""
+ENDED = (
+    "a worker was ended from outside, or did not start; if the memory is short, take a smaller "
+    "task or fewer workers, and in a script make the call under `if __name__ == '__main__':`."
+)
 
 
-def check_run(workers: Any, progress: Any) -> None:
-    """Refuse a number of workers or a progress function that cannot be.
+class Keep(Protocol[Key, T]):
+    """Finished pieces of a job by key, kept in a folder."""
+
+    folder: Path
+    """Where they are."""
+
+    def done(self, key: Key) -> bool:
+        """Whether a piece is there, though it may prove damaged."""
+
+    def get(self, key: Key) -> T | None:
+        """A finished piece; None where it is not there, or damaged."""
+
+    def add(self, key: Key, value: T) -> None:
+        """Keep a finished piece, at once."""
+
+
+class Counted:
+    """A progress function and its count, which never falls.
+
+    Parameters
+    ----------
+    progress
+        Called with (done, total), or None.
+    total
+        The last count.
+
+    Examples
+    --------
+    >>> counted = Counted(lambda done, total: print(done, "of", total), 5)
+    >>> counted.add(2)
+    2 of 5
+    """
+
+    def __init__(self, progress: Progress | None, total: int) -> None:
+        self.progress, self.total, self.done = progress, total, 0
+
+    def add(self, count: int) -> None:
+        """So many more are done."""
+        self.done += count
+        if self.progress is not None:
+            self.progress(self.done, self.total)
+
+
+def check_run(workers: Any, progress: Any, executor: Any = None) -> None:
+    """Refuse a number of workers, a progress function or an executor that cannot be.
 
     Parameters
     ----------
@@ -24,6 +102,8 @@ def check_run(workers: Any, progress: Any) -> None:
         A whole number of at least 1, or None.
     progress
         A function of two numbers, or None.
+    executor
+        An executor of `concurrent.futures`, or None.
 
     Raises
     ------
@@ -33,84 +113,193 @@ def check_run(workers: Any, progress: Any) -> None:
     if workers is not None:
         whole_number("workers", workers, most=MOST_WORKERS)
     callback(progress)
+    if executor is not None:
+        instance("executor", executor, Executor, "give a concurrent.futures.Executor")
 
 
-K = TypeVar("K")
-T = TypeVar("T")
-
-LOOK = 0.05
-"""Longest time that a signal waits [s]."""
-
-
-def in_order(
-    pool: Executor, tasks: Iterable[tuple[K, Callable[[], T]]], ahead: int
-) -> Generator[tuple[K, T], None, None]:
-    """Run tasks in an executor and yield their results in the order of the tasks.
+@contextmanager
+def resumable(
+    folder: str | PathLike[str], count: Counted | None = None, *,
+    said: str = "finished cells are kept in", then: str = "go on",
+) -> Iterator[None]:  # fmt: skip
+    """Say where finished work is, and how to continue, when a job is interrupted.
 
     Parameters
     ----------
-    pool
-        Any executor of the protocol of `concurrent.futures`.
-    tasks
-        Pairs of a key and a function without arguments; taken one at a time, in this thread.
-    ahead
-        Tasks that wait or run at once.
+    folder
+        Where it is kept.
+    count
+        How much of it is done, or None.
+    said, then
+        Words before the folder, and at the end.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        With one sentence.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        some = "" if count is None else f"{count.done} of {count.total} "
+        raise KeyboardInterrupt(
+            f"interrupted; {some}{said} {path_text(folder)}: give the same command again to {then}"
+        ) from None
+
+
+def threads(workers: int) -> AbstractContextManager[Executor]:
+    """Threads of our own."""
+    return ThreadPoolExecutor(workers)
+
+
+def here(workers: int) -> AbstractContextManager[None]:  # noqa: ARG001
+    """No workers: this thread does one piece after another."""
+    return nullcontext()
+
+
+def ordered(
+    keys: Iterable[K],
+    task: Callable[[K], Callable[[], T]],
+    *,
+    executor: Executor | None = None,
+    workers: int = 1,
+    own: Pool = threads,
+    keep: Keep[K, T] | None = None,
+    progress: Counted | None = None,
+    size: Callable[[K], int] = lambda _: 1,
+) -> Generator[tuple[K, T], None, None]:
+    """Do pieces of work, a bounded number at once, and yield their results in order.
+
+    Parameters
+    ----------
+    keys
+        Names of the pieces, in order.
+    task
+        The work of a piece: a function without arguments, made in this thread when its turn comes.
+        A process can do what can be pickled; what all pieces need is best `shared`.
+    executor
+        Any executor of the protocol of `concurrent.futures`; it is not shut down.
+    workers
+        How many workers there are; at most `AHEAD` pieces for each are in flight.
+    own
+        Makes the workers where there is no executor.
+    keep
+        Finished pieces: those there are not done again, the others are added.
+    progress
+        Told of each piece when it has been finished, in any order.
+    size
+        What a piece counts there.
 
     Yields
     ------
     tuple
-        Key and result.  Tasks that did not begin are cancelled when the iterator is closed.
+        Key and result.  When the iterator is closed, or fails, pieces that wait are cancelled, and
+        workers of our own end.
+
+    Raises
+    ------
+    StabilityError
+        If a worker was ended from outside, or the executor takes no work.
 
     Source: tests/test_pipeline.py.
 
     Examples
     --------
-    >>> from concurrent.futures import ThreadPoolExecutor
     >>> with ThreadPoolExecutor(2) as pool:
-    ...     list(in_order(pool, [("a", lambda: 1), ("b", lambda: 2)], ahead=2))
-    [('a', 1), ('b', 2)]
+    ...     list(ordered("ab", lambda key: key.upper, executor=pool, workers=2))
+    [('a', 'A'), ('b', 'B')]
     """
-    pending: deque[tuple[K, Future[T]]] = deque()
-    try:
-        for key, work in tasks:
+    with own(workers) if executor is None else nullcontext(executor) as pool:
+        work = _Work(pool, task, keep, progress, size)
+        most = AHEAD * workers if pool is not None else 1
+        try:
+            for key in keys:
+                work.begin(key)
+                if len(work.flight) == most:
+                    yield work.first()
+            while work.flight:
+                yield work.first()
+        except BrokenExecutor:
+            raise StabilityError(ENDED) from None
+        except CancelledError:
+            raise StabilityError(
+                "the executor has cancelled the work; give one that runs."
+            ) from None
+        finally:
+            if work.unfinished:
+                with postponed():
+                    for future in work.unfinished:
+                        future.cancel()
+
+
+class _Work(Generic[K, T]):
+    """Pieces in flight, each with a list that holds its result once it is there."""
+
+    def __init__(
+        self, pool: Executor | None, task: Callable[[K], Callable[[], T]],
+        keep: Keep[K, T] | None, progress: Counted | None, size: Callable[[K], int],
+    ) -> None:  # fmt: skip
+        self.pool, self.task, self.keep = pool, task, keep
+        self.progress, self.size = progress, size
+        self.flight: deque[tuple[K, list[T]]] = deque()
+        self.unfinished: dict[Future[T], tuple[K, list[T]]] = {}
+
+    def begin(self, key: K) -> None:
+        """Fetch a piece that is kept, or send its work."""
+        piece: tuple[K, list[T]] = (key, [])
+        kept = self.keep.get(key) if self.keep is not None and self.keep.done(key) else None
+        if kept is not None:
+            self._told(piece, kept)
+        elif self.pool is None:
+            self._finished(piece, self.task(key)())
+        else:
+            work = _Piece(self.task(key), os.getpid())
             with postponed():
-                pending.append((key, pool.submit(work)))
-            if len(pending) > ahead:
-                yield _settled(*pending.popleft())
-        while pending:
-            yield _settled(*pending.popleft())
-    finally:
-        for _, future in pending:
-            future.cancel()
+                self.unfinished[_sent(self.pool, work)] = piece
+        self.flight.append(piece)
+
+    def first(self) -> tuple[K, T]:
+        """The earliest piece and its result, once it is there."""
+        key, found = self.flight[0]
+        while not found:
+            with postponed():
+                done, _ = wait(self.unfinished, LOOK, FIRST_COMPLETED)
+            for future in done:
+                self._finished(self.unfinished.pop(future), future.result())
+        self.flight.popleft()
+        return key, found[0]
+
+    def _finished(self, piece: tuple[K, list[T]], result: T) -> None:
+        if self.keep is not None:
+            self.keep.add(piece[0], result)
+        self._told(piece, result)
+
+    def _told(self, piece: tuple[K, list[T]], result: T) -> None:
+        piece[1].append(result)
+        if self.progress is not None:
+            self.progress.add(self.size(piece[0]))
 
 
-def _settled(key: K, future: Future[T]) -> tuple[K, T]:
-    return key, next(completed([future]))
+def _sent(pool: Executor, work: Callable[[], T]) -> Future[T]:
+    try:
+        return pool.submit(work)
+    except BrokenExecutor:
+        raise
+    except RuntimeError as error:
+        why = one_line(str(error), SHORT)
+        raise ParameterError(f"executor takes no more work: {why}.") from None
 
 
-def completed(futures: Iterable[Future[T]]) -> Iterator[T]:
-    """Yield results of futures as soon as there are any.
+@dataclass(frozen=True)
+class _Piece(Generic[T]):
+    """One piece of work, wherever it is done."""
 
-    Parameters
-    ----------
-    futures
-        From an executor of `concurrent.futures`.
+    work: Callable[[], T]
+    """The work."""
+    home: int
+    """Number of the process that sent it."""
 
-    Yields
-    ------
-    object
-        Results, in the order in which the work ends.
-
-    Examples
-    --------
-    >>> from concurrent.futures import ThreadPoolExecutor
-    >>> with ThreadPoolExecutor(1) as pool:
-    ...     list(completed([pool.submit(abs, -1)]))
-    [1]
-    """
-    left = set(futures)
-    while left:
-        with postponed():
-            done, left = wait(left, LOOK, FIRST_COMPLETED)
-        for future in done:
-            yield future.result()
+    def __call__(self) -> T:
+        if os.getpid() != self.home:
+            follow_starter()
+        return self.work()

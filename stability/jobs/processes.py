@@ -4,6 +4,11 @@ A group of tasks shares one fresh process, in order; several groups may run side
 that raises, exceeds its limit of time or takes its process down is recorded as that, and the rest
 of its group goes on in another process.  Finished cells are lines of a journal in the folder of the
 comparison, so that a run that was stopped goes on where it was.
+
+No `concurrent.futures.Executor` can do this: a task that hangs in a library cannot be ended
+(`Future.cancel` stops no running work), and a worker that dies breaks the whole pool and with it
+every other task.  So these processes are started here; progress, interruption and the protocol of
+what is kept are those of `pipeline`.
 """
 
 from __future__ import annotations
@@ -19,10 +24,11 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from ..base.errors import StabilityError
+from ..base.types import Progress
 from ..storage.files import STOPS, ignoring_signals
-from ..storage.targets import path_text
 from .following import follow
-from .journal import CRASHED, DONE, LATE, REFUSED, Cell, Journal
+from .journal import CRASHED, DONE, LATE, REFUSED, Cell
+from .pipeline import Counted, Keep, resumable
 
 START = 120.0
 """Seconds that a process may take to start."""
@@ -49,19 +55,19 @@ class Task:
 
 def run(
     groups: Sequence[Sequence[Task]],
-    journal: Journal,
+    keep: Keep[str, Cell],
     *,
     workers: int = 1,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> dict[str, Cell]:
-    """Do what the journal does not hold yet.
+    """Do what is not kept yet.
 
     Parameters
     ----------
     groups
         Tasks that share a process, in order; each group starts in a fresh one.
-    journal
-        Where finished cells are, and go.
+    keep
+        Where finished cells are, and go: a `Journal`.
     workers
         Groups at a time.
     progress
@@ -78,34 +84,27 @@ def run(
         On Ctrl-C, with a sentence that says that finished cells are kept.
     """
     lanes_at_most = min(workers, os.cpu_count() or 1)
-    total = sum(len(group) for group in groups)
-    waiting = [[t for t in group if t.key not in journal.cells] for group in groups]
+    keys = [task.key for group in groups for task in group]
+    counted = Counted(progress, len(keys))
+    waiting = [[t for t in group if not keep.done(t.key)] for group in groups]
     waiting = [group for group in waiting if group]
-    done = total - sum(len(group) for group in waiting)
     lanes: list[_Lane] = []
-    try:
-        while waiting or lanes:
-            while waiting and len(lanes) < lanes_at_most:
-                lanes.append(_Lane(waiting.pop(0)))
-            if progress is not None:
-                progress(done, total)
-            for lane, cell in _ended(lanes):
-                journal.add(cell)
-                done += 1
-                if not lane.left:
-                    lane.stop()
-                    lanes.remove(lane)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            f"interrupted; {done} of {total} finished cells are kept in "
-            f"{path_text(journal.path.parent)}: give the same command again to go on"
-        ) from None
-    finally:
-        for lane in lanes:
-            lane.stop()
-    if progress is not None:
-        progress(done, total)
-    return {task.key: journal.cells[task.key] for group in groups for task in group}
+    with resumable(keep.folder, counted):
+        try:
+            counted.add(len(keys) - sum(len(group) for group in waiting))
+            while waiting or lanes:
+                while waiting and len(lanes) < lanes_at_most:
+                    lanes.append(_Lane(waiting.pop(0)))
+                for lane, cell in _ended(lanes):
+                    keep.add(cell.key, cell)
+                    counted.add(1)
+                    if not lane.left:
+                        lane.stop()
+                        lanes.remove(lane)
+        finally:
+            for lane in lanes:
+                lane.stop()
+    return {key: found for key in keys if (found := keep.get(key)) is not None}
 
 
 class _Lane:

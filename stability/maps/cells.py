@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
+from concurrent.futures import Executor
 from contextlib import closing
-from contextvars import copy_context
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..algebra.eigensolver import chosen, name_of
-from ..algebra.exact_polynomial import TabulatedPolynomial
+from ..algebra.eigensolver import chosen, eigensolver, name_of
+from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..base.axis import Grid
 from ..base.errors import DomainError, ParameterError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, Verdict
 from ..base.version import __version__
-from ..jobs.checkpoint import Chunk, Parts
-from ..jobs.pipeline import in_order
+from ..jobs.checkpoint import Chunk
+from ..jobs.pipeline import Counted, Keep, ordered
+from ..jobs.shared import shared
 from ..spectra.certificate import verdict
 from ..spectra.deflation import reduce
 from ..spectra.eigenvalues import decide, eigenvalues
@@ -69,10 +69,10 @@ class Cells:
         self.error = np.empty(self.shape)
         self.frequency = np.empty(self.shape)
         self.codes = np.zeros(self.shape, dtype=np.int8)
-        self.values = None
+        self.values, self.modes, self.solver = None, modes, chosen()
         self.exact = isinstance(question.exact, TabulatedPolynomial)
         self.handed_on = 0
-        self._graph = GRAPH.replace("LAPACK", name_of(chosen()))
+        self._graph = GRAPH.replace("LAPACK", name_of(self.solver))
         if question.exact is not None:
             self._graph += OWN
         family = question.family
@@ -121,42 +121,41 @@ class Cells:
             "route": EXACT if self.exact else self._graph,
         }
 
-    def fill(self, workers: int, progress: Progress | None, parts: Parts | None = None) -> None:
-        """Work through the chunks: members here, since CasADi is not shared; spectra in threads.
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the arrays, which no worker fills."""
+        filled = ("abscissa", "error", "frequency", "codes", "values")
+        return {name: value for name, value in vars(self).items() if name not in filled}
+
+    def fill(
+        self, workers: int, progress: Progress | None, keep: Keep[int, Chunk] | None = None,
+        executor: Executor | None = None,
+    ) -> None:  # fmt: skip
+        """Work through the chunks: members here, since CasADi is not shared; spectra by workers.
 
         Parameters
         ----------
         workers
-            Threads.
+            How many; threads where there is no executor.
         progress
             Called with (cells done, cells in all), or None.
-        parts
+        keep
             Where finished chunks are kept, or None.
+        executor
+            What does the work, or None.
         """
-        total = math.prod(self.shape)
-        done = 0
+        total, cells = math.prod(self.shape), shared(self, executor)
 
-        def tasks() -> Iterator[tuple[int, Callable[[], Chunk]]]:
-            nonlocal done
-            for start in range(0, total, self.chunk):
-                chunk = parts.load(start) if parts is not None else None
-                if chunk is not None and self._fits(start, chunk):
-                    done += self._place(start, chunk)
-                else:
-                    yield start, self._task(start, total)
+        def task(start: int) -> Callable[[], Chunk]:
+            if self.exact:
+                return partial(_band, cells, start, total)
+            return partial(_work, cells, *self._inputs(start, total))
 
-        with (
-            ThreadPoolExecutor(workers) as pool,
-            closing(in_order(pool, tasks(), 4 * workers)) as results,
-        ):
+        with closing(ordered(
+            range(0, total, self.chunk), task, executor=executor, workers=workers, keep=keep,
+            progress=Counted(progress, total), size=lambda start: min(self.chunk, total - start),
+        )) as results:  # fmt: skip
             for start, chunk in results:
-                if parts is not None:
-                    parts.save(start, chunk)
-                done += self._place(start, chunk)
-                if progress:
-                    progress(done, total)
-        if progress:
-            progress(total, total)
+                self._place(start, chunk)
 
     def settle(self) -> None:
         """Decide in balls every cell that double precision left open."""
@@ -166,12 +165,6 @@ class Cells:
             values = {n: float(v) for n, v in (dict(self.question.values) | swept).items()}
             self.codes[i, j] = CODES[verdict(self.question, values)]
             self.handed_on += 1
-
-    def _task(self, start: int, total: int) -> Callable[[], Chunk]:
-        run = copy_context().run  # a thread has a context of its own
-        if self.exact:
-            return partial(run, self._band, start, total)
-        return partial(run, self._work, *self._inputs(start, total))
 
     def _band(self, start: int, total: int) -> Chunk:
         """Whole rows by the exact route, which no CasADi function takes part in."""
@@ -216,7 +209,7 @@ class Cells:
             "error": (radius + (values.real - lead.real[:, None])).max(axis=1) * rate,
             "frequency": np.abs(lead.imag) * rate,
         }
-        if self.values is not None:
+        if self.modes:
             chunk["values"] = values * rate[:, None]
         return chunk
 
@@ -230,7 +223,7 @@ class Cells:
             rows = np.flatnonzero(supported == count)
             if not len(rows):
                 continue
-            if self.values is not None:
+            if self.modes:
                 raise DomainError(
                     f"{self.question.family.name} has {usual} eigenvalues that are zero by "
                     f"structure at typical members but {count} somewhere on this map; leave out "
@@ -243,7 +236,7 @@ class Cells:
             kept = values.shape[1]
             values[rows], radius[rows] = all_values[:, -kept:], discs[:, -kept:]
 
-    def _fits(self, start: int, chunk: Chunk) -> bool:
+    def fits(self, start: int, chunk: Chunk) -> bool:
         """Whether a stored chunk is whole: every array, of the right length and type."""
         count = min(self.chunk, math.prod(self.shape) - start)
         names = ["codes", "abscissa", "error", "frequency"]
@@ -255,7 +248,7 @@ class Cells:
             for n in names
         )
 
-    def _place(self, start: int, chunk: Chunk) -> int:
+    def _place(self, start: int, chunk: Chunk) -> None:
         count = len(chunk["codes"])
         for name, array in chunk.items():
             if name == LEFT:  # counted here, and so in a map that is resumed too
@@ -264,4 +257,15 @@ class Cells:
             whole_array = getattr(self, name)
             flat = whole_array.reshape(-1, *whole_array.shape[2:])
             flat[start : start + count] = array
-        return count
+
+
+def _band(cells: Callable[[], Cells], start: int, total: int) -> Chunk:
+    own = cells()
+    with eigensolver(own.solver):
+        return own._band(start, total)
+
+
+def _work(cells: Callable[[], Cells], *members: Floats) -> Chunk:
+    own = cells()
+    with eigensolver(own.solver):  # a thread has a context of its own
+        return own._work(*members)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..algebra.exact_polynomial import TabulatedPolynomial
+from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.number_types import Algebra
 from ..algebra.polynomial import Polynomial
 from ..algebra.running_error import UNIT

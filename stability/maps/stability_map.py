@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from concurrent.futures import Executor
 from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
@@ -42,6 +43,7 @@ def stability_map(
     boundaries: bool = True,
     modes: bool = False,
     workers: int | None = None,
+    executor: Executor | None = None,
     progress: Progress | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
     **parameters: ArrayLike,
@@ -70,6 +72,9 @@ def stability_map(
         Whether to keep all eigenvalues (complex, dimension `mode`).
     workers
         Threads; all processors when left out.
+    executor
+        Any `concurrent.futures.Executor` in place of the threads, of processes or of another
+        machine; `workers` is then how many workers it has.
     progress
         Called with (cells done, cells in all) now and then.
     checkpoint
@@ -109,7 +114,7 @@ def stability_map(
         raise ParameterError("levels belongs to certify=True; leave it out or certify.")
     if levels is not None:
         levels = whole_number("levels", levels, 0, MOST_LEVELS)
-    check_run(workers, progress)
+    check_run(workers, progress, executor)
     axes = Grid.of(x, "x"), Grid.of(y, "y")
     if (total := axes[0].count * axes[1].count) > MOST_CELLS:
         raise ParameterError(
@@ -118,8 +123,8 @@ def stability_map(
         )
     question = prepare(family, axes, disk, contact, at, parameters)
     cells = Cells(question, axes, modes)
-    parts = Parts(checkpoint, cells.key()) if checkpoint is not None else None
-    cells.fill(workers or os.cpu_count() or 1, progress, parts)
+    parts = Parts(checkpoint, cells.key(), cells.fits) if checkpoint is not None else None
+    cells.fill(workers or os.cpu_count() or 1, progress, parts, executor)
     from .dataset import assemble
 
     boxes = None

@@ -6,8 +6,8 @@ import io
 import math
 import os
 import shutil
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
 from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
@@ -16,21 +16,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra.exact_polynomial import TabulatedPolynomial
+from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..base.axis import Grid
 from ..base.errors import FileError, ParameterError
-from ..base.types import Progress
+from ..base.types import Floats, Progress
 from ..base.verdict import CODES
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
-from ..jobs.pipeline import check_run, in_order
+from ..jobs.pipeline import Counted, check_run, ordered
+from ..jobs.shared import shared
 from ..spectra.arguments import Axis, prepare
 from ..storage.checksum import ATTRIBUTE, STATEMENT, seal
 from ..storage.files import postponed, whole
 from ..storage.targets import NETCDF, check_suffix, check_target, path_text
 from .dataset import axis_attributes, provenance
 from .growth_rates import steady_memory
-from .verdict_tiles import GridVerdicts
+from .verdict_tiles import Codes, GridVerdicts
 
 BAND = 2**20
 """Cells of a band of rows."""
@@ -54,6 +55,7 @@ def stream_map(
     contact: Contact | type[Contact] | None = None,
     at: ArrayLike | None = None,
     workers: int | None = None,
+    executor: Executor | None = None,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
@@ -71,6 +73,9 @@ def stream_map(
         As for `stability_map`.
     workers
         Threads beside the one that writes; one when left out, since bands are short.
+    executor
+        Any `concurrent.futures.Executor` in place of the threads, of processes or of another
+        machine; `workers` is then how many workers it has.
     overwrite
         Whether an existing file may be replaced.
     progress
@@ -102,7 +107,7 @@ def stream_map(
             "family is not a name; maps are streamed for the disk's families, which have exact "
             "polynomials. Use stability_map for one's own."
         )
-    check_run(workers, progress)
+    check_run(workers, progress, executor)
     axes = Grid.of(x, "x"), Grid.of(y, "y")
     question = prepare(str(family), axes, disk, contact, at, {})
     if not isinstance(question.exact, TabulatedPolynomial):
@@ -131,7 +136,8 @@ def stream_map(
             try:
                 with postponed():
                     file, variable = _created(sink, question, axes)
-                left = _fill(variable, sink, verdicts, axes, workers or 1, progress)
+                count = workers or (1 if executor is None else os.cpu_count() or 1)
+                left = _fill(variable, sink, verdicts, axes, count, progress, executor)
                 with postponed():
                     file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
                     file.attrs[ATTRIBUTE] = STATEMENT
@@ -234,22 +240,28 @@ def _rows(axes: tuple[Grid, Grid]) -> int:
 
 def _fill(
     variable: Any, sink: _Sink, verdicts: GridVerdicts, axes: tuple[Grid, Grid], workers: int,
-    progress: Progress | None,
+    progress: Progress | None, executor: Executor | None,
 ) -> int:  # fmt: skip
     """Bands in order, a few in flight; returns how many cells went to exact arithmetic."""
     xs, ys = axes[0].values, axes[1].values
     step, total = _rows(axes), math.prod(g.count for g in axes)
-    bands = (
-        (first, partial(verdicts, xs, ys[first : first + step]))
-        for first in range(0, len(ys), step)
-    )
-    left = 0
-    with ThreadPoolExecutor(workers) as pool, closing(in_order(pool, bands, workers)) as results:
+    left, judge = 0, shared(verdicts, executor)
+
+    def task(first: int) -> Callable[[], tuple[Codes, int]]:
+        return partial(_band, judge, xs, ys[first : first + step])
+
+    with closing(ordered(
+        range(0, len(ys), step), task, executor=executor, workers=workers,
+        progress=Counted(progress, total),
+        size=lambda first: min(step, len(ys) - first) * len(xs),
+    )) as results:  # fmt: skip
         for first, (codes, open_cells) in results:
             with postponed():
                 variable[first : first + len(codes), :] = codes
             sink.check()
             left += open_cells
-            if progress:
-                progress(min((first + step) * len(xs), total), total)
     return left
+
+
+def _band(judge: Callable[[], GridVerdicts], xs: Floats, ys: Floats) -> tuple[Codes, int]:
+    return judge()(xs, ys)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..algebra.exact_polynomial import Exact, TabulatedPolynomial
+from ..algebra.exact.known_polynomial import Exact, TabulatedPolynomial
 from ..algebra.number_types import numpy_algebra
 from ..algebra.polynomial import Polynomial
 from ..algebra.running_error import UNIT

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 from ..base.checks import MOST_WORKERS, Sentences, flag, one_number, whole_number
@@ -146,6 +147,8 @@ class Settings:
     """Whether each launch has a shadow."""
     max_seconds: float = 10.0
     """Computing time after which a run gives up [s]."""
+    executor: Executor | None = None
+    """What does the launches; None for threads, and this one."""
 
     def refuse(self) -> None:
         """Refuse what is out of range, in one sentence."""

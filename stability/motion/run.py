@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from ..base.types import Floats
 from ..bodies.disk_model import FLAT, LIFT_OFF, NO_CONTACT
-from ..integrators.flow import flow_of
+from ..integrators.flow import ASKING, Flow, flow_of
 from ..integrators.leg import UNRESOLVED, End, Leg, Path
 from ..integrators.painleve import OPEN_END, closer
 from ..integrators.selection import FINEST, Choice, explicit, run
 from ..integrators.stick_slip import SLIDING, DryPath
 from ..integrators.stick_slip import integrate as integrate_dry
+from ..integrators.taylor import CORES
+from ..jobs.pipeline import Counted, here, ordered
+from ..jobs.shared import shared
 from .neighbours import COMPARED, doubts, signs
 from .result import OF_END, TIGHTEST, Doubt, Outcome, Result, Settings
 from .starts import Launches
@@ -126,22 +131,36 @@ def _run(
     """Run legs, each by its method, and judge how they ended."""
     found: list[Result | None] = [None] * len(legs)
     if launches.dry:
-        for i, (leg, method) in enumerate(zip(legs, methods, strict=True)):
-            dry = integrate_dry(leg, method, pose=settings.pose)
+        asked = shared(legs[0].flow, settings.executor)
+
+        def task(i: int) -> Callable[[], DryPath]:
+            return partial(_dry, asked, legs[i].numbers, methods[i], settings.pose)
+
+        with closing(ordered(
+            range(len(legs)), task, executor=settings.executor,
+            workers=settings.workers or CORES, own=here, progress=Counted(progress, len(legs)),
+        )) as results:  # fmt: skip
+            dries = [dry for _, dry in results]
+        for i, (leg, method, dry) in enumerate(zip(legs, methods, dries, strict=True)):
             name = explicit() if method == "auto" else method
             choice = Choice(name, "sliding and sticking; landings by LSODA, onsets by CVODES")
             found[i] = _judge(leg, dry.path, choice, launches, settings, dry)
-            if progress is not None:
-                progress(i + 1, len(legs))
     else:
         for method in dict.fromkeys(methods):
             mine = [i for i, name in enumerate(methods) if name == method]
             paths, choices = run(
-                [legs[i] for i in mine], method, workers=settings.workers, progress=progress
-            )
+                [legs[i] for i in mine], method, workers=settings.workers, progress=progress,
+                executor=settings.executor,
+            )  # fmt: skip
             for i, path, choice in zip(mine, paths, choices, strict=True):
                 found[i] = _judge(legs[i], path, choice, launches, settings, None)
     return [result for result in found if result is not None]
+
+
+def _dry(flow: Callable[[], Flow], numbers: tuple[Any, ...], method: str, pose: bool) -> DryPath:
+    """One launch with dry friction, by a worker."""
+    with ASKING:  # sticking and landing have flows that the threads of a process share
+        return integrate_dry(Leg(flow(), *numbers), method, pose=pose)
 
 
 def _finer(tolerance: float, turning: Floats) -> float:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import callback
 from ..base.errors import ParameterError
 from ..bodies.disk import Disk
 from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
+from ..jobs.pipeline import check_run
 from ..systems.family import Family
 from ..systems.system import System
 from .result import Settings
@@ -41,6 +42,7 @@ def simulate(
     max_seconds: float = 10.0,
     check: bool = True,
     workers: int | None = None,
+    executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xarray.Dataset:
     """The motion of a disk, or of a user's system, from a start, and what becomes of it.
@@ -86,6 +88,9 @@ def simulate(
         error of its final state; a launch whose neighbour ends otherwise is *undetermined*.
     workers
         Threads for many launches at once; one for each core when left out.
+    executor
+        Any `concurrent.futures.Executor` that does the launches in place of the threads, of
+        processes or of another machine; `workers` is then how many workers it has.
     progress
         Called with (launches done, launches in all).
 
@@ -134,10 +139,11 @@ def simulate(
     """
     from .dataset import assemble
 
-    callback(progress)
+    check_run(None, progress, executor)
     settings = Settings(
-        check_method(method), tolerance, pose, flat, settle, max_steps, workers, check, max_seconds
-    )
+        check_method(method), tolerance, pose, flat, settle, max_steps, workers, check, max_seconds,
+        executor,
+    )  # fmt: skip
     settings.refuse()
     with CASADI:  # calls from several threads take turns; a batch uses threads of its own
         if isinstance(disk, System):

@@ -19,10 +19,10 @@ from flint import acb, arb, fmpq_poly
 from numpy.typing import ArrayLike
 
 from ..algebra.balls import MIXED, precision, upper
+from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational, rational_root
 from ..algebra.exact.root_balls import clustered, exact_roots, isolated
 from ..algebra.exact.routh import on_the_axis
-from ..algebra.exact_polynomial import ExactPolynomial
 from ..algebra.routh_balls import hurwitz_sign, product, verdict_polynomial
 from ..base.verdict import Verdict, best
 from ..systems.enclosure import characteristic

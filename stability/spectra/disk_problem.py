@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -86,25 +87,30 @@ def disk_problem(
     values |= {"k": disk.k} | {n: getattr(disk, n) for n in PHYSICAL}
     values |= contact.given
 
-    def reduce(
-        v: Mapping[str, Any], root: Callable[[Any], Any]
-    ) -> tuple[list[Any], list[Any], Any]:
-        time = root(v["radius"] / v["gravity"])
-        if "lean" in v:
-            # no double is π/2, so the right angle takes the type of the lean
-            upright = v["lean"].pi() / 2 if hasattr(v["lean"], "pi") else np.pi / 2
-            v = dict(v) | {"at": upright - v["lean"]}
-        a = [v[k] if is_angle(p) else v[k] * time for k, p in zip(keys, parts, strict=True)]
-        # under the linear law mu means c = mu m g
-        q = [v["k"], *law.arguments(v, Scales(v, root)).values()]
-        return a, q, 1 / time
-
     return Problem(
-        resolved, values, disk.dimensionless, reduce,
-        lambda v: np.sqrt(np.asarray(v["gravity"]) * v["radius"]),
+        resolved, values, disk.dimensionless, partial(_reduce, parts, keys, law), _speed,
         disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
         disk_polynomial(family, law.name) if stored(law) else None,
     )  # fmt: skip
+
+
+def _reduce(
+    parts: Sequence[str], keys: Sequence[str], law: type[Contact],
+    v: Mapping[str, Any], root: Callable[[Any], Any],
+) -> tuple[list[Any], list[Any], Any]:  # fmt: skip
+    time = root(v["radius"] / v["gravity"])
+    if "lean" in v:
+        # no double is π/2, so the right angle takes the type of the lean
+        upright = v["lean"].pi() / 2 if hasattr(v["lean"], "pi") else np.pi / 2
+        v = dict(v) | {"at": upright - v["lean"]}
+    a = [v[k] if is_angle(p) else v[k] * time for k, p in zip(keys, parts, strict=True)]
+    # under the linear law mu means c = mu m g
+    q = [v["k"], *law.arguments(v, Scales(v, root)).values()]
+    return a, q, 1 / time
+
+
+def _speed(v: Mapping[str, Any]) -> Any:
+    return np.sqrt(np.asarray(v["gravity"]) * v["radius"])
 
 
 def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,8 @@ from flint import arb, fmpq_poly
 from numpy.typing import ArrayLike
 
 from ..algebra.balls import MIXED, precision
+from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational
-from ..algebra.exact_polynomial import ExactPolynomial
 from ..algebra.routh_balls import product
 from ..base.checks import checked
 from ..base.errors import NameUnknownError, ParameterError, shown
@@ -40,6 +40,10 @@ CLOSE = 2.0**-100
 """Relative difference of balls that may hold one coefficient; wide ones overlap too."""
 
 
+def _one(_: Mapping[str, Any]) -> float:
+    return 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """A family with the values of everything it depends on, in the user's units."""
@@ -52,7 +56,7 @@ class Problem:
     """Whether the user's numbers are dimensionless."""
     reduce: Callable[[Mapping[str, Any], Callable[[Any], Any]], tuple[list[Any], list[Any], Any]]
     """(values, square root) → family parameters, parameters, unit of rate; over any number type."""
-    speed: Callable[[Mapping[str, Any]], Any] = field(default=lambda _: 1.0)
+    speed: Callable[[Mapping[str, Any]], Any] = _one
     """Unit of speed from the values."""
     roundings: tuple[int, ...] = ()
     """Roundings behind each of (family parameters, parameters) when they are made dimensionless."""
@@ -184,18 +188,8 @@ def system_problem(
         columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
         values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
 
-    def reduce(
-        v: Mapping[str, Any],
-        root: Callable[[Any], Any],  # noqa: ARG001
-    ) -> tuple[list[Any], list[Any], Any]:
-        missing = [n for n in (*keys, *family.parameters) if n not in v]
-        if missing:
-            raise NameUnknownError(
-                f"{shown(missing[0])} is missing; {family.name} needs its value."
-            )
-        return [v[k] for k in keys], [v[n] for n in family.parameters], 1.0
-
     roundings = (0,) * (len(family.at) + len(family.parameters))
+    reduce = partial(_reduce, family)
     return Problem(family, values, False, reduce, roundings=roundings, exact=_compared(family))
 
 
@@ -262,6 +256,17 @@ def _monic(family: Family, values: Mapping[str, Any]) -> list[Any]:
             f"({type(error).__name__}: {error}); write it with + - * /, whole numbers and "
             "algebra.functions."
         ) from None
+
+
+def _reduce(
+    family: Family,
+    v: Mapping[str, Any],
+    root: Callable[[Any], Any],  # noqa: ARG001
+) -> tuple[list[Any], list[Any], Any]:
+    missing = [n for n in (*family.at, *family.parameters) if n not in v]
+    if missing:
+        raise NameUnknownError(f"{shown(missing[0])} is missing; {family.name} needs its value.")
+    return [v[k] for k in family.at], [v[n] for n in family.parameters], 1.0
 
 
 def _scalar(value: Any) -> Any:

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra.exact_polynomial import ExactPolynomial
+from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
-from ..base.types import Floats
+from ..base.types import Floats, fields_of
 from .family_graph import FamilyGraph, Frame
 from .steadiness import rate_noise, step_noise
 from .system import System
@@ -106,6 +106,8 @@ class Family:
     """Whether a slow flow on the centre manifold carries a stable member to its threshold."""
     exact: ExactPolynomial | None = None
     """The characteristic polynomial, if it is known."""
+
+    __getstate__ = fields_of
 
     def __post_init__(self) -> None:
         instance("system", self.system, System, "give a stability.System")

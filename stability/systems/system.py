@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..algebra.program import Program
 from ..base.checks import broadcast, known, rows
 from ..base.errors import DomainError, ParameterError, shown
+from ..base.types import fields_of
 from .condition import Condition
 from .system_checks import check_implicit, check_system, expression, mapping, names
 
@@ -82,6 +83,8 @@ class System:
     """Right-hand side of the implicit form, or None."""
     unknowns: tuple[str, ...] = ()
     """Names of the implicit form's unknowns: accelerations and contact forces."""
+
+    __getstate__ = fields_of
 
     def __post_init__(self) -> None:
         for what in ("states", "parameters", "unknowns"):

@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ..base.checks import arithmetic
-from ..base.errors import ParameterError, shown
-from .number_types import Algebra
-from .polynomial import Polynomial
+from ...base.checks import arithmetic
+from ...base.errors import ParameterError, shown
+from ..number_types import Algebra
+from ..polynomial import Polynomial
 
 
 @dataclass(frozen=True)
