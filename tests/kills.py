@@ -64,7 +64,14 @@ def start(command: Command, folder: Path, mark: str) -> subprocess.Popen[bytes]:
         [sys.executable, "-m", "stability", *command.words], cwd=folder,
         env=os.environ | {MARK: mark, "PYTHONPATH": str(Path(st.__file__).parents[1])},
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+        preexec_fn=_hearing,
     )  # fmt: skip
+
+
+def _hearing() -> None:
+    """Signals as a terminal leaves them: a job in the background inherits that some are ignored."""
+    for number in SIGNALS[1:]:
+        signal.signal(number, signal.SIG_DFL)
 
 
 def alive(mark: str) -> list[str]:

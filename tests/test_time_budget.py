@@ -80,7 +80,7 @@ def test_a_guard_that_dips_within_a_long_step_is_seen(method: str) -> None:
     # for 0.09 of each turn
     spin = flow("smooth", pose=True)
     phi = spin.x[7] * 1024.0
-    watched = dataclasses.replace(spin, guards={"dip": 0.999 + ca.cos(2 * phi)})
+    watched = spin.having(guards={"dip": 0.999 + ca.cos(2 * phi)})
     start = watched.pack(np.array([math.pi / 2, 0, 3.0, 0, 0, 0]))
     leg = Leg(watched, np.array([0.25, 1e-6]), start, np.array([0.0, 10.0]), 1e-2, 10**6)
     path = METHODS[method](leg)
