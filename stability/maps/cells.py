@@ -23,7 +23,7 @@ from ..jobs.checkpoint import Chunk
 from ..jobs.pipeline import Counted, Keep, ordered
 from ..jobs.shared import shared
 from ..spectra.certificate import verdict
-from ..spectra.deflation import reduce
+from ..spectra.deflation import deflate
 from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
 from ..systems.multiplicity import certain
@@ -196,7 +196,7 @@ class Cells:
         if not self.exact:
             family.checked_states(a, u, q)
         watch = not self._certain
-        reduced = reduce(family, a, q, u, self.problem.roundings, watch=watch)
+        reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
         even = family.conservative and self._certain
         values, radius, _ = eigenvalues(reduced, even=even)
         codes = decide(values, radius, even=even)
@@ -230,7 +230,7 @@ class Cells:
                     "modes, or map that part by itself."
                 )
             a, q, u = (part[rows] for part in place)
-            reduced = reduce(self.problem.family, a, q, u, self.problem.roundings, count)
+            reduced = deflate(self.problem.family, a, q, u, self.problem.roundings, count)
             all_values, discs, _ = eigenvalues(reduced, even=False)
             codes[rows] = decide(all_values, discs, even=False)
             kept = values.shape[1]

@@ -34,7 +34,7 @@ def grows(
     zeros
         How many eigenvalues vanish by structure.
     roundings
-        As for `stability.spectra.deflation.reduce`.
+        As for `stability.spectra.deflation.deflate`.
 
     Returns
     -------
@@ -122,12 +122,12 @@ class Place:
         Parameters
         ----------
         family, zeros, watch
-            As for `reduce`.
+            As for `deflate`.
         """
-        return reduce(family, self.a, self.q, self.u, self.roundings, zeros, watch)
+        return deflate(family, self.a, self.q, self.u, self.roundings, zeros, watch)
 
 
-def reduce(
+def deflate(
     family: Family,
     a: Floats,
     q: Floats,
@@ -161,10 +161,10 @@ def reduce(
     with np.errstate(all="ignore"):  # `eigenvalues` refuses what is not finite
         count = structure(family).zeros if zeros is None else zeros
         given = roundings or [0] * (a.shape[1] + q.shape[1])
-        return _reduce(family, (a, q, u), given, count, watch)
+        return _linearised(family, (a, q, u), given, count, watch)
 
 
-def _reduce(
+def _linearised(
     family: Family, place: tuple[Floats, Floats, Floats], roundings: Sequence[int], zeros: int,
     watch: bool,
 ) -> Reduced:  # fmt: skip
@@ -207,7 +207,7 @@ def tracked_matrix(
     Parameters
     ----------
     family, a, q, u, roundings
-        As for `reduce`.
+        As for `deflate`.
 
     Returns
     -------
