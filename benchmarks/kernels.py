@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 import stability as st
-from stability.base.axis import Grid
+from stability.base.axis import Axis
 from stability.maps.cells import Cells
 from stability.spectra.arguments import prepare
 from stability.spectra.certificate import certify
@@ -43,7 +43,7 @@ def timed(run: Callable[[], Any]) -> float:
     return time.perf_counter() - start
 
 
-def axes_of(family: str, packed: float | None = None) -> tuple[Grid, Grid]:
+def axes_of(family: str, packed: float | None = None) -> tuple[Axis, Axis]:
     low, high = AXES[family]
     mu = MU
     if packed is not None:
@@ -54,10 +54,10 @@ def axes_of(family: str, packed: float | None = None) -> tuple[Grid, Grid]:
             )
             edge, mu = point.value, (1.5 * (1 - packed), 1.5 * (1 + packed))
         low, high = edge * (1 - packed), edge * (1 + packed)
-    return Grid("at", low, high, NX), Grid("mu", *mu, NY, packed is None)
+    return Axis("at", low, high, NX), Axis("mu", *mu, NY, packed is None)
 
 
-def baseline(family: str, axes: tuple[Grid, Grid]) -> Callable[[], Any]:
+def baseline(family: str, axes: tuple[Axis, Axis]) -> Callable[[], Any]:
     resolved = st.disk_family(family, "viscous")
     at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
     a = at.reshape(-1, 1)
@@ -106,12 +106,12 @@ def maps(family: str) -> dict[str, Any]:
     }
 
 
-def signs_wrong(family: str, axes: tuple[Grid, Grid], slow: Callable[[], Any]) -> str:
+def signs_wrong(family: str, axes: tuple[Axis, Axis], slow: Callable[[], Any]) -> str:
     at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
     question = disk_problem(family, st.Disk(), st.Viscous(1.0), 1.0)
-    from stability.maps.verdict_filter import Filtered
+    from stability.maps.verdict_filter import FilteredVerdicts
 
-    codes, _ = Filtered(question).codes(dict(question.values) | {"at": at, "mu": mu})
+    codes, _ = FilteredVerdicts(question).codes(dict(question.values) | {"at": at, "mu": mu})
     lead = slow().reshape(at.shape)
     return f"{int(((lead < 0) != (codes == 1)).sum())} of {at.size}"
 

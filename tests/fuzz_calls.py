@@ -449,6 +449,10 @@ def _judged(call: Call, name: str) -> tuple[str, str]:
         own = error.__traceback__ is not None and error.__traceback__.tb_next is None
         return "no signature", "" if own else _said(error)
     except BaseException as error:
+        if isinstance(call[2].get("progress"), ca.Function) and "Error in Function::call" in str(
+            error
+        ):
+            return "no signature", ""  # the user's own function raises, and is heard
         return "raised", _said(error)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)

@@ -12,7 +12,7 @@ import stability as st
 from stability.bodies.disk_polynomials import exact_polynomial
 from stability.derivation.branches import NOWHERE
 from stability.derivation.formulas import expression, formulas
-from stability.derivation.friction_ranges import Line
+from stability.derivation.friction_ranges import FlutterCondition
 
 K, M, Z, S, V, X, N = sp.symbols("k M z s v x N", positive=True)
 HALF = sp.Rational(1, 2)
@@ -187,12 +187,14 @@ def test_a_factor_without_mu_keeps_a_statement_from_every_k() -> None:
     from stability.derivation.characteristic import K as k
     from stability.derivation.characteristic import M as m
 
-    line = Line("spinning", sp.expand((1 - 3 * k) * SQUARE + m + 10), 1 / k)
+    line = FlutterCondition("spinning", sp.expand((1 - 3 * k) * SQUARE + m + 10), 1 / k)
     assert line.for_every_k() is None
     patterns = [
         [
             r.pattern
-            for r in Line("spinning", sp.expand((1 - 3 * k) * SQUARE + m + 10), 1 / k).for_one_k(v)
+            for r in FlutterCondition(
+                "spinning", sp.expand((1 - 3 * k) * SQUARE + m + 10), 1 / k
+            ).for_one_k(v)
         ]
         for v in (sp.Rational(1, 4), HALF)
     ]

@@ -16,9 +16,9 @@ from stability.compare import failures as catalogue
 from stability.compare.failures import Entry, attempt
 from stability.compare.marks import HONEST, Judgement, Mark, by_error
 from stability.compare.motion.cases import MOTION_CASES, MotionCase
-from stability.compare.motion.drivers import DRIVERS, Driver, Motion, driver, simulated
+from stability.compare.motion.drivers import DRIVERS, Answer, Driver, driver, simulated
 from stability.compare.motion.measure import judged
-from stability.compare.motion.reference_motions import Scene, scene, scenes
+from stability.compare.motion.reference_motions import ReferenceMotion, scene, scenes
 from stability.compare.pareto import places
 from stability.compare.spectrum import measure as spectral
 from stability.compare.spectrum import routes
@@ -404,7 +404,7 @@ class Blind(Driver):
 
     name, title, usual = "blind", "broken", 1e-2
 
-    def run(self, scene: Scene, times: Any, tolerance: float) -> Motion:
+    def run(self, scene: ReferenceMotion, times: Any, tolerance: float) -> Answer:
         return driver("rk45").run(scene, times, tolerance)
 
 
@@ -425,7 +425,7 @@ def test_where_truth_is_undetermined_only_that_answer_is_right(
     times, states = open_.times, open_.states
     for outcome, mark in (("undetermined", Mark.RIGHT), ("lift-off", Mark.WRONG),
                           ("moving", Mark.WRONG), ("unresolved", Mark.RIGHT)):  # fmt: skip
-        assert case.weigh(Motion(times, states, outcome, 16.1)).mark is mark
+        assert case.weigh(Answer(times, states, outcome, 16.1)).mark is mark
 
 
 def test_a_model_has_an_error_that_no_tolerance_mends() -> None:

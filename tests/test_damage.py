@@ -15,7 +15,7 @@ import pytest
 from damage import BOMBS, bomb, damage
 
 import stability as st
-from stability.jobs.checkpoint import Parts
+from stability.jobs.checkpoint import Checkpoint
 from stability.jobs.journal import DONE, Cell, Journal
 from stability.storage.checksum import ATTRIBUTE, LENGTH, seal
 
@@ -69,11 +69,11 @@ def _part(folder: Path) -> Sample:
     chunks = [{"abscissa": random.normal(size=300), "codes": np.ones(300, np.int8)} for _ in "ab"]
     contents = []
     for i, chunk in enumerate(chunks):
-        Parts(folder / f"kept{i}", key | {"map": i}).add(0, chunk)
+        Checkpoint(folder / f"kept{i}", key | {"map": i}).add(0, chunk)
         contents.append((folder / f"kept{i}" / "0.npz").read_bytes())
 
     def read(path: Path) -> Any:
-        parts = Parts(folder / "kept0", key | {"map": 0})
+        parts = Checkpoint(folder / "kept0", key | {"map": 0})
         shutil.copy(path, parts.folder / "0.npz")
         return parts.get(0)
 

@@ -171,10 +171,10 @@ def test_limits_are_those_of_the_verdicts() -> None:
 
 def test_the_decomposition_can_fail() -> None:
     """A condition whose pattern changes with k is not called one cell."""
-    from stability.derivation.friction_ranges import Line
+    from stability.derivation.friction_ranges import FlutterCondition
 
     odd = (4 * K - 1) * Z * K - M
-    assert Line("spinning", sympy.expand(odd), 1 / K).for_every_k() is None
+    assert FlutterCondition("spinning", sympy.expand(odd), 1 / K).for_every_k() is None
 
 
 def test_the_table_prints_text_latex_and_json(capsys: pytest.CaptureFixture[str]) -> None:

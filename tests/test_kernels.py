@@ -11,12 +11,12 @@ from test_spectra import random_points
 
 import stability as st
 from stability.algebra.real_factors import Factors, enclose, improve, settle, start
-from stability.base.axis import Grid
+from stability.base.axis import Axis
 from stability.base.verdict import CODES, Verdict
 from stability.bodies.disk_polynomials import INPUT, PLAIN
 from stability.maps.growth_rates import GrowthKernel
 from stability.maps.proved_boxes import BoxConditions, Interval, prove_boxes
-from stability.maps.verdict_filter import Filtered, VerdictKernel, point
+from stability.maps.verdict_filter import FilteredVerdicts, VerdictKernel, point
 from stability.maps.verdict_tiles import GridVerdicts
 from stability.spectra.certificate import certify, verdict
 from stability.spectra.disk_problem import disk_problem
@@ -35,7 +35,7 @@ def test_the_filter_never_contradicts_exact_arithmetic(family: str, disk: Any) -
     at, q = random_points(family, 400, seed=31)
     asked = question(family, disk)
     values = dict(asked.values) | {"at": at[:, 0], "mu": q[:, 1], "k": q[:, 0]}
-    plain = Filtered(asked).kernel(point(asked, values))
+    plain = FilteredVerdicts(asked).kernel(point(asked, values))
     for i, code in enumerate(plain):
         one = {n: float(np.broadcast_to(v, 400)[i]) for n, v in values.items()}
         assert code in (0, CODES[verdict(asked, one)])
@@ -47,7 +47,7 @@ def test_the_timed_route_decides_every_random_point_rightly(family: str) -> None
     at, q = random_points(family, 150, seed=32)
     asked = question(family)
     values = dict(asked.values) | {"at": at[:, 0], "mu": q[:, 1], "k": q[:, 0]}
-    codes, _ = Filtered(asked).codes(values)
+    codes, _ = FilteredVerdicts(asked).codes(values)
     for i, code in enumerate(codes):
         assert code == CODES[truth(family, float(at[i, 0]), float(q[i, 0]), float(q[i, 1]))]
 
@@ -58,7 +58,7 @@ def test_the_timed_route_decides_ten_thousand_points_rightly(family: str) -> Non
     at, q = random_points(family, 10_000, seed=33)
     asked = question(family)
     values = dict(asked.values) | {"at": at[:, 0], "mu": q[:, 1], "k": q[:, 0]}
-    codes, left = Filtered(asked).codes(values)
+    codes, left = FilteredVerdicts(asked).codes(values)
     wrong = sum(
         code != CODES[truth(family, float(at[i, 0]), float(q[i, 0]), float(q[i, 1]))]
         for i, code in enumerate(codes)
@@ -99,17 +99,17 @@ def test_tiles_say_what_cells_say(family: str, names: tuple[str, str], law: Any)
     xs, ys = (np.linspace(*ends[n], count) for n, count in zip(names, (70, 45), strict=True))
     codes, _ = GridVerdicts(asked, *names)(xs, ys)
     swept = dict(asked.values) | {names[0]: xs[None, :], names[1]: ys[:, None]}
-    cells, _ = Filtered(asked).codes(swept)
+    cells, _ = FilteredVerdicts(asked).codes(swept)
     assert (codes == cells).all()
     flat = {n: np.broadcast_to(v, cells.shape).ravel() for n, v in swept.items()}
-    scattered, _ = Filtered(asked).codes(flat)
+    scattered, _ = FilteredVerdicts(asked).codes(flat)
     assert (scattered.reshape(cells.shape) == cells).all()
 
 
 def test_upright_is_handed_to_exact_arithmetic() -> None:
     asked = disk_problem("tumbling", st.Disk(), st.Viscous(0.6), lean=0.0)
     for lean in (np.array([-1e-9, 0.0, 1e-30]), np.linspace(-1e-3, 1e-3, 41)):
-        codes, _ = Filtered(asked).codes(dict(asked.values) | {"lean": lean})
+        codes, _ = FilteredVerdicts(asked).codes(dict(asked.values) | {"lean": lean})
         wanted = np.where(lean == 0, CODES[Verdict.NEUTRAL], CODES[Verdict.STABLE])
         assert (codes == wanted).all()
         grid, _ = GridVerdicts(asked, "lean", "mu")(lean, np.array([0.6, 0.7]))
@@ -161,7 +161,7 @@ def test_what_overflows_goes_to_exact_arithmetic() -> None:
     kernel = VerdictKernel(question("tumbling").exact.known)
     assert kernel([0.25, 1e200, 0.5]) == 0
     assert kernel([0.25, 1e-250, 0.5]) == 0
-    codes, left = Filtered(question("spinning")).codes(
+    codes, left = FilteredVerdicts(question("spinning")).codes(
         dict(question("spinning").values) | {"mu": np.array([1e90, 1e-90]), "at": 5.0}
     )
     assert left == 2
@@ -184,7 +184,7 @@ def test_the_filter_can_be_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     [found] = st.boundaries("tumbling", axis=("at", 0.9, 1.2, 9), contact=st.Viscous(1.5))
     at = found.value * (1 + np.linspace(-1, 1, 401) * 1e-15)
     values = dict(asked.values) | {"at": at, "mu": 1.5}
-    kernel = Filtered(asked).kernel
+    kernel = FilteredVerdicts(asked).kernel
     for part in kernel._parts:
         monkeypatch.setattr(part, "ratio", 1.0)
     codes = kernel(point(asked, values))
@@ -328,7 +328,7 @@ def test_no_box_holds_a_point_of_another_verdict(family: str, x: Any, y: Any, la
     """An attempt to refute: random points of random boxes, their corners, in exact arithmetic."""
     lean = 0.1 if "lean" in (x[0], y[0]) else None
     asked = disk_problem(family, st.Disk(), law or st.Viscous(1.0), None if lean else 1.0, lean)
-    axes = Grid(*x, 9), Grid(*y, 9)
+    axes = Axis(*x, 9), Axis(*y, 9)
     boxes = prove_boxes(asked, axes, 6)
     assert boxes.proved > 0.5
     random = np.random.default_rng(7)
@@ -406,14 +406,14 @@ def test_levels_out_of_range_are_refused(levels: Any) -> None:
 @pytest.mark.parametrize("family", [*FAMILIES, "circling", "precession"])
 def test_a_line_has_one_polynomial_by_both_routes(family: str, law: Any) -> None:
     from stability.algebra.balls import precision
-    from stability.boundary.brackets import Line
+    from stability.boundary.brackets import AxisScan
 
     only = {"circling": st.Rough, "precession": st.Smooth}.get(family)
     if only is not None and not isinstance(law, only):
         return
     at = (0.9, 0.7) if only is not None else 0.9
     asked = disk_problem(family, st.Disk(k=0.3), law or st.Viscous(0.6), at)
-    line = Line(asked, "k", {n: float(v) for n, v in asked.values.items()})
+    line = AxisScan(asked, "k", {n: float(v) for n, v in asked.values.items()})
     with precision(128):
         graph, exact_ = line._coefficients(0.3, 128), line._exact(0.3)
         assert exact_ is not None

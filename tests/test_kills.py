@@ -12,7 +12,7 @@ import pytest
 from kills import COMMANDS, LATEST, SIGNALS, delays, kill, next_run, readable, soon
 
 import stability as st
-from stability.storage.files import together, whole
+from stability.storage.files import atomic_write, together
 from stability.storage.litter import _start, clear, temporary
 
 SEED = int(os.environ.get("STABILITY_SEED", "20261121"))
@@ -42,8 +42,8 @@ def test_files_of_ended_processes_are_removed_and_others_stay(tmp_path: Path) ->
 
 def test_a_command_removes_what_a_killed_one_left(tmp_path: Path) -> None:
     code = (
-        "import os, signal, sys; from stability.storage.files import whole\n"
-        "with whole(sys.argv[1]) as file:\n"
+        "import os, signal, sys; from stability.storage.files import atomic_write\n"
+        "with atomic_write(sys.argv[1]) as file:\n"
         "    file.write_text('half'); os.kill(os.getpid(), signal.SIGKILL)"
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path / "m.nc")], check=False)
@@ -56,7 +56,7 @@ def test_several_files_are_all_there_or_none(tmp_path: Path) -> None:
     (tmp_path / "b").write_text("before")
     with pytest.raises(st.StabilityError, match="exists by now"), together():
         for name in ("a", "b", "c"):
-            with whole(tmp_path / name, overwrite=name == "b") as file:
+            with atomic_write(tmp_path / name, overwrite=name == "b") as file:
                 file.write_text("after")
         (tmp_path / "c").write_text("another's")
     assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {
@@ -64,7 +64,7 @@ def test_several_files_are_all_there_or_none(tmp_path: Path) -> None:
     }  # fmt: skip
     with pytest.raises(KeyboardInterrupt), together():
         for name in ("a", "b"):
-            with whole(tmp_path / name, overwrite=True) as file:
+            with atomic_write(tmp_path / name, overwrite=True) as file:
                 file.write_text("after")
         raise KeyboardInterrupt
     assert not (tmp_path / "a").exists()
@@ -83,7 +83,7 @@ def test_a_signal_waits_until_every_file_has_its_name(
     monkeypatch.setattr(Path, "replace", interrupted)
     with pytest.raises(KeyboardInterrupt), together():
         for name in ("a", "b"):
-            with whole(tmp_path / name, overwrite=True) as file:
+            with atomic_write(tmp_path / name, overwrite=True) as file:
                 file.write_text("after")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b"]
 

@@ -10,7 +10,7 @@ import pytest
 import xarray
 
 import stability as st
-from stability.base.axis import Grid
+from stability.base.axis import Axis
 from stability.base.verdict import CODES, Verdict
 from stability.boundary.curves import KINDS
 from stability.maps.netcdf import read_map, write_map
@@ -246,7 +246,7 @@ def test_circling_has_both_its_parameters_as_axes() -> None:
 
 
 def test_a_logarithmic_axis_keeps_its_ends() -> None:
-    grid = Grid("mu", 1e-3, 7.0, 9, True)
+    grid = Axis("mu", 1e-3, 7.0, 9, True)
     assert grid.values[0] == 1e-3
     assert grid.values[-1] == 7.0
     assert np.ptp(np.diff(np.log(grid.values))) < 1e-13

@@ -346,13 +346,13 @@ def test_errors_hold_to_every_order(name: str) -> None:
     """The value at any point within the error is within the stated error of the value."""
     import mpmath
 
-    from stability.algebra.running_error import TRACKED, Tracked
+    from stability.algebra.running_error import TRACKED, RunningError
 
     rng = np.random.default_rng(11)
     x = rng.uniform(0.05, 0.9, 200)
     e = x * 10.0 ** rng.uniform(-17, 0.05, 200)
     with np.errstate(all="ignore"):
-        found = TRACKED.functions[name](Tracked(x, e))
+        found = TRACKED.functions[name](RunningError(x, e))
     function = getattr(mpmath, {"log": "ln"}.get(name, name))
     for i in range(200):
         for share in (-1.0, -0.5, 1.0):

@@ -11,7 +11,7 @@ from hypothesis import strategies as some
 import stability as st
 from stability.algebra.number_types import ball_algebra, numpy_algebra, sympy_algebra
 from stability.algebra.program import Program
-from stability.algebra.running_error import Tracked, tracked_arrays
+from stability.algebra.running_error import RunningError, running_error_arrays
 from stability.bodies.contact_laws import LAWS
 
 GIVEN = settings(max_examples=40, deadline=None, derandomize=True)
@@ -200,7 +200,7 @@ def test_random_graphs_read_alike_in_every_algebra(seed: int) -> None:
     for found, value in zip(plain, expected, strict=True):
         assert found.ravel() == pytest.approx(value, rel=1e-12, abs=1e-12)
     balls = program.run(ball_algebra(), [[ball_algebra().constant(v) for v in point]])
-    tracked = tracked_arrays(program, [[Tracked(np.array(v), 0.0) for v in point]], ())
+    tracked = running_error_arrays(program, [[RunningError(np.array(v), 0.0) for v in point]], ())
     for index, places in enumerate(program.places):
         for (row, column), ball in zip(places, balls[index], strict=True):
             value, error = (part[row, column] for part in tracked[index])
@@ -212,7 +212,7 @@ def test_running_errors_cover_the_truth_and_are_not_idle() -> None:
     """√(1 + x) - 1 at x = 1e-13: three digits are left, and the bound says so."""
     x = ca.SX.sym("x")
     program = Program(ca.Function("f", [x], [ca.sqrt(1 + x) - 1]))
-    [(value, error)] = tracked_arrays(program, [[Tracked(np.array(1e-13), 0.0)]], ())
+    [(value, error)] = running_error_arrays(program, [[RunningError(np.array(1e-13), 0.0)]], ())
     true_error = abs(float(value[0, 0]) - 1e-13 / (1 + np.sqrt(1 + 1e-13)))
     assert 0 < true_error <= float(error[0, 0]) < 1e3 * true_error
 
@@ -264,7 +264,7 @@ def test_tracked_operations_bound_their_own_rounding(operation: str) -> None:
     random = np.random.default_rng(9)
     sharpest = 0.0
     for a, b in random.normal(size=(300, 2)):
-        found = act(Tracked(float(a), 0.0), Tracked(float(b), 0.0))
+        found = act(RunningError(float(a), 0.0), RunningError(float(b), 0.0))
         exact = act(Fraction(float(a)), Fraction(float(b)))
         error = abs(Fraction(float(found.value)) - exact)
         assert error <= Fraction(float(found.error))
@@ -280,7 +280,7 @@ def test_tracked_arguments_pass_their_errors_on() -> None:
 
     for name in ("sin", "cos", "tan", "sqrt", "exp", "log", "atan", "tanh", "sinh", "asin"):
         x, e = 0.7, 1e-6
-        found = TRACKED.functions[name](Tracked(np.array(x), np.array(e)))
+        found = TRACKED.functions[name](RunningError(np.array(x), np.array(e)))
         function = getattr(mpmath, name)
         spread = max(abs(function(x + s * e) - function(x)) for s in (-1, 1))
         assert float(spread) <= 1.0001 * float(found.error) <= 1.01 * float(spread)

@@ -9,14 +9,14 @@ import pytest
 import stability as st
 from stability.bodies.disk_equations import STATES
 from stability.compare.motion.measure import distance
-from stability.compare.motion.reference_motions import Scene, scene, scenes
+from stability.compare.motion.reference_motions import ReferenceMotion, scene, scenes
 from stability.motion.result import BY_CODE
 from stability.motion.simulate import simulate
 
 SMOOTH = [n for n, s in scenes().items() if s.law != "coulomb"]
 
 
-def launched(it: Scene, **options: Any) -> Any:
+def launched(it: ReferenceMotion, **options: Any) -> Any:
     return simulate(it.disk(), it.contact(), list(it.start), it.asked, **options)
 
 

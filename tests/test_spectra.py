@@ -11,7 +11,7 @@ import reference
 import stability as st
 from stability.algebra.program import Program
 from stability.base.verdict import CODES, Verdict
-from stability.spectra.deflation import reduce
+from stability.spectra.deflation import deflate
 from stability.spectra.eigenvalues import decide, eigenvalues
 from stability.spectra.modes import track
 
@@ -108,7 +108,7 @@ def judge(family_name: str, count: int, seed: int) -> tuple[int, int]:
     """Wrong and undecided verdicts among random points, against 60-digit arithmetic."""
     family = st.disk_family(family_name, "viscous")
     a, q = random_points(family_name, count, seed)
-    values, radius, _ = eigenvalues(reduce(family, a, q), even=False)
+    values, radius, _ = eigenvalues(deflate(family, a, q), even=False)
     codes = decide(values, radius, even=False)
     wrong = 0
     for i in range(count):

@@ -20,7 +20,7 @@ TINY = 2.0**-1074
 """Least double: what a product or quotient that underflows may lose."""
 
 
-class Tracked:
+class RunningError:
     """An array and a bound on how far each entry is from the exact result.
 
     Parameters
@@ -32,7 +32,7 @@ class Tracked:
 
     Examples
     --------
-    >>> third = Tracked(1.0, 0.0) / Tracked(3.0, 0.0)
+    >>> third = RunningError(1.0, 0.0) / RunningError(3.0, 0.0)
     >>> bool(third.error >= 2.0**-56)
     True
     """
@@ -44,56 +44,56 @@ class Tracked:
         self.value, self.error = value, error
 
     def _pair(self, other: Any) -> tuple[Any, Any]:
-        if isinstance(other, Tracked):
+        if isinstance(other, RunningError):
             return other.value, other.error
         return other, 0.0
 
-    def __add__(self, other: Any) -> Tracked:
+    def __add__(self, other: Any) -> RunningError:
         value, error = self._pair(other)
         total = self.value + value
-        return Tracked(total, self.error + error + UNIT * np.abs(total))
+        return RunningError(total, self.error + error + UNIT * np.abs(total))
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Tracked:
+    def __sub__(self, other: Any) -> RunningError:
         value, error = self._pair(other)
         total = self.value - value
-        return Tracked(total, self.error + error + UNIT * np.abs(total))
+        return RunningError(total, self.error + error + UNIT * np.abs(total))
 
-    def __rsub__(self, other: Any) -> Tracked:
+    def __rsub__(self, other: Any) -> RunningError:
         return (-self).__add__(other)
 
-    def __neg__(self) -> Tracked:
-        return Tracked(-self.value, self.error)
+    def __neg__(self) -> RunningError:
+        return RunningError(-self.value, self.error)
 
-    def __mul__(self, other: Any) -> Tracked:
-        if not isinstance(other, Tracked):
+    def __mul__(self, other: Any) -> RunningError:
+        if not isinstance(other, RunningError):
             total = self.value * other
-            return Tracked(total, abs(other) * self.error + (UNIT * np.abs(total) + TINY))
+            return RunningError(total, abs(other) * self.error + (UNIT * np.abs(total) + TINY))
         value, error = other.value, other.error
         total = self.value * value
         passed = np.abs(self.value) * error + (np.abs(value) + error) * self.error
-        return Tracked(total, passed + UNIT * np.abs(total) + TINY)
+        return RunningError(total, passed + UNIT * np.abs(total) + TINY)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Tracked:
-        if not isinstance(other, Tracked):
+    def __truediv__(self, other: Any) -> RunningError:
+        if not isinstance(other, RunningError):
             total = self.value / other
-            return Tracked(total, self.error / abs(other) + (UNIT * np.abs(total) + TINY))
+            return RunningError(total, self.error / abs(other) + (UNIT * np.abs(total) + TINY))
         value, error = other.value, other.error
         total = self.value / value
         size = np.abs(total)
         least = np.abs(value) - error
         passed = (self.error + size * error) / np.where(least > 0, least, 0.0)
-        return Tracked(total, passed + UNIT * size + TINY)
+        return RunningError(total, passed + UNIT * size + TINY)
 
-    def __rtruediv__(self, other: Any) -> Tracked:
-        return Tracked(other, 0.0) / self
+    def __rtruediv__(self, other: Any) -> RunningError:
+        return RunningError(other, 0.0) / self
 
-    def __pow__(self, power: Any) -> Tracked:
+    def __pow__(self, power: Any) -> RunningError:
         exponent, unsure = (
-            (power.value, power.error) if isinstance(power, Tracked) else (power, 0.0)
+            (power.value, power.error) if isinstance(power, RunningError) else (power, 0.0)
         )
         total = self.value**exponent
         size = np.abs(self.value)
@@ -105,7 +105,7 @@ class Tracked:
         if np.any(unsure):
             reach = np.maximum(np.abs(np.log(np.maximum(low, 0.0))), np.abs(np.log(high)))
             passed = passed + (np.abs(total) + passed) * np.expm1(unsure * reach)
-        return Tracked(total, passed + 4 * UNIT * np.abs(total) + TINY)
+        return RunningError(total, passed + 4 * UNIT * np.abs(total) + TINY)
 
 
 class Constant(float):
@@ -113,23 +113,23 @@ class Constant(float):
 
     def _with(self, other: Any, operation: Any) -> Any:
         if isinstance(other, Constant):
-            return operation(Tracked(np.float64(self), 0.0), other)
+            return operation(RunningError(np.float64(self), 0.0), other)
         return NotImplemented
 
     def __add__(self, other: Any) -> Any:
-        return self._with(other, Tracked.__add__)
+        return self._with(other, RunningError.__add__)
 
     def __sub__(self, other: Any) -> Any:
-        return self._with(other, Tracked.__sub__)
+        return self._with(other, RunningError.__sub__)
 
     def __mul__(self, other: Any) -> Any:
-        return self._with(other, Tracked.__mul__)
+        return self._with(other, RunningError.__mul__)
 
     def __truediv__(self, other: Any) -> Any:
-        return self._with(other, Tracked.__truediv__)
+        return self._with(other, RunningError.__truediv__)
 
     def __rtruediv__(self, other: Any) -> Any:  # the graph's own 1 / x
-        return Tracked(np.float64(other), 0.0) / self
+        return RunningError(np.float64(other), 0.0) / self
 
     def __neg__(self) -> Constant:
         return Constant(-float(self))
@@ -139,12 +139,12 @@ def _elementary(function: Any, change: Any) -> Any:
     """A function with the most that it changes within an error: change(|x|, error, |value|)."""
 
     def apply(x: Any) -> Any:
-        if not isinstance(x, Tracked):
-            x = Tracked(x, 0.0)
+        if not isinstance(x, RunningError):
+            x = RunningError(x, 0.0)
         total = function(x.value)
         size = np.abs(total)
         own = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds to zero what is not zero
-        return Tracked(total, change(x.value, x.error, size) + own)
+        return RunningError(total, change(x.value, x.error, size) + own)
 
     return apply
 
@@ -181,14 +181,16 @@ TRACKED = Algebra(
         "cosh": _elementary(np.cosh, lambda x, e, _: np.sinh(np.abs(x) + e) * e),
         "tanh": _elementary(np.tanh, lambda x, e, _: (1 - np.tanh(_low(x, e)) ** 2) * e),
         "fabs": _elementary(np.abs, lambda _, e, __: e),
-        "pow": lambda x, y: (x if isinstance(x, Tracked) else Tracked(np.float64(x), 0.0)) ** y,
+        "pow": lambda x, y: (
+            (x if isinstance(x, RunningError) else RunningError(np.float64(x), 0.0)) ** y
+        ),
     },
 )
 """The algebra in which a graph tells the rounding error of its own value."""
 
 
-def tracked_arrays(
-    program: Any, arguments: list[list[Tracked]], shape: tuple[int, ...]
+def running_error_arrays(
+    program: Any, arguments: list[list[RunningError]], shape: tuple[int, ...]
 ) -> list[tuple[Floats, Floats]]:
     """Run a `Program` on tracked arrays of one shape.
 
@@ -215,7 +217,7 @@ def tracked_arrays(
     ):
         value, error = np.zeros((*shape, rows, columns)), np.zeros((*shape, rows, columns))
         for (row, column), entry in zip(places, entries, strict=True):
-            if isinstance(entry, Tracked):
+            if isinstance(entry, RunningError):
                 value[..., row, column] = entry.value
                 # nan: 0/0, or the root of what may be negative
                 error[..., row, column] = np.where(

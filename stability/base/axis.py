@@ -16,8 +16,12 @@ MOST_POINTS = 10_000_000
 """Longest axis."""
 
 
+AxisLike = tuple[str, float, float, int] | tuple[str, float, float, int, str]
+"""An axis as a user gives it: (name, low, high, count), with "log" for logarithmic steps."""
+
+
 @dataclass(frozen=True)
-class Grid:
+class Axis:
     """One axis of a map."""
 
     name: str
@@ -32,7 +36,7 @@ class Grid:
     """Whether they are even in the logarithm."""
 
     @classmethod
-    def of(cls, axis: Sequence[Any], which: str, most: int = MOST_POINTS) -> Grid:
+    def of(cls, axis: Sequence[Any], which: str, most: int = MOST_POINTS) -> Axis:
         """An axis from (name, low, high, n) or (name, low, high, n, "log").
 
         Parameters
@@ -51,7 +55,7 @@ class Grid:
 
         Examples
         --------
-        >>> Grid.of(("mu", 0.1, 10, 3, "log"), "x").values.round(12).tolist()
+        >>> Axis.of(("mu", 0.1, 10, 3, "log"), "x").values.round(12).tolist()
         [0.1, 1.0, 10.0]
         """
         if not isinstance(axis, (tuple, list)) or len(axis) not in (4, 5):

@@ -34,13 +34,13 @@ MOST_BITS = 1024
 """Precision at which a sign that is still open counts as zero."""
 
 
-class Line:
+class AxisScan:
     """A family along one axis, everything else fixed, evaluated in balls.
 
     Parameters
     ----------
     problem
-        The question.
+        Family with values in the user's units.
     axis
         Name of the axis.
     fixed
@@ -198,7 +198,7 @@ class Line:
         return signed
 
 
-def refine(line: Line, low: float, high: float) -> BoundaryPoint | None:
+def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     """The boundary between two points of a line whose verdicts differ.
 
     Parameters
@@ -232,7 +232,7 @@ def refine(line: Line, low: float, high: float) -> BoundaryPoint | None:
     return _bracket(line, root, Crossing.TOUCHING)
 
 
-def _crossing(line: Line, low: float, high: float) -> BoundaryPoint | None:
+def _crossing(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     """A change of verdict at a zero of one of the two determinants, if one changes sign."""
     for crossing in (Crossing.STATIC, Crossing.FLUTTER):
         f = line.function(crossing)
@@ -247,7 +247,7 @@ def _zero(f: Callable[[float], float], low: float, high: float) -> float:
     return float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=5000))
 
 
-def _bracket(line: Line, root: float, crossing: Crossing) -> BoundaryPoint | None:
+def _bracket(line: AxisScan, root: float, crossing: Crossing) -> BoundaryPoint | None:
     found = bracket(line.sign, root)
     if found is None:
         return None
@@ -282,7 +282,7 @@ def bracket(
     return None
 
 
-def crossing_rate(line: Line, root: float, crossing: Crossing) -> float:
+def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:
     """|Im λ| of what crosses, in the user's unit of rate; 0 at a static boundary.
 
     Parameters
@@ -304,7 +304,7 @@ def crossing_rate(line: Line, root: float, crossing: Crossing) -> float:
     return value * float(rate[0])
 
 
-def at_point(line: Line, value: float) -> BoundaryPoint | None:
+def at_point(line: AxisScan, value: float) -> BoundaryPoint | None:
     """The boundary at a point where no verdict is proved, if the verdicts beside it differ.
 
     Parameters

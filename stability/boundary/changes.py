@@ -11,17 +11,17 @@ from ..algebra.balls import MIXED
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.real_roots import UnclearError
-from ..base.axis import Grid
+from ..base.axis import Axis, AxisLike
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Floats
 from ..base.verdict import Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
-from ..spectra.arguments import Axis, prepare
+from ..spectra.arguments import prepare
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structural_zeros import structure
-from .brackets import Line, at_point, bracket, crossing_rate, refine
+from .brackets import AxisScan, at_point, bracket, crossing_rate, refine
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
 from .search import Mark, Search, search
@@ -33,7 +33,7 @@ MOST_SCAN = 1_000_000
 def boundaries(
     family: str | Family,
     *,
-    axis: Axis,
+    axis: AxisLike,
     disk: Disk | None = None,
     contact: Contact | None = None,
     at: ArrayLike | None = None,
@@ -80,9 +80,9 @@ def boundaries(
     >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
     ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
     """
-    grid = Grid.of(axis, "axis", most=MOST_SCAN)
-    question = prepare(family, (grid,), disk, contact, at, dict(parameters))
-    found = along(question, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
+    grid = Axis.of(axis, "axis", most=MOST_SCAN)
+    problem = prepare(family, (grid,), disk, contact, at, dict(parameters))
+    found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     found.warn(grid.name)
     return found
 
@@ -101,7 +101,7 @@ def along(
     Parameters
     ----------
     problem
-        The question, with a value for everything but the axis.
+        Family with a value for everything but the axis.
     axis
         Name of the axis.
     low, high
@@ -134,7 +134,7 @@ def along(
     if points < 2 or not low < high:
         raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
     fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
-    line = Line(problem, axis, fixed)
+    line = AxisScan(problem, axis, fixed)
     try:
         found = search(problem, axis, low, high)
     except (NotExact, UnclearError):
@@ -147,7 +147,7 @@ def along(
 # --- by exact roots ---
 
 
-def located(line: Line, found: Search) -> Boundaries:
+def located(line: AxisScan, found: Search) -> Boundaries:
     """The changes of verdict among the marks of a search, each as a proved bracket.
 
     Parameters
@@ -197,7 +197,7 @@ def located(line: Line, found: Search) -> Boundaries:
     return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), how)
 
 
-def _proof(line: Line, found: Search) -> Callable[[float], int]:
+def _proof(line: AxisScan, found: Search) -> Callable[[float], int]:
     """The proved verdict at a double: from the graph, by Routh's array or over Q."""
     source, exact = found.source, line.problem.exact
 
@@ -223,7 +223,7 @@ def _proof(line: Line, found: Search) -> Callable[[float], int]:
     return lambda value: by_graph(value) or exactly(value)
 
 
-def _rate(line: Line, found: Search, mark: Mark, root: float, crossing: Crossing) -> float:
+def _rate(line: AxisScan, found: Search, mark: Mark, root: float, crossing: Crossing) -> float:
     if crossing is Crossing.STATIC:
         return 0.0
     if line.problem.exact is None and isinstance(found.source, Characteristic):
@@ -231,7 +231,7 @@ def _rate(line: Line, found: Search, mark: Mark, root: float, crossing: Crossing
     return crossing_rate(line, root, crossing)
 
 
-def _pole(line: Line, mark: Mark) -> Unresolved:
+def _pole(line: AxisScan, mark: Mark) -> Unresolved:
     value = float(mark.value.mid())
     said = "differs on the two sides" if mark.below != mark.above else "is the same on both sides"
     return Unresolved(
@@ -243,7 +243,7 @@ def _pole(line: Line, mark: Mark) -> Unresolved:
 # --- by a scan ---
 
 
-def _scanned(line: Line, grid: Floats) -> Boundaries:
+def _scanned(line: AxisScan, grid: Floats) -> Boundaries:
     """Changes between the points of a scan, and everything that it cannot exclude."""
     values = [float(v) for v in grid]
     signs, left = _signs(line, values)
@@ -275,7 +275,7 @@ def _scanned(line: Line, grid: Floats) -> Boundaries:
     return Boundaries(tuple(points), tuple(left), how=SCANNED)
 
 
-def _signs(line: Line, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
+def _signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
     """Proved verdicts at the points of a scan, and those at which there is no member."""
     found: list[tuple[Verdict, bool]] = []
     left: list[Unresolved] = []
@@ -301,7 +301,7 @@ def _open(value: float) -> str:
     )
 
 
-def _between(line: Line, values: Sequence[float], *, changed: bool) -> BoundaryPoint | None:
+def _between(line: AxisScan, values: Sequence[float], *, changed: bool) -> BoundaryPoint | None:
     """The change between two points of proved verdict, with points of none between them."""
     if not changed:
         return None

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.axis import Grid
+from ..base.axis import Axis
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, Verdict
 from ..spectra.problem import Problem
-from .brackets import Line, refine
+from .brackets import AxisScan, refine
 from .crossings import BoundaryPoint, Crossing
 
 KINDS = {crossing: code for code, crossing in enumerate(Crossing)}
@@ -44,8 +44,8 @@ class Curves:
 
 
 def trace(
-    question: Problem,
-    axes: tuple[Grid, Grid],
+    problem: Problem,
+    axes: tuple[Axis, Axis],
     codes: NDArray[np.int8],
     abscissa: Floats,
     progress: Progress | None = None,
@@ -54,8 +54,8 @@ def trace(
 
     Parameters
     ----------
-    question
-        The question.
+    problem
+        Family with values in the user's units.
     axes
         x and y.
     codes, abscissa
@@ -69,10 +69,10 @@ def trace(
     """
     from contourpy import LineType, contour_generator
 
-    sign = _signs(question, axes, codes, abscissa)
+    sign = _signs(problem, axes, codes, abscissa)
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
     xs, ys = axes[0].values, axes[1].values
-    fixed = {n: float(v) for n, v in question.values.items()}
+    fixed = {n: float(v) for n, v in problem.values.items()}
     found: dict[tuple[int, int, int], BoundaryPoint | None] = {}
     rows: list[tuple[float, float, int, BoundaryPoint, int]] = []
     missing = 0
@@ -87,7 +87,7 @@ def trace(
             axis = 0 if row == math.floor(row) else 1
             i, j = math.floor(row), math.floor(column)
             if (axis, i, j) not in found:
-                found[axis, i, j] = _edge(question, axes, fixed, axis, float(xs[j]), float(ys[i]),
+                found[axis, i, j] = _edge(problem, axes, fixed, axis, float(xs[j]), float(ys[i]),
                                           float((xs, ys)[axis][(j, i)[axis] + 1]))  # fmt: skip
             point = found[axis, i, j]
             if point is None:
@@ -108,26 +108,26 @@ def trace(
 
 
 def _edge(
-    question: Problem, axes: tuple[Grid, Grid], fixed: dict[str, float],
+    problem: Problem, axes: tuple[Axis, Axis], fixed: dict[str, float],
     axis: int, x: float, y: float, end: float,
 ) -> BoundaryPoint | None:  # fmt: skip
     other = axes[1 - axis]
-    line = Line(question, axes[axis].name, fixed | {other.name: (x, y)[1 - axis]})
+    line = AxisScan(problem, axes[axis].name, fixed | {other.name: (x, y)[1 - axis]})
     return refine(line, (x, y)[axis], end)
 
 
 def _signs(
-    question: Problem, axes: tuple[Grid, Grid], codes: NDArray[np.int8], abscissa: Floats
+    problem: Problem, axes: tuple[Axis, Axis], codes: NDArray[np.int8], abscissa: Floats
 ) -> Floats:
     """+1 stable or neutral, -1 unstable; cells that double precision leaves open, in balls."""
     sign = np.where(codes == CODES[Verdict.UNSTABLE], -1.0, 1.0)
     doubtful = np.argwhere(codes == CODES[Verdict.UNDECIDED])
     sign[codes == CODES[Verdict.UNDECIDED]] = -np.sign(abscissa[codes == CODES[Verdict.UNDECIDED]])
     if len(doubtful) <= MOST_DOUBTFUL:
-        fixed = {n: float(v) for n, v in question.values.items()}
+        fixed = {n: float(v) for n, v in problem.values.items()}
         xs, ys = axes[0].values, axes[1].values
         for i, j in doubtful:
-            line = Line(question, axes[0].name, fixed | {axes[1].name: float(ys[i])})
+            line = AxisScan(problem, axes[0].name, fixed | {axes[1].name: float(ys[i])})
             sign[i, j] = line.quick_sign(float(xs[j]))
     # A cell on the boundary itself joins a stable neighbour, if it has one.
     padded = np.pad(sign, 1, constant_values=-1.0)

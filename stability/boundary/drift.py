@@ -115,9 +115,9 @@ def drift(
     launch = flag("launch", launch)
     if at is None:
         raise ParameterError("at is missing; it is omega3 at the start.")
-    question = disk_problem("rolling", Disk() if disk is None else disk, contact, at)
-    values = dict(question.values) | {"tilt": checked("tilt", tilt)}
-    a, q, rate, shape = question.arrays(values)
+    problem = disk_problem("rolling", Disk() if disk is None else disk, contact, at)
+    values = dict(problem.values) | {"tilt": checked("tilt", tilt)}
+    a, q, rate, shape = problem.arrays(values)
     w, k, mu = np.abs(a[:, 0]), q[:, 0], q[:, 1]
     lean = np.abs(np.broadcast_to(np.asarray(values["tilt"], dtype=float), shape).reshape(-1))
     if (lean == 0).any():

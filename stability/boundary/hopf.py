@@ -189,8 +189,8 @@ def hopf(
         raise ParameterError(f"contact is {shown(contact)}; a law with friction is needed.")
     points = whole_number("points", points, 2, MOST_POINTS, "the search takes time for each")
     body = Disk() if disk is None else instance("disk", disk, Disk, "give a stability.Disk")
-    question = disk_problem(family, body, contact, 1.0)
-    for name, value in question.values.items():
+    problem = disk_problem(family, body, contact, 1.0)
+    for name, value in problem.values.items():
         if np.ndim(value):
             raise ParameterError(f"{name} is an array; give one number.")
     unit = record.unit(float(np.asarray(body.rate)))
@@ -199,8 +199,8 @@ def hopf(
         last = bits >= MOST_BITS
         try:
             with precision(bits):
-                marks = _flutter(question, record, bits, unit, points)
-                found = [_point(question, mark, unit) for mark in marks]
+                marks = _flutter(problem, record, bits, unit, points)
+                found = [_point(problem, mark, unit) for mark in marks]
         except (StabilityError, UnclearError) as error:
             if last:
                 raise StabilityError(str(error) or "the search needs too many digits.") from None
@@ -211,16 +211,16 @@ def hopf(
 
 
 def _flutter(
-    question: Problem, record: DiskFamily, bits: int, unit: float, points: int
+    problem: Problem, record: DiskFamily, bits: int, unit: float, points: int
 ) -> list[Mark]:
     """The flutter boundaries along the whole line, in balls."""
     try:
-        marks = search(question, "at", None, None, bits).marks
+        marks = search(problem, "at", None, None, bits).marks
     except NotExact:
-        return _scanned(question, record, unit, points)
+        return _scanned(problem, record, unit, points)
     except UnclearError:
         raise ParameterError(
-            f"the boundaries of {question.family.name} cannot be separated at these numbers; give "
+            f"the boundaries of {problem.family.name} cannot be separated at these numbers; give "
             "values nearer to 1."
         ) from None
     end = arb.pi() / 2 if record.by_angle else arb("inf")
@@ -228,11 +228,11 @@ def _flutter(
 
 
 @lru_cache(maxsize=1)
-def _scanned(question: Problem, record: DiskFamily, unit: float, points: int) -> list[Mark]:
+def _scanned(problem: Problem, record: DiskFamily, unit: float, points: int) -> list[Mark]:
     """Those along part of the line, bracketed between the points of a scan."""
     low, high = (v * unit for v in record.flutter or ())
-    found = along(question, "at", low, high, points=points)
-    name = question.family.name
+    found = along(problem, "at", low, high, points=points)
+    name = problem.family.name
     warnings.warn(
         f"{name} under this law has no stored conditions: it was scanned from {low:.6g} to "
         f"{high:.6g} at {points} points; two boundaries between two points are not excluded.",
@@ -245,10 +245,10 @@ def _scanned(question: Problem, record: DiskFamily, unit: float, points: int) ->
     ]  # fmt: skip
 
 
-def _point(question: Problem, mark: Mark, unit: float) -> HopfPoint:
-    given = {n: arb(float(v)) for n, v in question.values.items()} | {"at": mark.value}
-    a, q, rate = question.reduce(given, lambda v: v.sqrt())
-    form = normal_form(question.family, a, q)
+def _point(problem: Problem, mark: Mark, unit: float) -> HopfPoint:
+    given = {n: arb(float(v)) for n, v in problem.values.items()} | {"at": mark.value}
+    a, q, rate = problem.reduce(given, lambda v: v.sqrt())
+    form = normal_form(problem.family, a, q)
     crossing, push = (float(v.mid()) for v in (form.crossing, form.push))
     clear = not form.crossing.contains(0) and not form.push.contains(0)
     kind = HopfKind.ELLIPTIC if crossing * push < 0 else HopfKind.HYPERBOLIC

@@ -62,14 +62,14 @@ class Search:
 
 
 def search(
-    question: Problem, axis: str, low: float | None, high: float | None, bits: int = BITS
+    problem: Problem, axis: str, low: float | None, high: float | None, bits: int = BITS
 ) -> Search:
     """Every value of an axis at which the verdict can change, isolated.
 
     Parameters
     ----------
-    question
-        The question, with one number for everything but the axis.
+    problem
+        Family with one number for everything but the axis.
     axis
         Its name.
     low, high
@@ -97,10 +97,10 @@ def search(
     >>> [(m.kind, round(float(m.value), 10)) for m in found.marks if m.below != m.above]
     [('static', 2.0), ('flutter', 2.0451355787)]
     """
-    given = {n: rational(float(v)) for n, v in question.values.items() if n != axis}
-    source, angle, edge = _source(question, given, axis)
+    given = {n: rational(float(v)) for n, v in problem.values.items() if n != axis}
+    source, angle, edge = _source(problem, given, axis)
     ends = tuple(None if v is None else rational(v) for v in (low, high))
-    positive = question.law is not None and axis in POSITIVE
+    positive = problem.law is not None and axis in POSITIVE
     while bits <= MOST_BITS:
         with precision(bits):
             try:
@@ -114,14 +114,14 @@ def search(
 
 
 def _source(
-    question: Problem, given: dict[str, Any], axis: str
+    problem: Problem, given: dict[str, Any], axis: str
 ) -> tuple[Conditions | Characteristic, str, bool]:
-    exact, axes = question.exact, given | {axis: X}
+    exact, axes = problem.exact, given | {axis: X}
     if exact is None:
         if "lean" in given or axis == "lean":
             raise NotExact("π is in it")
-        a, q, _ = question.reduce(axes, _rational)
-        factor, below = characteristic_ratios(question.family, a, q)
+        a, q, _ = problem.reduce(axes, _rational)
+        factor, below = characteristic_ratios(problem.family, a, q)
         return Characteristic([factor], below), "", False
     angle, edge, over, sine = "", False, EXACT, None
     if isinstance(exact, TabulatedPolynomial):
@@ -131,7 +131,7 @@ def _source(
     if found is not None:
         cleared = [(kind, _cleared(p)) for kind, p in found]
         if all(not p.is_zero() for _, p in cleared):
-            dissipative = not question.family.conservative
+            dissipative = not problem.family.conservative
             return Conditions(cleared, sine, dissipative=dissipative), angle, edge and bool(angle)
     # a condition vanishes all along the axis: what is left is seen from the polynomial itself
     factors, below = zip(*map(_whole, exact.coefficients(axes, over)), strict=True)

@@ -15,7 +15,7 @@ def _map(options: argparse.Namespace) -> None:
     from ..jobs.pipeline import resumable
     from ..maps.netcdf import write_map
     from ..maps.stability_map import stability_map
-    from ..storage.files import named, together, whole
+    from ..storage.files import atomic_write, named, together
     from ..storage.targets import NETCDF, check_suffix, check_target, path_text
 
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
@@ -47,7 +47,7 @@ def _map(options: argparse.Namespace) -> None:
             )  # fmt: skip
         with together():
             if options.plot:
-                with whole(targets[1], overwrite=options.force) as picture:
+                with atomic_write(targets[1], overwrite=options.force) as picture:
                     _draw(dataset, picture)
             write_map(dataset, targets[0], overwrite=options.force)
     except KeyboardInterrupt:

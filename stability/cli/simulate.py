@@ -132,13 +132,13 @@ def _targets(options: argparse.Namespace) -> dict[str, Path]:
 def _draw(
     options: argparse.Namespace, dataset: Any, targets: dict[str, Path], bar: Callable[[str], Any]
 ) -> None:
-    from ..storage.files import whole
+    from ..storage.files import atomic_write
 
     if "plot" in targets:
         from ..figures.canvas import save_figure
         from ..figures.motion import motion_figure
 
-        with whole(targets["plot"], overwrite=options.force) as beside:
+        with atomic_write(targets["plot"], overwrite=options.force) as beside:
             save_figure(motion_figure(dataset), beside)
     if "film" in targets:
         from ..figures.animate import animate

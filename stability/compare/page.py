@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..base.provenance import machine, today
-from ..storage.files import whole
+from ..storage.files import atomic_write
 from . import failures as catalogue
 from .marks import Mark
 
@@ -92,7 +92,7 @@ def write(folder: Path, parts: Sequence[Part]) -> Path:
         body += [f'<h2 id="{one.name}">{TITLES[one.name]}</h2>', *_section(one)]
     body.append(_footer(machine()))
     target = folder / PAGE
-    with whole(target, overwrite=True) as beside:
+    with atomic_write(target, overwrite=True) as beside:
         beside.write_text("\n".join(body) + "\n", encoding="utf-8")
     return target
 

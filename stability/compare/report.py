@@ -18,7 +18,7 @@ from ..base.errors import FileError, NameUnknownError, shown
 from ..jobs.journal import JOURNAL, Cell, Journal, is_journal
 from ..jobs.pipeline import check_run, resumable
 from ..jobs.processes import Task, run
-from ..storage.files import together, whole
+from ..storage.files import atomic_write, together
 from ..storage.netcdf import packed
 from ..storage.targets import check_folder, path_text, place, refusing
 from . import failures as catalogue
@@ -293,13 +293,13 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
     for plate in one.plates:
         figure = plate.draw()
         for suffix in (".png", ".pdf"):
-            with whole(folder / f"{plate.stem}{suffix}", overwrite=True) as beside:
+            with atomic_write(folder / f"{plate.stem}{suffix}", overwrite=True) as beside:
                 save_figure(figure, beside)
     for name, text in _texts(one, cells).items():
-        with whole(folder / name, overwrite=True) as beside:
+        with atomic_write(folder / name, overwrite=True) as beside:
             beside.write_text(text, encoding="utf-8")
     if one.name != FAILURES:
-        with whole(folder / f"{one.name}.nc", overwrite=True) as beside:
+        with atomic_write(folder / f"{one.name}.nc", overwrite=True) as beside:
             beside.write_bytes(packed(one.chart))
 
 

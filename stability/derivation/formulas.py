@@ -24,7 +24,7 @@ from ..bodies.disk_polynomials import exact_polynomial, known_polynomial
 from ..bodies.disk_quantities import QUANTITIES
 from .branches import where
 from .characteristic import LAM, MU, SQUARE, Derived, M
-from .friction_ranges import Line, Range
+from .friction_ranges import FlutterCondition, Range
 from .hurwitz import conditions, decisive
 
 Expr = Any
@@ -238,7 +238,7 @@ def _statements(
     ranges: list[dict[str, Any]] = []
     static = next((c.polynomial.as_expr() for c in asked if c.kind == "static"), None)
     beyond = sympy.solve(static, SQUARE)[0] if static is not None else sympy.Integer(0)
-    line = Line(family, condition, beyond)
+    line = FlutterCondition(family, condition, beyond)
     general = line.for_every_k() if beyond != 0 else None
     if general is not None:
         statements += [f"for every k in (0, 1/2] and {_span(r)}: {r.pattern}" for r in general]

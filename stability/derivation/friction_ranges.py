@@ -40,7 +40,7 @@ class Range:
     """Verdicts in order along the family, with what separates them."""
 
 
-class Line:
+class FlutterCondition:
     """The flutter condition along a family: verdicts in order, for each mu.
 
     Parameters
@@ -81,7 +81,7 @@ class Line:
     def for_one_k(self, k: Expr) -> list[Range]:
         """Ranges of mu for one inertia factor."""
         condition = self.condition.subs(K, k)
-        line = Line(self.family, condition, self.low.subs(K, k))
+        line = FlutterCondition(self.family, condition, self.low.subs(K, k))
         critical = line.critical(condition)
         roots: list[Expr] = []
         for factor in critical:

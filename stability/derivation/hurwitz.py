@@ -24,7 +24,7 @@ from ..base.errors import FileError, StabilityError
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk_families import families_under
 from ..bodies.disk_polynomials import digest
-from ..storage.files import together, whole
+from ..storage.files import atomic_write, together
 from .characteristic import LAM, SIN, Derived, K, derive
 
 Expr = Any
@@ -34,7 +34,7 @@ SLACK = sympy.symbols("u t v", positive=True)
 
 
 @dataclass(frozen=True)
-class Condition:
+class StabilityCondition:
     """One of the polynomials whose signs are the verdict: all positive, or some negative."""
 
     kind: str
@@ -50,7 +50,7 @@ class Obligation:
     name: str
     """Which condition."""
     polynomial: Expr
-    """The factors that are in question."""
+    """The factors that are asked about."""
     proof: str
     """A sentence; the substitution in it turns every coefficient positive."""
 
@@ -80,8 +80,8 @@ def determinants(polynomial: sympy.Poly) -> list[Expr]:
         place = 2 * (j + 1) - (i + 1)
         return a[place] if 0 <= place <= n else sympy.Integer(0)
 
-    whole = sympy.Matrix(n, n, entry)
-    return [sympy.factor(whole[:i, :i].det(method="berkowitz")) for i in range(1, n + 1)]
+    atomic_write = sympy.Matrix(n, n, entry)
+    return [sympy.factor(atomic_write[:i, :i].det(method="berkowitz")) for i in range(1, n + 1)]
 
 
 def conditions(derived: Derived) -> list[tuple[str, Expr]]:
@@ -180,7 +180,7 @@ def _all_positive(expression: Expr) -> bool:
     return all(c > 0 for c in poly.coeffs()) and poly.as_expr().subs(SLACK[0], 0) != 0
 
 
-def decisive(derived: Derived) -> tuple[list[Condition], list[Obligation]]:
+def decisive(derived: Derived) -> tuple[list[StabilityCondition], list[Obligation]]:
     """The conditions that decide, and the proofs of those that need not be asked.
 
     Parameters
@@ -228,7 +228,7 @@ def decisive(derived: Derived) -> tuple[list[Condition], list[Obligation]]:
     return [_condition(e, name, derived) for e, name in asked.items()], proved
 
 
-def _condition(expression: Expr, name: str, derived: Derived) -> Condition:
+def _condition(expression: Expr, name: str, derived: Derived) -> StabilityCondition:
     kind = "auxiliary"
     if name == "constant term":
         kind = "static"
@@ -236,7 +236,7 @@ def _condition(expression: Expr, name: str, derived: Derived) -> Condition:
                   for f in derived.factors}:  # fmt: skip
         kind = "flutter"
     variables: Sequence[sympy.Symbol] = derived.factors[0].gens[1:]
-    return Condition(kind, sympy.Poly(expression, *variables))
+    return StabilityCondition(kind, sympy.Poly(expression, *variables))
 
 
 def catalogue() -> dict[str, Any]:
@@ -293,7 +293,7 @@ def write(path: str, source: str | None = None) -> None:
     body = ",\n".join(lines)
     content = f'{{"format": 1, "cases": {{\n{body}\n}}}}\n'.encode()
     with together():
-        with whole(path, overwrite=True) as beside:
+        with atomic_write(path, overwrite=True) as beside:
             beside.write_bytes(content)
         if source is not None:
             text = FilePath(source).read_text(encoding="utf-8")
@@ -301,5 +301,5 @@ def write(path: str, source: str | None = None) -> None:
             text, count = re.subn(r'^DIGEST = "[0-9a-f]+"$', line, text, flags=re.MULTILINE)
             if count != 1:
                 raise FileError(f"{source} has {count} lines for the digest; one is needed.")
-            with whole(source, overwrite=True) as beside:
+            with atomic_write(source, overwrite=True) as beside:
                 beside.write_text(text, encoding="utf-8")

@@ -18,9 +18,9 @@ from ..base.errors import ParameterError
 from ..base.quantities import unit_of
 from ..motion.dataset import FORMAT
 from ..motion.result import BY_CODE
-from ..storage.files import whole
+from ..storage.files import atomic_write
 from ..storage.targets import FILMS, check_suffix, check_target
-from .film import FINE, Scene, caption_of, inner_radius, write_gif, write_mp4
+from .film import FINE, Camera, caption_of, inner_radius, write_gif, write_mp4
 from .pose import LINEAR, POSED, resample
 from .single_run import events_of
 
@@ -101,7 +101,7 @@ def animate(
         count = f"{rate * length:.6g} frames"
         raise ParameterError(f"fps × seconds is {count}; at most {MOST_FRAMES} are drawn.")
     report = progress or (lambda *_: None)
-    with whole(path, overwrite=overwrite) as beside:
+    with atomic_write(path, overwrite=overwrite) as beside:
         if suffix == ".html":
             beside.write_text(_page(dataset, motion, length), encoding="utf-8")
             report(1, 1)
@@ -109,7 +109,7 @@ def animate(
         frames = max(2, round(rate * length))
         fine = resample(motion, np.linspace(first, last, (frames - 1) * FINE + 1))
         with figure_style({}):
-            scene = Scene(fine, dataset, (last - first) / length)
+            scene = Camera(fine, dataset, (last - first) / length)
             (write_gif if suffix == ".gif" else write_mp4)(beside, scene, rate, report)
     return FilePath(path)
 

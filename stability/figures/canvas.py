@@ -117,11 +117,11 @@ def save(figure: Figure, stem: Path) -> list[Path]:
     list of Path
         The two files.
     """
-    from ..storage.files import whole
+    from ..storage.files import atomic_write
 
     paths = [stem.parent / (stem.name + suffix) for suffix in (".png", ".pdf")]
     for path in paths:
-        with whole(path, overwrite=True) as beside:
+        with atomic_write(path, overwrite=True) as beside:
             # no creation date, so that the same map gives the same file
             meta = {"CreationDate": None} if path.suffix == ".pdf" else None
             save_figure(figure, beside, metadata=meta)

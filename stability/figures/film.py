@@ -65,7 +65,7 @@ def caption_of(dataset: xarray.Dataset) -> str:
     return f"{dataset.attrs.get('contact', '')} contact, {', '.join(shown)}"
 
 
-class Scene:
+class Camera:
     """The figure of a film, its camera, and everything in it; `show` puts it at a frame."""
 
     def __init__(self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float) -> None:
@@ -169,7 +169,7 @@ class Scene:
         self.clock.set_text(f"t = {time:.{self.places}f} {self.unit},  θ = {lean:.1f}°")
 
 
-def write_gif(path: FilePath, scene: Scene, rate: float, report: Report) -> None:
+def write_gif(path: FilePath, scene: Camera, rate: float, report: Report) -> None:
     """Write a scene as a GIF.
 
     Parameters
@@ -209,7 +209,7 @@ def _ffmpeg() -> str:
         raise FileError(message) from None
 
 
-def write_mp4(path: FilePath, scene: Scene, rate: float, report: Report) -> None:
+def write_mp4(path: FilePath, scene: Camera, rate: float, report: Report) -> None:
     """Write a scene as an MP4.
 
     Parameters

@@ -22,7 +22,7 @@ from ..bodies.disk_families import FAMILIES
 from ..bodies.disk_quantities import QUANTITIES
 from ..motion.result import BY_CODE, Outcome
 from .motion_panels import MOST_PANELS, STROKES, draw_system, legend, lines_of_energy, unit, words
-from .single_run import Motion, one_launch, system_states
+from .single_run import SingleRun, one_launch, system_states
 
 if TYPE_CHECKING:
     import xarray
@@ -208,7 +208,7 @@ def _drawn(width: float, height: float, draw: Callable[[Any], None]) -> Figure:
     return figure
 
 
-def _draw_states(page: Any, motion: Motion) -> None:
+def _draw_states(page: Any, motion: SingleRun) -> None:
     panels = page.subplots(len(PANELS), 1, sharex=True)
     data, times = motion.data, motion.times
     for axes, (word, names) in zip(panels, PANELS, strict=True):
@@ -256,7 +256,7 @@ def _steady(panels: list[Axes], data: xarray.Dataset) -> None:
                 legend(axes)
 
 
-def _draw_paths(page: Any, motion: Motion) -> None:
+def _draw_paths(page: Any, motion: SingleRun) -> None:
     data, times, axes = motion.data, motion.times, page.subplots()
     shade: dict[str, Any] = {"cmap": TIME_MAP, "norm": Normalize(times[0], times[-1])}
     for name, width in (("contact", 1.8), ("centre", 0.8)):
@@ -300,7 +300,7 @@ def _keys(sticks: bool) -> list[Line2D]:
     return [slides, *([stuck] if sticks else []), centre, *ends]
 
 
-def _draw_energy(page: Any, motion: Motion) -> None:
+def _draw_energy(page: Any, motion: SingleRun) -> None:
     data, times = motion.data, motion.times
     upper, lower = page.subplots(2, 1, sharex=True, height_ratios=(1.5, 1))
     if system_states(data):
@@ -330,7 +330,7 @@ def _draw_energy(page: Any, motion: Motion) -> None:
     page.align_ylabels()
 
 
-def _layers_of_energy(upper: Axes, motion: Motion) -> None:
+def _layers_of_energy(upper: Axes, motion: SingleRun) -> None:
     """The energies of a disk, stacked to their constant total."""
     data, times = motion.data, motion.times
     layers = np.stack([data[name].values for name in ENERGIES])

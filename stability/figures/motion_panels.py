@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..base.quantities import in_latex, unit_of
 from ..motion.result import BY_CODE, Outcome
-from .single_run import Motion
+from .single_run import SingleRun
 
 if TYPE_CHECKING:
     import xarray
@@ -42,7 +42,7 @@ def legend(axes: Axes, handles: list[Line2D] | None = None) -> None:
     )  # fmt: skip
 
 
-def words(axes: Axes, motion: Motion) -> None:
+def words(axes: Axes, motion: SingleRun) -> None:
     """The word of each event over its line; of a crowd only those that can be read."""
     room = 0.035 * (motion.times[-1] - motion.times[0])
     marks = motion.events
@@ -57,7 +57,7 @@ def words(axes: Axes, motion: Motion) -> None:
                       transform=axes.get_xaxis_transform())  # fmt: skip
 
 
-def draw_system(page: Any, motion: Motion, names: tuple[str, ...]) -> None:
+def draw_system(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:
     """The states of a user's system, those of one unit together where there are many."""
     data, times = motion.data, motion.times
     groups: list[tuple[str, ...]] = [(n,) for n in names]
@@ -92,7 +92,7 @@ def _dotted(panels: dict[tuple[str, ...], Axes], names: tuple[str, ...], member:
             legend(axes)
 
 
-def lines_of_energy(axes: Axes, motion: Motion) -> None:
+def lines_of_energy(axes: Axes, motion: SingleRun) -> None:
     """Energy, what was lost, and their constant sum: a user's energy may be negative."""
     data = motion.data
     lines = {"energy": data.energy.values, "dissipated": data.dissipated.values}

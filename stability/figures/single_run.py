@@ -25,7 +25,7 @@ Event = tuple[float, str]
 Span = tuple[float, float]
 
 
-class Motion(NamedTuple):
+class SingleRun(NamedTuple):
     """One launch up to its end, the times of its samples, its events, and when it stuck."""
 
     data: xarray.Dataset
@@ -38,7 +38,7 @@ class Motion(NamedTuple):
     """From when to when it stuck."""
 
 
-def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> Motion:
+def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> SingleRun:
     """One launch up to its end, refused in a sentence if it is not one or lacks something.
 
     Parameters
@@ -79,7 +79,7 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> Motion:
     log = events_of(data)
     spans = _spans(log, data, times)
     seen = [(t, word) for t, word in log if times[0] <= t <= times[-1]]
-    return Motion(data, times, seen, spans)
+    return SingleRun(data, times, seen, spans)
 
 
 def system_states(dataset: Any) -> tuple[str, ...]:

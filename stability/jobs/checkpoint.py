@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 
 from ..base.errors import FileError, shown
 from ..storage.checksum import sealed, unsealed
-from ..storage.files import whole
+from ..storage.files import atomic_write
 from ..storage.litter import clear
 from ..storage.targets import check_folder, path_text, place, refusing
 
 Chunk = dict[str, NDArray[Any]]
 
 
-class Parts:
+class Checkpoint:
     """Finished chunks in a folder, for a map that may be interrupted and resumed.
 
     Parameters
@@ -67,7 +67,7 @@ class Parts:
             elif any(self.folder.iterdir()):
                 raise FileError(f"{words} holds other files; choose another.")
             else:
-                with whole(note, result=False) as beside:
+                with atomic_write(note, result=False) as beside:
                     beside.write_text(wanted, encoding="utf-8")
 
     def done(self, key: int) -> bool:
@@ -116,7 +116,7 @@ class Parts:
         """
         content = io.BytesIO()
         np.savez(content, allow_pickle=False, **value)
-        with whole(self._path(key), overwrite=True, result=False) as beside:
+        with atomic_write(self._path(key), overwrite=True, result=False) as beside:
             beside.write_bytes(sealed(content.getbuffer(), f"{self.label} {key}"))
 
     def _path(self, key: int) -> Path:
@@ -124,7 +124,7 @@ class Parts:
 
 
 def remove_parts(folder: str | PathLike[str]) -> None:
-    """Remove the files that `Parts` wrote, and the folder if nothing else is in it.
+    """Remove the files that `Checkpoint` wrote, and the folder if nothing else is in it.
 
     Parameters
     ----------
@@ -133,11 +133,11 @@ def remove_parts(folder: str | PathLike[str]) -> None:
     """
     where = place(folder)
     with suppress(OSError):
-        if not (where / Parts.NAME).is_file():
+        if not (where / Checkpoint.NAME).is_file():
             return
         clear(where, always=True)
         for path in where.glob("*.npz"):
             if path.stem.isdigit():
                 path.unlink()
-        (where / Parts.NAME).unlink()
+        (where / Checkpoint.NAME).unlink()
         where.rmdir()

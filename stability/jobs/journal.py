@@ -11,7 +11,7 @@ from typing import Any
 
 from ..base.errors import FileError
 from ..base.provenance import machine
-from ..storage.files import whole
+from ..storage.files import atomic_write
 from ..storage.json_text import marked, unmarked
 from ..storage.litter import clear
 from ..storage.targets import path_text, refusing
@@ -78,7 +78,7 @@ class Journal:
                 self._read(lines[1:])
             kept = "".join(_line(cell) for cell in self.cells.values())
             if text != f"{head}\n{kept}":  # a line cut short, or cells that no longer hold
-                with whole(self.path, overwrite=True, result=False) as beside:
+                with atomic_write(self.path, overwrite=True, result=False) as beside:
                     beside.write_text(f"{head}\n{kept}", encoding="utf-8")
         except OSError as error:
             raise FileError(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..algebra.eigensolver import chosen, eigensolver, name_of
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
-from ..base.axis import Grid
+from ..base.axis import Axis
 from ..base.errors import DomainError, ParameterError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, Verdict
@@ -23,7 +23,7 @@ from ..jobs.checkpoint import Chunk
 from ..jobs.pipeline import Counted, Keep, ordered
 from ..jobs.shared import shared
 from ..spectra.certificate import verdict
-from ..spectra.deflation import reduce
+from ..spectra.deflation import deflate
 from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
 from ..systems.multiplicity import certain
@@ -49,16 +49,16 @@ class Cells:
 
     Parameters
     ----------
-    question
-        The question.
+    problem
+        Family with values in the user's units.
     axes
         x and y.
     modes
         Whether all eigenvalues are kept.
     """
 
-    def __init__(self, question: Problem, axes: tuple[Grid, Grid], modes: bool) -> None:
-        self.question, self.axes = question, axes
+    def __init__(self, problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> None:
+        self.problem, self.axes = problem, axes
         self.shape = axes[1].count, axes[0].count
         if math.prod(self.shape) > MOST_CELLS:
             raise ParameterError(
@@ -70,20 +70,20 @@ class Cells:
         self.frequency = np.empty(self.shape)
         self.codes = np.zeros(self.shape, dtype=np.int8)
         self.values, self.modes, self.solver = None, modes, chosen()
-        self.exact = isinstance(question.exact, TabulatedPolynomial)
+        self.exact = isinstance(problem.exact, TabulatedPolynomial)
         self.handed_on = 0
         self._graph = GRAPH.replace("LAPACK", name_of(self.solver))
-        if question.exact is not None:
+        if problem.exact is not None:
             self._graph += OWN
-        family = question.family
+        family = problem.family
         zeros = structure(family).zeros  # established here, before the threads start
-        self._certain = question.derived or certain(family)
+        self._certain = problem.derived or certain(family)
         if modes:
             count = len(family.system.states) - zeros
             self.values = np.empty((*self.shape, count), dtype=complex)
         if self.exact:
-            self._verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
-            self._growth = GrowthKernel(question, modes=modes)
+            self._verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
+            self._growth = GrowthKernel(problem, modes=modes)
             self.chunk = max(1, BAND // self.shape[1]) * self.shape[1]
             steady_memory()
         else:
@@ -94,7 +94,7 @@ class Cells:
         """How the cells were worked out, in words."""
         if not self.exact:
             route = self._graph
-            if self.question.exact is None:
+            if self.problem.exact is None:
                 return route
         else:
             route = EXACT
@@ -108,14 +108,14 @@ class Cells:
         dict
         """
         swept = {g.name for g in self.axes}
-        family = self.question.family
+        family = self.problem.family
         return {
             "software": __version__,
             "system": family.system.name,
             "graph": str(family.system.rhs),
             "family": family.name,
             "axes": [[g.name, g.low, g.high, g.count, g.log] for g in self.axes],
-            "values": {n: float(v) for n, v in self.question.values.items() if n not in swept},
+            "values": {n: float(v) for n, v in self.problem.values.items() if n not in swept},
             "modes": self.values is not None,
             "chunk": self.chunk,
             "route": EXACT if self.exact else self._graph,
@@ -162,15 +162,15 @@ class Cells:
         xs, ys = self.axes[0].values, self.axes[1].values
         for i, j in np.argwhere(self.codes == CODES[Verdict.UNDECIDED]):
             swept = {self.axes[0].name: float(xs[j]), self.axes[1].name: float(ys[i])}
-            values = {n: float(v) for n, v in (dict(self.question.values) | swept).items()}
-            self.codes[i, j] = CODES[verdict(self.question, values)]
+            values = {n: float(v) for n, v in (dict(self.problem.values) | swept).items()}
+            self.codes[i, j] = CODES[verdict(self.problem, values)]
             self.handed_on += 1
 
     def _band(self, start: int, total: int) -> Chunk:
         """Whole rows by the exact route, which no CasADi function takes part in."""
         rows = slice(start // self.shape[1], min(start + self.chunk, total) // self.shape[1])
         x, y = self.axes
-        values = dict(self.question.values)
+        values = dict(self.problem.values)
         values |= {x.name: x.values[None, :], y.name: y.values[rows, None]}
         codes, left = self._verdicts(x.values, y.values[rows])
         growth = self._growth(values)
@@ -187,16 +187,16 @@ class Cells:
         xs, ys = self.axes[0].values, self.axes[1].values
         row, column = np.divmod(np.arange(start, min(start + CHUNK, total)), self.shape[1])
         swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
-        values = dict(self.question.values) | swept
-        a, q, rate, _ = self.question.arrays(values)
-        return a, q, rate, self.question.family.solve(a, q)
+        values = dict(self.problem.values) | swept
+        a, q, rate, _ = self.problem.arrays(values)
+        return a, q, rate, self.problem.family.solve(a, q)
 
     def _work(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
-        family = self.question.family
+        family = self.problem.family
         if not self.exact:
             family.checked_states(a, u, q)
         watch = not self._certain
-        reduced = reduce(family, a, q, u, self.question.roundings, watch=watch)
+        reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
         even = family.conservative and self._certain
         values, radius, _ = eigenvalues(reduced, even=even)
         codes = decide(values, radius, even=even)
@@ -218,19 +218,19 @@ class Cells:
         place: tuple[Floats, Floats, Floats], supported: NDArray[np.intp],
     ) -> None:  # fmt: skip
         """Put back the leading eigenvalue of members that have fewer zeros than typical ones."""
-        usual = structure(self.question.family).zeros
+        usual = structure(self.problem.family).zeros
         for count in range(usual):
             rows = np.flatnonzero(supported == count)
             if not len(rows):
                 continue
             if self.modes:
                 raise DomainError(
-                    f"{self.question.family.name} has {usual} eigenvalues that are zero by "
+                    f"{self.problem.family.name} has {usual} eigenvalues that are zero by "
                     f"structure at typical members but {count} somewhere on this map; leave out "
                     "modes, or map that part by itself."
                 )
             a, q, u = (part[rows] for part in place)
-            reduced = reduce(self.question.family, a, q, u, self.question.roundings, count)
+            reduced = deflate(self.problem.family, a, q, u, self.problem.roundings, count)
             all_values, discs, _ = eigenvalues(reduced, even=False)
             codes[rows] = decide(all_values, discs, even=False)
             kept = values.shape[1]

@@ -21,7 +21,7 @@ from ..systems.structural_zeros import structure
 if TYPE_CHECKING:
     import xarray
 
-    from ..base.axis import Grid
+    from ..base.axis import Axis
     from ..boundary.curves import Curves
     from .proved_boxes import Boxes
 
@@ -46,14 +46,14 @@ LIBRARIES = ("casadi", "numpy", "scipy", "python-flint", "xarray")
 
 
 def provenance(
-    question: Problem, axes: tuple[Grid, Grid] | None = None, route: str = GRAPH
+    problem: Problem, axes: tuple[Axis, Axis] | None = None, route: str = GRAPH
 ) -> dict[str, Any]:
     """How a result came about: versions, parameters, method, tolerances.
 
     Parameters
     ----------
-    question
-        The question.
+    problem
+        Family with values in the user's units.
     axes
         The axes of a map, which are not fixed parameters.
     route
@@ -64,9 +64,9 @@ def provenance(
     dict
         Strings and numbers that fit in a file's attributes.
     """
-    family = question.family
+    family = problem.family
     swept = {g.name for g in axes or ()}
-    fixed = {n: v for n, v in question.values.items() if n not in swept}
+    fixed = {n: v for n, v in problem.values.items() if n not in swept}
     how = structure(family)
     if family.conservative:
         route += "; conservative law, decided by the sign of λ²"
@@ -75,18 +75,18 @@ def provenance(
         "title": f"{family.name} of {family.system.name}: spectral stability",
         "family": family.name,
         "system": family.system.name,
-        "contact": question.law.name if question.law else "",
+        "contact": problem.law.name if problem.law else "",
         "at": ", ".join(family.at),
         "parameters": json.dumps({n: float(v) for n, v in fixed.items()}, sort_keys=True),
         "axes": " ".join(g.text for g in axes or ()),
-        "dimensionless": int(question.dimensionless),
+        "dimensionless": int(problem.dimensionless),
         "structural_zeros": how.zeros,
         "structural_zeros_how": how.how,
         "method": route,
         "tolerances": "verdicts only where the error discs decide; each boundary point is a "
         "bracket of half-width boundary_error proved in ball arithmetic (Routh's array)",
         "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
-        "204-231, linearisation recomputed" if question.law else "user's system",
+        "204-231, linearisation recomputed" if problem.law else "user's system",
         "software": f"stability {__version__}",
         "versions": ", ".join(f"{n} {version(n)}" for n in LIBRARIES)
         + f", python {platform.python_version()}",
@@ -95,25 +95,25 @@ def provenance(
     }  # fmt: skip
 
 
-def axis_attributes(question: Problem, name: str) -> dict[str, str]:
+def axis_attributes(problem: Problem, name: str) -> dict[str, str]:
     """Long name, unit and quantity of an axis of a map."""
-    meaning = question.family.at[0] if name == "at" else name
-    known = disk_quantities(type(question.law)).get(meaning) if question.law is not None else None
+    meaning = problem.family.at[0] if name == "at" else name
+    known = disk_quantities(type(problem.law)).get(meaning) if problem.law is not None else None
     if known is None:
-        unit = question.family.system.units.get(name, "1")
+        unit = problem.family.system.units.get(name, "1")
         return {"units": unit, "long_name": meaning, "quantity": meaning}
-    return known.attributes(dimensionless=question.dimensionless) | {"quantity": meaning}
+    return known.attributes(dimensionless=problem.dimensionless) | {"quantity": meaning}
 
 
 def assemble(
-    question: Problem, axes: tuple[Grid, Grid], cells: Any, curves: Curves | None,
+    problem: Problem, axes: tuple[Axis, Axis], cells: Any, curves: Curves | None,
     boxes: Boxes | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """The dataset of a map.
 
     Parameters
     ----------
-    question, axes
+    problem, axes
         What was asked.
     cells
         Filled arrays.
@@ -129,7 +129,7 @@ def assemble(
     import xarray
 
     dims = axes[1].name, axes[0].name
-    words = Kind.GROWTH_RATE.attributes(dimensionless=question.dimensionless)
+    words = Kind.GROWTH_RATE.attributes(dimensionless=problem.dimensionless)
     flags = {
         "flag_values": np.array(list(CODES.values()), dtype=np.int8),
         "flag_meanings": " ".join(v.word for v in CODES),
@@ -149,11 +149,11 @@ def assemble(
         variables["eigenvalues"] = ((*dims, "mode"), cells.values, words | {
             "long_name": "eigenvalues, structural zeros removed, sorted by real part"})  # fmt: skip
     if curves is not None:
-        variables |= _boundary_variables(question, axes, curves, words)
+        variables |= _boundary_variables(problem, axes, curves, words)
     if boxes is not None:
-        variables |= _box_variables(question, axes, boxes, flags)
-    coordinates = {g.name: ((g.name,), g.values, axis_attributes(question, g.name)) for g in axes}
-    attributes = provenance(question, axes, cells.route)
+        variables |= _box_variables(problem, axes, boxes, flags)
+    coordinates = {g.name: ((g.name,), g.values, axis_attributes(problem, g.name)) for g in axes}
+    attributes = provenance(problem, axes, cells.route)
     if curves is not None:
         attributes["boundary_unresolved"] = curves.unresolved
     if boxes is not None:
@@ -168,19 +168,19 @@ def assemble(
 
 
 def _box_variables(
-    question: Problem, axes: tuple[Grid, Grid], boxes: Boxes, flags: Mapping[str, Any]
+    problem: Problem, axes: tuple[Axis, Axis], boxes: Boxes, flags: Mapping[str, Any]
 ) -> dict[str, Any]:
     long = {"long_name": "verdict proved everywhere in the box, 0 in the enclosing strip"}
     out: dict[str, Any] = {"box_verdict": (("box",), boxes.codes, dict(flags) | long)}
     for axis, ends in zip(axes, (boxes.x, boxes.y), strict=True):
-        words = axis_attributes(question, axis.name)
+        words = axis_attributes(problem, axis.name)
         words["long_name"] += ", low and high end of the box"
         out[f"box_{axis.name}"] = (("box", "end"), ends, words)
     return out
 
 
 def _boundary_variables(
-    question: Problem, axes: tuple[Grid, Grid], curves: Curves, words: Mapping[str, str]
+    problem: Problem, axes: tuple[Axis, Axis], curves: Curves, words: Mapping[str, str]
 ) -> dict[str, Any]:
     from ..boundary.curves import KINDS
 
@@ -196,8 +196,8 @@ def _boundary_variables(
         "long_name": "axis along which the point was refined",
     }
     return {
-        f"boundary_{axes[0].name}": (d, curves.x, axis_attributes(question, axes[0].name)),
-        f"boundary_{axes[1].name}": (d, curves.y, axis_attributes(question, axes[1].name)),
+        f"boundary_{axes[0].name}": (d, curves.x, axis_attributes(problem, axes[0].name)),
+        f"boundary_{axes[1].name}": (d, curves.y, axis_attributes(problem, axes[1].name)),
         "boundary_axis": (d, curves.axis, along_axis),
         "boundary_error": (d, curves.error, {
             "long_name": "half-width of the proved bracket, in the unit of boundary_axis"}),

@@ -90,15 +90,15 @@ class GrowthKernel:
 
     Parameters
     ----------
-    question
+    problem
         About a family with a tabulated polynomial.
     modes
         Whether all eigenvalues are kept.
     """
 
-    def __init__(self, question: Problem, *, modes: bool = False) -> None:
-        self.question, self.modes, self.exact = question, modes, tabulated(question)
-        known, behind = self.exact.known, self.exact.roundings(dimensionless=question.dimensionless)
+    def __init__(self, problem: Problem, *, modes: bool = False) -> None:
+        self.problem, self.modes, self.exact = problem, modes, tabulated(problem)
+        known, behind = self.exact.known, self.exact.roundings(dimensionless=problem.dimensionless)
         self.even = known.even
         one = Polynomial(known.variables, ((1, (0,) * len(known.variables)),))
         self._factors = [_Coefficients(f, behind) for f in known.factors]
@@ -136,7 +136,7 @@ class GrowthKernel:
                 found.put(poor, again)
                 poor = poor[_poor(again)]
         if len(poor):
-            found.prove(self.question, _some(values, shape, poor, float), poor)
+            found.prove(self.problem, _some(values, shape, poor, float), poor)
         spectrum = None
         if found.values is not None:
             spectrum = np.ascontiguousarray(found.values.T)
@@ -148,7 +148,7 @@ class GrowthKernel:
         self, values: Mapping[str, Any], shape: tuple[int, int], known: list[Factors | None] | None
     ) -> tuple[list[Roots], list[Factors | None]]:
         """Roots of each factor over Q, and its real factors where it has a quadratic one."""
-        at = point(self.question, values)
+        at = point(self.problem, values)
         if self.even:
             return [self._squares(at, shape)], [None]
         out: list[Roots] = []
@@ -237,11 +237,11 @@ class _All(NamedTuple):
             if mine is not None:
                 mine[..., index] = theirs
 
-    def prove(self, question: Problem, values: Mapping[str, Any], index: Any) -> None:
+    def prove(self, problem: Problem, values: Mapping[str, Any], index: Any) -> None:
         """Replace some cells by certified eigenvalues."""
         for place, row in enumerate(index):
             one = {n: float(np.broadcast_to(v, index.shape)[place]) for n, v in values.items()}
-            certificate = certify(question, one)
+            certificate = certify(problem, one)
             if certificate.eigenvalues:
                 lead = certificate.eigenvalues[-1]
                 self.top[row], self.turn[row] = lead.real, abs(lead.imag)

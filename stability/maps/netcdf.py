@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import FileError, shown
-from ..storage.files import whole
+from ..storage.files import atomic_write
 from ..storage.targets import NETCDF, check_suffix
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def write_map(
         str(n): {"zlib": True, "complevel": 4} for n, v in encoded.data_vars.items() if v.ndim > 1
     }
     # into memory first: a disk that fills up while HDF5 writes to it takes the process down
-    with whole(path, overwrite=overwrite) as beside:
+    with atomic_write(path, overwrite=overwrite) as beside:
         beside.write_bytes(packed(encoded, compress))
     return Path(path)
 

@@ -19,7 +19,7 @@ from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.number_types import Algebra
 from ..algebra.polynomial import Polynomial
 from ..algebra.running_error import UNIT
-from ..base.axis import Grid
+from ..base.axis import Axis
 from ..base.checks import whole_number
 from ..base.errors import NoMemberError
 from ..base.types import Floats, Progress
@@ -68,14 +68,14 @@ class Interval:
 
 
 def prove_boxes(
-    question: Problem, axes: tuple[Grid, Grid], levels: int, progress: Progress | None = None
+    problem: Problem, axes: tuple[Axis, Axis], levels: int, progress: Progress | None = None
 ) -> Boxes:
     """Cover a map with rectangles of one proved verdict and a strip of narrow ones.
 
     Parameters
     ----------
-    question
-        The question.
+    problem
+        Family with values in the user's units.
     axes
         x and y.
     levels
@@ -97,15 +97,15 @@ def prove_boxes(
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
     >>> from stability.spectra.disk_problem import disk_problem
-    >>> question = disk_problem("rolling", Disk(), Viscous(1.0), 1.0)
-    >>> axes = Grid("at", 0.1, 3.0, 9), Grid("mu", 0.1, 1.0, 9)
-    >>> boxes = prove_boxes(question, axes, 6)
+    >>> problem = disk_problem("rolling", Disk(), Viscous(1.0), 1.0)
+    >>> axes = Axis("at", 0.1, 3.0, 9), Axis("mu", 0.1, 1.0, 9)
+    >>> boxes = prove_boxes(problem, axes, 6)
     >>> round(boxes.proved, 2), sorted(set(boxes.codes.tolist()))
     (0.99, [0, 1, 2])
     """
     levels = whole_number("levels", levels, 0, MOST_LEVELS)
-    fast = isinstance(question.exact, TabulatedPolynomial)
-    judge = BoxConditions(question) if fast else _WideBalls(question)
+    fast = isinstance(problem.exact, TabulatedPolynomial)
+    judge = BoxConditions(problem) if fast else _WideBalls(problem)
     edges = [_edges(axis, levels) for axis in axes]
     i = j = np.zeros(1, dtype=np.int64)
     found: list[tuple[Any, Any, Any]] = []
@@ -128,8 +128,8 @@ def prove_boxes(
     return Boxes(x, y, c.astype(np.int8), levels)
 
 
-def _edges(axis: Grid, levels: int) -> Floats:
-    return Grid(axis.name, axis.low, axis.high, (1 << levels) + 1, axis.log).values
+def _edges(axis: Axis, levels: int) -> Floats:
+    return Axis(axis.name, axis.low, axis.high, (1 << levels) + 1, axis.log).values
 
 
 Spans = Mapping[str, tuple[Floats, Floats]]
@@ -140,12 +140,12 @@ class BoxConditions:
 
     Parameters
     ----------
-    question
+    problem
         About a family with a tabulated polynomial.
     """
 
-    def __init__(self, question: Problem) -> None:
-        self.question, self.exact = question, tabulated(question)
+    def __init__(self, problem: Problem) -> None:
+        self.problem, self.exact = problem, tabulated(problem)
         self.parts = [_Range(p) for _, p in self.exact.known.conditions]
 
     def __call__(self, spans: Spans) -> NDArray[np.int8]:
@@ -164,7 +164,7 @@ class BoxConditions:
         count = len(next(iter(spans.values()))[0])
         values: dict[str, Any] = {}
         upright = np.zeros(count, dtype=bool)
-        for name, value in self.question.values.items():
+        for name, value in self.problem.values.items():
             low, high = spans.get(name, (value, value))
             low, high = (np.broadcast_to(np.asarray(v, dtype=float), (count,)) for v in (low, high))
             if self.exact.angle(name):
@@ -242,8 +242,8 @@ class _WideBalls:
 
     BITS = 96
 
-    def __init__(self, question: Problem) -> None:
-        self.question = question
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
 
     def __call__(self, spans: Spans) -> NDArray[np.int8]:
         count = len(next(iter(spans.values()))[0])
@@ -256,12 +256,12 @@ class _WideBalls:
         from ..spectra.certificate import in_balls
 
         with precision(self.BITS):
-            values = {name: arb(float(v)) for name, v in self.question.values.items()}
+            values = {name: arb(float(v)) for name, v in self.problem.values.items()}
             for name, (low, high) in spans.items():
                 values[name] = arb(float(low[n])).union(arb(float(high[n])))
-            a, q, _ = self.question.reduce(values, lambda v: v.sqrt())
+            a, q, _ = self.problem.reduce(values, lambda v: v.sqrt())
             try:
-                found = in_balls(self.question.family, a, q)
+                found = in_balls(self.problem.family, a, q)
             except NoMemberError:
                 return 0
         return CODES[found] if found is not None else 0

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from ..base.axis import Grid
+from ..base.axis import Axis, AxisLike
 from ..base.checks import flag, whole_number
 from ..base.errors import ParameterError
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..boundary.curves import trace
-from ..jobs.checkpoint import Parts
+from ..jobs.checkpoint import Checkpoint
 from ..systems.family import Family
 from .cells import Cells
 from .proved_boxes import MOST_LEVELS, prove_boxes
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 from ..base.types import Progress
 from ..jobs.pipeline import check_run
-from ..spectra.arguments import Axis, prepare
+from ..spectra.arguments import prepare
 
 MOST_CELLS = 100_000_000
 """Largest map in memory."""
@@ -33,8 +33,8 @@ MOST_CELLS = 100_000_000
 def stability_map(
     family: str | Family,
     *,
-    x: Axis,
-    y: Axis,
+    x: AxisLike,
+    y: AxisLike,
     disk: Disk | None = None,
     contact: Contact | type[Contact] | None = None,
     at: ArrayLike | None = None,
@@ -115,23 +115,23 @@ def stability_map(
     if levels is not None:
         levels = whole_number("levels", levels, 0, MOST_LEVELS)
     check_run(workers, progress, executor)
-    axes = Grid.of(x, "x"), Grid.of(y, "y")
+    axes = Axis.of(x, "x"), Axis.of(y, "y")
     if (total := axes[0].count * axes[1].count) > MOST_CELLS:
         raise ParameterError(
             f"the map has {total:.3g} cells, at most {MOST_CELLS:.0e} are kept in memory; take "
             "fewer points, or stream_map (`--verdict-only`), which writes a file."
         )
-    question = prepare(family, axes, disk, contact, at, parameters)
-    cells = Cells(question, axes, modes)
-    parts = Parts(checkpoint, cells.key(), cells.fits) if checkpoint is not None else None
+    problem = prepare(family, axes, disk, contact, at, parameters)
+    cells = Cells(problem, axes, modes)
+    parts = Checkpoint(checkpoint, cells.key(), cells.fits) if checkpoint is not None else None
     cells.fill(workers or os.cpu_count() or 1, progress, parts, executor)
     from .dataset import assemble
 
     boxes = None
     if certify:
         finest = (max(g.count for g in axes) - 1).bit_length()
-        boxes = prove_boxes(question, axes, min(finest, 12) if levels is None else levels)
-    if certify or (question.exact is not None and not cells.exact):
+        boxes = prove_boxes(problem, axes, min(finest, 12) if levels is None else levels)
+    if certify or (problem.exact is not None and not cells.exact):
         cells.settle()
-    curves = trace(question, axes, cells.codes, cells.abscissa, progress) if boundaries else None
-    return assemble(question, axes, cells, curves, boxes)
+    curves = trace(problem, axes, cells.codes, cells.abscissa, progress) if boundaries else None
+    return assemble(problem, axes, cells, curves, boxes)

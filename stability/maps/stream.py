@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
-from ..base.axis import Grid
+from ..base.axis import Axis, AxisLike
 from ..base.errors import FileError, ParameterError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES
@@ -25,9 +25,9 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..jobs.pipeline import Counted, check_run, ordered
 from ..jobs.shared import shared
-from ..spectra.arguments import Axis, prepare
+from ..spectra.arguments import prepare
 from ..storage.checksum import ATTRIBUTE, STATEMENT, seal
-from ..storage.files import postponed, whole
+from ..storage.files import atomic_write, postponed
 from ..storage.targets import NETCDF, check_suffix, check_target, path_text
 from .dataset import axis_attributes, provenance
 from .growth_rates import steady_memory
@@ -48,8 +48,8 @@ METHOD = (
 def stream_map(
     family: str,
     *,
-    x: Axis,
-    y: Axis,
+    x: AxisLike,
+    y: AxisLike,
     out: str | os.PathLike[str],
     disk: Disk | None = None,
     contact: Contact | type[Contact] | None = None,
@@ -108,11 +108,11 @@ def stream_map(
             "polynomials. Use stability_map for one's own."
         )
     check_run(workers, progress, executor)
-    axes = Grid.of(x, "x"), Grid.of(y, "y")
-    question = prepare(str(family), axes, disk, contact, at, {})
-    if not isinstance(question.exact, TabulatedPolynomial):
+    axes = Axis.of(x, "x"), Axis.of(y, "y")
+    problem = prepare(str(family), axes, disk, contact, at, {})
+    if not isinstance(problem.exact, TabulatedPolynomial):
         raise ParameterError(
-            f"the {question.law.name if question.law else ''} law has no exact polynomials, by "
+            f"the {problem.law.name if problem.law else ''} law has no exact polynomials, by "
             "which maps are streamed; use stability_map."
         )
     total = axes[0].count * axes[1].count
@@ -128,14 +128,14 @@ def stream_map(
             "free there."
         )
     steady_memory()
-    verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
-    with whole(target, overwrite=overwrite) as beside:
+    verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
+    with atomic_write(target, overwrite=overwrite) as beside:
         with _Sink(beside) as sink:
             # an exception within HDF5's own calls of the sink, Ctrl-C too, takes the process down
             file = None
             try:
                 with postponed():
-                    file, variable = _created(sink, question, axes)
+                    file, variable = _created(sink, problem, axes)
                 count = workers or (1 if executor is None else os.cpu_count() or 1)
                 left = _fill(variable, sink, verdicts, axes, count, progress, executor)
                 with postponed():
@@ -212,14 +212,14 @@ class _Sink(io.RawIOBase):
             self._error = self._error or error
 
 
-def _created(path: _Sink, question: Any, axes: tuple[Grid, Grid]) -> tuple[Any, Any]:
+def _created(path: _Sink, problem: Any, axes: tuple[Axis, Axis]) -> tuple[Any, Any]:
     import h5netcdf
 
     file = h5netcdf.File(path, "w")
     file.dimensions = {g.name: g.count for g in axes}
     for grid in axes:
         coordinate = file.create_variable(grid.name, (grid.name,), float, data=grid.values)
-        coordinate.attrs.update(axis_attributes(question, grid.name))
+        coordinate.attrs.update(axis_attributes(problem, grid.name))
     rows = min(_rows(axes), axes[1].count)
     verdict = file.create_variable(
         "verdict", (axes[1].name, axes[0].name), np.int8,
@@ -230,16 +230,16 @@ def _created(path: _Sink, question: Any, axes: tuple[Grid, Grid]) -> tuple[Any, 
         "flag_meanings": " ".join(v.word for v in CODES),
         "long_name": "spectral verdict",
     })  # fmt: skip
-    file.attrs.update(provenance(question, axes, METHOD))
+    file.attrs.update(provenance(problem, axes, METHOD))
     return file, verdict
 
 
-def _rows(axes: tuple[Grid, Grid]) -> int:
+def _rows(axes: tuple[Axis, Axis]) -> int:
     return max(1, BAND // axes[0].count)
 
 
 def _fill(
-    variable: Any, sink: _Sink, verdicts: GridVerdicts, axes: tuple[Grid, Grid], workers: int,
+    variable: Any, sink: _Sink, verdicts: GridVerdicts, axes: tuple[Axis, Axis], workers: int,
     progress: Progress | None, executor: Executor | None,
 ) -> int:  # fmt: skip
     """Bands in order, a few in flight; returns how many cells went to exact arithmetic."""

@@ -123,19 +123,19 @@ class _Split:
         return plus > self.ratio * minus, minus > self.ratio * plus
 
 
-class Filtered:
-    """The whole verdict route of a question: the filter, then exact arithmetic where it is open.
+class FilteredVerdicts:
+    """The whole verdict route of a problem: the filter, then exact arithmetic where it is open.
 
     Parameters
     ----------
-    question
+    problem
         About a family with an exact polynomial.
     """
 
-    def __init__(self, question: Problem) -> None:
-        self.question = question
-        exact = tabulated(question)
-        behind = exact.roundings(dimensionless=question.dimensionless)
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        exact = tabulated(problem)
+        behind = exact.roundings(dimensionless=problem.dimensionless)
         self.kernel = VerdictKernel(exact.known, behind)
 
     def codes(self, values: Mapping[str, Any]) -> tuple[Codes, int]:
@@ -152,7 +152,7 @@ class Filtered:
             Flags of the broadcast shape, and how many points went to exact arithmetic.
         """
         shape = np.broadcast_shapes(*(np.shape(v) for v in values.values()))
-        codes = self.kernel(point(self.question, values))
+        codes = self.kernel(point(self.problem, values))
         codes = np.ascontiguousarray(np.broadcast_to(codes, shape))
         if not codes.flags.writeable:
             codes = codes.copy()
@@ -165,27 +165,27 @@ class Filtered:
             for count, cell in enumerate(open_cells):
                 where = tuple(p[count] for p in places) if shape else ()
                 one = {n: float(_at(v, shape, where)) for n, v in values.items()}
-                flat[cell] = CODES[verdict(self.question, one)]
+                flat[cell] = CODES[verdict(self.problem, one)]
         return codes, len(open_cells)
 
 
-def tabulated(question: Problem) -> TabulatedPolynomial:
+def tabulated(problem: Problem) -> TabulatedPolynomial:
     """The polynomials that a map's kernels are made of."""
-    assert isinstance(question.exact, TabulatedPolynomial)
-    return question.exact
+    assert isinstance(problem.exact, TabulatedPolynomial)
+    return problem.exact
 
 
 def _at(value: Any, shape: tuple[int, ...], where: tuple[Any, ...]) -> Any:
     return np.broadcast_to(value, shape)[where]
 
 
-def point(question: Problem, values: Mapping[str, Any]) -> list[Any]:
+def point(problem: Problem, values: Mapping[str, Any]) -> list[Any]:
     """What the exact polynomial depends on, in double precision, for broadcast values.
 
     Parameters
     ----------
-    question
-        The question.
+    problem
+        Family with values in the user's units.
     values
         Float or array by name.
 
@@ -195,5 +195,5 @@ def point(question: Problem, values: Mapping[str, Any]) -> list[Any]:
         As `exact.variables`.
     """
     with np.errstate(all="ignore"):  # what overflows is left open by the filter
-        found = tabulated(question).point(values, NUMPY)
+        found = tabulated(problem).point(values, NUMPY)
     return [v if np.ndim(v) else float(v) for v in found]

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..base.types import Floats
 from ..spectra.problem import Problem
 from .proved_boxes import BoxConditions
-from .verdict_filter import Filtered
+from .verdict_filter import FilteredVerdicts
 
 Codes = NDArray[np.int8]
 
@@ -25,11 +25,11 @@ SIDES = (32, 8)
 
 
 class GridVerdicts:
-    """Proved verdicts over grids of two axes of a question.
+    """Proved verdicts over grids of two axes of a problem.
 
     Parameters
     ----------
-    question
+    problem
         About a family with an exact polynomial.
     x, y
         Names of the axes.
@@ -45,11 +45,11 @@ class GridVerdicts:
     ((100, 200), [1, 2], 0)
     """
 
-    def __init__(self, question: Problem, x: str, y: str) -> None:
+    def __init__(self, problem: Problem, x: str, y: str) -> None:
         self.x, self.y = x, y
-        self.question = question
-        self.cells = Filtered(question)
-        self.boxes = BoxConditions(question)
+        self.problem = problem
+        self.cells = FilteredVerdicts(problem)
+        self.boxes = BoxConditions(problem)
 
     def __call__(self, xs: Floats, ys: Floats) -> tuple[Codes, int]:
         """Verdict flags over a grid.
@@ -107,6 +107,6 @@ class GridVerdicts:
         inside = (rows < codes.shape[0]) & (columns < codes.shape[1])
         rows, columns = rows[inside], columns[inside]
         swept = {self.x: xs[columns], self.y: ys[rows]}
-        found, left = self.cells.codes(dict(self.question.values) | swept)
+        found, left = self.cells.codes(dict(self.problem.values) | swept)
         codes[rows, columns] = found
         return left

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from ..settling.nearest import Nearest
     from .result import Result, Settings
-    from .starts import Launches
+    from .starts import Starts
 
 from .observables import ENERGY_ERROR, account, observe
 
@@ -50,7 +50,7 @@ def _versions() -> str:
     return ", ".join(found) + f", python {platform.python_version()}"
 
 
-def assemble(launches: Launches, settings: Settings, results: list[Result]) -> xarray.Dataset:
+def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xarray.Dataset:
     """The dataset that `simulate` returns.
 
     Parameters
@@ -141,7 +141,7 @@ def _dims(shape: tuple[int, ...]) -> tuple[str, ...]:
 
 
 def _samples(
-    launches: Launches, results: list[Result], single: bool
+    launches: Starts, results: list[Result], single: bool
 ) -> tuple[Floats, Any, Floats | None, Floats]:
     """The state over (launch, time), where it was still running, the modes, and the times."""
     asked = launches.times
@@ -177,7 +177,7 @@ def _samples(
 
 
 def _series(
-    launches: Launches,
+    launches: Starts,
     settings: Settings,
     y: Floats,
     modes: Floats | None,
@@ -212,7 +212,7 @@ def _series(
 
 
 def _summary(
-    launches: Launches, results: list[Result], error: Floats | None, dims: tuple[str, ...]
+    launches: Starts, results: list[Result], error: Floats | None, dims: tuple[str, ...]
 ) -> dict[str, Any]:  # fmt: skip
     """One value for each launch: outcome, evidence, times, the nearest steady motion."""
     import xarray
@@ -249,7 +249,7 @@ def _summary(
     }  # fmt: skip
 
 
-def _nearest(launches: Launches, near: list[Nearest], variable: Any) -> dict[str, Any]:
+def _nearest(launches: Starts, near: list[Nearest], variable: Any) -> dict[str, Any]:
     """The nearest steady motions; those of a user's system only where all launches have one."""
     found = {
         "nearest_family": variable([n.family for n in near], long_name="nearest steady motion"),
@@ -306,7 +306,7 @@ def _accounted(results: list[Result], error: Floats) -> list[Result]:
     ]  # fmt: skip
 
 
-def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
+def _log(launches: Starts, results: list[Result]) -> dict[str, Any]:
     """The event log: transitions between sliding and sticking, and early ends."""
     import xarray
 
@@ -346,7 +346,7 @@ def _log(launches: Launches, results: list[Result]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _body(launches: Launches) -> dict[str, Any]:
+def _body(launches: Starts) -> dict[str, Any]:
     if launches.law is None:
         return {
             "system": launches.model.system.name, "states": json.dumps(launches.model.states),
@@ -354,7 +354,7 @@ def _body(launches: Launches) -> dict[str, Any]:
     return {"contact": launches.law.name, "dimensionless": int(launches.dimensionless)}
 
 
-def _provenance(launches: Launches, settings: Settings, results: list[Result]) -> dict[str, Any]:
+def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> dict[str, Any]:
     used = Counter(r.choice.method for r in results)
     outcomes = Counter(r.outcome.word for r in results)
     first = results[0].choice

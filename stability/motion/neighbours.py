@@ -28,7 +28,7 @@ from .result import Outcome
 if TYPE_CHECKING:
     from .result import Result
 
-from .result import Doubt
+from .result import ErrorEstimate
 
 FINER = {"heyoka": 1e-2, "cvodes": 1e-2, "idas": 1e-2}
 """The finer neighbour's tolerance over that of the launch, by method; others `FINE`.
@@ -102,7 +102,9 @@ Pair = tuple["Result", "Result"]
 """Two neighbours of a launch."""
 
 
-def doubts(found: Sequence[Result], finest: Sequence[float], rerun: Rerun) -> list[Doubt | None]:
+def estimate_errors(
+    found: Sequence[Result], finest: Sequence[float], rerun: Rerun
+) -> list[ErrorEstimate | None]:
     """Judge each launch by its neighbours.
 
     Parameters
@@ -126,7 +128,7 @@ def doubts(found: Sequence[Result], finest: Sequence[float], rerun: Rerun) -> li
     >>> bool(run.final_error < 1e-6)
     True
     """
-    out: list[Doubt | None] = [None] * len(found)
+    out: list[ErrorEstimate | None] = [None] * len(found)
     for judge, coarse in ((_of_fine, False), (_of_coarse, True)):
         which = [
             i for i, r in enumerate(found)
@@ -140,7 +142,7 @@ def doubts(found: Sequence[Result], finest: Sequence[float], rerun: Rerun) -> li
     return out
 
 
-def _at_end(doubt: Doubt, one: Result) -> Doubt:
+def _at_end(doubt: ErrorEstimate, one: Result) -> ErrorEstimate:
     """With what a singular end leaves out."""
     end = one.path.end
     if end is None or not end.early:
@@ -176,7 +178,7 @@ def _of(which: Sequence[int], rerun: Rerun) -> Rerun:
     return call
 
 
-def _of_fine(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Doubt]:
+def _of_fine(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[ErrorEstimate]:
     """One finer neighbour on one side, one looser on the other, and more where in doubt."""
     every = range(len(ones))
     asked = np.array([r.tolerance for r in ones])
@@ -206,7 +208,7 @@ def _of_fine(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Doubt
     return _settled(ones, [p[0] for p in pairs], out, unsure, tight, limits, rerun)
 
 
-def _of_coarse(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Doubt]:
+def _of_coarse(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[ErrorEstimate]:
     """Three finer neighbours: the launch itself, and one on each side."""
     every = range(len(ones))
     asked = np.array([r.tolerance for r in ones])
@@ -215,28 +217,28 @@ def _of_coarse(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Dou
     return [_pinched(one, others) for one, *others in zip(ones, *three, strict=True)]
 
 
-def _estimate(one: Result, pair: Pair, off: float, scale: float) -> Doubt:
+def _estimate(one: Result, pair: Pair, off: float, scale: float) -> ErrorEstimate:
     """The error from a finer neighbour, and from one that is looser and off by a relative size."""
     finer, looser = (_distances(one, other) for other in pair)
     growth = max(_growth(*pair), looser[0] / off)
     rounding = PER_STEP * one.path.steps
     final = max(MEASURED * finer[0], scale * looser[0]) + rounding * growth
     late = max(MEASURED * finer[1], scale * looser[1]) + rounding * (looser[1] / off + one.time)
-    return Doubt(final, max(late, _in_time(one, final, pair)), _contrary(one, [pair[0]]))
+    return ErrorEstimate(final, max(late, _in_time(one, final, pair)), _contrary(one, [pair[0]]))
 
 
-def _pinched(one: Result, others: Sequence[Result]) -> Doubt:
+def _pinched(one: Result, others: Sequence[Result]) -> ErrorEstimate:
     """The error from neighbours that are all finer, wherever they lie."""
     contrary = _contrary(one, others)
     if any(other.outcome is Outcome.UNRESOLVED for other in others):
-        return Doubt(np.inf, np.inf, contrary)
+        return ErrorEstimate(np.inf, np.inf, contrary)
     final, late = np.max([_distances(one, other) for other in others], axis=0)
     # where neighbours part on the way, that they meet at the end is chance
     apart = _spread(others[-2], others[-1])
     size = MEASURED * max(final, apart if apart > CLOSE else 0.0)
     size += PER_STEP * one.path.steps * _growth(others[-2], others[-1])
     time = max(float(MEASURED * late), _in_time(one, float(size), others))
-    return Doubt(float(size if size < NOTHING else np.inf), time, contrary)
+    return ErrorEstimate(float(size if size < NOTHING else np.inf), time, contrary)
 
 
 def _close(one: Result, pair: Pair) -> bool:
@@ -255,9 +257,9 @@ def _converges(one: Result, pair: Pair, ratio: float) -> bool:
 
 
 def _settled(
-    ones: Sequence[Result], finer: list[Result], out: list[Doubt], unsure: list[int],
+    ones: Sequence[Result], finer: list[Result], out: list[ErrorEstimate], unsure: list[int],
     tight: Floats, limits: Floats, rerun: Rerun,
-) -> list[Doubt]:  # fmt: skip
+) -> list[ErrorEstimate]:  # fmt: skip
     """The estimates, with finer neighbours for unsure launches until two of them agree."""
     for _ in range(TURNS):
         unsure = [j for j in unsure if tight[j] > limits[j]]
@@ -271,13 +273,17 @@ def _settled(
             new, between = _distances(one, result), _distances(finer[j], result)
             size = max(before.final_error, MEASURED * new[0])
             late = max(before.time_error, MEASURED * new[1], _in_time(one, size, [result]))
-            out[j] = Doubt(size if size < NOTHING else np.inf, late, _contrary(one, [result]))
+            out[j] = ErrorEstimate(
+                size if size < NOTHING else np.inf, late, _contrary(one, [result])
+            )
             finer[j] = result
             if any(b > AGREED * n for b, n in zip(between, new, strict=True)):
                 left.append(j)
         unsure = left
     for j in unsure:  # no two agree: all that is known is how far they scatter
-        out[j] = Doubt(MEASURED * out[j].final_error, MEASURED * out[j].time_error, out[j].contrary)
+        out[j] = ErrorEstimate(
+            MEASURED * out[j].final_error, MEASURED * out[j].time_error, out[j].contrary
+        )
     return out
 
 

@@ -52,14 +52,14 @@ def write_motion(
     """
     import xarray
 
-    from ..storage.files import whole
+    from ..storage.files import atomic_write
     from ..storage.netcdf import packed
     from ..storage.targets import NETCDF, check_suffix
 
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise FileError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
     check_suffix(path, NETCDF)
-    with whole(path, overwrite=overwrite) as beside:
+    with atomic_write(path, overwrite=overwrite) as beside:
         beside.write_bytes(packed(dataset))
     return FilePath(path)
 

@@ -12,7 +12,7 @@ from ..base.types import Floats
 from ..bodies.disk_model import disk_model
 from ..bodies.model import Model
 from ..integrators.stick_slip import REST, STICKING
-from .starts import Launches
+from .starts import Starts
 
 ENERGY_ERROR = (
     "largest |audit| over the energy at the start",
@@ -84,7 +84,7 @@ def observe(
     return dict(zip(model.series, np.moveaxis(values, -1, 0), strict=True))
 
 
-def account(launches: Launches, y: Floats, series: dict[str, Floats]) -> Floats:
+def account(launches: Starts, y: Floats, series: dict[str, Floats]) -> Floats:
     """How far the energy account fails in each launch.
 
     The disk's energy at the start is positive.  A user's may be counted from anywhere: there the

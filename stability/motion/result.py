@@ -45,7 +45,7 @@ class Result:
     """What the integrator was given: not below what it accepts."""
     compared: int
     """Entries of y, from the first, in which neighbours are compared."""
-    doubt: Doubt | None = None
+    doubt: ErrorEstimate | None = None
     """What its shadow says; None where none was asked, or the run has no outcome."""
 
 
@@ -176,7 +176,7 @@ class Settings:
 
 
 @dataclass(frozen=True)
-class Doubt:
+class ErrorEstimate:
     """What the neighbours say of a launch."""
 
     final_error: float

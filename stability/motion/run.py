@@ -22,9 +22,9 @@ from ..integrators.stick_slip import integrate as integrate_dry
 from ..integrators.taylor import CORES
 from ..jobs.pipeline import Counted, here, ordered
 from ..jobs.shared import shared
-from .neighbours import COMPARED, doubts, signs
-from .result import OF_END, TIGHTEST, Doubt, Outcome, Result, Settings
-from .starts import Launches
+from .neighbours import COMPARED, estimate_errors, signs
+from .result import OF_END, TIGHTEST, ErrorEstimate, Outcome, Result, Settings
+from .starts import Starts
 
 TOGETHER = 1e-6
 """D at which a zero of gn D is taken for one of both."""
@@ -34,7 +34,7 @@ CHUNK = 4096
 
 
 def results(
-    launches: Launches, settings: Settings, progress: Callable[[int, int], None] | None = None
+    launches: Starts, settings: Settings, progress: Callable[[int, int], None] | None = None
 ) -> list[Result]:
     """Run every launch and judge its outcome.
 
@@ -67,7 +67,7 @@ def _later(
 
 
 def _checked(
-    legs: Sequence[Leg], starts: Floats, launches: Launches, settings: Settings,
+    legs: Sequence[Leg], starts: Floats, launches: Starts, settings: Settings,
     progress: Callable[[int, int], None] | None,
 ) -> list[Result]:  # fmt: skip
     """Run some launches, and their neighbours."""
@@ -88,11 +88,11 @@ def _checked(
             left[i] -= result.path.seconds
         return results
 
-    judged = doubts(found, [FINEST[r.choice.method] for r in found], rerun)
+    judged = estimate_errors(found, [FINEST[r.choice.method] for r in found], rerun)
     return [_doubted(result, doubt) for result, doubt in zip(found, judged, strict=True)]
 
 
-def _legs(launches: Launches, settings: Settings) -> list[Leg]:
+def _legs(launches: Starts, settings: Settings) -> list[Leg]:
     which = flow_of(launches.model)
     # the disk's flow has one more parameter: the sine of the angle that counts as flat
     more = [math.sin(settings.flat)] * (which.p.numel() - launches.p.shape[1])
@@ -118,14 +118,14 @@ def _shadow(leg: Leg, states: Floats, tolerance: float, off: float) -> Leg:
     return replace(leg, start=start, times=times, tolerance=tolerance)
 
 
-def _doubted(result: Result, doubt: Doubt | None) -> Result:
+def _doubted(result: Result, doubt: ErrorEstimate | None) -> Result:
     if doubt is None or not doubt.contrary:
         return replace(result, doubt=doubt)
     return replace(result, doubt=doubt, outcome=Outcome.UNDETERMINED, evidence=doubt.contrary)
 
 
 def _run(
-    legs: Sequence[Leg], launches: Launches, settings: Settings, methods: Sequence[str],
+    legs: Sequence[Leg], launches: Starts, settings: Settings, methods: Sequence[str],
     progress: Callable[[int, int], None] | None,
 ) -> list[Result]:  # fmt: skip
     """Run legs, each by its method, and judge how they ended."""
@@ -173,7 +173,7 @@ def _finer(tolerance: float, turning: Floats) -> float:
 
 
 def _judge(
-    leg: Leg, path: Path, choice: Choice, launches: Launches, settings: Settings,
+    leg: Leg, path: Path, choice: Choice, launches: Starts, settings: Settings,
     dry: DryPath | None,
 ) -> Result:  # fmt: skip
     why = ""

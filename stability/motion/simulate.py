@@ -17,7 +17,7 @@ from ..jobs.pipeline import check_run
 from ..systems.family import Family
 from ..systems.system import System
 from .result import Settings
-from .starts import Launches, gather
+from .starts import Starts, gather
 from .system_starts import gather_system
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ def simulate(
         return assemble(launches, settings, results(launches, settings, progress))
 
 
-def _not_flat(launches: Launches, settings: Settings) -> None:
+def _not_flat(launches: Starts, settings: Settings) -> None:
     theta = launches.starts[:, 0]
     # a start within rounding of the border cannot be told from one on it
     bad = np.flatnonzero(np.minimum(theta, np.pi - theta) <= settings.flat * (1 + 1e-6))

@@ -124,7 +124,7 @@ POINTS = 201
 
 
 @dataclass(frozen=True, eq=False)
-class Launches:
+class Starts:
     """N launches of one model, dimensionless for a disk, with the units they came in."""
 
     model: Model
@@ -167,7 +167,7 @@ class Launches:
 
 def gather(
     disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool = False
-) -> Launches:
+) -> Starts:
     """Check what `simulate` was given and make it dimensionless.
 
     Parameters
@@ -195,9 +195,7 @@ def gather(
         return _gathered(disk, contact, start, times, pose=pose)
 
 
-def _gathered(
-    disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool
-) -> Launches:
+def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool) -> Starts:
     six = _start(start, contact)
     when = times_of(times)
     fields = {n: getattr(disk, n) for n in ("mass", "radius", "gravity", "k")} | contact.given
@@ -228,7 +226,7 @@ def _gathered(
         )
     energies = _check(type(contact), shape, starts, p)
     law = type(contact)
-    return Launches(
+    return Starts(
         disk_model(law, pose=pose), shape, starts, p, when, {n: flat[n] for n in fields},
         {n: flat[n] for n in scales}, disk.dimensionless, energies, DiskSettling(law), law,
     )  # fmt: skip

@@ -15,14 +15,14 @@ from ..bodies.model import system_model
 from ..settling.system_settling import SystemSettling
 from ..systems.family import Family
 from ..systems.system import System
-from .starts import Launches, counted, times_of
+from .starts import Starts, counted, times_of
 
 ONE = np.asarray(1.0)
 
 
 def gather_system(
     system: System, parameters: Any, start: Any, times: ArrayLike, families: Any = ()
-) -> Launches:
+) -> Starts:
     """Check what `simulate` was given for a user's system.
 
     Parameters
@@ -66,7 +66,7 @@ def gather_system(
         name: values[0, i] if not p.ndim > 1 else values[:, i]
         for i, name in enumerate(system.parameters)
     }
-    return Launches(
+    return Starts(
         model, shape, starts, values, when, {n: np.asarray(v) for n, v in given.items()},
         dict.fromkeys(("time", "rate"), ONE), True, energies,
         SystemSettling(_families(system, families)),

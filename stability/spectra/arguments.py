@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.axis import Grid
+from ..base.axis import Axis
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
@@ -20,8 +20,6 @@ from ..systems.family import Family
 from .disk_problem import check_axis, disk_problem, disk_roundings
 from .problem import Problem, system_problem
 
-Axis = tuple[str, float, float, int] | tuple[str, float, float, int, str]
-
 RESERVED = ("abscissa", "abscissa_error", "frequency", "verdict", "eigenvalues", "mode",
             "complex_part", "box", "end")  # fmt: skip
 """Variables and dimensions of every map, which no axis may be called."""
@@ -29,13 +27,13 @@ RESERVED = ("abscissa", "abscissa_error", "frequency", "verdict", "eigenvalues",
 
 def prepare(
     family: str | Family,
-    axes: Sequence[Grid],
+    axes: Sequence[Axis],
     disk: Disk | None,
     contact: Contact | type[Contact] | None,
     at: ArrayLike | None,
     parameters: Mapping[str, ArrayLike],
 ) -> Problem:
-    """The question of a map, with its axes checked and every other value given.
+    """The problem of a map, with its axes checked and every other value given.
 
     Parameters
     ----------
@@ -58,18 +56,18 @@ def prepare(
     if len(set(names)) < len(names):
         raise ParameterError(f"both axes are {shown(names[0])}; give two different ones.")
     if isinstance(family, Family):
-        question = problem(family, at, disk, contact, dict(parameters))  # type: ignore[arg-type]
+        problem = problem_of(family, at, disk, contact, dict(parameters))  # type: ignore[arg-type]
         known: tuple[str, ...] = (*family.at, *family.parameters)
     else:
         tilted = 0.0 if "lean" in names else None  # the axis takes its place
         at = _pair(family, names, at)
-        question = problem(family, at, disk, _law(contact, axes), dict(parameters), tilted)
-        keys = ("at",) if len(question.family.at) == 1 else question.family.at
+        problem = problem_of(family, at, disk, _law(contact, axes), dict(parameters), tilted)
+        keys = ("at",) if len(problem.family.at) == 1 else problem.family.at
         keys = ("lean",) if tilted is not None else keys
-        known = (*keys, *(n for n in question.names if n not in keys))
-        assert question.law is not None
-        known = tuple(dict.fromkeys((*known, *(p.name for p in question.law.parameters))))
-        same = set(question.law.alternatives(names[0]))
+        known = (*keys, *(n for n in problem.names if n not in keys))
+        assert problem.law is not None
+        known = tuple(dict.fromkeys((*known, *(p.name for p in problem.law.parameters))))
+        same = set(problem.law.alternatives(names[0]))
         if set(names[1:]) & same:
             raise ParameterError(
                 f"the axes are {' and '.join(sorted(names))}, which are two names for one "
@@ -78,7 +76,7 @@ def prepare(
     for name in names:
         if name not in known:
             raise NameUnknownError(
-                f"axis is {shown(name)}; known for {question.family.name} are {', '.join(known)}."
+                f"axis is {shown(name)}; known for {problem.family.name} are {', '.join(known)}."
             )
         if not name or name in RESERVED or name.startswith(("boundary_", "box_")) or "/" in name:
             raise NameUnknownError(
@@ -87,30 +85,30 @@ def prepare(
             )
     axis_values = {g.name: g.values for g in axes}
     for name, values in axis_values.items():
-        check_axis(question, name, values)
-    keys = tuple(n for n in known if n in ("at", "lean", *question.family.at))
+        check_axis(problem, name, values)
+    keys = tuple(n for n in known if n in ("at", "lean", *problem.family.at))
     for key in keys:
-        if key in question.values and key in names and at is not None and at is given:
+        if key in problem.values and key in names and at is not None and at is given:
             raise ParameterError(f"{key} is given as a value and as an axis; give it once.")
-        if key not in question.values and key not in names:
+        if key not in problem.values and key not in names:
             raise ParameterError(f"{key} is missing; make it an axis or give its value.")
-    for name, value in question.values.items():
+    for name, value in problem.values.items():
         if np.ndim(value) and name not in names:
             raise ParameterError(f"{name} is an array; what is not an axis must be one number.")
-    kept = dict(question.values)
-    for name in names if question.law is not None else ():  # the axis takes the other's place
-        assert question.law is not None
-        kept = {n: v for n, v in kept.items() if n not in question.law.alternatives(name)}
-    merged = kept | {n: v.mean() for n, v in axis_values.items()}
+    kept = dict(problem.values)
+    for name in names if problem.law is not None else ():  # the axis takes the other's place
+        assert problem.law is not None
+        kept = {n: v for n, v in kept.items() if n not in problem.law.alternatives(name)}
+    merged = kept | {n: _middle(v) for n, v in axis_values.items()}
     from dataclasses import replace
 
-    question = replace(question, values=merged)
-    law = question.law
-    if law and question.dimensionless and set(names) & set(PHYSICAL):  # the numbers are SI then
-        roundings = disk_roundings(question.family.at, law, si=True)
-        question = replace(question, dimensionless=False, roundings=roundings)
-    _check_members(question, axis_values)
-    return question
+    problem = replace(problem, values=merged)
+    law = problem.law
+    if law and problem.dimensionless and set(names) & set(PHYSICAL):  # the numbers are SI then
+        roundings = disk_roundings(problem.family.at, law, si=True)
+        problem = replace(problem, dimensionless=False, roundings=roundings)
+    _check_members(problem, axis_values)
+    return problem
 
 
 def _pair(family: Any, names: Sequence[str], at: ArrayLike | None) -> Any:
@@ -123,7 +121,7 @@ def _pair(family: Any, names: Sequence[str], at: ArrayLike | None) -> Any:
     return [1.0, at] if swept == [parts[0]] else [at, 1.0]
 
 
-def _law(contact: Any, axes: Sequence[Grid]) -> Contact:
+def _law(contact: Any, axes: Sequence[Axis]) -> Contact:
     swept = next((g for g in axes if g.name in ("mu", "c")), None)
     if contact is None and swept is None:
         raise ParameterError(
@@ -151,17 +149,24 @@ def _law(contact: Any, axes: Sequence[Grid]) -> Contact:
     return law(**given)
 
 
-def _check_members(question: Problem, axis_values: Mapping[str, Floats]) -> None:
+def _middle(values: Floats) -> float:
+    """A value of an axis for all that asks one; one of its own where the mean overflows."""
+    with np.errstate(over="ignore"):
+        mean = float(values.mean())
+    return mean if np.isfinite(mean) else float(values[len(values) // 2])
+
+
+def _check_members(problem: Problem, axis_values: Mapping[str, Floats]) -> None:
     """Refuse early where the corners of the map have no member."""
     corners = np.meshgrid(*[v[[0, -1]] for v in axis_values.values()])
-    values = dict(question.values) | {
+    values = dict(problem.values) | {
         n: c.ravel() for n, c in zip(axis_values, corners, strict=True)
     }
-    a, q, _, _ = question.arrays(values)
-    question.family.member(a, q)
+    a, q, _, _ = problem.arrays(values)
+    problem.family.member(a, q)
 
 
-def problem(
+def problem_of(
     family: str | Family,
     at: ArrayLike | None,
     disk: Disk | None,
@@ -169,7 +174,7 @@ def problem(
     parameters: dict[str, Any],
     lean: ArrayLike | None = None,
 ) -> Problem:
-    """The question that the arguments of `spectrum` and `stability_map` ask.
+    """The problem that the arguments of `spectrum` and `stability_map` ask.
 
     Parameters
     ----------

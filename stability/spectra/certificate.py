@@ -66,15 +66,15 @@ class Certificate:
 
 
 def certify(
-    question: Problem, values: Mapping[str, float], zeros: int | None = None,
+    problem: Problem, values: Mapping[str, float], zeros: int | None = None,
     member: Member | None = None,
 ) -> Certificate:  # fmt: skip
     """A proved verdict with eigenvalue enclosures at one point.
 
     Parameters
     ----------
-    question
-        The question.
+    problem
+        Family with values in the user's units.
     values
         Double by name, taken as exact.
     zeros
@@ -92,20 +92,20 @@ def certify(
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
     >>> from stability.spectra.disk_problem import disk_problem
-    >>> question = disk_problem("rolling", Disk(k=0.5), Viscous(0.3), 1.0)
-    >>> found = certify(question, question.values)  # the boundary is omega3² = 1/(2k) = 1
+    >>> problem = disk_problem("rolling", Disk(k=0.5), Viscous(0.3), 1.0)
+    >>> found = certify(problem, problem.values)  # the boundary is omega3² = 1/(2k) = 1
     >>> found.verdict.word, found.how
     ('neutral', 'rational arithmetic')
     """
-    if question.exact is None:
-        member = member or member_at(question, values)
+    if problem.exact is None:
+        member = member or member_at(problem, values)
         own = structural_zeros(member)
         zeros = own if zeros is None else zeros
         decided, bits = of_member(member, own)  # others in a batch may have other counts
-        attempt = partial(_member_roots, member, zeros, _exact(question, values)[2])
+        attempt = partial(_member_roots, member, zeros, _exact(problem, values)[2])
     else:
-        decided, bits = _decided(question.exact, question, values)
-        attempt = partial(_roots, question.exact, question, values)
+        decided, bits = _decided(problem.exact, problem, values)
+        attempt = partial(_roots, problem.exact, problem, values)
     if decided is Verdict.UNDECIDED:
         return Certificate(decided, (), (), np.inf, bits)
     precise = BITS
@@ -118,32 +118,32 @@ def certify(
         precise *= 2
 
 
-def verdict(question: Problem, values: Mapping[str, float]) -> Verdict:
+def verdict(problem: Problem, values: Mapping[str, float]) -> Verdict:
     """The proved verdict alone.
 
     Parameters
     ----------
-    question, values
+    problem, values
         As in `certify`.
 
     Returns
     -------
     Verdict
     """
-    if question.exact is not None:
-        return _decided(question.exact, question, values)[0]
-    member = member_at(question, values)
+    if problem.exact is not None:
+        return _decided(problem.exact, problem, values)[0]
+    member = member_at(problem, values)
     return of_member(member, structural_zeros(member))[0]
 
 
 def member_at(
-    question: Problem, values: Mapping[str, float], near: ArrayLike | None = None
+    problem: Problem, values: Mapping[str, float], near: ArrayLike | None = None
 ) -> Member:
     """The member of a user's family at exact parameters.
 
     Parameters
     ----------
-    question, values
+    problem, values
         As in `certify`.
     near
         Unknowns of the member to double precision, shape (u,); found by the family's root-finder
@@ -153,21 +153,21 @@ def member_at(
     -------
     Member
     """
-    family = question.family
-    a, q, _ = _exact(question, values)
+    family = problem.family
+    a, q, _ = _exact(problem, values)
     if near is None:
         rows = [np.array([float(arb(v)) for v in part])[None, :] for part in (a, q)]
         near = family.solve(*rows)[0]
     return Member(family, a, q, np.asarray(near, dtype=float).tolist())
 
 
-def _exact(question: Problem, values: Mapping[str, float]) -> tuple[list[Any], list[Any], Any]:
+def _exact(problem: Problem, values: Mapping[str, float]) -> tuple[list[Any], list[Any], Any]:
     """Family parameters, parameters and unit of rate: rationals, or balls where irrational."""
     given = {n: rational(v) for n, v in values.items()}
     if "lean" in given:  # π/2 - lean is a ball at best
         given["lean"] = arb(given["lean"])
     with precision(MOST_BITS):
-        return question.reduce(given, _root)
+        return problem.reduce(given, _root)
 
 
 def structural_zeros(member: Member) -> int:
@@ -187,11 +187,11 @@ def structural_zeros(member: Member) -> int:
 
 
 def _decided(
-    exact: ExactPolynomial, question: Problem, values: Mapping[str, float]
+    exact: ExactPolynomial, problem: Problem, values: Mapping[str, float]
 ) -> tuple[Verdict, int]:
     """The verdict from an exact polynomial, and the bits of the balls that decided it, or 0."""
     given = {name: rational(value) for name, value in values.items()}
-    even = question.family.conservative
+    even = problem.family.conservative
     try:
         conditions = exact.conditions(given, EXACT)
         found = _by_conditions(conditions, even) if conditions is not None else None
@@ -326,7 +326,7 @@ def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
 
 
 def _roots(
-    exact: ExactPolynomial, question: Problem, values: Mapping[str, float], *, last: bool
+    exact: ExactPolynomial, problem: Problem, values: Mapping[str, float], *, last: bool
 ) -> Balls | None:
     """Every eigenvalue that is not zero by structure, as a complex ball; None if not isolated."""
     given = {name: rational(value) for name, value in values.items()}
@@ -338,7 +338,7 @@ def _roots(
             out += exact_roots(fmpq_poly(factor))
     except NotExact:
         for factor in exact.coefficients(given, MIXED):
-            found = _ball_roots(factor, question.family.conservative, last=last)
+            found = _ball_roots(factor, problem.family.conservative, last=last)
             if found is None:
                 return None
             out += found

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.linear_systems import contraction, inverse_of, null_vector, solve
-from ..algebra.running_error import TINY, UNIT, Tracked, tracked_arrays
+from ..algebra.running_error import TINY, UNIT, RunningError, running_error_arrays
 from ..base.types import Floats
 from ..systems.family import Family
 from ..systems.structural_zeros import structure
@@ -34,7 +34,7 @@ def grows(
     zeros
         How many eigenvalues vanish by structure.
     roundings
-        As for `stability.spectra.deflation.reduce`.
+        As for `stability.spectra.deflation.deflate`.
 
     Returns
     -------
@@ -122,12 +122,12 @@ class Place:
         Parameters
         ----------
         family, zeros, watch
-            As for `reduce`.
+            As for `deflate`.
         """
-        return reduce(family, self.a, self.q, self.u, self.roundings, zeros, watch)
+        return deflate(family, self.a, self.q, self.u, self.roundings, zeros, watch)
 
 
-def reduce(
+def deflate(
     family: Family,
     a: Floats,
     q: Floats,
@@ -161,17 +161,17 @@ def reduce(
     with np.errstate(all="ignore"):  # `eigenvalues` refuses what is not finite
         count = structure(family).zeros if zeros is None else zeros
         given = roundings or [0] * (a.shape[1] + q.shape[1])
-        return _reduce(family, (a, q, u), given, count, watch)
+        return _linearised(family, (a, q, u), given, count, watch)
 
 
-def _reduce(
+def _linearised(
     family: Family, place: tuple[Floats, Floats, Floats], roundings: Sequence[int], zeros: int,
     watch: bool,
 ) -> Reduced:  # fmt: skip
     a, q, u = place
     arguments = _arguments(family, a, q, u, roundings)
     graph = family.graph
-    matrix, error = tracked_arrays(graph.matrix, arguments, a.shape[:1])[0]
+    matrix, error = running_error_arrays(graph.matrix, arguments, a.shape[:1])[0]
     steps: list[Deflation] = []
     sound: list[NDArray[np.bool_]] = []
     tangents, doubts = tangent_vectors(family, arguments, a.shape[:1])
@@ -191,12 +191,12 @@ def _reduce(
 
 def _arguments(
     family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence[int]
-) -> list[list[Tracked]]:
+) -> list[list[RunningError]]:
     """Family parameters, unknowns and parameters, each with its error."""
     cut = a.shape[1]
     given = [_rounded(a, roundings[:cut]), _rounded(q, roundings[cut:])]
     doubt = _root_error(family, given, u)
-    return [given[0], [Tracked(c, e) for c, e in zip(u.T, doubt.T, strict=True)], given[1]]
+    return [given[0], [RunningError(c, e) for c, e in zip(u.T, doubt.T, strict=True)], given[1]]
 
 
 def tracked_matrix(
@@ -207,7 +207,7 @@ def tracked_matrix(
     Parameters
     ----------
     family, a, q, u, roundings
-        As for `reduce`.
+        As for `deflate`.
 
     Returns
     -------
@@ -215,14 +215,14 @@ def tracked_matrix(
         Shape (N, n, n) each.
     """
     arguments = _arguments(family, a, q, u, roundings or [0] * (a.shape[1] + q.shape[1]))
-    return tracked_arrays(family.graph.matrix, arguments, a.shape[:1])[0]
+    return running_error_arrays(family.graph.matrix, arguments, a.shape[:1])[0]
 
 
-def _rounded(block: Floats, roundings: Sequence[int]) -> list[Tracked]:
-    return [Tracked(c, n * UNIT * np.abs(c)) for c, n in zip(block.T, roundings, strict=True)]
+def _rounded(block: Floats, roundings: Sequence[int]) -> list[RunningError]:
+    return [RunningError(c, n * UNIT * np.abs(c)) for c, n in zip(block.T, roundings, strict=True)]
 
 
-def _root_error(family: Family, given: list[list[Tracked]], u: Floats) -> Floats:
+def _root_error(family: Family, given: list[list[RunningError]], u: Floats) -> Floats:
     """Bound on the error of the solved unknowns, by Krawczyk's test to first order.
 
     The residual goes through the inverse slope; where the slope changes too much within that reach,
@@ -230,26 +230,28 @@ def _root_error(family: Family, given: list[list[Tracked]], u: Floats) -> Floats
     """
     if not u.shape[1] or family.closed:
         return np.zeros_like(u)
-    exact = [Tracked(c, np.zeros_like(c)) for c in u.T]
-    residual, slope = tracked_arrays(family.graph.residual, [given[0], exact, given[1]], (len(u),))
+    exact = [RunningError(c, np.zeros_like(c)) for c in u.T]
+    residual, slope = running_error_arrays(
+        family.graph.residual, [given[0], exact, given[1]], (len(u),)
+    )
     inverse = inverse_of(slope[0])
     size = np.abs(residual[0]) + residual[1]
     reach: Floats = 2.01 * (np.abs(inverse) @ size)[..., 0] + 2 * UNIT * np.abs(u)
-    wide = [Tracked(c, e) for c, e in zip(u.T, reach.T, strict=True)]
-    _, over = tracked_arrays(family.graph.residual, [given[0], wide, given[1]], (len(u),))
+    wide = [RunningError(c, e) for c, e in zip(u.T, reach.T, strict=True)]
+    _, over = running_error_arrays(family.graph.residual, [given[0], wide, given[1]], (len(u),))
     change = contraction(inverse, slope[0], over[1] + np.abs(over[0] - slope[0]))
     return np.where((change.sum(axis=-1).max(axis=-1) < 0.5)[:, None], reach, np.inf)
 
 
 def tangent_vectors(
-    family: Family, arguments: list[list[Tracked]], shape: tuple[int, ...]
+    family: Family, arguments: list[list[RunningError]], shape: tuple[int, ...]
 ) -> tuple[Floats, Floats]:
     """Tangents of the family and a bound on their error, which grows where the equations fold.
 
     Near a branch point the slope of the unknowns is a quotient of two small numbers; its error is
     then far above a few roundings, and must reach the error discs.
     """
-    by_a, by_u, _, r_u, r_a = tracked_arrays(family.graph.tangent, arguments, shape)
+    by_a, by_u, _, r_u, r_a = running_error_arrays(family.graph.tangent, arguments, shape)
     tangent, error = by_a
     if family.unknown and not family.closed:
         slope, doubt = solve(*r_u, *r_a)

@@ -25,7 +25,7 @@ def disk_problem(
     family: str, disk: Disk, contact: Contact, at: ArrayLike | None = None,
     lean: ArrayLike | None = None,
 ) -> Problem:  # fmt: skip
-    """The question about one of the disk's families.
+    """The problem of one of the disk's families.
 
     Parameters
     ----------

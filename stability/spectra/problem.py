@@ -1,4 +1,4 @@
-"""A question about a family: what may vary, in which units, and what it comes to dimensionless.
+"""A family with values: what may vary, in which units, and what it comes to dimensionless.
 
 Everything inside runs dimensionless; a `Problem` is the one place that knows how the numbers a
 user gives (`at`, `k`, `mu`, `mass`, `radius`, `gravity`, or the parameters of their own system)
@@ -148,7 +148,7 @@ def broadcast_shape(values: Mapping[str, Any]) -> tuple[int, ...]:
 def system_problem(
     family: Family, at: ArrayLike | None, parameters: Mapping[str, ArrayLike]
 ) -> Problem:
-    """The question about a family of a user's own system; numbers are taken as they are.
+    """The problem of a family of a user's own system; numbers are taken as they are.
 
     Parameters
     ----------

@@ -32,19 +32,19 @@ class Rows:
 
     Parameters
     ----------
-    question
-        The question.
+    problem
+        Family with values in the user's units.
     exact
         Whether a count that is not proved for the whole family is proved at each member; if not,
         what is left out is zero within its rounding.
     """
 
-    def __init__(self, question: Problem, *, exact: bool) -> None:
+    def __init__(self, problem: Problem, *, exact: bool) -> None:
         from ..systems.multiplicity import certain
 
-        self.question, self.exact = question, exact
-        family = question.family
-        count = math.prod(broadcast_shape(question.values))
+        self.problem, self.exact = problem, exact
+        family = problem.family
+        count = math.prod(broadcast_shape(problem.values))
         size = len(family.system.states)
         if count * size > MOST_VALUES:
             raise ParameterError(
@@ -52,15 +52,15 @@ class Rows:
                 "eigenvalues are kept in memory at once. Ask in pieces, or take stability_map or "
                 "stream_map, which keep less of each."
             )
-        a, q, rate, self.shape = question.arrays(question.values)
+        a, q, rate, self.shape = problem.arrays(problem.values)
         self._step = max(1, PIECE // size**2)
         u = self._joined(len(a), lambda piece: (family.solve(a[piece], q[piece]),))[0]
-        self.place = Place(a, q, u, rate, tuple(question.roundings))
+        self.place = Place(a, q, u, rate, tuple(problem.roundings))
         self.states: Floats = self._joined(
             len(a), lambda p: (family.checked_states(a[p], u[p], q[p]),)
         )[0]
         self.zeros = structure(family).zeros
-        self.certain = question.derived or certain(family)
+        self.certain = problem.derived or certain(family)
         """Whether that number is proved at every member of the family."""
         self._members: dict[int, Member] = {}
         if not self.certain:
@@ -89,7 +89,7 @@ class Rows:
         return self._joined(len(self.place.a), piece)[0]
 
     def _reduced(self, rows: slice, *, watch: bool) -> Reduced:
-        return self.place[rows].reduced(self.question.family, self.zeros, watch=watch)
+        return self.place[rows].reduced(self.problem.family, self.zeros, watch=watch)
 
     def spectra(self) -> tuple[Complexes, Floats, NDArray[np.int8], Eigenpairs | None]:
         """Eigenvalues, error discs and flag values of the verdicts, dimensionless.
@@ -102,7 +102,7 @@ class Rows:
             With eigenvectors; None where there are none yet, or the members are worked on in
             pieces, so that they do not fill the memory.
         """
-        even = self.question.family.conservative and self.certain
+        even = self.problem.family.conservative and self.certain
         pairs = None
 
         def piece(rows: slice) -> tuple[NDArray[Any], ...]:
@@ -121,8 +121,8 @@ class Rows:
         """Where structural zeros that no tangent of the family explains are not semisimple."""
         from .deflation import grows
 
-        family, place = self.question.family, self.place
-        if self.zeros == family.tangents or self.question.derived:
+        family, place = self.problem.family, self.place
+        if self.zeros == family.tangents or self.problem.derived:
             return None
 
         def piece(rows: slice) -> tuple[NDArray[np.bool_]]:
@@ -134,19 +134,19 @@ class Rows:
     @property
     def note(self) -> str:
         """A sentence on zeros that typical members have and these have not, or nothing."""
-        usual = structure(self.question.family).zeros
+        usual = structure(self.problem.family).zeros
         if self.zeros >= usual:
             return ""
         return (
             f"{usual} eigenvalue{'s' * (usual != 1)} vanish{'es' * (usual == 1)} at typical "
-            f"members of {self.question.family.name}, but only {self.zeros} here"
+            f"members of {self.problem.family.name}, but only {self.zeros} here"
         )
 
     @cached_property
     def _columns(self) -> dict[str, Floats]:
         """Each number of the members by name, shape (N,)."""
-        arrays = np.broadcast_arrays(*self.question.values.values())
-        return dict(zip(self.question.values, (v.reshape(-1) for v in arrays), strict=True))
+        arrays = np.broadcast_arrays(*self.problem.values.values())
+        return dict(zip(self.problem.values, (v.reshape(-1) for v in arrays), strict=True))
 
     def values(self, row: int) -> dict[str, float]:
         """The numbers of one member by name."""
@@ -158,5 +158,5 @@ class Rows:
 
         if row not in self._members:
             values = self.values(row)
-            self._members[row] = member_at(self.question, values, self.place.u[row])
+            self._members[row] = member_at(self.problem, values, self.place.u[row])
         return self._members[row]

@@ -18,7 +18,7 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.disk_quantities import QUANTITIES
 from ..systems.family import Family
-from .arguments import problem
+from .arguments import problem_of
 from .problem import Problem
 from .result import NOT_ASKED, Proof, Spectrum
 from .rows import Rows
@@ -86,14 +86,14 @@ def spectrum(
     if at is None and lean is None:
         raise ParameterError("at is missing; it names the member of the family.")
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
-    question = problem(family, at, disk, contact, dict(parameters), lean)
-    rows = Rows(question, exact=certify or escalate)
-    resolved, shape, rate = question.family, rows.shape, rows.place.rate
-    last = 0.0 if question.dimensionless else 4 * UNIT  # of the product with the unit
+    problem = problem_of(family, at, disk, contact, dict(parameters), lean)
+    rows = Rows(problem, exact=certify or escalate)
+    resolved, shape, rate = problem.family, rows.shape, rows.place.rate
+    last = 0.0 if problem.dimensionless else 4 * UNIT  # of the product with the unit
     names = resolved.system.states
     scale = np.ones((len(rate), len(names)))
-    if question.law is not None:
-        speed = np.broadcast_to(question.speed(question.values), shape).reshape(-1)
+    if problem.law is not None:
+        speed = np.broadcast_to(problem.speed(problem.values), shape).reshape(-1)
         for index, name in enumerate(names):
             kind = QUANTITIES[name].kind
             unit = speed if kind is Kind.VELOCITY else rate
@@ -105,7 +105,7 @@ def spectrum(
         raise DomainError("the eigenvalues overflow double precision; give values nearer to 1.")
     found = Spectrum(
         resolved,
-        _shaped(np.column_stack(_given(question)).reshape(-1, len(resolved.at)), shape),
+        _shaped(np.column_stack(_given(problem)).reshape(-1, len(resolved.at)), shape),
         _shaped(values, shape),
         _shaped(radius, shape),
         rows.zeros,
@@ -156,9 +156,9 @@ def proved(
     error = np.asarray(found.abscissa_error, dtype=float).reshape(-1).copy()
     codes, bits = found.codes.reshape(-1).copy(), np.full(len(flat), NOT_ASKED, dtype=np.int64)
     for row in map(int, np.flatnonzero(asked)):
-        member = rows.member(row) if rows.question.exact is None else None
+        member = rows.member(row) if rows.problem.exact is None else None
         try:
-            certificate = one(rows.question, rows.values(row), zeros=rows.zeros, member=member)
+            certificate = one(rows.problem, rows.values(row), zeros=rows.zeros, member=member)
         except NoMemberError:
             if not escalated:
                 raise
@@ -176,12 +176,12 @@ def proved(
     )  # fmt: skip
 
 
-def _given(question: Problem) -> list[Any]:
-    shape = np.broadcast_shapes(*(np.shape(v) for v in question.values.values()))
-    values = dict(question.values)
+def _given(problem: Problem) -> list[Any]:
+    shape = np.broadcast_shapes(*(np.shape(v) for v in problem.values.values()))
+    values = dict(problem.values)
     if "lean" in values:
         values["at"] = np.pi / 2 - np.asarray(values["lean"])
-    keys = ["at"] if "at" in values else question.family.at
+    keys = ["at"] if "at" in values else problem.family.at
     return [np.broadcast_to(values[k], shape).reshape(-1) for k in keys]
 
 

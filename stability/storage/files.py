@@ -98,7 +98,7 @@ def record(path: Path) -> None:
 
 
 @contextmanager
-def whole(
+def atomic_write(
     path: str | os.PathLike[str], *, overwrite: bool = False, result: bool = True
 ) -> Iterator[Path]:
     """A temporary name in the target's folder; renamed if all goes well, removed otherwise.
@@ -128,7 +128,7 @@ def whole(
     --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     with whole(Path(folder) / "a.txt") as name:
+    ...     with atomic_write(Path(folder) / "a.txt") as name:
     ...         _ = name.write_text("all of it")
     ...     (Path(folder) / "a.txt").read_text()
     'all of it'
@@ -156,7 +156,7 @@ def whole(
 
 @contextmanager
 def together() -> Iterator[None]:
-    """Files that are all there or none: each `whole` inside waits for its name until the end.
+    """Files that are all there or none: each `atomic_write` inside gets its name at the end.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def together() -> Iterator[None]:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     with together():
     ...         for name in ("a.txt", "b.txt"):
-    ...             with whole(Path(folder) / name) as file:
+    ...             with atomic_write(Path(folder) / name) as file:
     ...                 _ = file.write_text(name)
     ...         early = (Path(folder) / "a.txt").exists()
     ...     early, sorted(os.listdir(folder))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..algebra.running_error import UNIT, Tracked, tracked_arrays
+from ..algebra.running_error import UNIT, RunningError, running_error_arrays
 from ..base.types import Floats
 from .family_graph import FamilyGraph
 
@@ -17,9 +17,9 @@ GIVEN = 4 * UNIT
 """Relative error of a number that is given: two units in the last place."""
 
 
-def _known(block: Floats) -> list[Tracked]:
+def _known(block: Floats) -> list[RunningError]:
     """Columns of given numbers, each with the error of what is given."""
-    return [Tracked(c, GIVEN * np.abs(c)) for c in block.T]
+    return [RunningError(c, GIVEN * np.abs(c)) for c in block.T]
 
 
 def step_noise(
@@ -41,8 +41,8 @@ def step_noise(
     ndarray
         Shape (N, u); infinite where the slope is singular.
     """
-    exact = [[Tracked(c, np.zeros_like(c)) for c in block.T] for block in (a, u, q)]
-    (value, error), (slope, _) = tracked_arrays(graph.residual, exact, a.shape[:1])
+    exact = [[RunningError(c, np.zeros_like(c)) for c in block.T] for block in (a, u, q)]
+    (value, error), (slope, _) = running_error_arrays(graph.residual, exact, a.shape[:1])
     size = error + np.abs(value) if whole else error
     noise = np.full(u.shape, np.inf)
     with np.errstate(all="ignore"):
@@ -77,8 +77,8 @@ def rate_noise(
         root = GIVEN * np.abs(u)
         if u.shape[1] and not graph.closed:
             root = root + 2 * step_noise(graph, a, u, q, whole=True)
-        solved = [Tracked(c, e) for c, e in zip(u.T, root.T, strict=True)]
-        found = tracked_arrays(graph.rates, [_known(a), solved, _known(q)], a.shape[:1])
+        solved = [RunningError(c, e) for c, e in zip(u.T, root.T, strict=True)]
+        found = running_error_arrays(graph.rates, [_known(a), solved, _known(q)], a.shape[:1])
         # what is held has become a constant of the graph, so that its rounding is added here
         given = np.abs(matrix) @ (GIVEN * np.abs(states))[..., None]
         bound: Floats = 2 * (found[0][1][..., 0] + given[..., 0])

@@ -92,8 +92,8 @@ def conditions(
         for contact in _contacts(law, mu)
     ]
     rows: list[ConditionRow] = []
-    for done, question in enumerate(asked, start=1):
-        rows += _rows(*question)
+    for done, problem in enumerate(asked, start=1):
+        rows += _rows(*problem)
         if progress:
             progress(done, len(asked))
     return rows
@@ -114,8 +114,8 @@ def scan(family: DiskFamily, disk: Disk, contact: Contact) -> list[BoundaryPoint
     assert family.searched is not None
     low, high = family.searched
     unit = family.unit(float(disk.rate))
-    question = disk_problem(family.name, disk, contact)
-    found = along(question, "at", low * unit, high * unit)
+    problem = disk_problem(family.name, disk, contact)
+    found = along(problem, "at", low * unit, high * unit)
     found.warn("at")
     return list(found)
 

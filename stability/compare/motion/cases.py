@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 from ..marks import Judgement, Mark, by_error
-from .drivers import Driver, Motion
+from .drivers import Answer, Driver
 from .measure import judged
-from .reference_motions import UNDETERMINED, Scene, scene
+from .reference_motions import UNDETERMINED, ReferenceMotion, scene
 
 ASKED = 1e-6
 """Error asked of a state or a time."""
@@ -33,7 +33,7 @@ class MotionCase:
     question: ClassVar[str]
     """outcome, final, time or events."""
 
-    def it(self) -> Scene:
+    def it(self) -> ReferenceMotion:
         """The scene with its truth."""
         return scene(self.scene)
 
@@ -55,7 +55,7 @@ class MotionCase:
             return None
         return self.weigh(driver.run(it, it.asked, driver.usual))
 
-    def weigh(self, motion: Motion) -> Judgement:
+    def weigh(self, motion: Answer) -> Judgement:
         """Judge a motion.
 
         Parameters

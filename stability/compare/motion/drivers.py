@@ -16,14 +16,14 @@ from ...base.errors import NameUnknownError, shown
 from ...base.types import Floats
 from ...bodies.contact_laws import RegularisedCoulomb, Rough, Smooth
 from ...integrators.selection import METHODS
-from .reference_motions import Scene
+from .reference_motions import ReferenceMotion
 
 DECADES = tuple(10.0**-d for d in (3, 4, 6, 8, 10, 12, 14))
 """Tolerances of an integrator in the charts."""
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Answer:
     """What a driver says of a scene."""
 
     times: Floats
@@ -58,11 +58,11 @@ class Driver:
     usual: ClassVar[float] = 1e-9
     """What it is given in the catalogue of failures."""
 
-    def takes(self, scene: Scene) -> bool:  # noqa: ARG002
+    def takes(self, scene: ReferenceMotion) -> bool:  # noqa: ARG002
         """Whether the scene is one for this driver."""
         return True
 
-    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """The motion at times, the first of them 0."""
         raise NotImplementedError
 
@@ -77,7 +77,7 @@ class Simulated(Driver):
     method: ClassVar[str]
     check: ClassVar[bool] = False
 
-    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """By the public function."""
         return simulated(
             scene, scene.contact(), times, method=self.method, tolerance=tolerance,
@@ -113,7 +113,7 @@ def _single(method: str) -> type[Driver]:
     return made
 
 
-def simulated(scene: Scene, contact: Any, times: Floats, **options: Any) -> Motion:
+def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: Any) -> Answer:
     """A scene by `simulate` under some law.
 
     Parameters
@@ -140,7 +140,7 @@ def simulated(scene: Scene, contact: Any, times: Floats, **options: Any) -> Moti
     outcome = BY_CODE[int(run.outcome)].word
     kept = np.isin(run.time.values, times)
     ended = _events(run.event_kind.values.tolist(), run.event_time.values.tolist())
-    return Motion(
+    return Answer(
         run.time.values[kept], states[kept],
         "moving" if outcome == "settled" else outcome,  # contact lasted, which is what is asked
         float(run.end_time), float(run.energy_error),
@@ -175,7 +175,7 @@ def _rates(law: str) -> Callable[[Any, Any], Any]:
     return rates
 
 
-def _plain(scene: Scene) -> tuple[Callable[[float, Any], Any], Any]:
+def _plain(scene: ReferenceMotion) -> tuple[Callable[[float, Any], Any], Any]:
     """f(t, y) and the start, without events or an account of energy."""
     rates = _rates(scene.law)
     p = np.array([scene.k, *([] if scene.mu is None else [scene.mu]), 1e-6])
@@ -193,15 +193,15 @@ class RungeKutta45(Driver):
     name, title = "rk45", "solve_ivp (RK45), no events"
     tolerances = DECADES[:6]
 
-    def takes(self, scene: Scene) -> bool:
+    def takes(self, scene: ReferenceMotion) -> bool:
         """Smooth equations only."""
         return scene.law != "coulomb"
 
-    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """By `scipy.integrate.solve_ivp`."""
         return self.solved(scene, times, rtol=tolerance, atol=tolerance)
 
-    def solved(self, scene: Scene, times: Floats, **options: float) -> Motion:
+    def solved(self, scene: ReferenceMotion, times: Floats, **options: float) -> Answer:
         """`solve_ivp` with options of its own."""
         from scipy.integrate import solve_ivp
 
@@ -211,7 +211,7 @@ class RungeKutta45(Driver):
             raise ArithmeticError(found.message)
         if not np.isfinite(found.y).all():
             raise ArithmeticError("a state that is not finite")
-        return Motion(found.t, _six(found.y.T), "moving", float(found.t[-1]))
+        return Answer(found.t, _six(found.y.T), "moving", float(found.t[-1]))
 
 
 class AsItComes(RungeKutta45):
@@ -219,7 +219,7 @@ class AsItComes(RungeKutta45):
 
     name, title, usual = "rk45-default", "solve_ivp with its defaults (rtol 1e-3), no events", 1e-3
 
-    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:  # noqa: ARG002
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:  # noqa: ARG002
         """By `scipy.integrate.solve_ivp`, nothing set."""
         return self.solved(scene, times)
 
@@ -231,11 +231,11 @@ class FixedStep(Driver):
     tolerances = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
     usual = 0.05
 
-    def takes(self, scene: Scene) -> bool:
+    def takes(self, scene: ReferenceMotion) -> bool:
         """Smooth equations only."""
         return scene.law != "coulomb"
 
-    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """`tolerance` is the step."""
         from ...integrators.flow import flow
 
@@ -254,9 +254,9 @@ class FixedStep(Driver):
                     raise ArithmeticError("a state that is not finite")
                 if values[0] <= 0:
                     states = _six(np.array(rows))
-                    return Motion(times[: len(rows)], states, "lift-off", a + (i + 1) * h)
+                    return Answer(times[: len(rows)], states, "lift-off", a + (i + 1) * h)
             rows.append(y)
-        return Motion(times, _six(np.array(rows)), "moving", float(times[-1]))
+        return Answer(times, _six(np.array(rows)), "moving", float(times[-1]))
 
 
 def _step(f: Callable[[float, Any], Any], y: Any, h: float) -> Any:
@@ -277,11 +277,11 @@ class RoughInstead(Driver):
     name, title = "rough-model", "the rough disk in place of large friction"
     tolerances = DECADES[::2]
 
-    def takes(self, scene: Scene) -> bool:
+    def takes(self, scene: ReferenceMotion) -> bool:
         """For viscous friction; how good it is, is what is asked."""
         return scene.law == "viscous"
 
-    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """`simulate` of the rough disk from the same start without its slip."""
         scene = replace(scene, start=(*scene.start[:4], 0.0, 0.0))
         return simulated(
@@ -294,7 +294,7 @@ class SmoothInstead(RoughInstead):
 
     name, title = "smooth-model", "the smooth disk in place of small friction"
 
-    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """`simulate` of the smooth disk from the same start."""
         return simulated(
             scene, Smooth(), times, method="auto", tolerance=tolerance, check=False
@@ -308,11 +308,11 @@ class Regularised(Driver):
     tolerances = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
     usual = 1e-4
 
-    def takes(self, scene: Scene) -> bool:
+    def takes(self, scene: ReferenceMotion) -> bool:
         """For dry friction."""
         return scene.law == "coulomb"
 
-    def run(self, scene: Scene, times: Floats, tolerance: float) -> Motion:
+    def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """`simulate` of the regularised law, integrated finely."""
         law = RegularisedCoulomb(scene.mu or 0.0, tolerance)
         return simulated(scene, law, times, method="auto", tolerance=1e-9, check=False)

@@ -12,8 +12,8 @@ from ...base.errors import StabilityError
 from ...base.types import Floats
 from ...jobs.processes import Late, Task
 from ..timing import timed
-from .drivers import DRIVERS, MODELS, OWN, PEOPLE, Driver, Motion, driver
-from .reference_motions import Scene, scene, scenes
+from .drivers import DRIVERS, MODELS, OWN, PEOPLE, Answer, Driver, driver
+from .reference_motions import ReferenceMotion, scene, scenes
 
 CHARTED: dict[str, str] = {
     "gentle": "gentle: viscous, mu = 0.3, T = 20",
@@ -53,7 +53,7 @@ def measure(which: str, name: str) -> dict[str, Any]:
     Parameters
     ----------
     which, name
-        Scene and driver.
+        Motion and driver.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def measure(which: str, name: str) -> dict[str, Any]:
     return out
 
 
-def _repeated(mine: Driver, it: Scene, tolerance: float, took: float) -> list[float]:
+def _repeated(mine: Driver, it: ReferenceMotion, tolerance: float, took: float) -> list[float]:
     """Seconds of each repeat; the one run itself where it took long."""
     if took > PATIENCE:
         return [took]
@@ -106,7 +106,7 @@ def _forget() -> None:
             heyoka.llvm_state.set_diskcache_enabled(False)
 
 
-def judged(it: Scene, motion: Motion) -> dict[str, Any]:
+def judged(it: ReferenceMotion, motion: Answer) -> dict[str, Any]:
     """The errors of a motion.
 
     Parameters
@@ -153,7 +153,7 @@ def distance(mine: Floats, true: Floats) -> Floats:
     return np.asarray((np.abs(mine - true) / np.maximum(1.0, np.abs(true))).max(axis=-1))
 
 
-def _event(it: Scene, motion: Motion) -> float | None:
+def _event(it: ReferenceMotion, motion: Answer) -> float | None:
     if it.ends:
         return abs(motion.end_time - it.end_time) if motion.outcome == it.outcome else None
     if not it.events:

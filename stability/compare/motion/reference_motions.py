@@ -27,7 +27,7 @@ AGREED = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class ReferenceMotion:
     """One motion: what was launched, and what truly becomes of it; m = R = g = 1."""
 
     name: str
@@ -76,7 +76,7 @@ class Scene:
 
 
 @lru_cache(maxsize=1)
-def scenes() -> Mapping[str, Scene]:
+def scenes() -> Mapping[str, ReferenceMotion]:
     """Every scene by name.
 
     Returns
@@ -92,7 +92,7 @@ def scenes() -> Mapping[str, Scene]:
     return {record["name"]: _read(record) for record in json.loads(text)["scenes"]}
 
 
-def scene(name: str) -> Scene:
+def scene(name: str) -> ReferenceMotion:
     """A scene by its name.
 
     Parameters
@@ -102,7 +102,7 @@ def scene(name: str) -> Scene:
 
     Returns
     -------
-    Scene
+    ReferenceMotion
 
     Raises
     ------
@@ -114,12 +114,12 @@ def scene(name: str) -> Scene:
     return scenes()[name]
 
 
-def _read(record: Mapping[str, Any]) -> Scene:
+def _read(record: Mapping[str, Any]) -> ReferenceMotion:
     times = np.array(record["times"], dtype=float)
     states = np.array([[float(v) for v in row] for row in record["states"]])
     end = float(record["end_time"])
     ended = record["outcome"] in ("lift-off", "flat")
-    return Scene(
+    return ReferenceMotion(
         record["name"], record["law"], record["k"], record["mu"], tuple(record["start"]),
         times, states, record["outcome"], end, record["error"],
         tuple((e["kind"], float(e["time"])) for e in record.get("events", ())),

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...base.verdict import CODES
 from ...maps.growth_rates import GrowthKernel
-from ...maps.verdict_filter import Filtered
+from ...maps.verdict_filter import FilteredVerdicts
 from ...spectra.certificate import verdict
 from ...spectra.result import Spectrum
 from ...spectra.spectrum import spectrum
@@ -79,9 +79,9 @@ class MapKernel(Route):
 
     def answer(self, points: Points) -> Answer:
         """By the kernels of maps, on scattered points."""
-        question = points.problem()
-        codes, _ = Filtered(question).codes(question.values)
-        growth = GrowthKernel(question, modes=True)(question.values, scattered=True)
+        problem = points.problem()
+        codes, _ = FilteredVerdicts(problem).codes(problem.values)
+        growth = GrowthKernel(problem, modes=True)(problem.values, scattered=True)
         return Answer(codes, growth.values, growth.abscissa, growth.error)
 
 
@@ -93,8 +93,8 @@ class MapVerdict(Route):
 
     def answer(self, points: Points) -> Answer:
         """By the filter of maps."""
-        question = points.problem()
-        codes, _ = Filtered(question).codes(question.values)
+        problem = points.problem()
+        codes, _ = FilteredVerdicts(problem).codes(problem.values)
         return Answer(codes)
 
 
@@ -106,13 +106,13 @@ class ExactVerdict(Route):
 
     def answer(self, points: Points) -> Answer:
         """By `stability.spectra.certificate.verdict`."""
-        question = points.problem()
+        problem = points.problem()
         rows = zip(
-            *(np.broadcast_to(v, (len(points),)).tolist() for v in question.values.values()),
+            *(np.broadcast_to(v, (len(points),)).tolist() for v in problem.values.values()),
             strict=True,
         )
-        ones = (dict(zip(question.values, row, strict=True)) for row in rows)
-        codes = [CODES[verdict(question, one)] for one in ones]
+        ones = (dict(zip(problem.values, row, strict=True)) for row in rows)
+        codes = [CODES[verdict(problem, one)] for one in ones]
         return Answer(np.array(codes, dtype=np.int8))
 
 
