@@ -15,18 +15,19 @@ from .motion import drivers
 from .motion.cases import MOTION_CASES
 from .spectrum.cases import CASES, DECADES
 from .spectrum.measure import ROUTES
-from .spectrum.package_routes import OWN
 
-ROUTE_NAMES = (
+_FIRST = (
     "forward-1e-4", "forward", "forward-1e-12", "central", "complex-step", "ad-raw", "ad",
     "ad-1e-9", "sympy", "sympy-solved", "polynomial", "hurwitz", "mpmath-30", "mpmath-50",
-    "mpmath-100", *(r.name for r in OWN),
+    "mpmath-100",
 )  # fmt: skip
-"""Columns of the linear part."""
-DRIVER_NAMES = (
+ROUTE_NAMES = (*_FIRST, *(name for name in ROUTES if name not in _FIRST))
+"""Columns of the linear part: what people take, then the package's own."""
+_LEADING = (
     "rk4", "rk45-default", "rk45", "rough-model", "smooth-model", "regularised", "dop853", "lsoda",
     "radau", "bdf", "cvodes", "idas", "heyoka", "unchecked", "simulate", "simulate-fine",
 )  # fmt: skip
+DRIVER_NAMES = (*_LEADING, *(name for name in drivers.DRIVERS if name not in _LEADING))
 """Columns of the part on motion."""
 LIMIT = 4.0
 """Seconds that a cell may take."""
