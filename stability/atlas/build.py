@@ -1,7 +1,7 @@
 """The atlas: diagrams and loci of the families for three bodies, with data and a page.
 
 Each (body, family) pair is one job; jobs run in processes of their own.  Everything is written into
-a folder beside the target and moved there when it is whole.
+a folder next to the target and moved there when it is whole.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def atlas(
 
 
 class _beside:  # noqa: N801  # a context manager that reads as a word
-    """A temporary folder beside the target, removed afterwards in every case."""
+    """A temporary folder next to the target, removed afterwards in every case."""
 
     def __init__(self, target: Path) -> None:
         self.target = target

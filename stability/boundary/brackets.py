@@ -305,7 +305,7 @@ def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:
 
 
 def at_point(line: AxisScan, value: float) -> BoundaryPoint | None:
-    """The boundary at a point where no verdict is proved, if the verdicts beside it differ.
+    """The boundary at a point where no verdict is proved, if the verdicts next to it differ.
 
     Parameters
     ----------

@@ -289,7 +289,7 @@ def _signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unr
             left.append(Unresolved(value, value, f"no verdict there: {error}"))
     if len(errors) == len(values):
         raise errors[0]
-    # neutral beside stable is a point of a boundary; where nothing is stable it is the good verdict
+    # neutral next to stable is a point of a boundary; alone it is the good verdict
     line.neutral = all(verdict is not Verdict.STABLE for verdict, _ in found)
     return [line.sign_of(*pair) for pair in found], left
 

@@ -7,9 +7,9 @@ along the line and the amplitude z of the pair obey
 
     dy/dt = c |z|²,   d|z|/dt = Re μ' y |z|,   so that  y² - (c / Re μ') |z|²  is constant.
 
-Elliptic (c Re μ' < 0): a motion that starts beside the unstable part of the line swings out and
+Elliptic (c Re μ' < 0): a motion that starts next to the unstable part of the line swings out and
 settles on the stable part, as far from the boundary as it began.  Hyperbolic (c Re μ' > 0): it
-leaves; and of the motions that start beside the stable part only those inside a cone settle.
+leaves; and of the motions that start next to the stable part only those inside a cone settle.
 
 Source: B. Fiedler, S. Liebscher & J. C. Alexander, J. Differential Equations 167 (2000) 16-35;
 tests/test_hopf.py compares with an independent derivation and with simulations.
@@ -59,7 +59,7 @@ MOST_POINTS = 100_000
 
 
 class HopfKind(Sentences):
-    """What a motion beside the boundary does; the value is the sentence a user reads."""
+    """What a motion next to the boundary does; the value is the sentence a user reads."""
 
     ELLIPTIC = (
         "elliptic: a motion beside the unstable part of the line swings out and settles on the "
@@ -166,7 +166,7 @@ def hopf(
     Raises
     ------
     ParameterError
-        If the family is no such line (rolling's boundary has two zeros beside its pair and is
+        If the family is no such line (rolling's boundary has two zeros and a pair, and is
         passed slowly instead: see `stability.drift`), or the law has no friction.
 
     Source: tests/test_hopf.py.

@@ -1,4 +1,4 @@
-"""Every value of an axis at which the verdict can change, isolated, with the verdicts beside it."""
+"""Every value of an axis at which the verdict can change, isolated, with its verdicts."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ X, S = (Ratio(g) for g in RING.gens())
 
 @dataclass(frozen=True)
 class Mark:
-    """A value of the axis at which the verdict may be another than beside it."""
+    """A value of the axis at which the verdict may be another than next to it."""
 
     value: Any
     """Ball in the unit of the axis."""

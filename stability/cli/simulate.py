@@ -138,8 +138,8 @@ def _draw(
         from ..figures.canvas import save_figure
         from ..figures.motion import motion_figure
 
-        with atomic_write(targets["plot"], overwrite=options.force) as beside:
-            save_figure(motion_figure(dataset), beside)
+        with atomic_write(targets["plot"], overwrite=options.force) as draft:
+            save_figure(motion_figure(dataset), draft)
     if "film" in targets:
         from ..figures.animate import animate
 

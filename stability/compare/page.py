@@ -43,7 +43,7 @@ SIGNS = {
     Mark.RIGHT: "✓", Mark.DEGRADED: "≈", Mark.UNDECIDED: "?", Mark.REFUSED: "–", Mark.WRONG: "✗",
     Mark.CRASHED: "‼", Mark.LATE: "⌛",
 }  # fmt: skip
-"""Sign of each mark, beside its colour."""
+"""Sign of each mark, next to its colour."""
 STYLE = """
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 72rem;
@@ -92,8 +92,8 @@ def write(folder: Path, parts: Sequence[Part]) -> Path:
         body += [f'<h2 id="{one.name}">{TITLES[one.name]}</h2>', *_section(one)]
     body.append(_footer(machine()))
     target = folder / PAGE
-    with atomic_write(target, overwrite=True) as beside:
-        beside.write_text("\n".join(body) + "\n", encoding="utf-8")
+    with atomic_write(target, overwrite=True) as draft:
+        draft.write_text("\n".join(body) + "\n", encoding="utf-8")
     return target
 
 

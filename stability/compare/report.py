@@ -293,14 +293,14 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
     for plate in one.plates:
         figure = plate.draw()
         for suffix in (".png", ".pdf"):
-            with atomic_write(folder / f"{plate.stem}{suffix}", overwrite=True) as beside:
-                save_figure(figure, beside)
+            with atomic_write(folder / f"{plate.stem}{suffix}", overwrite=True) as draft:
+                save_figure(figure, draft)
     for name, text in _texts(one, cells).items():
-        with atomic_write(folder / name, overwrite=True) as beside:
-            beside.write_text(text, encoding="utf-8")
+        with atomic_write(folder / name, overwrite=True) as draft:
+            draft.write_text(text, encoding="utf-8")
     if one.name != FAILURES:
-        with atomic_write(folder / f"{one.name}.nc", overwrite=True) as beside:
-            beside.write_bytes(packed(one.chart))
+        with atomic_write(folder / f"{one.name}.nc", overwrite=True) as draft:
+            draft.write_bytes(packed(one.chart))
 
 
 def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:

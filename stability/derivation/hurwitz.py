@@ -293,13 +293,13 @@ def write(path: str, source: str | None = None) -> None:
     body = ",\n".join(lines)
     content = f'{{"format": 1, "cases": {{\n{body}\n}}}}\n'.encode()
     with together():
-        with atomic_write(path, overwrite=True) as beside:
-            beside.write_bytes(content)
+        with atomic_write(path, overwrite=True) as draft:
+            draft.write_bytes(content)
         if source is not None:
             text = FilePath(source).read_text(encoding="utf-8")
             line = f'DIGEST = "{digest(content)}"'
             text, count = re.subn(r'^DIGEST = "[0-9a-f]+"$', line, text, flags=re.MULTILINE)
             if count != 1:
                 raise FileError(f"{source} has {count} lines for the digest; one is needed.")
-            with atomic_write(source, overwrite=True) as beside:
-                beside.write_text(text, encoding="utf-8")
+            with atomic_write(source, overwrite=True) as draft:
+                draft.write_text(text, encoding="utf-8")

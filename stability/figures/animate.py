@@ -101,16 +101,16 @@ def animate(
         count = f"{rate * length:.6g} frames"
         raise ParameterError(f"fps × seconds is {count}; at most {MOST_FRAMES} are drawn.")
     report = progress or (lambda *_: None)
-    with atomic_write(path, overwrite=overwrite) as beside:
+    with atomic_write(path, overwrite=overwrite) as draft:
         if suffix == ".html":
-            beside.write_text(_page(dataset, motion, length), encoding="utf-8")
+            draft.write_text(_page(dataset, motion, length), encoding="utf-8")
             report(1, 1)
             return FilePath(path)
         frames = max(2, round(rate * length))
         fine = resample(motion, np.linspace(first, last, (frames - 1) * FINE + 1))
         with figure_style({}):
             scene = Camera(fine, dataset, (last - first) / length)
-            (write_gif if suffix == ".gif" else write_mp4)(beside, scene, rate, report)
+            (write_gif if suffix == ".gif" else write_mp4)(draft, scene, rate, report)
     return FilePath(path)
 
 

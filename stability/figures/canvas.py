@@ -121,8 +121,8 @@ def save(figure: Figure, stem: Path) -> list[Path]:
 
     paths = [stem.parent / (stem.name + suffix) for suffix in (".png", ".pdf")]
     for path in paths:
-        with atomic_write(path, overwrite=True) as beside:
+        with atomic_write(path, overwrite=True) as draft:
             # no creation date, so that the same map gives the same file
             meta = {"CreationDate": None} if path.suffix == ".pdf" else None
-            save_figure(figure, beside, metadata=meta)
+            save_figure(figure, draft, metadata=meta)
     return paths

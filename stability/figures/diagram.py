@@ -39,7 +39,7 @@ SYMMETRIC_FROM = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """A limit law beside a diagram: its verdict along the x axis of the main panel."""
+    """A limit law next to a diagram: its verdict along the x axis of the main panel."""
 
     name: str
     """What it is called on the figure."""
@@ -58,7 +58,7 @@ def diagram(
     below: Strip | None = None,
     title: str = "",
 ) -> Figure:
-    """Stability diagram of a map: abscissa in colour, exact boundary curves, limits beside it.
+    """Stability diagram of a map: abscissa in colour, exact boundary curves, limits next to it.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 KEPT = (
     "end_time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "method",
 )  # fmt: skip
-"""What every figure needs of a dataset beside its series."""
+"""What every figure needs of a dataset in addition to its series."""
 Event = tuple[float, str]
 Span = tuple[float, float]
 

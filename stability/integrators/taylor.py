@@ -215,7 +215,7 @@ def _end(leg: Leg, outcome: Any, time: float, state: Floats, states: Floats) -> 
 def _on_guard(leg: Leg, time: float, state: Floats) -> End:
     """The end at an event, moved along the motion to where its guard is zero.
 
-    At a loose tolerance the event lies on the step's polynomial, beside the guard's zero.
+    At a loose tolerance the event lies on the step's polynomial, next to the guard's zero.
     """
     kind = guard_at(leg.flow, leg.p, state)
     index = list(leg.flow.guards).index(kind)

@@ -67,8 +67,8 @@ class Checkpoint:
             elif any(self.folder.iterdir()):
                 raise FileError(f"{words} holds other files; choose another.")
             else:
-                with atomic_write(note, result=False) as beside:
-                    beside.write_text(wanted, encoding="utf-8")
+                with atomic_write(note, result=False) as draft:
+                    draft.write_text(wanted, encoding="utf-8")
 
     def done(self, key: int) -> bool:
         """Whether a chunk is there, though it may prove damaged.
@@ -116,8 +116,8 @@ class Checkpoint:
         """
         content = io.BytesIO()
         np.savez(content, allow_pickle=False, **value)
-        with atomic_write(self._path(key), overwrite=True, result=False) as beside:
-            beside.write_bytes(sealed(content.getbuffer(), f"{self.label} {key}"))
+        with atomic_write(self._path(key), overwrite=True, result=False) as draft:
+            draft.write_bytes(sealed(content.getbuffer(), f"{self.label} {key}"))
 
     def _path(self, key: int) -> Path:
         return self.folder / f"{key}.npz"

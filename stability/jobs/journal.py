@@ -78,8 +78,8 @@ class Journal:
                 self._read(lines[1:])
             kept = "".join(_line(cell) for cell in self.cells.values())
             if text != f"{head}\n{kept}":  # a line cut short, or cells that no longer hold
-                with atomic_write(self.path, overwrite=True, result=False) as beside:
-                    beside.write_text(f"{head}\n{kept}", encoding="utf-8")
+                with atomic_write(self.path, overwrite=True, result=False) as draft:
+                    draft.write_text(f"{head}\n{kept}", encoding="utf-8")
         except OSError as error:
             raise FileError(
                 f"{path_text(self.path)} cannot be used: {error.strerror or error}."

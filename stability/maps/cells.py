@@ -39,7 +39,7 @@ BAND = 262144
 
 
 LEFT = "left"
-"""In a chunk, beside its arrays: how many of its cells the exact route took over."""
+"""In a chunk, in addition to its arrays: how many of its cells the exact route took over."""
 MOST_CELLS = 10**9
 """Largest map; its arrays take 33 bytes a cell."""
 

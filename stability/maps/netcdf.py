@@ -69,8 +69,8 @@ def write_map(
         str(n): {"zlib": True, "complevel": 4} for n, v in encoded.data_vars.items() if v.ndim > 1
     }
     # into memory first: a disk that fills up while HDF5 writes to it takes the process down
-    with atomic_write(path, overwrite=overwrite) as beside:
-        beside.write_bytes(packed(encoded, compress))
+    with atomic_write(path, overwrite=overwrite) as draft:
+        draft.write_bytes(packed(encoded, compress))
     return Path(path)
 
 

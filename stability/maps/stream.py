@@ -72,7 +72,7 @@ def stream_map(
     disk, contact, at
         As for `stability_map`.
     workers
-        Threads beside the one that writes; one when left out, since bands are short.
+        Threads in addition to the one that writes; one when left out, since bands are short.
     executor
         Any `concurrent.futures.Executor` in place of the threads, of processes or of another
         machine; `workers` is then how many workers it has.
@@ -129,8 +129,8 @@ def stream_map(
         )
     steady_memory()
     verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
-    with atomic_write(target, overwrite=overwrite) as beside:
-        with _Sink(beside) as sink:
+    with atomic_write(target, overwrite=overwrite) as draft:
+        with _Sink(draft) as sink:
             # an exception within HDF5's own calls of the sink, Ctrl-C too, takes the process down
             file = None
             try:
@@ -146,7 +146,7 @@ def stream_map(
                     with postponed():
                         file.close()
             sink.check()
-        seal(beside)
+        seal(draft)
     return Path(out)
 
 

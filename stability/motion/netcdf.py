@@ -59,8 +59,8 @@ def write_motion(
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise FileError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
     check_suffix(path, NETCDF)
-    with atomic_write(path, overwrite=overwrite) as beside:
-        beside.write_bytes(packed(dataset))
+    with atomic_write(path, overwrite=overwrite) as draft:
+        draft.write_bytes(packed(dataset))
     return FilePath(path)
 
 

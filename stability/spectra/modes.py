@@ -135,6 +135,6 @@ def track(values: Complexes, vectors: Complexes) -> NDArray[np.intp]:
             last = order[line, point - 1]
             overlap = np.abs(vec[point - 1][last].conj() @ vec[point].T)
             jump = np.abs(lam[point - 1][last][:, None] - lam[point][None, :])
-            # overlap decides; distance only where vectors are alike, as beside a meeting of two
+            # overlap decides; distance only where vectors are alike, as next to a meeting of two
             order[line, point] = linear_sum_assignment((1 - overlap) + 4 * jump / size)[1]
     return order.reshape(values.shape)

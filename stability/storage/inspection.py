@@ -16,13 +16,13 @@ from ..base.errors import FileError
 from .targets import path_text
 
 SECONDS = 5
-"""Processor time that reading may take, beside that in proportion to the size."""
+"""Processor time that reading may take, in addition to that in proportion to the size."""
 RATE = 2e7
 """Bytes of variables that are read in a second at least."""
 WALL = 600.0
 """Seconds after which the process is given up in any case, on a machine however busy."""
 MEMORY = 2**30
-"""Bytes that reading may take, beside those of the variables."""
+"""Bytes that reading may take, in addition to those of the variables."""
 LONGEST = 300
 """Characters of a sentence that are told."""
 

@@ -1,4 +1,4 @@
-"""The table of launches: linear prediction beside what the motion does, and why they differ."""
+"""The table of launches: linear prediction next to what the motion does, and why they differ."""
 
 from __future__ import annotations
 

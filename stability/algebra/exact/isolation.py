@@ -1,7 +1,7 @@
 """Real roots of integer polynomials by halving: also where their sizes differ by 600 decimals.
 
 Flint isolates complex roots by an iteration that starts on a circle and needs minutes for roots of
-1e-614 beside those of one; halving needs as many steps as there are binary digits between them.
+1e-614 next to those of one; halving needs as many steps as there are binary digits between them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Letters beside markers, placed where they hide nothing."""
+"""Letters next to markers, placed where they hide nothing."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ REACH = np.array([5.0, 6.5, 9.0, 12.0, 16.0, 21.0, 27.0, 34.0, 42.0])
 
 @dataclass(frozen=True)
 class Letter:
-    """A letter that goes beside a marker."""
+    """A letter that goes next to a marker."""
 
     x: float
     """Of the marker."""
@@ -59,7 +59,7 @@ def lettered(own: Sequence[bool]) -> list[str]:
 
 
 def letters(axes: Axes, marks: Sequence[Letter]) -> None:
-    """Letters beside their markers, moved apart; a thin line leads back where one moved far.
+    """Letters next to their markers, moved apart; a thin line leads back where one moved far.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def _apart(
     off = np.full(at.shape, np.inf)
     for _ in range(4):
         for i in range(len(at)):
-            # a wide text starts beside its marker instead of over it
+            # a wide text starts next to its marker instead of over it
             here = tries + np.sign(np.round(tries, 1)) * np.array([half[i, 0] - 2.5, 0.0])
             spots = at[i] + here
             struck = (np.abs(spots[:, None] - lines) < half[i] + 0.2).all(axis=-1).sum(axis=-1)

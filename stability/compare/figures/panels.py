@@ -20,7 +20,7 @@ WIDTH = 7.1
 OWN, PEOPLE, FRONT = "#D55E00", "#0072B2", "#009E73"
 """Colours of the package's routes, of those people use, and of the front."""
 LEFT, RIGHT, BETWEEN = 0.46, 0.06, 0.1
-"""Margins beside and between panels [in]."""
+"""Margins next to and between panels [in]."""
 ROW = 0.088
 """Height of a line of small text [in]."""
 CROSS: dict[str, Any] = {"marker": "x", "ls": "", "ms": 3.6, "mew": 0.9, "color": "black"}
@@ -192,7 +192,7 @@ def steps(axes: Axes, spots: Sequence[tuple[float, float]], **stroke: Any) -> No
 
 
 def crosses(axes: Axes, wrongs: Sequence[Letter], rows: int) -> None:
-    """Crosses in a strip at their times, each on a line of its own with its words beside it.
+    """Crosses in a strip at their times, each on a line of its own with its words next to it.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def legend(figure: Figure, top: float, handles: Sequence[Any], columns: int) -> 
     handles
         Its entries.
     columns
-        How many beside each other.
+        How many next to each other.
     """
     figure.legend(handles=handles, loc="upper center", ncols=columns, frameon=False,
                   bbox_to_anchor=(0.5, top / figure.get_figheight()), fontsize=SMALL,

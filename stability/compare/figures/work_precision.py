@@ -189,7 +189,7 @@ def _driver_key(figure: Figure, looks: dict[str, dict[str, Any]]) -> None:
 
 
 def first_call_figure(chart: xarray.Dataset) -> Figure:
-    """Time of the first call, graphs built and code compiled, beside that of a repeat.
+    """Time of the first call, graphs built and code compiled, next to that of a repeat.
 
     Parameters
     ----------

@@ -85,7 +85,7 @@ def _flat_hoop() -> list[Points]:
 
 
 def coalescence(family: str, k: float, mu: float, low: float, high: float) -> float:
-    """The double beside the value of `at` at which two eigenvalues of a viscous family meet.
+    """The double next to the value of `at` at which two eigenvalues of a viscous family meet.
 
     Parameters
     ----------

@@ -252,7 +252,7 @@ def _split(roots: list[Any]) -> tuple[Any, Any, float, float]:
 
 @lru_cache(maxsize=64)
 def edge(family: str, law: str, k: float, mu: float | None, low: float, high: float) -> float:
-    """The double beside the one boundary along `at` between two values.
+    """The double next to the one boundary along `at` between two values.
 
     Parameters
     ----------
