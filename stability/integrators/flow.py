@@ -36,42 +36,42 @@ class Flow:
     model: Model
     """Equations, guards and names."""
 
-    @property
+    @cached_property
     def system(self) -> System:
         """The equations of motion."""
         return self.model.system
 
-    @property
+    @cached_property
     def x(self) -> ca.SX:
         """Symbols of y, shape (n,)."""
         return self.model.x
 
-    @property
+    @cached_property
     def p(self) -> ca.SX:
         """Symbols of the parameters, shape (m,)."""
         return self.model.p
 
-    @property
+    @cached_property
     def rhs(self) -> ca.SX:
         """dy/dt, shape (n,)."""
         return self.model.rhs
 
-    @property
+    @cached_property
     def guards(self) -> Mapping[str, ca.SX]:
         """Functions that stay positive, by name."""
         return self.model.guards
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the entries of y."""
         return self.model.names
 
-    @property
+    @cached_property
     def friction(self) -> str:
         """The parameter in proportion to which slip decays, if there is one."""
         return self.model.friction
 
-    @property
+    @cached_property
     def compared(self) -> int:
         """Entries of y in which two runs are compared."""
         return min(len(self.names), len(self.model.states))

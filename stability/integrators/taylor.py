@@ -168,19 +168,19 @@ def integrate(leg: Leg) -> Path:
     ta.time = leg.times[0]
     if ta.with_events:
         ta.reset_cooldowns()
-    budget = Budget(leg.seconds)
     quiet = min(QUIET, leg.max_steps)
     outcome, _, _, steps, _, states = ta.propagate_grid(leg.times, max_steps=quiet)
+    message = ""
     if outcome == hy.taylor_outcome.step_limit and leg.max_steps > quiet:
         left = np.append(ta.time, leg.times[len(states) :])
-        most = leg.max_steps - quiet
+        most, budget = leg.max_steps - quiet, Budget(leg.seconds)
         outcome, _, _, more, _, rest = ta.propagate_grid(left, max_steps=most, callback=budget)
-        steps, states = steps + more, np.vstack([states, rest[1:]])
+        steps, states, message = steps + more, np.vstack([states, rest[1:]]), budget.message
     end = None
     if outcome != hy.taylor_outcome.time_limit:
         end = _end(leg, outcome, float(ta.time), ta.state.copy(), np.asarray(states))
         if outcome == hy.taylor_outcome.cb_stop:
-            end = replace(end, message=budget.message)
+            end = replace(end, message=message)
         states = states[: max(1, int(np.searchsorted(leg.times, end.time)))]
     held.give(ta)
     return _sound(leg, Path(np.asarray(states), end, int(steps)))

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -71,6 +72,7 @@ COMPARED = 17
 """Times at which two neighbours are compared."""
 
 
+@cache
 def signs(count: int) -> Floats:
     """The direction of the change of a start with so many states.
 

@@ -79,7 +79,7 @@ def _checked(
 
     def rerun(which: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
         shadows = [
-            replace(_shadow(legs[i], starts[i], tolerance, size), seconds=left[i])
+            _shadow(legs[i], starts[i], tolerance, size, left[i])
             for i, tolerance, size in zip(which, tolerances.tolist(), off.tolist(), strict=True)
         ]
         methods = [found[i].choice.method for i in which]
@@ -111,11 +111,11 @@ def _legs(launches: Starts, settings: Settings) -> list[Leg]:
     ]  # fmt: skip
 
 
-def _shadow(leg: Leg, states: Floats, tolerance: float, off: float) -> Leg:
+def _shadow(leg: Leg, states: Floats, tolerance: float, off: float, seconds: float) -> Leg:
     """The leg from a start off by a relative size, with times to compare at."""
     start = leg.flow.pack(states * (1.0 + off * signs(len(states))))
     times = np.linspace(leg.times[0], leg.times[-1], COMPARED)
-    return replace(leg, start=start, times=times, tolerance=tolerance)
+    return replace(leg, start=start, times=times, tolerance=tolerance, seconds=seconds)
 
 
 def _doubted(result: Result, doubt: ErrorEstimate | None) -> Result:

@@ -53,12 +53,11 @@ def gather_system(
     count = counted(shape, when)
     starts = np.broadcast_to(x, (*shape, x.shape[-1])).reshape(count, -1).copy()
     values = np.broadcast_to(p, (*shape, p.shape[-1])).reshape(count, -1).copy()
-    for row in range(count):
-        try:
-            system.rates(starts[row], values[row])
-        except DomainError as error:
-            where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
-            raise DomainError(f"start{where}: {error}") from None
+    try:
+        system.rates(starts, values)
+    except DomainError:
+        _refuse(system, shape, starts, values)
+        raise
     energies = np.zeros(count)
     if model.accounted:
         energies = np.asarray(system.observe(starts, values)["energy"]).reshape(count)
@@ -71,6 +70,16 @@ def gather_system(
         dict.fromkeys(("time", "rate"), ONE), True, energies,
         SystemSettling(_families(system, families)),
     )  # fmt: skip
+
+
+def _refuse(system: System, shape: tuple[int, ...], starts: Floats, values: Floats) -> None:
+    """Say which start has no meaning."""
+    for row, (x, p) in enumerate(zip(starts, values, strict=True)):
+        try:
+            system.rates(x, p)
+        except DomainError as error:
+            where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
+            raise DomainError(f"start{where}: {error}") from None
 
 
 def _table(what: str, given: Any, names: tuple[str, ...]) -> Floats:

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..algebra.number_types import balls, casadi_algebra
 from ..algebra.program import Program
-from ..algebra.upright import UPRIGHT
+from ..algebra.upright import UPRIGHT, Upright
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.disk_equations import STATES, disk_system
@@ -80,37 +80,42 @@ def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
 
 def _parts(
     family: DiskFamily, six: Any, k: float, functions: Any, sign: Any = None,
-    right_angle: Any = math.pi / 2,
-) -> tuple[Any, tuple[Any, ...]]:  # fmt: skip
+    right_angle: Any = None,
+) -> tuple[Any, list[Any]]:  # fmt: skip
     """The family's parameter and the five deviations, over any number type."""
-    own, others = _places(family)
-    at, solved = six[own], None
+    own, others, solved, upright = _places(family)
+    at = six[own]
+    e = [six[i] - value for i, value in others]
+    if right_angle is not None and upright >= 0:
+        e[upright] = six[others[upright][0]] - right_angle
     if family.solution is not None:
         sign = functions.copysign(1.0, six[TURNING]) if sign is None else sign
-        solved = family.solution(functions, at, k, sign)
-    return at, tuple(
-        six[i] - (right_angle if v is UPRIGHT else solved if v is None else v) for i, v in others
-    )
+        e[solved] = six[others[solved][0]] - family.solution(functions, at, k, sign)
+    return at, e
 
 
 @lru_cache(maxsize=32)
-def _places(family: DiskFamily) -> tuple[int, list[tuple[int, Any]]]:
+def _places(family: DiskFamily) -> tuple[int, list[tuple[int, float]], int, int]:
     """Index of the parameter among the states, and of the others with their values.
 
-    None is the value of the state that is solved for; kept, since each launch asks several times.
+    Then which of the others is solved for, and which is upright, or -1; kept, since each launch
+    asks several times.
     """
-    guesses = family.unknown if family.solution is None else dict.fromkeys(family.unknown)
-    known = AT_REST | dict(family.held) | dict(guesses)
+    known = AT_REST | dict(family.held) | dict(family.unknown)
     own = STATES.index(family.at[0])
-    return own, [(i, known[n]) for i, n in enumerate(STATES) if i != own]
+    names = [n for n in STATES if n != family.at[0]]
+    values = [math.pi / 2 if isinstance(v := known[n], Upright) else float(v) for n in names]
+    upright = next((j for j, n in enumerate(names) if isinstance(known[n], Upright)), -1)
+    solved = next((j for j, n in enumerate(names) if n in family.unknown), -1)
+    return own, list(zip(map(STATES.index, names), values, strict=True)), solved, upright
 
 
 def _closest(six: Floats, law: type[Contact], k: float) -> tuple[str, float, float]:
     """Family, parameter and distance of the nearest member, for one state."""
-    found = []
+    found, states = [], six.tolist()
     for family in lines_under(law.name):
         try:
-            at, e = _parts(family, six.tolist(), k, math)
+            at, e = _parts(family, states, k, math)
             found.append((math.hypot(*e), family.name, at))
         except (ValueError, ArithmeticError):  # there is no such member: it is infinitely far
             found.append((math.inf, family.name, math.nan))
@@ -171,7 +176,7 @@ def _balls(six: Floats, k: float, family: str, sign: float) -> tuple[Any, list[A
 
     exact, functions = [arb(v) for v in six.tolist()], SimpleNamespace(**balls().functions)
     at, e = _parts(FAMILIES[family], exact, k, functions, sign, arb.pi() / 2)
-    return at, list(e)
+    return at, e
 
 
 def settled(
