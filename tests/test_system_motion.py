@@ -365,3 +365,81 @@ def test_a_figure_of_a_system_without_account_shows_its_states_alone() -> None:
 
     run = st.simulate(pendulum(observed=False), [1.0, 0.0], [1.0, 0.0], 2.0)
     assert len(motion_figure(run).axes) == 2
+
+
+# --- what a hostile user found ---
+
+
+def bare(rhs: Callable[[Any], Any], *names: str, **words: Any) -> st.System:
+    x = ca.SX.sym("x", len(names))
+    if "watched" in words:
+        words["conditions"] = (st.Condition(words.pop("watched")(x), "c = {value}"),)
+    return st.System("bare", x, ca.SX(0, 1), ca.SX(ca.vertcat(*rhs(x))), states=names, **words)
+
+
+@pytest.mark.parametrize(("centre", "width", "last", "tolerance"), [
+    (10, 0.1, 20.0, 1e-9), (50, 1.0, 75.0, 1e-4), (20, 0.5, 30.0, 1e-4), (50, 0.5, 75.0, 1e-12),
+])  # fmt: skip
+def test_a_pulse_that_is_flat_at_the_start_is_not_stepped_over(
+    centre: float, width: float, last: float, tolerance: float
+) -> None:
+    """A Taylor series sees nothing of exp(-((t - c)/w)²) from afar: 0 for w √π, and all agreed."""
+    s = bare(lambda x: (1, ca.exp(-(((x[0] - centre) / width) ** 2))), "t", "y")
+    run = st.simulate(s, None, [0.0, 0.0], [last], tolerance=tolerance)
+    true = width * math.sqrt(math.pi)
+    assert abs(float(run.y[-1]) - true) <= float(run.final_error) + 1e-12
+    assert float(run.y[-1]) == pytest.approx(true, abs=1e-2)
+
+
+def test_a_condition_that_is_flat_at_the_start_is_not_stepped_over() -> None:
+    s = bare(lambda _: (1,), "t", watched=lambda x: 1 - 2 * ca.exp(-(((x[0] - 50) / 0.5) ** 2)))
+    for times in ([75.0], 75.0):
+        run = st.simulate(s, None, [0.0], times)
+        assert outcome(run) == "domain-end"
+        assert float(run.end_time) == pytest.approx(50 - 0.5 * math.sqrt(math.log(2)), abs=1e-8)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_first_of_many_brief_dips_ends_the_run(method: str) -> None:
+    s = bare(lambda _: (1,), "s", watched=lambda x: 0.999 + ca.cos(30 * x[0]))
+    run = st.simulate(s, None, [0.0], [10.3], method=method)
+    assert float(run.end_time) == pytest.approx(math.acos(-0.999) / 30, abs=1e-8)
+
+
+@pytest.mark.parametrize("method", ["dop853", "lsoda", "radau", "bdf", "cvodes"])
+def test_a_condition_without_value_beyond_its_zero_ends_the_run(method: str) -> None:
+    s = bare(lambda x: (x[1], -x[0]), "q", "v", watched=lambda x: ca.sqrt(x[0] + 0.5))
+    run = st.simulate(s, None, [1.0, 0.0], [6.0], method=method, tolerance=1e-6)
+    if outcome(run) != "undetermined":
+        assert outcome(run) == "domain-end"
+        assert float(run.end_time) == pytest.approx(2 * math.pi / 3, abs=1e-3)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_multiple_zero_of_a_condition_is_found(method: str) -> None:
+    s = bare(lambda x: (x[1], -x[0]), "q", "v", watched=lambda x: (x[0] + 0.5) ** 3)
+    run = st.simulate(s, None, [1.0, 0.0], [6.0], method=method)
+    if outcome(run) == "domain-end":
+        assert abs(float(run.end_time) - 2 * math.pi / 3) <= float(run.end_time_error) + 1e-6
+    else:
+        assert outcome(run) in ("undetermined", "unresolved")
+
+
+@pytest.mark.parametrize("method", ["radau", "bdf", "lsoda", "dop853", "auto"])
+def test_equations_that_lose_their_value_are_unresolved(method: str) -> None:
+    run = st.simulate(bare(lambda x: (-ca.sqrt(x[0]),), "a"), None, [1.0], [4.0], method=method)
+    assert outcome(run) in ("unresolved", "undetermined", "moving")
+    assert np.isfinite(run.a.values).all()
+
+
+def test_absurd_sizes_and_observables_without_value_are_refused() -> None:
+    spring = bare(lambda x: (x[1], -x[0]), "q", "v")
+    with pytest.raises(st.StabilityError, match="1e\\+155, above 1e\\+100"):
+        st.simulate(spring, None, [1e155, 0.0], [1.0])
+    x = ca.SX.sym("x")
+    seen = {"energy": ca.sqrt(x - 0.5), "power": ca.SX(0)}
+    decay = st.System("decay", x, ca.SX(0, 1), -x, states=("x",), observables=seen)
+    with pytest.raises(st.StabilityError, match="decay: energy has no value somewhere"):
+        st.simulate(decay, None, [1.0], [1.0, 5.0])
+    with pytest.raises(st.StabilityError, match="which no file can hold"):
+        st.simulate(bare(lambda x: (-x[0],), "/slash/"), None, [1.0], [1.0])

@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity
 from ..systems.system import System
 
@@ -129,6 +129,11 @@ def system_model(system: System) -> Model:
         parts = ca.vertsplit(ca.vec(ca.densify(value)))
         series |= {name if len(parts) == 1 else f"{name}_{i}": v for i, v in enumerate(parts)}
     for name in (*system.states, *system.parameters, *series):
+        if "/" in name or not name.isprintable() or not name.strip():
+            raise ParameterError(
+                f"{system.name} has a quantity called {shown(name)}, which no file can hold; give "
+                "it a printable name without a slash."
+            )
         if name in TAKEN:
             raise ParameterError(
                 f"{system.name} has a quantity called {name!r}, a name that a motion has for "

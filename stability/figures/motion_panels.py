@@ -67,8 +67,13 @@ def draw_system(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:
     panels = np.atleast_1d(page.subplots(len(groups), 1, sharex=True))
     for axes, group in zip(panels, groups, strict=True):
         for i, name in enumerate(group):
-            axes.plot(times, data[name].values, label=name, **STROKES[i % len(STROKES)])
-        word = group[0].replace("_", " ") if len(group) == 1 else ""
+            axes.plot(
+                times,
+                data[name].values,
+                label=name.replace("$", r"\$"),
+                **STROKES[i % len(STROKES)],
+            )
+        word = group[0].replace("_", " ").replace("$", r"\$") if len(group) == 1 else ""
         axes.set_ylabel(f"{word}\n{unit(data, group[0])}".strip("\n"))
         axes.yaxis.set_major_locator(MaxNLocator(5))
         for t, _ in motion.events:

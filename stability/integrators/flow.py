@@ -322,7 +322,7 @@ class Evaluator:
         return self._quick.watch(self.p, y)
 
 
-LOOKS = 4
+LOOKS = 12
 """Looks at the guards within a step, where no angular velocity says how many it takes."""
 _THREAD = threading.local()
 CASADI = threading.RLock()

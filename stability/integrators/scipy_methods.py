@@ -20,6 +20,10 @@ NAMES = {"dop853": "DOP853", "lsoda": "LSODA", "radau": "Radau", "bdf": "BDF"}
 """SciPy's class by the name of the method."""
 ULPS = 4 * np.finfo(float).eps
 """Relative accuracy to which an event is located."""
+LARGEST = 1e120
+"""Entries of a state up to which the norms of SciPy's step control are finite."""
+HALVINGS = 1000
+"""Iterations of a search for a zero, which at a multiple one takes long."""
 STIFF = ("lsoda", "radau", "bdf")
 """Those that use the Jacobian, which is automatic."""
 LOOKS = 1.0
@@ -68,10 +72,14 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
         good, time = leg.start.copy(), float(leg.times[0])
         before = run.watch(leg.start)
         while solver.status == "running" and not samples.done:
-            message = solver.step() if steps < leg.max_steps else None
+            try:
+                message = solver.step() if steps < leg.max_steps else None
+            except (ValueError, np.linalg.LinAlgError):  # of a Jacobian that is not finite
+                end = End(UNRESOLVED, time, good, "the equations have no value at the next step")
+                return Path(samples.kept, end, steps)
             steps += 1
             too_many = steps > leg.max_steps or budget.spent
-            if too_many or solver.status == "failed" or not np.isfinite(solver.y).all():
+            if too_many or solver.status == "failed" or not np.abs(solver.y).max() < LARGEST:
                 many = budget.message if budget.spent else f"more than {leg.max_steps} steps"
                 why = message or (many if too_many else "the state is not finite")
                 return Path(samples.kept, End(UNRESOLVED, time, good, why), steps - too_many)
@@ -171,7 +179,9 @@ def _first_zero(
 
 def _value(run: Evaluator, dense: Any, i: int, t: float) -> float:
     """Guard i on the dense output."""
-    return float(run.watch(dense(t))[0][i])
+    value = float(run.watch(dense(t))[0][i])
+    # a user's condition may have no value beyond its zero
+    return -1.0 if math.isnan(value) and not run.flow.model.turning else value
 
 
 def _locate(guard: Callable[[float], float], low: float, high: float) -> float | None:
@@ -195,7 +205,8 @@ def _locate(guard: Callable[[float], float], low: float, high: float) -> float |
         return None
     if guard(left) <= 0:
         return float(left)
-    return float(brentq(guard, left, right, xtol=1e-15 * max(1.0, abs(right)), rtol=ULPS))
+    xtol = 1e-15 * max(1.0, abs(right))
+    return float(brentq(guard, left, right, xtol=xtol, rtol=ULPS, maxiter=HALVINGS))
 
 
 METHODS: dict[str, Callable[[Leg], Path]] = {

@@ -20,8 +20,8 @@ from ..base.types import Floats
 from .flow import Flow
 from .leg import UNRESOLVED, Budget, End, Leg, Path
 
-FILL = 200
-"""Intervals at which the guards are checked at least."""
+FILL, FILL_OWN = 200, 2000
+"""Intervals at which the guards are checked at least: of a body, of a user's system."""
 LOOKS, MOST_LOOKS = 10.0, 50_000
 """How often in a unit of time, over the fastest angular velocity at the start, and at most."""
 EARLY, EARLY_LOOKS = 1e-6, 25
@@ -136,7 +136,8 @@ def _grid(leg: Leg) -> Floats:
         return times
     span = float(times[-1] - times[0])
     pace = float(leg.flow.paces(leg.start[None], leg.p[None], np.array([span]))[0])
-    count = int(min(max(FILL, LOOKS * span * pace), MOST_LOOKS))
+    least = FILL if leg.flow.model.turning else FILL_OWN
+    count = int(min(max(least, LOOKS * span * pace), MOST_LOOKS))
     even = np.linspace(times[0], times[-1], count + 1)
     early = times[0] + (even[1] - even[0]) * np.geomspace(EARLY, 0.7, EARLY_LOOKS)
     grid = np.union1d(times, np.union1d(even, early))
@@ -257,7 +258,7 @@ def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
             ends.append((low, name))
             continue
         xtol = 4 * np.finfo(float).eps * max(1.0, abs(high))
-        ends.append((float(brentq(guard, low, right, xtol=xtol)), name))
+        ends.append((float(brentq(guard, low, right, xtol=xtol, maxiter=1000)), name))
     if not ends:
         return None
     when, name = min(ends)

@@ -33,6 +33,9 @@ FINEST = 1e-16
 """Smallest tolerance that is passed on."""
 NEWTON, SHIFT = 3, 1e-3
 """Steps by which an event is put on its guard's zero, and the longest of them [√(R/g)]."""
+PIECES = 1000
+"""Steps at least, where no angular velocity says how fast a motion changes: a series sees nothing
+of a pulse that is flat at its centre, and would step over it, as all neighbours would."""
 QUIET = 20_000
 """Steps before the computing time is looked at: to ask at each step costs a tenth."""
 
@@ -169,12 +172,17 @@ def integrate(leg: Leg) -> Path:
     if ta.with_events:
         ta.reset_cooldowns()
     quiet = min(QUIET, leg.max_steps)
-    outcome, _, _, steps, _, states = ta.propagate_grid(leg.times, max_steps=quiet)
+    longest = _longest(leg)
+    outcome, _, _, steps, _, states = ta.propagate_grid(
+        leg.times, max_steps=quiet, max_delta_t=longest
+    )
     message = ""
     if outcome == hy.taylor_outcome.step_limit and leg.max_steps > quiet:
         left = np.append(ta.time, leg.times[len(states) :])
         most, budget = leg.max_steps - quiet, Budget(leg.seconds)
-        outcome, _, _, more, _, rest = ta.propagate_grid(left, max_steps=most, callback=budget)
+        outcome, _, _, more, _, rest = ta.propagate_grid(
+            left, max_steps=most, max_delta_t=longest, callback=budget
+        )
         steps, states, message = steps + more, np.vstack([states, rest[1:]]), budget.message
     end = None
     if outcome != hy.taylor_outcome.time_limit:
@@ -184,6 +192,13 @@ def integrate(leg: Leg) -> Path:
         states = states[: max(1, int(np.searchsorted(leg.times, end.time)))]
     held.give(ta)
     return _sound(leg, Path(np.asarray(states), end, int(steps)))
+
+
+def _longest(leg: Leg) -> float:
+    """The longest step; no two tolerances have their steps at the same places."""
+    if leg.flow.model.turning:
+        return math.inf
+    return float(leg.times[-1] - leg.times[0]) / (PIECES + 7 * abs(math.log10(leg.tolerance)))
 
 
 def _sound(leg: Leg, path: Path) -> Path:
@@ -208,7 +223,7 @@ def _end(leg: Leg, outcome: Any, time: float, state: Floats, states: Floats) -> 
         if event:
             return _on_guard(leg, time, state)
         return End(UNRESOLVED, time, state, f"heyoka stopped: {outcome}")
-    good = int(np.isfinite(states).all(axis=1).sum()) - 1  # the start is one of them
+    good = max(0, int(np.isfinite(states).all(axis=1).sum()) - 1)  # the start is one of them
     return End(UNRESOLVED, float(leg.times[good]), states[good], f"heyoka stopped: {outcome}")
 
 
@@ -332,7 +347,9 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
         if ta.with_events:
             ta.reset_cooldowns()
         ends.clear()
-        found: Floats = ta.propagate_grid(grid, **options)[1]
+        found: Floats = ta.propagate_grid(
+            grid, max_delta_t=[_longest(leg) for leg in filled], **options
+        )[1]
         return found
 
     most = max(leg.max_steps for leg in legs)

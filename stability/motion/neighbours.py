@@ -138,7 +138,8 @@ def estimate_errors(
         ]  # fmt: skip
         if which:
             limits = np.array([finest[i] for i in which])
-            judged = judge([found[i] for i in which], limits, _of(which, rerun))
+            with np.errstate(all="ignore"):  # a ratio without bound is one
+                judged = judge([found[i] for i in which], limits, _of(which, rerun))
             for i, doubt in zip(which, judged, strict=True):
                 out[i] = _at_end(doubt, found[i])
     return out

@@ -18,6 +18,8 @@ from ..systems.system import System
 from .starts import Starts, counted, times_of
 
 ONE = np.asarray(1.0)
+LARGEST = 1e100
+"""Largest state and rate of a start: the norms of step control overflow far beyond."""
 
 
 def gather_system(
@@ -54,10 +56,16 @@ def gather_system(
     starts = np.broadcast_to(x, (*shape, x.shape[-1])).reshape(count, -1).copy()
     values = np.broadcast_to(p, (*shape, p.shape[-1])).reshape(count, -1).copy()
     try:
-        system.rates(starts, values)
+        rates = system.rates(starts, values)
     except DomainError:
         _refuse(system, shape, starts, values)
         raise
+    largest = max(np.abs(starts).max(initial=0.0), np.abs(rates).max(initial=0.0))
+    if largest > LARGEST:
+        raise ParameterError(
+            f"a state or rate of the start is {largest:.3g}, above {LARGEST:g}; give units in "
+            "which numbers are nearer to 1."
+        )
     energies = np.zeros(count)
     if model.accounted:
         energies = np.asarray(system.observe(starts, values)["energy"]).reshape(count)
