@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import random
 import threading
@@ -80,3 +81,14 @@ class Distributed(Executor):
             self.changed.notify_all()
         for thread in self.threads if wait else []:
             thread.join()
+
+
+def square(i: int) -> int:
+    time.sleep(0.01 if i % 2 else 0.0)
+    return i * i
+
+
+def die(i: int) -> int:
+    if i == 3:
+        os._exit(5)
+    return i

@@ -115,7 +115,7 @@ def test_the_whole_disk_is_in_every_frame(disk: st.Disk, spin: float) -> None:
     start = {"theta": 1.2, "omega3": spin}
     run = st.simulate(disk, st.Rough(), start, np.linspace(0, 2, 201), pose=True)
     motion = resample(animation._single(run), np.linspace(0, 2, 81))
-    scene = films.Scene(motion, run, 1.0)
+    scene = films.Camera(motion, run, 1.0)
     (x0, x1), (y0, y1) = scene.axes.get_xlim(), scene.axes.get_ylim()
     for frame in range(scene.frames):
         scene.show(frame)

@@ -1,6 +1,5 @@
 """Work handed to an executor: order, bounds, what is kept, interruptions at the worst moment."""
 
-import os
 import random
 import signal
 import sys
@@ -15,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from executors import Distributed
+from executors import Distributed, die, square
 from kills import soon
 
 import stability as st
@@ -41,17 +40,6 @@ class Kept(dict[int, int]):
 def children() -> list[str]:
     """Worker processes; one that was reaped by another thread is listed for a moment yet."""
     return [str(child) for child in get_context().active_children()]
-
-
-def square(i: int) -> int:
-    time.sleep(0.01 if i % 2 else 0.0)
-    return i * i
-
-
-def die(i: int) -> int:
-    if i == 3:
-        os._exit(5)
-    return i
 
 
 def squares(i: int) -> Callable[[], int]:
