@@ -223,7 +223,7 @@ def test_a_law_that_cannot_be_sent_is_refused_in_a_sentence() -> None:
 # --- interruptions ---
 
 VICTIM = """
-import sys
+import sys, time
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from multiprocessing import get_context
@@ -233,6 +233,8 @@ import stability.maps.cells as cells
 def main():
     cells.BAND = 300
     with ProcessPoolExecutor(2, get_context(sys.argv[1])) if sys.argv[1] else nullcontext() as pool:
+        if pool:  # both workers start first: one that never ran a piece is not ours
+            [f.result() for f in [pool.submit(time.sleep, 1.0) for _ in range(2)]]
         st.stability_map("tumbling", x=("at", 0.05, 1.5, 200), y=("mu", 0.1, 5, 150), workers=2,
                          checkpoint="kept", executor=pool, boundaries=False)
 
