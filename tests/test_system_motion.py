@@ -137,6 +137,17 @@ def test_a_sleigh_turns_round_and_settles_on_running_straight() -> None:
     assert float(run.nearest_member[0]) == pytest.approx(float(run.v[-1]))
 
 
+def test_a_limit_named_by_two_states_is_told_in_their_order() -> None:
+    """ẋ = ẏ = 0, ż = -z: every (x, y, 0) attracts; `at` names y before x."""
+    x = ca.SX.sym("x", 3)
+    s = st.System("plane", x, ca.SX(0, 1), ca.vertcat(0, 0, -x[2]), states=("x", "y", "z"))
+    family = st.Family(s, "floor", at=("y", "x"), held={"z": 0.0})
+    run = st.simulate(s, None, [1.25, 7.5, 0.5], 20.0, families=family)
+    assert outcome(run) == "settled"
+    said = str(run.evidence.values).split("converges to floor at ")[1]
+    assert said.startswith("x = 1.25, y = 7.5 within")
+
+
 def test_backwards_nothing_settles() -> None:
     """The same family with v < 0 repels: a slow passage is not settling."""
     system = sleigh()
@@ -264,6 +275,15 @@ def test_labels_and_units_are_those_of_the_system(tmp_path: Path) -> None:
         assert word not in text
     back = st.read_motion(st.write_motion(run, tmp_path / "p.nc"))
     assert back.identical(run)
+
+
+def test_no_name_of_a_dataset_can_be_a_systems_own() -> None:
+    from stability.bodies.model import TAKEN
+
+    system = pendulum()
+    run = st.simulate(system, [[9.81, 0.5]], [1.0, 0.0], 60.0, families=hanging(system))
+    own = {*system.states, *system.parameters, *system.observables}
+    assert {*map(str, run.variables), *map(str, run.dims)} - own <= set(TAKEN)
 
 
 def test_a_system_without_energy_has_no_account() -> None:

@@ -120,7 +120,7 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         tuple(names), guards, WORDS, series, QUANTITIES,
         law.symbols()[0] if law.relaxes and not sticking else "",
         turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
-        parking=partial(_park, friction), sound=_stands, outline="disk",
+        parking=partial(_park, friction), sound=_stands,
         title=f"motion of a disk, {law.name} contact",
         source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, integrated",

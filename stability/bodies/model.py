@@ -66,8 +66,6 @@ class Model:
     """Puts one lane of a batch (states, parameters, lane) on a motion that costs few steps."""
     sound: Callable[[Any], bool] | None = None
     """Cheap look at states, shape (t, n), for a guard that failed there; all guards where None."""
-    outline: str = ""
-    """Shape that a film draws; empty where there is none."""
     title: str = ""
     """What a motion's dataset is called."""
     source: str = ""

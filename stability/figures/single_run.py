@@ -50,7 +50,7 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> SingleRun:
 
     Returns
     -------
-    Motion
+    SingleRun
 
     Raises
     ------

@@ -19,6 +19,8 @@ RESOLVED = 0.01
 """mu times the slip that is always resolved."""
 LOOSE = 1e-2
 """Tolerance at which that is so; it falls with its fourth root."""
+HALVINGS = 1000
+"""Iterations of a search for a guard's zero, which at a multiple one takes long."""
 UNRESOLVED = "unresolved"
 """The kind of an end at which an integrator gave up."""
 

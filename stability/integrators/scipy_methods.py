@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base.types import Floats
 from .flow import Evaluator
-from .leg import UNRESOLVED, Budget, End, Leg, Path
+from .leg import HALVINGS, UNRESOLVED, Budget, End, Leg, Path
 
 FINEST = 100 * np.finfo(float).eps
 """Smallest relative tolerance that SciPy accepts."""
@@ -22,8 +22,6 @@ ULPS = 4 * np.finfo(float).eps
 """Relative accuracy to which an event is located."""
 LARGEST = 1e120
 """Entries of a state up to which the norms of SciPy's step control are finite."""
-HALVINGS = 1000
-"""Iterations of a search for a zero, which at a multiple one takes long."""
 STIFF = ("lsoda", "radau", "bdf")
 """Those that use the Jacobian, which is automatic."""
 LOOKS = 1.0

@@ -176,8 +176,10 @@ def explicit(flow: Flow | None = None) -> str:
     >>> explicit() in METHODS
     True
     """
-    smooth = flow is None or flow.model.turning or not taylor.available() or not taylor.unread(flow)
-    return HEYOKA if taylor.available() and smooth else "dop853"
+    if not taylor.available():
+        return "dop853"
+    read = flow is None or flow.model.turning or not taylor.unread(flow)
+    return HEYOKA if read else "dop853"
 
 
 def choose(legs: Sequence[Leg]) -> list[Choice]:

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..base.types import Floats
 from .flow import Flow
-from .leg import UNRESOLVED, Budget, End, Leg, Path
+from .leg import HALVINGS, UNRESOLVED, Budget, End, Leg, Path
 
 FILL, FILL_OWN = 200, 2000
 """Intervals at which the guards are checked at least: of a body, of a user's system."""
@@ -258,7 +258,7 @@ def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
             ends.append((low, name))
             continue
         xtol = 4 * np.finfo(float).eps * max(1.0, abs(high))
-        ends.append((float(brentq(guard, low, right, xtol=xtol, maxiter=1000)), name))
+        ends.append((float(brentq(guard, low, right, xtol=xtol, maxiter=HALVINGS)), name))
     if not ends:
         return None
     when, name = min(ends)

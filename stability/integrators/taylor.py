@@ -68,7 +68,7 @@ def heyoka_algebra() -> Algebra:
     return Algebra("heyoka", hy.expression, table)
 
 
-@cache
+@lru_cache(maxsize=64)
 def unread(flow: Flow) -> str:
     """Why heyoka cannot integrate a flow; empty where it can.
 

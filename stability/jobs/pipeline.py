@@ -30,6 +30,7 @@ from ..base.types import Progress
 from ..storage.files import postponed
 from ..storage.targets import path_text
 from .following import follow_starter
+from .shared import SHORT
 
 K = TypeVar("K")
 T = TypeVar("T")
@@ -42,8 +43,6 @@ LOOK = 0.05
 AHEAD = 4
 """Pieces in flight for each worker: those that run, those that wait, and those that wait for an
 earlier one."""
-SHORT = 120
-"""Characters of another's error that are shown."""
 ENDED = (
     "a worker was ended from outside, or did not start; if the memory is short, take a smaller "
     "task or fewer workers, and in a script make the call under `if __name__ == '__main__':`."

@@ -112,8 +112,8 @@ def stream_map(
     problem = prepare(str(family), axes, disk, contact, at, {})
     if not isinstance(problem.exact, TabulatedPolynomial):
         raise ParameterError(
-            f"the {problem.law.name if problem.law else ''} law has no exact polynomials, by "
-            "which maps are streamed; use stability_map."
+            f"{problem.family.name} under the {problem.law.name if problem.law else ''} law has no "
+            "exact polynomials, by which maps are streamed; use stability_map."
         )
     total = axes[0].count * axes[1].count
     if total > MOST_CELLS:

@@ -120,7 +120,7 @@ def estimate_errors(
 
     Returns
     -------
-    list of Doubt or None
+    list of ErrorEstimate or None
         None where the launch itself has no outcome.
 
     Examples

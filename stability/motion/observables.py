@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
@@ -21,14 +21,14 @@ ENERGY_ERROR = (
 """What the energy account is measured against: of a disk, of a user's system."""
 
 
-@cache
+@lru_cache(maxsize=64)
 def _observer(model: Model) -> Program:
     """Every series of states and parameters."""
     system, values = model.system, list(model.series.values())
     return Program(ca.Function("observer", [system.x, system.p], [ca.densify(ca.vertcat(*values))]))
 
 
-@cache
+@lru_cache(maxsize=64)
 def _slopes(model: Model) -> Program:
     system = model.system
     slopes = ca.densify(ca.jacobian(model.series["energy"], system.x)).T

@@ -177,7 +177,7 @@ def gather(
 
     Returns
     -------
-    Launches
+    Starts
 
     Raises
     ------

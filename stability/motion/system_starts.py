@@ -40,7 +40,7 @@ def gather_system(
 
     Returns
     -------
-    Launches
+    Starts
 
     Raises
     ------

@@ -212,7 +212,7 @@ def _box(
         dense = around.slopes.dense(balls(), arguments)
         j = inverse * arb_mat(dense[:m]) * x
         beta = -_largest(j)
-        if not beta * r > rho and not (beta > 0 and around.remainder is None):
+        if not (beta > 0 if around.remainder is None else beta * r > rho):
             return None
         error, needed = [], []
         for i in range(n):

@@ -52,7 +52,7 @@ class SystemSettling:
         if proof is None:
             where = f"{distance:.3g} from {family.name} at {at}; {why}"
             return Nearest(family.name, 0.0, distance, False, 0.0, where, member)
-        along = [n for n in family.at if n in family.system.states]
+        along = [n for n in family.system.states if n in family.at]  # as y is ordered
         limit = f" at {listing(along, proof.limit)}" if along else ""
         where = (
             f"{distance:.3g} from {family.name} at {at}; proved in ball arithmetic: from there on "

@@ -129,7 +129,7 @@ def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: An
 
     Returns
     -------
-    Motion
+    Answer
     """
     from ...bodies.disk_equations import STATES
     from ...motion.result import BY_CODE
