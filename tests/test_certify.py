@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import casadi as ca
 import mpmath
 import numpy as np
 import pytest
@@ -359,6 +360,32 @@ def test_a_batch_is_what_its_points_are() -> None:
         assert (batch.eigenvalues[index] == one.eigenvalues).all()
         assert batch.verdict[index] is one.verdict
         assert batch.abscissa_error[index] == one.abscissa_error
+
+
+@pytest.mark.parametrize("own", [False, True], ids=["disk", "own"])
+def test_a_repeated_point_is_proved_once(own: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    proofs = []
+
+    def counted(*args: Any, **options: Any) -> Any:
+        proofs.append(args[1])
+        return certify(*args, **options)
+
+    monkeypatch.setattr("stability.spectra.certificate.certify", counted)
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    system = st.System("pendulum", x, p, ca.vertcat(x[1], p * ca.sin(x[0]) - x[1]),
+                       states=("a", "b"), parameters=("p",))  # fmt: skip
+    held = st.Family(system, "upright", at=("p",), held={"a": 0.0, "b": 0.0})
+    family, law = (held, {}) if own else ("rolling", {"contact": st.Viscous(0.3)})
+    values = [0.7, -1.2, 1.7, 0.0]
+    at = np.array(values * 50 + [-0.0])
+    batch = st.spectrum(family, at=at, certify=True, **law)
+    assert len(proofs) == len(values) + 1
+    for value, repeat in zip(values, range(4), strict=True):
+        one = st.spectrum(family, at=value, certify=True, **law)
+        for place in range(repeat, 200, 4):
+            assert (batch.eigenvalues[place] == one.eigenvalues).all()
+            assert batch.verdict[place] is one.verdict
+            assert batch.abscissa_error[place] == one.abscissa_error
 
 
 def test_certify_returns_what_it_says() -> None:

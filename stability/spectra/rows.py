@@ -78,7 +78,7 @@ class Rows:
     def _proved_zeros(self) -> Iterator[int]:
         from .certificate import structural_zeros
 
-        return (structural_zeros(self.member(row)) for row in range(len(self.place.a)))
+        return (structural_zeros(self.member(row)) for row in map(int, np.unique(self.first)))
 
     def _supported(self) -> NDArray[np.intp]:
         """How many zeros of each member are within their rounding."""
@@ -151,6 +151,13 @@ class Rows:
     def values(self, row: int) -> dict[str, float]:
         """The numbers of one member by name."""
         return {n: float(column[row]) for n, column in self._columns.items()}
+
+    @cached_property
+    def first(self) -> NDArray[np.intp]:
+        """The first row with the same numbers as each, bit for bit: a proof of one is for all."""
+        bits = np.column_stack([*self._columns.values(), self.place.u]).view(np.int64)
+        _, first, inverse = np.unique(bits, axis=0, return_index=True, return_inverse=True)
+        return first[inverse.reshape(-1)]
 
     def member(self, row: int) -> Member:
         """A member of a user's family in exact numbers, made once."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,9 @@ from .arguments import problem_of
 from .problem import Problem
 from .result import NOT_ASKED, Proof, Spectrum
 from .rows import Rows
+
+if TYPE_CHECKING:
+    from .certificate import Certificate
 
 
 def spectrum(
@@ -149,19 +152,16 @@ def proved(
     -------
     Spectrum
     """
-    from .certificate import certify as one
-
     flat = found.eigenvalues.reshape(-1, found.eigenvalues.shape[-1]).copy()
     radius = found.radius.reshape(flat.shape).copy()
     error = np.asarray(found.abscissa_error, dtype=float).reshape(-1).copy()
     codes, bits = found.codes.reshape(-1).copy(), np.full(len(flat), NOT_ASKED, dtype=np.int64)
-    for row in map(int, np.flatnonzero(asked)):
-        member = rows.member(row) if rows.problem.exact is None else None
-        try:
-            certificate = one(rows.problem, rows.values(row), zeros=rows.zeros, member=member)
-        except NoMemberError:
-            if not escalated:
-                raise
+    seen: dict[int, Certificate | None] = {}
+    for row, first in zip(np.flatnonzero(asked), rows.first[asked], strict=True):
+        if first not in seen:
+            seen[first] = _certificate(rows, int(first), escalated=escalated)
+        certificate = seen[first]
+        if certificate is None:
             continue
         codes[row], bits[row] = certificate.verdict.code, certificate.bits
         if certificate.eigenvalues:
@@ -174,6 +174,19 @@ def proved(
             error.reshape(shape), bits.reshape(shape), escalated, found.family.exact is not None
         ),
     )  # fmt: skip
+
+
+def _certificate(rows: Rows, row: int, *, escalated: bool) -> Certificate | None:
+    """The proof of one member; None where nobody asked for it and its root is not proved."""
+    from .certificate import certify as one
+
+    member = rows.member(row) if rows.problem.exact is None else None
+    try:
+        return one(rows.problem, rows.values(row), zeros=rows.zeros, member=member)
+    except NoMemberError:
+        if not escalated:
+            raise
+        return None
 
 
 def _given(problem: Problem) -> list[Any]:
