@@ -6,7 +6,8 @@ whether a pair is real or complex.  The error bound is Gershgorin's theorem for 
 factors: it needs no assumption on how the factors were found.
 
 Sources: K. Dvorčuk, Apl. Mat. 14 (1969) 207-223 (factors of Weierstrass' method); A. Neumaier, J.
-Comput. Appl. Math. 156 (2003) 389-401 (Gershgorin discs of approximate roots); tests/test_maps.py.
+Comput. Appl. Math. 156 (2003) 389-401 (Gershgorin discs of approximate roots);
+tests/maps/test_maps.py.
 """
 
 from __future__ import annotations

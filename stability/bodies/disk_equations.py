@@ -2,8 +2,8 @@
 
 Frames and signs are those of Przybylska & Rauch-Wojciechowski 2016, Section 2: 3̂ is the symmetry
 axis, 1̂ points from the centre to the contact point A, 2̂ = 3̂×1̂ is horizontal; ẑ is vertical,
-ŷ = 2̂, x̂ = ŷ×ẑ.  Everything is dimensionless (m = R = g = 1).  tests/test_equations.py compares
-these equations with two derivations that share nothing with them.
+ŷ = 2̂, x̂ = ŷ×ẑ.  Everything is dimensionless (m = R = g = 1).  tests/bodies/test_equations.py
+compares these equations with two derivations that share nothing with them.
 """
 
 from __future__ import annotations

@@ -121,7 +121,7 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     NameUnknownError
         If there is no such family or law.
 
-    Source: derived from the graph; tests/test_exact.py derives it again.
+    Source: derived from the graph; tests/derivation/test_exact.py derives it again.
 
     Examples
     --------

@@ -161,7 +161,7 @@ def _probed(x: ca.SX, probe: ca.SX) -> ca.SX:
 
     A Taylor integrator takes its step from the last two orders.  Let go at a right angle, the angle
     of a pendulum has the orders 2, 6, 10, 14 alone: at order 12 both are zero, and the step has no
-    bound (tests/test_system_motion.py).
+    bound (tests/motion/test_system_motion.py).
     """
     weights = 0.7 + 0.3 * np.modf((5**0.5 - 1) / 2 * np.arange(x.numel()))[0]
     sum_of_all = ca.dot(ca.DM(weights), x)

@@ -70,8 +70,8 @@ def boundaries(
     StabilityWarning
         If the search was not complete.
 
-    Source: published thresholds in tests/test_published.py; all roots counted by another route in
-    tests/test_boundaries.py.
+    Source: published thresholds in tests/spectra/test_published.py; all roots counted by another
+    route in tests/boundary/test_boundaries.py.
 
     Examples
     --------

@@ -6,7 +6,7 @@ in the axis they come from its characteristic polynomial: between neighbouring r
 meets the imaginary axis, so one exact verdict holds on all of each piece.
 
 Source: Orlando's formula (F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV § 7) for the
-resultant of even and odd part; tests/test_boundaries.py counts the roots by another route.
+resultant of even and odd part; tests/boundary/test_boundaries.py counts the roots by another route.
 """
 
 from __future__ import annotations

@@ -4,7 +4,8 @@ Under viscous friction straight rolling with omega3² > g/(2kR) is spectrally st
 leans circles slowly with lateral slip, and that costs energy: on the centre manifold tilt and spin
 obey dα/dt = a α³, dω₃/dt = b α², the spin falls and the tilt grows, until the threshold is crossed.
 The coefficients, the first integral and the time below are derived from the graph by
-`stability.derivation.centre_manifold`; notebooks/rolling_drift.py and tests/test_drift.py show it.
+`stability.derivation.centre_manifold`; notebooks/rolling_drift.py and tests/boundary/test_drift.py
+show it.
 """
 
 from __future__ import annotations
@@ -98,7 +99,7 @@ def drift(
         If the law has no friction, the start is not spectrally stable, the tilt is zero, or it
         would reach π/2 on the way, where the disk lies flat.
 
-    Source: tests/test_drift.py derives every formula and compares it with simulations.
+    Source: tests/boundary/test_drift.py derives every formula and compares it with simulations.
 
     Examples
     --------

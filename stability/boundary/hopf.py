@@ -12,7 +12,7 @@ settles on the stable part, as far from the boundary as it began.  Hyperbolic (c
 leaves; and of the motions that start next to the stable part only those inside a cone settle.
 
 Source: B. Fiedler, S. Liebscher & J. C. Alexander, J. Differential Equations 167 (2000) 16-35;
-tests/test_hopf.py compares with an independent derivation and with simulations.
+tests/boundary/test_hopf.py compares with an independent derivation and with simulations.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def hopf(
         If the family is no such line (rolling's boundary has two zeros and a pair, and is
         passed slowly instead: see `stability.drift`), or the law has no friction.
 
-    Source: tests/test_hopf.py.
+    Source: tests/boundary/test_hopf.py.
 
     Examples
     --------

@@ -80,7 +80,7 @@ def report(
         On Ctrl-C; finished cells are kept.
 
     Source: the truth of spectra is proved in balls, that of motions rests on two integrations in
-    many digits (benchmarks/truths.py); tests/test_compare.py.
+    many digits (benchmarks/truths.py); tests/compare/test_compare.py.
     """
     from .page import write
 

@@ -1,8 +1,8 @@
 """Where a printed root of a condition is a boundary: the range in which it is real and admissible.
 
 A condition that is quadratic in at² or mu² has two roots, and not each of them is a boundary of
-the family.  The ranges hold for every k in (0, 1/2]; tests/test_branches.py proves them from the
-polynomials and tries to refute them.
+the family.  The ranges hold for every k in (0, 1/2]; tests/derivation/test_branches.py proves them
+from the polynomials and tries to refute them.
 """
 
 from __future__ import annotations

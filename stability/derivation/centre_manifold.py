@@ -4,7 +4,7 @@ Rolling under friction has one structural zero more than its family explains: a 
 with the precession and the lateral slip that go with it.  The centre manifold is a graph over (α,
 omega3); its Taylor coefficients in α follow order by order from the invariance equation, whose
 right-hand side CasADi differentiates and SymPy reads.  `stability.boundary.drift` states the result
-in closed form; tests/test_drift.py compares the two.
+in closed form; tests/boundary/test_drift.py compares the two.
 """
 
 from __future__ import annotations

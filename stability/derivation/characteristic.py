@@ -3,7 +3,7 @@
 Nothing here is typed in: the Jacobian at a family is read from the CasADi graph in SymPy's algebra,
 with the sine and cosine of theta as symbols, what the family solves for is eliminated, and the
 determinant is factored.  `stability.bodies.disk_polynomials` keeps the result as package data;
-tests/test_exact.py derives it again and compares.
+tests/derivation/test_exact.py derives it again and compares.
 """
 
 from __future__ import annotations

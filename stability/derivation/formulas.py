@@ -117,7 +117,7 @@ def formulas(family: str, law: str, k: Sequence[str] = ()) -> Formulas:
     ParameterError, NameUnknownError
         If k is not in (0, 1/2], or there is no such family or law.
 
-    Source: tests/test_formulas.py tries to refute each statement.
+    Source: tests/derivation/test_formulas.py tries to refute each statement.
 
     Examples
     --------

@@ -6,7 +6,8 @@ is negative, some root lies in the right half plane, because a polynomial withou
 limit of stable ones.  So a point at which none vanishes is decided by signs alone.  Most of the
 conditions hold everywhere, or follow from another; `decisive` proves that and keeps the rest.
 
-Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV §§ 6, 13; tests/test_exact.py.
+Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV §§ 6, 13;
+tests/derivation/test_exact.py.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ At rest every continuation is listed: sticking, if the force lies in the frictio
 direction with h = 0, f > 0, gn > 0 in which a slip can set in (f and h: the slip's acceleration
 along and across its direction).  h times the determinant D is a trigonometric polynomial of degree
 two, so there are at most four.  docs/dry-friction.md proves that exactly one is left below
-mu = 2√(k(k+1)); tests/test_coulomb.py holds all this against closed formulas.
+mu = 2√(k(k+1)); tests/integrators/test_coulomb.py holds all this against closed formulas.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ and near D = N = 0 it obeys
 ρ₁ inside the quadrant D, N > 0 attract an open set of motions: both reach zero after a finite
 time, and gn tends to (ρ₁ - d₀)/β > 0.  Contact then ends with a positive normal force: no lift-off.
 (F. Génot & B. Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653-677, for the planar rod;
-tests/test_painleve.py derives it for the disk.)
+tests/integrators/test_painleve.py derives it for the disk.)
 
 Plain time is singular there, so that an integrator's N changes sign by its own error.  A run that
 ends with D small is therefore run again in stretched time, from its last sample on.

@@ -11,8 +11,8 @@ a motion that comes to rest tends to a direction with h = 0, f < 0.  It has land
 fallen below `REST`; what is left of the time, |vA|/|f|, is below rounding.
 
 At rest `stability.integrators.friction_at_rest` lists every continuation.  Exactly one must be
-left; none or several end the run with an outcome that says so.  tests/test_coulomb.py holds all
-this against an inertial formulation and against the limit of regularised friction.
+left; none or several end the run with an outcome that says so.  tests/integrators/test_coulomb.py
+holds all this against an inertial formulation and against the limit of regularised friction.
 """
 
 from __future__ import annotations

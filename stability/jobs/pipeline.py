@@ -1,7 +1,7 @@
 """Ordered, bounded work over any executor of `concurrent.futures`, interrupted and resumed.
 
 An interruption within a condition of `threading` ends in `RuntimeError: release unlocked lock`
-(CPython; tests/test_pipeline.py shows it).  Here signals wait while such a condition is used.
+(CPython; tests/jobs/test_pipeline.py shows it).  Here signals wait while such a condition is used.
 """
 
 from __future__ import annotations
@@ -200,7 +200,7 @@ def ordered(
     StabilityError
         If a worker was ended from outside, or the executor takes no work.
 
-    Source: tests/test_pipeline.py.
+    Source: tests/jobs/test_pipeline.py.
 
     Examples
     --------

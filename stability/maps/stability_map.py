@@ -99,7 +99,7 @@ def stability_map(
     StabilityError
         One sentence that says what is wrong and what is accepted.
 
-    Source: every number has an independent oracle in tests/test_maps.py.
+    Source: every number has an independent oracle in tests/maps/test_maps.py.
 
     Examples
     --------

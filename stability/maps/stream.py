@@ -91,7 +91,7 @@ def stream_map(
     StabilityError
         One sentence that says what is wrong and what is accepted.
 
-    Source: tests/test_kernels.py; the figures of benchmarks/kernels.py.
+    Source: tests/maps/test_kernels.py; the figures of benchmarks/kernels.py.
 
     Examples
     --------

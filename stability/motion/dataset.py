@@ -115,7 +115,7 @@ def _dataset(
 
     xarray's constructor aligns and copies, which for a short run takes as long as integrating.
     Where its direct constructor is not to be had, the public one gives the same
-    (tests/test_trajectory.py).
+    (tests/motion/test_trajectory.py).
     """
     import xarray
 

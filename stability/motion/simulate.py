@@ -112,9 +112,9 @@ def simulate(
         In one sentence, if something is not accepted: a flat or detached start, D ≤ 0, a condition
         that fails, numbers that are not finite, shapes that do not fit, times that do not rise.
 
-    Source: Przybylska & Rauch-Wojciechowski 2016, Sections 2 and 5; tests/test_motion.py holds
-    it against an inertial-frame formulation and closed forms; tests/test_system_motion.py systems
-    with closed forms.
+    Source: Przybylska & Rauch-Wojciechowski 2016, Sections 2 and 5; tests/motion/test_motion.py
+    holds it against an inertial-frame formulation and closed forms;
+    tests/motion/test_system_motion.py systems with closed forms.
 
     Examples
     --------

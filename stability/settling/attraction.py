@@ -16,8 +16,8 @@ and β r > ρ, the box holds exactly one steady motion, within ρ/β of e = 0, a
 box converge to it (the contraction of all distances at the rate β).
 
 Every bound is taken in ball arithmetic from the graph, with π/2 as an exact symbol;
-tests/test_settling.py derives the bound for the disk afresh, tests/test_system_motion.py that of
-systems with known basins.
+tests/settling/test_settling.py derives the bound for the disk afresh,
+tests/motion/test_system_motion.py that of systems with known basins.
 """
 
 from __future__ import annotations

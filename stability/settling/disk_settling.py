@@ -4,8 +4,8 @@ Near a family member the deviation e is five numbers that vanish on the family. 
 settled if its distance is below the asked one and `stability.settling.attraction` proves, in ball
 arithmetic, that the motion from there on converges to one member.  Passing slowly by an unstable
 member is not settling: nothing attracts there.  A stable rolling of a slipping disk drifts
-(`stability.drift`) and so is never settled on.  tests/test_settling.py runs launches on from where
-they were called settled.
+(`stability.drift`) and so is never settled on.  tests/settling/test_settling.py runs launches on
+from where they were called settled.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ class Spectrum:
 
     Leading axes are parameters; the last axis is the mode.
 
-    Source: this package; each number has an independent oracle in tests/test_spectrum.py.
+    Source: this package; each number has an independent oracle in tests/spectra/test_spectra.py.
 
     Examples
     --------

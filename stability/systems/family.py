@@ -69,7 +69,7 @@ class Family:
     NameUnknownError, ParameterError
         If names do not fit the system.
 
-    Source: physics of the disk's families in tests/test_families.py.
+    Source: physics of the disk's families in tests/bodies/test_families.py.
 
     Examples
     --------

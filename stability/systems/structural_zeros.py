@@ -42,7 +42,7 @@ def structure(family: Family) -> Structure:
     Coefficients of the characteristic polynomial are analytic in the parameters, so one that
     vanishes identically vanishes at random members, and one that does not is proved nonzero at
     almost any of them.  For the disk the count is derived exactly over Q(k, mu, at) in
-    tests/test_structure.py.
+    tests/systems/test_structure.py.
 
     Parameters
     ----------

@@ -72,7 +72,7 @@ def conditions(
         `at` is scanned over `DiskFamily.searched` (in √(g/R); tumbling up to upright, beyond it is
         the mirror image).
 
-    Source: recomputed; thresholds are tested in tests/test_published.py.
+    Source: recomputed; thresholds are tested in tests/spectra/test_published.py.
 
     Examples
     --------

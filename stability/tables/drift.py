@@ -60,7 +60,7 @@ def drift_rows(
     -------
     list of DriftRow
 
-    Source: tests/test_drift.py.
+    Source: tests/boundary/test_drift.py.
 
     Examples
     --------

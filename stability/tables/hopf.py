@@ -61,7 +61,7 @@ def hopf_rows(
     -------
     list of HopfRow
 
-    Source: tests/test_hopf.py.
+    Source: tests/boundary/test_hopf.py.
 
     Examples
     --------

@@ -151,8 +151,8 @@ def truth(points: Points) -> Truth:
     -------
     Truth
 
-    Source: the graph's own characteristic polynomial in balls; tests/test_compare.py holds it
-    against mpmath.
+    Source: the graph's own characteristic polynomial in balls; tests/compare/test_compare.py holds
+    it against mpmath.
 
     Examples
     --------

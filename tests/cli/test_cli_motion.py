@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import reference
-from test_cli import output, refused
+from command_line import output, refused
 
 import stability as st
 from stability.bodies.disk_equations import STATES

@@ -12,7 +12,7 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as s
 from reference import beyond
-from test_spectra import truth_matrix
+from spectrum_oracle import truth_matrix
 
 import stability as st
 from stability.algebra.polynomial import Polynomial

@@ -17,8 +17,8 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+import own_systems
 import pytest
-import test_system_motion as system_motion
 import xarray
 from executors import Distributed
 from kills import MARK, alive, soon
@@ -280,9 +280,9 @@ def test_an_interrupted_map_leaves_no_process_and_is_resumed(
 
 @pytest.mark.parametrize("kind", ["threads", "processes"])
 def test_launches_of_a_users_system_are_the_same(kind: str, pools: dict[str, Executor]) -> None:
-    system, start = system_motion.pendulum(), {"angle": np.array([0.5, 1.5, 2.5]), "rate": 0.0}
+    system, start = own_systems.pendulum(), {"angle": np.array([0.5, 1.5, 2.5]), "rate": 0.0}
     asked = (system, {"g": 2.0, "c": 0.3}, start, [1.0, 30.0])
-    family = system_motion.hanging(system)
+    family = own_systems.hanging(system)
     plain = st.simulate(*asked, families=family)
     other = st.simulate(*asked, families=family, executor=pools[kind])
     assert np.array_equal(plain.angle.values, other.angle.values)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as s
-from test_spectra import random_points, truth_matrix
+from spectrum_oracle import DIGITS, random_points, reduced_truth, truth
 
 import stability as st
 from stability.algebra.exact.number_fields import rational
@@ -17,38 +17,7 @@ from stability.spectra.certificate import certify, verdict
 from stability.spectra.disk_problem import disk_problem
 from stability.spectra.problem import system_problem
 
-DIGITS = 200
 FAMILIES = ["rolling", "spinning", "tumbling"]
-
-
-def reduced_truth(family: str, law: str, at: Any, k: float, mu: float) -> list[Any]:
-    """Coefficients of det(λ - A) / λ^zeros by Faddeev-LeVerrier in mpmath, lowest first."""
-    resolved = st.disk_family(family, law)
-    matrix = truth_matrix(resolved, at, [k, mu][: len(resolved.parameters)])
-    n = matrix.rows
-    coefficients, power = [mpmath.mpf(1)], mpmath.eye(n)
-    for i in range(1, n + 1):
-        power = matrix * (power + (coefficients[-1] * mpmath.eye(n) if i > 1 else 0 * power))
-        coefficients.append(-sum(power[j, j] for j in range(n)) / i)
-    zeros = {"rolling": 2, "spinning": 1, "tumbling": 1}[family]
-    return coefficients[::-1][zeros if law == "viscous" else 2 :]
-
-
-def truth(family: str, at: Any, k: float, mu: float) -> Verdict:
-    """The verdict by Routh's array in 200-digit arithmetic."""
-    with mpmath.workdps(DIGITS):
-        rows = reduced_truth(family, "viscous", at, k, mu)[::-1]
-        here, following = rows[::2], rows[1::2]
-        while following:
-            if following[0] <= 0:
-                return Verdict.UNSTABLE
-            ratio = here[0] / following[0]
-            padded = [*following[1:], mpmath.mpf(0)][: len(here) - 1]
-            here, following = (
-                following,
-                [x - ratio * y for x, y in zip(here[1:], padded, strict=True)],
-            )
-        return Verdict.STABLE
 
 
 def mine(family: str, at: float, k: float, mu: float) -> Verdict:

@@ -1,21 +1,16 @@
-"""Reference values: from the project's shared folder where it lies beside, else from tests/data."""
+"""Reference values of tests/data, each file with its source."""
 
 import json
 from pathlib import Path
 from typing import Any
 
-DATA = Path(__file__).parent / "data"
-SHARED = Path(__file__).resolve().parents[2] / "shared" / "reference"
+DATA = Path(__file__).parents[1] / "data"
 
 
 def spectra() -> list[dict[str, Any]]:
     """The sixteen spectra to 25 digits."""
-    beside = SHARED / "spectra.json"
-    kept: list[dict[str, Any]] = json.loads((DATA / "spectra.json").read_text())["spectra"]
-    if beside.is_file():
-        fresh: list[dict[str, Any]] = json.loads(beside.read_text())
-        assert fresh == kept, "tests/data/spectra.json has aged: copy it again"
-    return kept
+    found: list[dict[str, Any]] = json.loads((DATA / "spectra.json").read_text())["spectra"]
+    return found
 
 
 def beyond() -> dict[str, Any]:
@@ -26,12 +21,8 @@ def beyond() -> dict[str, Any]:
 
 def trajectories() -> list[dict[str, Any]]:
     """Five motions from an inertial-frame quaternion formulation, 12 digits."""
-    beside = SHARED / "trajectories.json"
-    kept: list[dict[str, Any]] = json.loads((DATA / "trajectories.json").read_text())["motions"]
-    if beside.is_file():
-        fresh: list[dict[str, Any]] = json.loads(beside.read_text())
-        assert fresh == kept, "tests/data/trajectories.json has aged: copy it again"
-    return kept
+    found: list[dict[str, Any]] = json.loads((DATA / "trajectories.json").read_text())["motions"]
+    return found
 
 
 def coulomb() -> list[dict[str, Any]]:

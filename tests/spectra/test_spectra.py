@@ -7,9 +7,9 @@ import mpmath
 import numpy as np
 import pytest
 import reference
+from spectrum_oracle import random_points, truth_matrix
 
 import stability as st
-from stability.algebra.program import Program
 from stability.base.verdict import CODES, Verdict
 from stability.spectra.deflation import deflate
 from stability.spectra.eigenvalues import decide, eigenvalues
@@ -68,40 +68,12 @@ def test_error_discs_hold_the_truth_and_are_not_idle(entry: dict[str, Any]) -> N
     assert spectrum.radius.max() < 1e-10 * np.abs(truth).max()
 
 
-def truth_matrix(family: st.Family, a: float, q: list[float]) -> Any:
-    """The linearisation at a member as an mpmath matrix: the graph with its constants exact."""
-    functions = {n: getattr(mpmath, n) for n in ("sin", "cos", "sqrt")}
-    algebra: Any = type(
-        "Numbers", (), {"name": "mpmath", "constant": mpmath.mpf, "functions": functions}
-    )
-    values = [mpmath.mpf(v) for v in q]
-    if family.name == "tumbling":
-        unknown = [1 / mpmath.sqrt(values[0] * mpmath.sin(mpmath.mpf(a)))]
-    else:
-        unknown = [mpmath.mpf(v) for v in family.unknown.values()]
-    program: Program = family.graph.matrix
-    return mpmath.matrix(program.dense(algebra, [[mpmath.mpf(a)], unknown, values]))
-
-
 def truth_at(family: st.Family, a: float, q: list[float]) -> Any:
     """Abscissa by mpmath at 60 digits, the structural zeros left out by their number."""
     with mpmath.workdps(60):
         values, _ = mpmath.eig(truth_matrix(family, a, q))
         zeros = {"rolling": 2, "spinning": 1, "tumbling": 1}[family.name]
         return max(mpmath.re(v) for v in sorted(values, key=abs)[zeros:])
-
-
-def random_points(
-    family: str, count: int, seed: int
-) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-    random = np.random.default_rng(seed)
-    k = np.exp(random.uniform(np.log(1e-3), np.log(0.5), count))
-    mu = 10 ** random.uniform(-6, 6, count)
-    if family == "tumbling":
-        at = np.exp(random.uniform(np.log(1e-4), np.log(np.pi / 2), count))
-    else:
-        at = 10 ** random.uniform(-3, 3, count)
-    return at[:, None], np.column_stack([k, mu])
 
 
 def judge(family_name: str, count: int, seed: int) -> tuple[int, int]:

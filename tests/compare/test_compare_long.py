@@ -18,7 +18,7 @@ from stability.integrators import taylor
 from stability.motion.result import BY_CODE
 
 pytestmark = pytest.mark.long
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 NAMES = ("lift-off", "graze-plus-ulp", "near-flat-viscous", "falls-flat", "double-upright")
 
 

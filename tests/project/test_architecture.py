@@ -12,7 +12,7 @@ import pytest
 
 import stability
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "stability"
 PAGE = ROOT / "docs" / "architecture.md"
 CHANGES = (

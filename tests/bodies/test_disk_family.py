@@ -270,7 +270,7 @@ def test_a_stored_polynomial_makes_its_answers_exact(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(disk_polynomials, "_catalogue", lambda: stored)
     found = st.boundaries("edge-on", axis=("at", 0.5, 3.0, 9), contact=st.Viscous(0.97))
     assert found.complete
-    # k phi_dot² = 1; the other to 20 digits in tests/test_boundaries.py
+    # k phi_dot² = 1; the other to 20 digits in tests/boundary/test_boundaries.py
     assert [b.value for b in found] == pytest.approx([2.0, 2.0451355787], abs=1e-10)
     drawn = st.stability_map("edge-on", x=("at", 1.5, 3, 5), y=("mu", 0.3, 1.5, 3))
     assert "exact polynomials" in drawn.attrs["method"]

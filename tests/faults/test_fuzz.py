@@ -1,7 +1,7 @@
 """Random calls and command lines: an answer or one short sentence, never anything else.
 
 A few hundred of each here; `STABILITY_FUZZ_SEED` and `STABILITY_FUZZ_COUNT` set seed and number of
-the long campaigns.  tests/fuzz.py repeats a case by its number.
+the long campaigns.  tests/tools/fuzz.py repeats a case by its number.
 """
 
 from __future__ import annotations

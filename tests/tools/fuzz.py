@@ -1,9 +1,9 @@
 """The supervisor of both fuzzers: cases in a process of their own, with a watch on each.
 
 A case follows from (seed, number) alone, so that every fault is repeated by
-`python tests/fuzz.py commands|calls SEED FIRST LAST`, which prints what is wrong.  A case that
-takes more than `LIMIT` seconds of processor time counts as hanging and is killed; a worker that
-dies counts as a crash; the campaign goes on behind either.
+`python tests/tools/fuzz.py commands|calls SEED FIRST LAST`, which prints what is wrong.  A case
+that takes more than `LIMIT` seconds of processor time counts as hanging and is killed; a worker
+that dies counts as a crash; the campaign goes on behind either.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def _processor_time(pid: int) -> float:
 
 def _worker(kind: str, seed: str, first: int, last: int) -> subprocess.Popen[bytes]:
     environment = os.environ | {"PYTHONHASHSEED": "0", "MPLBACKEND": "Agg"}
-    environment["PYTHONPATH"] = os.pathsep.join([str(HERE.parent), str(HERE)])
+    environment["PYTHONPATH"] = os.pathsep.join([str(HERE.parents[1]), str(HERE)])
     return subprocess.Popen(
         [sys.executable, str(HERE / "fuzz.py"), kind, seed, str(first), str(last), "--worker"],
         stdout=subprocess.PIPE, env=environment,

@@ -11,7 +11,7 @@ import pytest
 
 import stability
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "stability"
 FROM_FIGURES_UP = (
     "figures",
@@ -85,6 +85,34 @@ def test_files_and_folders_can_be_taken_in_at_a_glance() -> None:
         files = [p for p in folder.glob("*.py") if p.name != "__init__.py"]
         assert len(files) <= 10, folder
         assert folder.parent != PACKAGE or folder.name not in stability.__all__
+
+
+NOT_OF_A_FOLDER = {"data", "faults", "oracles", "project", "tools"}
+"""Folders of tests that no folder of the package is named like."""
+
+
+def test_tests_lie_in_folders_named_like_those_of_the_package() -> None:
+    rooms = {p.name for p in PACKAGE.iterdir() if (p / "__init__.py").is_file()}
+    folders = {p.name for p in (ROOT / "tests").iterdir() if p.name != "__pycache__"}
+    assert folders - rooms == NOT_OF_A_FOLDER
+    assert rooms - folders == {"base", "storage"}  # told by `project` and `faults`
+
+
+def test_every_test_that_a_text_names_is_there() -> None:
+    named = 0
+    texts = [
+        *PACKAGE.rglob("*.py"),
+        *(ROOT / "tests").rglob("*.py"),
+        *(ROOT / "docs").rglob("*.md"),
+    ]
+    for path in [*texts, ROOT / "README.md"]:
+        for name in re.findall(
+            r"(?<![\w/])(?:tests|benchmarks|notebooks|docs)/[\w/]+\.(?:py|cpp|json|md)\b",
+            path.read_text(),
+        ):
+            assert (ROOT / name).is_file(), (path, name)
+            named += 1
+    assert named > 80
 
 
 def test_versions_agree() -> None:

@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from command_line import output, refused
 
 from stability.cli import main
 
@@ -21,27 +22,6 @@ def run(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str
     return subprocess.run(
         [sys.executable, "-m", "stability", *words], capture_output=True, text=True, cwd=cwd
     )
-
-
-def output(capsys: pytest.CaptureFixture[str], *words: str) -> str:
-    assert main(list(words)) == 0
-    return capsys.readouterr().out
-
-
-def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
-    """Exit code 2, one sentence on standard error, nothing on standard output."""
-    try:
-        code = main(list(words))
-    except SystemExit as stop:
-        code = stop.code
-    captured = capsys.readouterr()
-    assert code == 2
-    assert captured.out == ""
-    assert captured.err.startswith("stability: ")
-    assert len(captured.err.strip().splitlines()) == 1
-    assert captured.err.strip().endswith(".")
-    assert "Traceback" not in captured.err
-    return captured.err
 
 
 # --- what it prints ---

@@ -6,8 +6,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from test_certify import DIGITS, reduced_truth, truth
-from test_spectra import random_points
+from spectrum_oracle import DIGITS, random_points, reduced_truth, truth
 
 import stability as st
 from stability.algebra.real_factors import Factors, enclose, improve, settle, start

@@ -32,7 +32,7 @@ from stability.bodies.disk_equations import disk_system
 from stability.systems.system import System
 
 Array = NDArray[np.float64]
-TRAJECTORIES = Path(__file__).parent / "data" / "trajectories.json"
+TRAJECTORIES = Path(__file__).parents[1] / "data" / "trajectories.json"
 
 # --------------------------------------------------------------------------- exact identities
 

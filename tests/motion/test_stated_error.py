@@ -14,13 +14,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from reference import trajectories
 
 import stability as st
 from stability.bodies.disk_equations import STATES
 from stability.motion.result import BY_CODE
 
-HERE = Path(__file__).parent
-STORED = json.loads((HERE / "data" / "stated_errors.json").read_text())["cases"]
+TESTS = Path(__file__).parents[1]
+STORED = json.loads((TESTS / "data" / "stated_errors.json").read_text())["cases"]
 LAWS = {"viscous": st.Viscous, "linear-viscous": st.LinearViscous, "rough": lambda _: st.Rough()}
 
 
@@ -74,7 +75,7 @@ def test_a_fine_stiff_launch_is_answered_and_its_error_is_not_large() -> None:
 
 def campaign() -> Any:
     """The campaign beside the reference code, which is no part of the package."""
-    where = HERE.parent / "benchmarks" / "reference" / "campaign.py"
+    where = TESTS.parent / "benchmarks" / "reference" / "campaign.py"
     spec = importlib.util.spec_from_file_location("motion_campaign", where)
     assert spec is not None
     assert spec.loader is not None
@@ -108,7 +109,7 @@ def test_a_verdict_of_the_campaign_can_be_each_of_its_words() -> None:
 def test_the_reference_meets_independent_trajectories(tmp_path: Path) -> None:
     module = campaign()
     reference = module.Reference(tmp_path)
-    for case in json.loads((HERE / "data" / "trajectories.json").read_text()):
+    for case in trajectories():
         for last, state in zip(case["times"], case["states"], strict=True):
             numbers = [case["k"], case["mu"], 0, 1e-6, last, 14, 14, *case["start"], 10**6]
             outcome, _, found = reference.ask("viscous " + " ".join(map(repr, numbers)))

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+import own_law
 import pytest
 from own_law import Weakening, by_speed
 
@@ -254,11 +255,11 @@ def test_what_a_law_cannot_do_is_refused_in_a_sentence(call: Any, why: str) -> N
 
 
 @pytest.fixture
-def beside(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(Path(__file__).parent)
+def near(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(Path(own_law.__file__).parent)
 
 
-@pytest.mark.usefixtures("beside")
+@pytest.mark.usefixtures("near")
 def test_the_command_line_takes_a_law_from_a_module(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -279,7 +280,7 @@ def test_the_command_line_takes_a_law_from_a_module(
     assert "moving" in capsys.readouterr().out
 
 
-@pytest.mark.usefixtures("beside")
+@pytest.mark.usefixtures("near")
 @pytest.mark.parametrize(
     ("words", "why"),
     [

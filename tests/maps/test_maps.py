@@ -77,7 +77,7 @@ def hurwitz_in_many_digits(family: str, at: float, k: float, mu: float) -> tuple
     determinant from its definition: nothing of `stability.algebra.routh_balls` is used.
     """
     with mpmath.workdps(60):
-        from test_spectra import truth_matrix
+        from spectrum_oracle import truth_matrix
 
         resolved = st.disk_family(family, "viscous")
         matrix = truth_matrix(resolved, at, [k, mu])

@@ -18,7 +18,7 @@ from typing import Any
 import mpmath
 from flint import fmpq, fmpq_poly
 
-DATA = Path(__file__).parent / "data" / "kane_polynomials.json"
+DATA = Path(__file__).parents[1] / "data" / "kane_polynomials.json"
 CASES = [
     *((f, law) for law in ("smooth", "viscous", "linear-viscous", "rough")
       for f in ("rolling", "spinning", "tumbling")),

@@ -1,0 +1,26 @@
+"""What the command line prints and refuses, in this process."""
+
+import pytest
+
+from stability.cli import main
+
+
+def output(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    assert main(list(words)) == 0
+    return capsys.readouterr().out
+
+
+def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """Exit code 2, one sentence on standard error, nothing on standard output."""
+    try:
+        code = main(list(words))
+    except SystemExit as stop:
+        code = stop.code
+    captured = capsys.readouterr()
+    assert code == 2
+    assert captured.out == ""
+    assert captured.err.startswith("stability: ")
+    assert len(captured.err.strip().splitlines()) == 1
+    assert captured.err.strip().endswith(".")
+    assert "Traceback" not in captured.err
+    return captured.err
