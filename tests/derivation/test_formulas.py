@@ -110,8 +110,9 @@ def test_ranges_of_spinning_hold_wherever_they_are_probed(k: str) -> None:
                 assert below is Verdict.UNSTABLE
 
 
+@pytest.mark.parametrize("probes", [12, pytest.param(50, marks=pytest.mark.long)])
 @pytest.mark.parametrize("k", ["0.25", "0.375", "0.34", "0.5", "0.01", "0.27195394608109374"])
-def test_ranges_of_tumbling_hold_wherever_they_are_probed(k: str) -> None:
+def test_ranges_of_tumbling_hold_wherever_they_are_probed(k: str, probes: int) -> None:
     random = np.random.default_rng(4)
     ranges = formulas("tumbling", "viscous", (k,)).ranges
     assert ranges[0]["low"] == "0" and ranges[-1]["high"] == "oo"
@@ -123,9 +124,9 @@ def test_ranges_of_tumbling_hold_wherever_they_are_probed(k: str) -> None:
         full = 0
         for share in (1e-5, 0.2, 0.5, 0.9, 1 - 1e-5):
             mu = low + share * (high - low)
-            theta = np.concatenate([10 ** random.uniform(-5, 0, 150),
-                                    np.pi / 2 - 10 ** random.uniform(-7, 0, 150),
-                                    random.uniform(0.01, 1.57, 100)])  # fmt: skip
+            theta = np.concatenate([10 ** random.uniform(-5, 0, 3 * probes),
+                                    np.pi / 2 - 10 ** random.uniform(-7, 0, 3 * probes),
+                                    random.uniform(0.01, 1.57, 2 * probes)])  # fmt: skip
             found = [decided("tumbling", "viscous", float(k), mu, a) for a in np.sort(theta)]
             words = [v.word for i, v in enumerate(found) if i == 0 or v is not found[i - 1]]
             # a narrow stretch may lie between two probes, but nothing else may be seen

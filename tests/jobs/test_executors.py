@@ -246,8 +246,9 @@ if __name__ == "__main__":
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 @pytest.mark.parametrize(
     ("kind", "number"),
-    [("", signal.SIGINT), ("spawn", signal.SIGINT), ("spawn", signal.SIGKILL),
-     ("fork", signal.SIGKILL)],
+    [("", signal.SIGINT), ("spawn", signal.SIGKILL),
+     pytest.param("spawn", signal.SIGINT, marks=pytest.mark.long),
+     pytest.param("fork", signal.SIGKILL, marks=pytest.mark.long)],
 )  # fmt: skip
 def test_an_interrupted_map_leaves_no_process_and_is_resumed(
     kind: str, number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

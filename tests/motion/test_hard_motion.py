@@ -76,7 +76,9 @@ def test_samples_within_an_onset_slip_and_lie_on_the_cone() -> None:
     assert float(run.energy_error) < 1e-10
 
 
-@pytest.mark.parametrize("method", HERE)
+@pytest.mark.parametrize(
+    "method", [pytest.param(m, marks=[pytest.mark.long] * (m == "idas")) for m in HERE]
+)
 def test_a_run_into_d_zero_ends_without_contact_by_every_method(method: str) -> None:
     # gn grows without bound and changes sign beyond D = 0: that is no lift-off
     start = [1.194342144719987, 0.05028019174563288, 1.3684831699890794, -0.8596387383846306,
@@ -227,7 +229,7 @@ print(many == [ask(job) for job in jobs])
     assert done.stdout == "True\n", done.stderr[-300:]
 
 
-@pytest.mark.parametrize("last", [5.0, 200.0, 400.0])
+@pytest.mark.parametrize("last", [5.0, 200.0, pytest.param(400.0, marks=pytest.mark.long)])
 def test_an_early_lift_off_does_not_depend_on_how_long_a_run_is_asked(last: float) -> None:
     # CVODES once looked at its guards 200 times a run of any length, and saw the next one
     k, mu = 0.36516325782292336, 2327.347048953263
