@@ -3,7 +3,7 @@
 Route A: Newton and Euler in the inertial frame (axis, angular momentum, contact velocity) by Radau
 IIA collocation of 30 stages with numbers of 200 bits; nothing of the package is in it.  Route B:
 the package's own graph in its angles, by heyoka's Taylor series with numbers of 160 bits.  Where
-they agree, the digits are those of the model.  Coulomb: the tests' scenes beside the package.
+they agree, the digits are those of the model.  Coulomb: the tests' scenes next to the package.
 
     cd stability/compare/motion
     OMP_NUM_THREADS=1 python benchmarks/truths.py [--only gentle] --out reference_motions.json
@@ -376,9 +376,9 @@ def dry(name: str) -> dict[str, Any]:
 
 
 SOURCE = (
-    f"Newton-Euler in the inertial frame by Radau IIA of {STAGES} stages in {BITS} bits beside the "
-    f"package's graph by Taylor series in {PRECISION} bits (tolerance {TOLERANCE}); error: their "
-    "largest difference over max(1, |state|).  Coulomb: an independent inertial formulation in "
+    f"Newton-Euler in the inertial frame by Radau IIA of {STAGES} stages in {BITS} bits next to "
+    f"the package's graph by Taylor series in {PRECISION} bits (tolerance {TOLERANCE}); error: "
+    "their largest difference over max(1, |state|).  Coulomb: an independent inertial formulation in "
     "doubles, error: the spread of its three settings; package_difference: the package's distance."
 )
 

@@ -45,7 +45,7 @@ for family, k, mu in (("spinning", 0.25, 0.8), ("tumbling", 0.25, 1.5), ("tumbli
         print(f"{family} k={k} mu={mu}: at {point.at:.6f}, stable {side}, {point.kind.word}")
 
 # %% [markdown]
-# ## What a motion does that starts beside the unstable part
+# ## What a motion does that starts near the unstable part
 #
 # It starts at a member beyond the boundary, with a small disturbance along the pair.  Elliptic: it
 # swings out and settles as far on the other side.  Hyperbolic: it leaves, here towards flat.

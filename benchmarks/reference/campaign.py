@@ -1,6 +1,6 @@
 """Random launches against a reference code that shares nothing with the package.
 
-`motion.cpp` beside this file integrates the disk in the inertial frame in long double or quadruple
+`motion.cpp` next to this file integrates the disk in the inertial frame in long double or quadruple
 precision.  This driver launches disks at random under every law, tolerance and method, asks
 `simulate` for the motion and its stated error, and the reference for the truth, twice.
 
@@ -208,7 +208,7 @@ def random_launch(seed: int, number: int) -> Launch:
 
 
 def judged(launch: Launch, truth: Truth) -> dict[str, Any]:
-    """What `simulate` says of a launch beside the truth."""
+    """What `simulate` says of a launch, and the truth."""
     began = time.perf_counter()
     run = st.simulate(
         st.Disk(k=launch.k), launch.contact(), launch.start,

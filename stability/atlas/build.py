@@ -99,7 +99,7 @@ def atlas(
     check_run(workers, progress, executor)
     taken = f"{path_text(out)} exists and is not empty; choose another, or use --force."
     target = check_folder(place(out), "" if force else taken)
-    with _beside(target) as folder:
+    with _temporary_folder(target) as folder:
         jobs = [(body, family) for body in BODIES for family in drawn()]
         counted = Counted(progress, len(jobs))
         counted.add(0)
@@ -118,7 +118,7 @@ def atlas(
     return target / "index.html"
 
 
-class _beside:  # noqa: N801  # a context manager that reads as a word
+class _temporary_folder:  # noqa: N801  # a context manager that reads as a word
     """A temporary folder next to the target, removed afterwards in every case."""
 
     def __init__(self, target: Path) -> None:

@@ -173,14 +173,14 @@ def located(line: AxisScan, found: Search) -> Boundaries:
         for v in found.gaps
     ]
     for i, mark in enumerate(changes):
-        beside = [p for j, p in enumerate(places) if abs(i - j) == 1]
-        room = min((float(abs(p - mark.value).mid()) for p in beside), default=np.inf)
+        others = [p for j, p in enumerate(places) if abs(i - j) == 1]
+        room = min((float(abs(p - mark.value).mid()) for p in others), default=np.inf)
         root = float(mark.value.mid())
         proof = bracket(sign, root, room)
         if proof is None:
             ends = float(np.nextafter(root, -np.inf)), float(np.nextafter(root, np.inf))
             left.append(Unresolved(
-                *ends, "the verdict changes here, but no two doubles beside the change have "
+                *ends, "the verdict changes here, but no two doubles next to the change have "
                 "proved verdicts that differ: another change is too near.",
             ))  # fmt: skip
             continue

@@ -131,7 +131,7 @@ def _signs(
             sign[i, j] = line.quick_sign(float(xs[j]))
     # A cell on the boundary itself joins a stable neighbour, if it has one.
     padded = np.pad(sign, 1, constant_values=-1.0)
-    beside = np.max(
+    around = np.max(
         [padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]], axis=0
     )
-    return np.where(sign == 0, np.where(beside > 0, 1.0, -1.0), sign)
+    return np.where(sign == 0, np.where(around > 0, 1.0, -1.0), sign)

@@ -62,12 +62,12 @@ class HopfKind(Sentences):
     """What a motion next to the boundary does; the value is the sentence a user reads."""
 
     ELLIPTIC = (
-        "elliptic: a motion beside the unstable part of the line swings out and settles on the "
+        "elliptic: a motion near the unstable part of the line swings out and settles on the "
         "stable part, about as far beyond the boundary as it began before it"
     )
     HYPERBOLIC = (
-        "hyperbolic: a motion beside the unstable part leaves a neighbourhood of the boundary, and "
-        "may settle elsewhere on the family; beside the stable part only motions inside a cone "
+        "hyperbolic: a motion near the unstable part leaves a neighbourhood of the boundary, and "
+        "may settle elsewhere on the family; near the stable part only motions inside a cone "
         "of small amplitude settle nearby"
     )
     DEGENERATE = (
@@ -334,9 +334,9 @@ def normal_form(family: Family, a: Sequence[Any], q: Sequence[Any]) -> NormalFor
     biggest = max(mode, key=lambda v: float(abs(v).mid()))
     length = sum((abs(v) ** 2 for v in mode), arb(0)).sqrt()
     mode = [v / length * abs(biggest) / biggest for v in mode]
-    across, beside = ([left[i, j] for j in range(size)] for i in (zero, pair))
+    across, along = ([left[i, j] for j in range(size)] for i in (zero, pair))
     push = _dot(across, second(mode, [v.conjugate() for v in mode])) / _dot(across, tangent)
-    speed = _dot(beside, second(tangent, mode)) / _dot(beside, mode)
+    speed = _dot(along, second(tangent, mode)) / _dot(along, mode)
     plain = np.array([complex(float(v.real.mid()), float(v.imag.mid())) for v in mode])
     return NormalForm(speed.real, push.real, values[pair].imag, plain)
 

@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--max-seconds", type=float, default=10.0, metavar="S",
                         help="computing time after which it gives up (default 10)")  # fmt: skip
     parser.add_argument("--no-check", action="store_true",
-                        help="do not run each launch again beside itself, which tells the error "
+                        help="do not run the neighbours of each launch, which tell the error "
                         "of its end: faster")  # fmt: skip
     parser.add_argument("--pose", action="store_true", help="φ, ψ and the paths in the plane too")
     parser.add_argument("--out", metavar="F.nc", help="NetCDF file to write")

@@ -39,7 +39,7 @@ MOST_CELLS = 10**11
 """Largest streamed map."""
 
 METHOD = (
-    "verdicts from the exact stability conditions: whole tiles proved at once, cells beside the "
+    "verdicts from the exact stability conditions: whole tiles proved at once, cells next to the "
     "boundary by a floating-point filter with a proved bound, what it leaves open in rational "
     "arithmetic or balls"
 )

@@ -29,7 +29,7 @@ STOPS = tuple(getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if has
 class _Ready:
     """A file that is whole under its temporary name."""
 
-    beside: Path
+    temporary: Path
     """Where it is."""
     target: Path
     """Where it is to be."""
@@ -52,16 +52,16 @@ class _Ready:
     def name(self) -> None:
         """Give the file its name unless another has taken it meanwhile."""
         if self.overwrite:
-            self.beside.replace(self.target)
+            self.temporary.replace(self.target)
             return
         try:
-            os.link(self.beside, self.target)
+            os.link(self.temporary, self.target)
         except FileExistsError:
             raise FileError(
                 f"{path_text(self.target)} exists by now; choose another name."
             ) from None
         except OSError:  # a file system without hard links
-            self.beside.replace(self.target)
+            self.temporary.replace(self.target)
 
     def take_back(self, kept: Path | None) -> None:
         """Undo the naming."""
@@ -141,9 +141,9 @@ def atomic_write(
     os.umask(mask)
     try:
         with refusing(target):
-            os.close(os.open(ready.beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
-            yield ready.beside
-            ready.beside.chmod(0o666 & ~mask)
+            os.close(os.open(ready.temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
+            yield ready.temporary
+            ready.temporary.chmod(0o666 & ~mask)
             if group is None:
                 _name([ready])
             else:
@@ -151,7 +151,7 @@ def atomic_write(
     finally:
         if group is None or ready not in group:
             with suppress(FileNotFoundError):
-                ready.beside.unlink()
+                ready.temporary.unlink()
 
 
 @contextmanager
@@ -188,7 +188,7 @@ def together() -> Iterator[None]:
         _waiting.reset(token)
         for ready in group:
             with suppress(FileNotFoundError):
-                ready.beside.unlink()
+                ready.temporary.unlink()
 
 
 def _name(group: list[_Ready]) -> None:

@@ -36,7 +36,7 @@ def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[A
     return matrix_polynomial(family, a, ball_unknowns(family, a, q), q)
 
 
-BESIDE = 1e-6
+NEARBY = 1e-6
 """Largest distance of a proved root from the one in double precision, over 1 or its size."""
 INFLATIONS = 4
 """How often a box is widened to what its image was."""
@@ -98,7 +98,7 @@ def ball_unknowns(
     found = _krawczyk(family, a, q, rough)
     # next to a double root Newton's method may leave for another one
     if found is None or not all(
-        ball.overlaps(arb(float(v), BESIDE * (1 + abs(float(v)))))
+        ball.overlaps(arb(float(v), NEARBY * (1 + abs(float(v)))))
         for ball, v in zip(found, rough, strict=True)
     ):
         raise NoMemberError(

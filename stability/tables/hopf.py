@@ -86,8 +86,8 @@ def hopf_rows(
 HOPF_NOTES = [
     "dy/dt = c |z|², d|z|/dt = Re μ' y |z| with y along the family and z along the mode of unit",
     "length; c < 0 throughout: energy rises along both families and falls while the rim slips.",
-    "elliptic: beside the unstable part a motion swings out and settles as far beyond;",
-    "hyperbolic: it leaves a neighbourhood, and may settle elsewhere on the family; beside the",
+    "elliptic: near the unstable part a motion swings out and settles as far beyond;",
+    "hyperbolic: it leaves a neighbourhood, and may settle elsewhere on the family; near the",
     "stable part only motions inside a cone settle nearby.",
     "Re μ' vanishes only where the boundary folds (tumbling, 0.3291… < k < 1/2).",
 ]

@@ -24,7 +24,7 @@ TABLES = {
     "conditions": "where the verdict changes along each family, for several k and mu",
     "drift": "how long straight rolling under friction lasts before it crosses its threshold",
     "hopf": f"flutter boundaries of {_LINES} as Hopf bifurcations without parameters",
-    "launches": f"what becomes of {_LAUNCHED} launched with a tilt, beside linear theory",
+    "launches": f"what becomes of {_LAUNCHED} launched with a tilt, compared with linear theory",
     "completeness": "why the viscous disk has no other steady motions: proof and search",
 }
 """What each table holds."""

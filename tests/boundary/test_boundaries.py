@@ -139,9 +139,9 @@ def compare(
 
 
 def campaign(seed: int, count: int) -> dict[str, int]:
-    """Random requests, and for what they find requests that end beside a boundary."""
+    """Random requests, and for what they find requests that end next to a boundary."""
     rng = np.random.default_rng(seed)
-    told = dict.fromkeys(("requests", "boundaries", "several", "beside"), 0)
+    told = dict.fromkeys(("requests", "boundaries", "several", "next"), 0)
     for _ in range(count):
         family, law, axis, low, high, given, log = request(rng)
         values = compare(family, law, axis, low, high, given, log=log)
@@ -153,13 +153,13 @@ def campaign(seed: int, count: int) -> dict[str, int]:
             ends = (value + ulp, high) if rng.random() < 0.5 else (low, value + ulp)
             if ends[0] < ends[1]:
                 compare(family, law, axis, float(ends[0]), float(ends[1]), given, log=log)
-                told["beside"] += 1
+                told["next"] += 1
     return told
 
 
 def test_random_requests_have_every_boundary() -> None:
     told = campaign(seed=5, count=60)
-    assert told["boundaries"] > 20 and told["several"] > 3 and told["beside"] > 20, told
+    assert told["boundaries"] > 20 and told["several"] > 3 and told["next"] > 20, told
 
 
 @pytest.mark.long

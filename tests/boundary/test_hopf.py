@@ -178,7 +178,7 @@ def test_random_lines_have_every_flutter_boundary() -> None:
 
 @pytest.mark.parametrize("fold", beyond()["folds"], ids=lambda f: f"k{f['k']}")
 def test_transversality_fails_at_the_fold_of_tumblings_boundary(fold: dict[str, float]) -> None:
-    """Condition and slope vanish together at the fold; beside it the two types meet."""
+    """Condition and slope vanish together at the fold; near it the two types meet."""
     condition, slope = exact_side("tumbling", "viscous")
     point = fold["k"], fold["mu"] ** 2, np.sin(fold["theta"])
     scale = sum(p(*point) for p in condition.parts)
@@ -219,7 +219,7 @@ def ends_at(point: Any, family: str, k: float, mu: float, y: float, z: float, ti
 
 
 @pytest.mark.parametrize(("family", "k", "mu"), [("spinning", 0.25, 0.8), ("tumbling", 0.25, 1.5)])
-def test_elliptic_a_motion_beside_the_unstable_part_settles_as_far_beyond(
+def test_elliptic_a_motion_near_the_unstable_part_settles_as_far_beyond(
     family: str, k: float, mu: float
 ) -> None:
     [point] = hopf(family, disk=st.Disk(k=k), contact=st.Viscous(mu))

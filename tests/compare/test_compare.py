@@ -67,7 +67,9 @@ class Digits(ManyDigits):
     name, title, digits = "digits", "200 digits", 200
 
 
-@pytest.mark.parametrize("hardness", ["open", "near", "beside", "large-mu", "flat-hoop", "meeting"])
+@pytest.mark.parametrize(
+    "hardness", ["open", "near", "very-near", "large-mu", "flat-hoop", "meeting"]
+)
 def test_the_truth_is_that_of_mpmath(hardness: str) -> None:
     for group in points_of(hardness)[::2]:
         few = group[:: max(1, len(group) // 2)]
@@ -161,7 +163,7 @@ def test_every_route_is_right_in_the_open_field(name: str) -> None:
 def test_routes_state_no_less_than_their_error() -> None:
     for name in classes():
         for group in points_of(name):
-            for route in (Deflated(), MapKernel(), *([Certified()] if name == "beside" else [])):
+            for route in (Deflated(), MapKernel(), *([Certified()] if name == "very-near" else [])):
                 few = group[:4] if route.name == "certified" else group
                 answer = route.answer(few)
                 assert answer.bound is not None and answer.abscissa is not None
@@ -341,7 +343,7 @@ def test_an_answer_of_a_wrong_shape_is_no_answer(change: Any) -> None:
 
 
 def test_the_truth_holds_where_growth_is_tiny() -> None:
-    # beside flat the hoop's growth goes as theta⁴: 1.667e-21 at 1e-5, 1.667e-141 at 1e-35
+    # near flat the hoop's growth goes as theta⁴: 1.667e-21 at 1e-5, 1.667e-141 at 1e-35
     small = [points("tumbling", 0.5, 3.0, theta).truth.abscissa[0] for theta in (1e-5, 1e-35)]
     assert small[1] / small[0] == pytest.approx(1e-120, rel=1e-3)
 

@@ -77,7 +77,7 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("contact class", lambda: ask(contact=V), "give one of Smooth()"),
     ("disk by name", lambda: ask(disk="quarter"), "give a stability.Disk"),
     ("no contact", lambda: st.spectrum("rolling", at=1), "contact is missing"),
-    ("mu beside", lambda: st.spectrum("rolling", at=1, contact=V(1), mu=2), "not an argument here"),
+    ("mu twice", lambda: st.spectrum("rolling", at=1, contact=V(1), mu=2), "not an argument here"),
     ("certify", lambda: st.spectrum("rolling", at=1, contact=V(1), certify=1), "certify"),
     ("mu zero", lambda: V(0), "Smooth()"),
     ("mu nan", lambda: V([0.1, np.nan]), "mu is nan"),

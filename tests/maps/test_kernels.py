@@ -178,7 +178,7 @@ def test_sines_are_as_exact_as_the_bound_assumes() -> None:
 
 
 def test_the_filter_can_be_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With its bound taken away the filter says something false beside a boundary."""
+    """With its bound taken away the filter says something false next to a boundary."""
     asked = question("tumbling")
     [found] = st.boundaries("tumbling", axis=("at", 0.9, 1.2, 9), contact=st.Viscous(1.5))
     at = found.value * (1 + np.linspace(-1, 1, 401) * 1e-15)

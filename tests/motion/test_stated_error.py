@@ -74,7 +74,7 @@ def test_a_fine_stiff_launch_is_answered_and_its_error_is_not_large() -> None:
 
 
 def campaign() -> Any:
-    """The campaign beside the reference code, which is no part of the package."""
+    """The campaign next to the reference code, which is no part of the package."""
     where = TESTS.parent / "benchmarks" / "reference" / "campaign.py"
     spec = importlib.util.spec_from_file_location("motion_campaign", where)
     assert spec is not None

@@ -457,7 +457,7 @@ def judge(case: Case, certify: bool, asked: Sequence[dict[str, float]]) -> list[
         ):
             wrong = "asymptotic, with zeros that are no tangents"
         if not wrong and (ways[i] == "UNSTABLE") != (word == "unstable"):
-            wrong = f"nonlinear {ways[i]} beside {word}"
+            wrong = f"nonlinear {ways[i]} next to {word}"
         found.append(finding(i, word, truth, wrong, reason, s.structural_zeros))
     return found
 

@@ -153,8 +153,8 @@ def _faults(one: Search, found: Any) -> list[str]:
     changes, touches = [], []
     for root in one.meets:
         at = exact(root)
-        beside = [m for m in middles if m < at][-1:] + [m for m in middles if m > at][:1]
-        words = [truth(m) for m in beside]
+        around = [m for m in middles if m < at][-1:] + [m for m in middles if m > at][:1]
+        words = [truth(m) for m in around]
         if len(words) == 2 and words[0] != words[1]:
             changes.append((root, words))
         elif truth(at) != words[0] != "unstable":

@@ -139,7 +139,7 @@ STARTS = [
 ]
 
 
-def beside(family: str, member: Any, k: float, direction: Any, size: float) -> Any:
+def near(family: str, member: Any, k: float, direction: Any, size: float) -> Any:
     six = np.array(member, dtype=float)
     if family == "spinning":
         six[0] = math.pi / 2
@@ -157,7 +157,7 @@ def proof(six: Any, law: str, family: str, p: Any) -> Any:
 def test_the_motion_converges_to_the_proved_member_at_the_proved_rate(
     family: str, member: Any, k: float, mu: float, direction: Any, size: float
 ) -> None:
-    six = beside(family, member, k, direction, size)
+    six = near(family, member, k, direction, size)
     found = proof(six, "viscous", family, np.array([k, mu]))
     assert found is not None
     span = min(14 / found.rate, 600.0)
@@ -175,7 +175,7 @@ def test_the_members_parameter_moves_by_the_first_order_of_the_deviation() -> No
     # for tumbling the parameter's rate is theta_dot itself, so the sampled test of 0.4, which held
     # the linearisation fixed, left out a term of the order of those that it bounded
     for size in (1e-4, 1e-6, 1e-8):
-        six = beside("tumbling", [0.7, 0, 0, 0, 0, 0], 0.25, [0, 0, 1, 0, 0, 0], size)
+        six = near("tumbling", [0.7, 0, 0, 0, 0, 0], 0.25, [0, 0, 1, 0, 0, 0], size)
         found = proof(six, "viscous", "tumbling", np.array([0.25, 0.3]))
         assert 0.1 * size < abs(found.limit[0] - 0.7) < 10 * size
         assert found.error < 0.01 * abs(found.limit[0] - 0.7) + 1e-15 or size == 1e-4

@@ -145,7 +145,7 @@ def test_points_on_a_boundary_are_neutral() -> None:
     found = st.spectrum("spinning", at=2.0, contact=st.Viscous(0.5), certify=True)
     assert found.verdict is Verdict.NEUTRAL  # phi_dot² = 1/k
     beyond = st.spectrum("spinning", at=2.0, contact=st.Viscous(1.5), certify=True)
-    assert beyond.verdict is Verdict.UNSTABLE  # static zero, but flutter besides: mu* > 1
+    assert beyond.verdict is Verdict.UNSTABLE  # static zero, but and flutter: mu* > 1
 
 
 def test_boundaries_are_met_in_si_units_too() -> None:

@@ -393,7 +393,7 @@ def test_boundaries_keep_to_the_zeros_of_each_member() -> None:
 
 
 def test_large_entries_at_typical_members_hide_no_zero() -> None:
-    """A line of steady motions; beside it an entry of 1e40 where the zeros are counted."""
+    """A line of steady motions; next to it an entry of 1e40 where the zeros are counted."""
     system = _system(
         "large", "yzvw",
         lambda x, p: (x[2] - x[0] ** 2, -0.4375 * x[1], x[1] - 0.1 * (x[2] - x[0] ** 2),
@@ -448,7 +448,7 @@ def test_a_root_at_zero_is_enclosed(p: float, rate: float) -> None:
 
 
 def test_a_zero_that_is_flat_is_not_structural() -> None:
-    """The power p**40 vanishes at p = 0 alone, however small it is beside the other entries."""
+    """The power p**40 vanishes at p = 0 alone, however small it is next to the other entries."""
     system = _system(
         "flat",
         "yzw",

@@ -115,7 +115,7 @@ def test_no_planted_change_of_verdict_is_missed_or_invented() -> None:
 @pytest.mark.parametrize(
     ("kind", "seed"),
     [
-        ("branches", 7000059),  # a root at 0 was enclosed beside it
+        ("branches", 7000059),  # a root at 0 was enclosed next to it
         ("folding", 14000017),  # a rounded sum of constants was taken for the structural zero
         ("lines", 7000065),  # a warning of NumPy's got out
         ("lines", 2105),  # large entries hid a structural zero

@@ -71,7 +71,7 @@ class _Spot:
     def colour(self) -> str:
         return OWN if self.own else PEOPLE
 
-    def beside(self, words: str = "") -> Letter:
+    def marked(self, words: str = "") -> Letter:
         return Letter(self.best, min(self.worst, HIGHEST / 10), f"{self.letter} {words}".strip(),
                       self.colour)  # fmt: skip
 
@@ -154,7 +154,7 @@ def _spectrum_panel(
     for spot in shown:
         _draw_spot(panel.main, spot)
     crosses(panel.strip, wrong, rows)
-    letters(panel.main, [s.beside(s.note) for s in shown])
+    letters(panel.main, [s.marked(s.note) for s in shown])
     under(panel.main, f"no answer: {', '.join(silent)}" if silent else "")
 
 
@@ -270,7 +270,7 @@ def _boundary_panel(panel: Panel, chart: xarray.Dataset, spots: Sequence[_Spot])
         _draw_spot(panel.main, spot)
     found = [Letter(s.best, 0.0, f"{s.letter} {s.note}", s.colour) for s in wrong]
     crosses(panel.strip, found, max(2, len(wrong)))
-    letters(panel.main, [s.beside() for s in shown])
+    letters(panel.main, [s.marked() for s in shown])
     under(panel.main, f"no answer: {', '.join(silent)}" if silent else "")
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...base.verdict import CODES, Verdict
 from ..marks import Judgement, Mark, by_error
-from .hardness import DEGREES, EDGES, MEETINGS, _points, beside, coalescence
+from .hardness import DEGREES, EDGES, MEETINGS, _points, close_to, coalescence
 from .measure import errors
 from .points import Points
 from .routes import Answer, Route, check
@@ -134,7 +134,7 @@ class Ladder(Case):
 
 @lru_cache(maxsize=32)
 def _ladder(where: tuple[Any, ...]) -> Points:
-    return beside(where, [10.0**-d for d in DECADES])
+    return close_to(where, [10.0**-d for d in DECADES])
 
 
 def _rung(where: Sequence[Any]) -> type[Case]:
@@ -256,7 +256,7 @@ class BesideBranch(Case):
 
     name = "branch point, on tumbling"
     group = DoubleZero.group
-    physics = "tumbling that leans by 1e-3 to 1e-7: an eigenvalue of order lean² beside the zero"
+    physics = "tumbling that leans by 1e-3 to 1e-7: an eigenvalue of order lean² next to the zero"
 
     def points(self) -> Points:
         """Leans of the double π/2."""
@@ -280,7 +280,7 @@ def _limit(family: str, at: float, question: str, *, large: bool) -> type[Case]:
     mus = tuple(10.0**d for d in (range(2, 9) if large else range(-10, -1)))
     limit = "mu → ∞ (1e2…1e8)" if large else "mu → 0 (1e-2…1e-10)"
     physics = (
-        "growth rates O(1/mu) beside decay rates O(mu): they look like round-off" if large
+        "growth rates O(1/mu) next to decay rates O(mu): they look like round-off" if large
         else "the limit is singular: the smooth disk's zeros split by O(mu)"
     )  # fmt: skip
     body = {
@@ -314,7 +314,7 @@ def _flat(degrees: float, question: str) -> type[Case]:
     body = {
         "name": f"hoop at {degrees:g}° from flat: {question}", "group": "tumbling hoop",
         "question": question, "degrees": degrees, "__doc__": _Flat.__doc__,
-        "physics": "growth rates down to 1e-12 beside frequencies of 30: real, not round-off",
+        "physics": "growth rates down to 1e-12 next to frequencies of 30: real, not round-off",
     }  # fmt: skip
     return type("Flat", (_Flat,), body)
 
@@ -342,7 +342,7 @@ class DifferenceStep(Case):
     group = Upright.group
     question = "growth"
     physics = (
-        "tumbling 1e-3 rad from flat: growth of 4e-7 beside rates of 60, and no step suits both"
+        "tumbling 1e-3 rad from flat: growth of 4e-7 next to rates of 60, and no step suits both"
     )
 
     def points(self) -> Points:

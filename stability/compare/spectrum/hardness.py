@@ -33,7 +33,7 @@ DEGREES = (0.1, 0.3, 1.0, 2.0, 5.0)
 """Inclinations of a hoop that is nearly flat [degrees]."""
 
 
-def beside(
+def close_to(
     where: tuple[str, str, float, float | None, float, float], distances: Sequence[float]
 ) -> Points:
     """Points on both sides of a boundary, at relative distances.
@@ -135,7 +135,7 @@ def _meeting() -> list[Points]:
 
 def _conservative() -> list[Points]:
     return [
-        beside(e, (1e-2, 1e-5, 1e-8, 1e-11, 1e-15)) for e in EDGES if e[1] in ("rough", "smooth")
+        close_to(e, (1e-2, 1e-5, 1e-8, 1e-11, 1e-15)) for e in EDGES if e[1] in ("rough", "smooth")
     ]
 
 
@@ -150,11 +150,11 @@ def _makers() -> Mapping[str, tuple[str, Callable[[], list[Points]]]]:
         "open": ("anywhere: random k, mu* in 0.1…10", lambda: _random(rng(SEED), 16, (0.1, 10.0))),
         "near": (
             "near a boundary: relative distance 10⁻³…10⁻⁷",
-            lambda: [beside(e, (1e-3, 1e-5, 1e-7)) for e in _viscous()],
+            lambda: [close_to(e, (1e-3, 1e-5, 1e-7)) for e in _viscous()],
         ),
-        "beside": (
-            "beside a boundary: relative distance 10⁻⁹…10⁻¹⁵",
-            lambda: [beside(e, (1e-9, 1e-12, 1e-15)) for e in _viscous()],
+        "very-near": (
+            "very near a boundary: relative distance 10⁻⁹…10⁻¹⁵",
+            lambda: [close_to(e, (1e-9, 1e-12, 1e-15)) for e in _viscous()],
         ),
         "large-mu": ("large friction: mu* in 10³…10⁸", lambda: _random(rng(SEED), 16, (1e3, 1e8))),
         "small-mu": (
@@ -162,7 +162,7 @@ def _makers() -> Mapping[str, tuple[str, Callable[[], list[Points]]]]:
         ),
         "flat-hoop": ("tumbling hoop at 0.1°…5° from flat", _flat_hoop),
         "meeting": ("two eigenvalues coalesce (defective), to 1 ulp…10⁻¹⁰", _meeting),
-        "conservative": ("smooth and rough: 10⁻²…10⁻¹⁵ beside a Jordan block", _conservative),
+        "conservative": ("smooth and rough: 10⁻²…10⁻¹⁵ next to a Jordan block", _conservative),
     }  # fmt: skip
 
 

@@ -277,7 +277,7 @@ def exact_edge(
     a, b = (Fraction(near) * (1 + Fraction(s, 10**13)) for s in (-1, 1))
     below = sign(a)
     if below * sign(b) != -1:
-        raise ArithmeticError(f"{family}, {law}: no boundary beside {near}")
+        raise ArithmeticError(f"{family}, {law}: no boundary near {near}")
     for _ in range(HALVINGS):
         middle = (a + b) / 2
         here = sign(middle)
