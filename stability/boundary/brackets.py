@@ -222,6 +222,9 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     point = _crossing(line, low, high)
     if point is not None:
         return point
+    for end, other, beyond in ((low, high, signs[1]), (high, low, signs[0])):
+        if line.quick_sign(float(np.nextafter(end, other))) == beyond:
+            return at_point(line, end)  # only the end itself differs, as without any damping
     # Both determinants may change an even number of times: find the verdict's change first.
     root = _zero(lambda v: float(line.quick_sign(v)), low, high)
     for width in (1e-6, 1e-9, 1e-12):

@@ -25,6 +25,7 @@ from .brackets import AxisScan, at_point, bracket, crossing_rate, refine
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
 from .search import Mark, Search, search
+from .single_points import single
 
 MOST_SCAN = 1_000_000
 """Most points of a scan for boundaries along an axis."""
@@ -187,14 +188,27 @@ def located(line: AxisScan, found: Search) -> Boundaries:
         crossing = CROSSINGS[mark.kind]
         rate = _rate(line, found, mark, root, crossing)
         points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
-    touching = [
-        float(m.value.mid())
-        for m in found.marks
-        if m.kind != "pole" and m.below == m.above == 1 and found.source.dissipative
-    ]
+    touching, unclear = _touching(found)
+    left += [Unresolved(v, v, f"whether the member of {line.problem.family.name} there is neutral, "
+                        "between unstable ones, is not decided.") for v in unclear]  # fmt: skip
     left = list(dict.fromkeys(left))
     how = EXACT + (f", {OWN}" if line.problem.family.exact else "")
     return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), how)
+
+
+def _touching(found: Search) -> tuple[list[float], list[float]]:
+    """Values at which alone the verdict is neutral, and those where that is not decided."""
+    neutral: list[float] = []
+    unclear: list[float] = []
+    for mark in found.marks:
+        if mark.kind == "pole" or mark.below != mark.above:
+            continue
+        if mark.below > 0 and not found.source.dissipative:
+            continue  # neutral on both sides too
+        verdict = single(found, mark)
+        if verdict is not Verdict.UNSTABLE:
+            (neutral if verdict is Verdict.NEUTRAL else unclear).append(float(mark.value.mid()))
+    return neutral, unclear
 
 
 def _proof(line: AxisScan, found: Search) -> Callable[[float], int]:

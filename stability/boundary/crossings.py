@@ -74,8 +74,8 @@ class Boundaries(Sequence[BoundaryPoint]):
     unresolved: tuple[Unresolved, ...] = ()
     """Where a change could not be excluded, or not be bracketed; each with a reason."""
     touching: tuple[float, ...] = ()
-    """Where an eigenvalue reaches the imaginary axis without a change: neutral there, stable on
-    both sides."""
+    """Where the verdict is neutral at this value alone: stable on both sides, or unstable on
+    both."""
     how: str = ""
     """One sentence on how the axis was searched."""
 
@@ -126,7 +126,8 @@ class Boundaries(Sequence[BoundaryPoint]):
             Name of the axis.
         """
         if self.complete:
-            return f"every change of verdict along {axis} was found: {self.how}."
+            alone = "".join(f"; at {value:.10g} alone it is neutral" for value in self.touching)
+            return f"every change of verdict along {axis} was found: {self.how}{alone}."
         first = self.unresolved[0]
         more = len(self.unresolved) - 1
         return (

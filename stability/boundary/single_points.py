@@ -1,0 +1,98 @@
+"""Values of an axis at which alone the verdict is another than on both sides.
+
+Where an eigenvalue reaches the imaginary axis while others keep the motion unstable, nothing
+changes.  Where all unstable ones reach it together, as undamped motions do between damping and
+driving, the member is neutral there and unstable on both sides.
+
+Source: a polynomial p of degree n has, for every j, a zero within (C(n, j) |p(z) j!/p⁽ʲ⁾(z)|)^(1/j)
+of z: the j-th elementary symmetric function of 1/(z - zeros) has C(n, j) terms;
+tests/boundary/test_single_points.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from math import comb
+from typing import Any
+
+import numpy as np
+from flint import acb, acb_poly, arb, arb_poly, fmpq
+
+from ..algebra.balls import precision
+from ..algebra.exact.real_roots import BITS, specialised
+from ..base.verdict import Verdict
+from .critical import Characteristic, Conditions
+from .search import Mark, Search
+
+
+def single(found: Search, mark: Mark) -> Verdict:
+    """The verdict at a mark on whose two sides it is the same.
+
+    Parameters
+    ----------
+    found
+        From `search`.
+    mark
+        One of its marks, no pole.
+
+    Returns
+    -------
+    Verdict
+        That of both sides where it is proved to hold there too; neutral where that is proved;
+        else undecided.
+    """
+    if mark.below > 0:
+        # the limit of stable motions with an eigenvalue on the axis
+        return Verdict.NEUTRAL
+    with precision(BITS):
+        if _unstable(found.source, mark.root):
+            return Verdict.UNSTABLE
+    exact = _rational(found.source, mark.root)
+    if exact is None:
+        return Verdict.UNDECIDED
+    if isinstance(found.source, Conditions):
+        return Verdict.NEUTRAL if found.source.sign(exact) == 0 else Verdict.UNSTABLE
+    return found.source.verdict(exact)
+
+
+def _unstable(source: Conditions | Characteristic, x: Any) -> bool:
+    """Whether some eigenvalue with a positive real part is proved in a ball of the variable."""
+    if isinstance(source, Conditions):
+        sine = source.sine() if source.sine is not None else arb(0)
+        return any(_at(p, x, sine) < 0 for _, p in source.critical)
+    return any(_grows([arb_poly(c)(x) for c in factor]) for factor in source.factors)
+
+
+def _at(p: Any, x: Any, sine: Any) -> Any:
+    return sum((arb(c) * x ** int(i) * sine ** int(j) for (i, j), c in p.terms()), arb(0))
+
+
+def _grows(coefficients: Sequence[Any]) -> bool:
+    """Whether a polynomial of balls is proved to have a zero right of the imaginary axis."""
+    polynomial = acb_poly([acb(c) for c in coefficients])
+    middle = np.array([float(c.mid()) for c in map(arb, coefficients)])
+    if not np.isfinite(middle).all() or not middle[-1]:
+        return False
+    degree = len(coefficients) - 1
+    for guess in np.roots(middle[::-1]):
+        if guess.real > 0:
+            taylor = list(polynomial(acb_poly([acb(complex(guess)), acb(1)])))
+            for j in range(1, degree + 1):
+                if taylor[j].contains(0):
+                    continue
+                ratio = comb(degree, j) * abs(taylor[0]) / abs(taylor[j])
+                if ratio.upper().root(j) < float(guess.real):
+                    return True
+    return False
+
+
+def _rational(source: Conditions | Characteristic, x: Any) -> Any | None:
+    """The root as a rational, where it is a short one."""
+    with precision(BITS):
+        middle = x.mid().fmpq()
+    near = Fraction(int(middle.p), int(middle.q)).limit_denominator(10**18)
+    exact = fmpq(near.numerator, near.denominator)
+    if x.contains(exact) and any(specialised(p, exact).is_zero() for _, p in source.critical):
+        return exact
+    return None

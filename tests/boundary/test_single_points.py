@@ -1,0 +1,116 @@
+"""Single values of an axis at which the verdict is neutral, and the same on both sides of them."""
+
+import warnings
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from flint import arb
+
+import stability as st
+from stability.boundary.brackets import AxisScan, refine
+from stability.boundary.single_points import _grows
+from stability.spectra.problem import system_problem
+
+STATES = ("q", "u", "r", "w")
+
+
+def resting(damped: Any, driven: Any, *more: Any) -> st.Family:
+    """Two oscillators, one damped and one driven, and further rates of growth on their own."""
+    x, p = ca.SX.sym("x", 4 + len(more)), ca.SX.sym("p")
+    rates = [x[1], -x[0] - damped(p) * x[1], x[3], -4 * x[2] + driven(p) * x[3]]
+    rates += [rate(p) * x[4 + i] for i, rate in enumerate(more)]
+    states = (*STATES, *(f"z{i}" for i in range(len(more))))
+    system = st.System("two", x, p, ca.vertcat(*rates), states=states, parameters=("p",))
+    return st.Family(system, "rest", at=("p",), held=dict.fromkeys(states, 0.0))
+
+
+def words(family: st.Family, *values: float) -> list[str]:
+    found = st.spectrum(family, at=list(values), certify=True).verdict
+    return [v.word for v in np.atleast_1d(found)]
+
+
+@pytest.mark.parametrize(("low", "high"), [(-1, 1), (0, 1), (-1, 0)])
+def test_neutral_between_unstable_is_told_inside_and_at_either_end(low: float, high: float) -> None:
+    family = resting(lambda p: p, lambda p: p)
+    assert words(family, -1e-9, 0.0, 1e-9) == ["unstable", "neutral", "unstable"]
+    found = st.boundaries(family, axis=("p", low, high, 9))
+    assert found == [] and found.complete and found.touching == (0.0,)
+    assert "at 0 alone it is neutral" in found.statement("p")
+    beyond = st.boundaries(family, axis=("p", 0.1, 1, 9))
+    assert beyond == [] and beyond.complete and beyond.touching == ()
+
+
+def test_a_value_that_is_no_rational_is_left_open_and_said() -> None:
+    family = resting(lambda p: p * p - 2, lambda p: p * p - 2)
+    with pytest.warns(st.StabilityWarning, match="between unstable ones, is not decided"):
+        found = st.boundaries(family, axis=("p", 0, 3, 9))
+    assert found == [] and not found.complete
+    [left] = found.unresolved
+    assert left.low == left.high == pytest.approx(2**0.5, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "more",
+    [(lambda p: p + 1,), (lambda p: 3 - p, lambda p: 3 - p), (lambda p: p * p,) * 3],
+    ids=["simple", "double", "triple"],
+)
+def test_what_stays_unstable_is_no_single_point(more: Any) -> None:
+    family = resting(lambda p: p * p - 2, lambda p: p * p - 2, *more)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = st.boundaries(family, axis=("p", 0.5, 2.5, 9))
+    assert found == [] and found.complete and found.touching == ()
+
+
+def test_a_bead_on_a_turning_saddle_is_neutral_without_friction_alone() -> None:
+    """λ⁴ + 2cλ³ + (2Ω² + c²)λ² - 2cΩ²λ + Ω⁴ - a² for axes that turn: -2cΩ² < 0 for every c > 0."""
+    x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 2)
+    turn, c = p[0], p[1]
+    rates = ca.vertcat(x[1], 2 * turn * x[3] - (1 - turn**2) * x[0] - c * x[1],
+                       x[3], -2 * turn * x[1] + (1 + turn**2) * x[2] - c * x[3])  # fmt: skip
+    bead = st.System("bead", x, p, rates, states=STATES, parameters=("turn", "c"))
+    family = st.Family(bead, "rest", at=("turn",), held=dict.fromkeys(STATES, 0.0))
+    found = st.boundaries(family, axis=("c", 0, 1, 9), at=1.5)
+    assert found == [] and found.complete and found.touching == (0.0,)
+    slow = st.boundaries(family, axis=("c", 0, 1, 9), at=0.5)  # unstable without friction too
+    assert slow == [] and slow.complete and slow.touching == ()
+
+
+def test_growth_is_proved_from_what_grows_alone() -> None:
+    random = np.random.default_rng(20261122)
+    proved = 0
+    for _ in range(300):
+        pairs = random.uniform(-2, 0.3, 2) + 1j * random.uniform(0, 2, 2)
+        roots = np.concatenate([pairs, pairs.conj(), np.repeat(random.uniform(-2, 0.3), 2)])
+        exact = [arb(1)]
+        for root in (pairs[0], pairs[1]):
+            square = [arb(abs(root.real)) ** 2 + arb(root.imag) ** 2, -2 * arb(root.real), arb(1)]
+            exact = _product(exact, square)
+        double = [arb(-float(roots[-1].real)), arb(1)]
+        exact = _product(_product(exact, double), double)
+        grows = bool((roots.real > 0).any())
+        assert not _grows(exact) or grows
+        proved += _grows(exact) and grows
+        assert _grows(exact) == grows or 0 < roots.real.max() < 1e-6
+    assert proved > 50
+
+
+def _product(a: list[Any], b: list[Any]) -> list[Any]:
+    out = [arb(0)] * (len(a) + len(b) - 1)
+    for i, p in enumerate(a):
+        for j, q in enumerate(b):
+            out[i + j] += p * q
+    return out
+
+
+def test_a_map_with_an_edge_of_neutral_members_says_what_is_open_and_ends_soon() -> None:
+    """Bisection of the verdict once ran towards 0 through a thousand doubles, for every cell."""
+    family = resting(lambda p: p, lambda p: p)
+    line = AxisScan(system_problem(family, 0.0, {}), "p", {})
+    asked: list[float] = []
+    sign = line.quick_sign
+    line.quick_sign = lambda value: asked.append(value) or sign(value)  # type: ignore[method-assign, func-returns-value]
+    assert refine(line, 0.0, 1.0) is None  # unstable on both sides: no bracket
+    assert len(asked) < 20
