@@ -379,7 +379,8 @@ SOURCE = (
     f"Newton-Euler in the inertial frame by Radau IIA of {STAGES} stages in {BITS} bits next to "
     f"the package's graph by Taylor series in {PRECISION} bits (tolerance {TOLERANCE}); error: "
     "their largest difference over max(1, |state|).  Coulomb: an independent inertial formulation "
-    "in doubles, error: the spread of its three settings; package_difference: the package's distance."
+    "in doubles, error: the spread of its three settings; package_difference: the package's "
+    "distance."
 )
 
 

@@ -1,7 +1,9 @@
 """Eigenvalues of matrices in floating point: LAPACK, or another solver of the caller's choice.
 
-This is the only module of the package that calls an eigensolver.  Nothing is assumed of its error:
-error discs come from residuals, proofs from exact numbers and balls.
+Every eigenvalue of a linearisation, and so every spectrum, map and verdict, comes from here.
+(Symmetric matrices of a quadratic form, and roots of a polynomial in dry friction, do not.)
+Nothing is assumed of a solver's error: error discs come from residuals, proofs from exact numbers
+and balls.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from ..base.errors import DomainError, ParameterError, shown
 from ..base.types import Complexes, Floats
 
 EigenSolver = Callable[[Floats], tuple[Any, Any]]
-"""Real matrices, shape (…, n, n) → eigenvalues (…, n), and eigenvectors as columns (…, n, n)."""
+"""Real matrices, shape (N, n, n) → eigenvalues (N, n), and eigenvectors as columns (N, n, n)."""
 
 
 def lapack(matrix: Floats) -> tuple[Any, Any]:
@@ -30,14 +32,17 @@ _CHOSEN: ContextVar[EigenSolver] = ContextVar("eigensolver", default=lapack)
 
 @contextmanager
 def eigensolver(solver: EigenSolver) -> Iterator[None]:
-    """A context in which every eigenvalue in floating point comes from another solver.
+    """A context in which every eigenvalue of a linearisation comes from another solver.
 
     Parameters
     ----------
     solver
-        Function from real matrices, shape (…, n, n), to their eigenvalues, shape (…, n), and
-        eigenvectors of any length as columns, shape (…, n, n).  A solver with large errors gives
-        wide error discs, and verdicts that are proved by other means or stay undecided.
+        Function from real matrices, shape (N, n, n), to their eigenvalues, shape (N, n), and
+        eigenvectors of any length as columns, shape (N, n, n).  A real eigenvalue has imaginary
+        part 0 and a real vector.  Where the solver does not converge it raises
+        `numpy.linalg.LinAlgError`.  Maps call it from several threads at once.  A solver with
+        large errors gives wide error discs, and verdicts that are proved by other means or stay
+        undecided.
 
     Examples
     --------
@@ -89,19 +94,27 @@ def eigenpairs(matrix: Floats, solver: EigenSolver | None = None) -> tuple[Compl
     """
     solver = solver or chosen()
     try:
-        found = solver(matrix)
+        found = solver(matrix) if solver is lapack else _by_rows(solver, matrix)
     except np.linalg.LinAlgError:
         raise DomainError("the eigenvalues do not converge; give values nearer to 1.") from None
+    values, vectors = found
+    return values.astype(complex), vectors.astype(complex)
+
+
+def _by_rows(solver: EigenSolver, matrix: Floats) -> tuple[Complexes, Complexes]:
+    """What another solver returns for matrices in one row, checked."""
+    rows = matrix.reshape(-1, *matrix.shape[-2:])
+    found = solver(rows)
     try:
         values, vectors = (np.asarray(part).astype(complex) for part in found)
     except (TypeError, ValueError):
-        raise ParameterError(_refusal(solver, shown(found), matrix)) from None
-    if (values.shape, vectors.shape) != (matrix.shape[:-1], matrix.shape):
+        raise ParameterError(_refusal(solver, shown(found), rows)) from None
+    if (values.shape, vectors.shape) != (rows.shape[:-1], rows.shape):
         shapes = f"arrays of shapes {values.shape} and {vectors.shape}"
-        raise ParameterError(_refusal(solver, shapes, matrix))
-    if solver is not lapack and not np.isfinite(values).all():
-        raise DomainError(_refusal(solver, "values that are not finite", matrix))
-    return values, vectors
+        raise ParameterError(_refusal(solver, shapes, rows))
+    if not np.isfinite(values).all():
+        raise DomainError(_refusal(solver, "values that are not finite", rows))
+    return values.reshape(matrix.shape[:-1]), vectors.reshape(matrix.shape)
 
 
 def eigenvalues_alone(matrix: Floats) -> Complexes:
@@ -125,5 +138,5 @@ def name_of(solver: EigenSolver) -> str:
 def _refusal(solver: EigenSolver, found: str, matrix: Floats) -> str:
     return (
         f"the eigensolver {name_of(solver)} returned {found} for matrices of shape {matrix.shape}; "
-        "it must return finite eigenvalues (…, n) and eigenvectors as columns (…, n, n)."
+        "it must return finite eigenvalues (N, n) and eigenvectors as columns (N, n, n)."
     )

@@ -81,7 +81,7 @@ def unit_of(attributes: Mapping[str, Any]) -> str:
 
 def axis_label(quantity: Quantity | None, name: str, unit: str) -> str:
     """Name in words, symbol and unit of an axis; the bare name where its quantity is not known."""
-    words = f"{quantity.long_name} {quantity.typeset}" if quantity else f"{name} {name}"
+    words = f"{quantity.long_name} {quantity.typeset}" if quantity else name
     return words + ("" if unit == "1" else f"  [{in_latex(unit)}]")
 
 

@@ -285,17 +285,17 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
         axis.set_major_locator(MaxNLocator(5))
         axis.set_label_text(f"${letter}$  {unit(data, 'centre_x')}")
     axes.ticklabel_format(useOffset=False)
-    legend(axes, _keys(bool(motion.sticking)))
+    legend(axes, _keys(bool(motion.sticking), "first sample" if motion.times[0] else "start"))
     bar = page.colorbar(ScalarMappable(**shade), ax=axes, pad=0.02, aspect=30, fraction=0.05)
     bar.set_label(f"time $t$  {unit(data, 'time')}")
 
 
-def _keys(sticks: bool) -> list[Line2D]:
+def _keys(sticks: bool, first: str) -> list[Line2D]:
     ink: dict[str, Any] = {"color": "#303030"}
     slides = Line2D([], [], linewidth=1.8, label="contact, sliding" if sticks else "contact", **ink)
     stuck = Line2D([], [], linewidth=1.8, dashes=(1.7, 1), label="contact, sticking", **ink)
     centre = Line2D([], [], linewidth=0.8, label="centre", **ink)
-    ends = [Line2D([], [], label="start", markersize=5, **START),
+    ends = [Line2D([], [], label=first, markersize=5, **START),
             Line2D([], [], label="end", markersize=4, **END)]  # fmt: skip
     return [slides, *([stuck] if sticks else []), centre, *ends]
 
@@ -305,10 +305,10 @@ def _draw_energy(page: Any, motion: SingleRun) -> None:
     upper, lower = page.subplots(2, 1, sharex=True, height_ratios=(1.5, 1))
     if system_states(data):
         lines_of_energy(upper, motion)
-        first = float(np.abs(data.audit.values).max() / (float(data.energy_error) or 1.0)) or 1.0
     else:
         _layers_of_energy(upper, motion)
-        first = float(data.energy.values[0])
+    largest = float(np.abs(data.audit.values).max())  # over the energy at time 0: the stated error
+    first = largest / (float(data.energy_error) or 1.0) or 1.0
     upper.set_ylabel(f"energy\n{unit(data, 'energy')}")
     upper.set_xlim(times[0], times[-1])
     legend(upper)

@@ -140,6 +140,8 @@ class Budget:
     @property
     def message(self) -> str:
         """What ended the run."""
+        if self.seconds <= 0:
+            return "no computing time is left of max_seconds"
         return f"more than {self.seconds:.3g} s of computing"
 
     def __call__(self, _integrator: object) -> bool:

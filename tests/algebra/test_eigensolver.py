@@ -287,3 +287,19 @@ def test_no_convergence_is_a_sentence() -> None:
 
     with eigensolver(stuck), pytest.raises(st.StabilityError, match="do not converge"):
         st.spectrum("rolling", at=1.0, contact=st.Viscous(0.3))
+
+
+def test_a_solver_of_one_matrix_at_a_time_serves_a_launch_that_settles() -> None:
+    # the proof of settling asks for one matrix alone; a solver is given a row of one
+    shapes = set()
+
+    def slow(matrices: Any) -> tuple[Any, Any]:
+        shapes.add(matrices.ndim)
+        pairs = [np.linalg.eig(m) for m in matrices]
+        return np.array([v for v, _ in pairs]), np.array([x for _, x in pairs])
+
+    asked = (st.Disk(), st.Viscous(0.3), st.launch("spinning", at=3.0, tilt=0.1), 500.0)
+    with eigensolver(slow):
+        found = st.simulate(*asked)
+    assert shapes == {3}
+    assert found.attrs["outcome"] == st.simulate(*asked).attrs["outcome"] == "settled"
