@@ -34,9 +34,9 @@ peers: $(READY)
 	for peer in sympy_kane heyoka_raw auto mujoco_disk; do \
 	  echo; echo "== $$peer"; $(BIN)/python benchmarks/peers/$$peer.py || exit 1; done
 
-# Every polynomial and condition derived anew from the graph, into stability/bodies/disk_polynomials.json.
+# Every polynomial and condition derived anew from the graph, into stability/bodies/thin_disk/disk_polynomials.json.
 derive: $(READY)
-	$(BIN)/python -c "from stability.derivation.hurwitz import write; write('stability/bodies/disk_polynomials.json', 'stability/bodies/disk_polynomials.py')"
+	$(BIN)/python -c "from stability.derivation.hurwitz import write; write('stability/bodies/thin_disk/disk_polynomials.json', 'stability/bodies/thin_disk/disk_polynomials.py')"
 
 lint: $(READY)
 	$(BIN)/ruff check .

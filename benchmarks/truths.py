@@ -32,8 +32,8 @@ from scipy.special import roots_jacobi
 import stability as st
 from stability.algebra.number_types import balls
 from stability.algebra.program import Program
-from stability.bodies.disk_equations import STATES
-from stability.bodies.disk_model import FLAT, LIFT_OFF
+from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.thin_disk.disk_model import FLAT, LIFT_OFF
 from stability.integrators.flow import flow
 from stability.integrators.taylor import heyoka_algebra
 

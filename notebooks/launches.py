@@ -26,8 +26,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stability as st
-from stability.figures.caption import caption
-from stability.figures.motion import motion_figure
+from stability.figures.launch.caption import caption
+from stability.figures.launch.motion import motion_figure
 
 disk, friction = st.Disk(), st.Viscous(0.3)
 

@@ -29,8 +29,8 @@ _HOME = {
     "systems.condition": ("Condition",),
     "algebra.upright": ("UPRIGHT",),
     "systems.family": ("Family",),
-    "bodies.disk_families": ("disk_family",),
-    "bodies.disk_equations": ("disk_system",),
+    "bodies.thin_disk.disk_families": ("disk_family",),
+    "bodies.thin_disk.disk_equations": ("disk_system",),
     "systems.continuation": ("branch", "Branch"),
     "spectra.spectrum": ("spectrum",),
     "spectra.result": ("Spectrum",),
@@ -41,12 +41,12 @@ _HOME = {
     "maps.netcdf": ("read_map", "write_map"),
     "maps.stream": ("stream_map",),
     "algebra.exact.known_polynomial": ("Exact", "ExactPolynomial"),
-    "bodies.disk_polynomials": ("exact_polynomial",),
+    "bodies.thin_disk.disk_polynomials": ("exact_polynomial",),
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
     "motion.simulate": ("simulate",),
     "motion.starts": ("launch",),
-    "figures.animate": ("animate",),
+    "figures.launch.animate": ("animate",),
     "motion.result": ("Outcome",),
     "motion.netcdf": ("read_motion", "write_motion"),
     "compare.report": ("report",),
@@ -74,9 +74,9 @@ if TYPE_CHECKING:
     from .bodies.contact_laws import Viscous as Viscous
     from .bodies.disk import REAL_DISKS as REAL_DISKS
     from .bodies.disk import Disk as Disk
-    from .bodies.disk_equations import disk_system as disk_system
-    from .bodies.disk_families import disk_family as disk_family
-    from .bodies.disk_polynomials import exact_polynomial as exact_polynomial
+    from .bodies.thin_disk.disk_equations import disk_system as disk_system
+    from .bodies.thin_disk.disk_families import disk_family as disk_family
+    from .bodies.thin_disk.disk_polynomials import exact_polynomial as exact_polynomial
     from .boundary.changes import boundaries as boundaries
     from .boundary.crossings import Boundaries as Boundaries
     from .boundary.crossings import BoundaryPoint as BoundaryPoint
@@ -88,7 +88,7 @@ if TYPE_CHECKING:
     from .boundary.hopf import HopfPoint as HopfPoint
     from .boundary.hopf import hopf as hopf
     from .compare.report import report as report
-    from .figures.animate import animate as animate
+    from .figures.launch.animate import animate as animate
     from .maps.netcdf import read_map as read_map
     from .maps.netcdf import write_map as write_map
     from .maps.stability_map import stability_map as stability_map

@@ -12,13 +12,13 @@ from typing import Any
 
 MOVED = {
     "stability.contact": ("bodies.contact_laws", "bodies.contact", "bodies.law_names"),
-    "stability.equations": ("bodies.disk_equations",),
+    "stability.equations": ("bodies.thin_disk.disk_equations",),
     "stability.slowflow": ("derivation.centre_manifold",),
     "stability.formulas": ("derivation.formulas",),
     "stability.completeness": ("derivation.completeness",),
     "stability.outcome": ("motion.result",),
     "stability.plots": ("figures.diagram", "figures.canvas"),
-    "stability.pictures": ("figures.motion", "figures.caption"),
+    "stability.pictures": ("figures.launch.motion", "figures.launch.caption"),
     "stability.verdict": ("base.verdict",),
     "stability.compare.cases": ("compare.spectrum.cases",),
     "stability.compare.catalogue": ("compare.failures",),

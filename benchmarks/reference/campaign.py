@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 import stability as st
-from stability.bodies.disk_equations import STATES
+from stability.bodies.thin_disk.disk_equations import STATES
 from stability.motion.result import BY_CODE
 from stability.motion.starts import gather
 

@@ -22,8 +22,8 @@ from ..base.checks import whole_number
 from ..base.errors import FileError
 from ..bodies.contact_laws import Rough, Smooth, Viscous
 from ..bodies.disk import Disk
-from ..bodies.disk_families import FAMILIES
-from ..bodies.disk_quantities import QUANTITIES
+from ..bodies.thin_disk.disk_families import FAMILIES
+from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..boundary.changes import boundaries
 from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered

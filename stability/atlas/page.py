@@ -16,7 +16,7 @@ import numpy as np
 from ..base.verdict import CODES
 from ..base.version import __version__
 from ..bodies.disk import Disk
-from ..bodies.disk_families import FAMILIES
+from ..bodies.thin_disk.disk_families import FAMILIES
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
 from ..maps.dataset import LIBRARIES

@@ -1,9 +1,9 @@
 """What vanishes where a verdict can change along an axis, and the verdict between.
 
-For the disk these are the conditions over Q of `stability.bodies.disk_polynomials`, with everything
-but the axis put in as the exact ratio of its double.  For a user's family whose graph is rational
-in the axis they come from its characteristic polynomial: between neighbouring roots no eigenvalue
-meets the imaginary axis, so one exact verdict holds on all of each piece.
+For the disk these are the conditions over Q of `stability.bodies.thin_disk.disk_polynomials`, with
+everything but the axis put in as the exact ratio of its double.  For a user's family whose graph is
+rational in the axis they come from its characteristic polynomial: between neighbouring roots no
+eigenvalue meets the imaginary axis, so one exact verdict holds on all of each piece.
 
 Source: Orlando's formula (F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV § 7) for the
 resultant of even and odd part; tests/boundary/test_boundaries.py counts the roots by another route.

@@ -38,8 +38,8 @@ from ..base.errors import ParameterError, StabilityError, StabilityWarning, list
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
-from ..bodies.disk_families import FAMILIES, DiskFamily
-from ..bodies.disk_polynomials import exact_polynomial
+from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
+from ..bodies.thin_disk.disk_polynomials import exact_polynomial
 from ..spectra.disk_problem import disk_problem
 from ..spectra.problem import Problem
 from ..systems.enclosure import ball_unknowns
@@ -373,7 +373,7 @@ def exact_side(family: str, law: str) -> Any:
     Returns
     -------
     polynomial, derivative
-        In the variables of `stability.bodies.disk_polynomials`.
+        In the variables of `stability.bodies.thin_disk.disk_polynomials`.
     """
     known = exact_polynomial(family, law)
     [flutter] = [p for kind, p in known.conditions if kind == "flutter"]

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from typing import Any, NoReturn
 
 from ..base.errors import ParameterError, listed, shown
-from ..bodies.disk_families import FAMILIES, leaning
+from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from .terminal import check, say
 
 MOST_VALUES = 1000

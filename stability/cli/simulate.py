@@ -79,7 +79,7 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
     """
     import numpy as np
 
-    from ..bodies.disk_equations import STATES
+    from ..bodies.thin_disk.disk_equations import STATES
     from ..motion.netcdf import write_motion
     from ..motion.simulate import simulate
     from ..storage.files import together
@@ -136,12 +136,12 @@ def _draw(
 
     if "plot" in targets:
         from ..figures.canvas import save_figure
-        from ..figures.motion import motion_figure
+        from ..figures.launch.motion import motion_figure
 
         with atomic_write(targets["plot"], overwrite=options.force) as draft:
             save_figure(motion_figure(dataset), draft)
     if "film" in targets:
-        from ..figures.animate import animate
+        from ..figures.launch.animate import animate
 
         with bar("frames") as progress:
             animate(dataset, targets["film"], overwrite=options.force, progress=progress)
@@ -155,7 +155,7 @@ def _errors(dataset: Any) -> dict[str, float | None]:
 
 
 def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[str, Path]) -> None:
-    from ..bodies.disk_equations import STATES
+    from ..bodies.thin_disk.disk_equations import STATES
     from ..motion.result import BY_CODE
     from ..storage.targets import path_text
 

@@ -6,7 +6,7 @@ import argparse
 
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Kind
-from ..bodies.disk_families import FAMILIES, leaning
+from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from ..storage.json_text import json_text
 from .options import _at, _disk, contact_of
 

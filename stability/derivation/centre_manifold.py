@@ -17,7 +17,7 @@ import sympy
 
 from ..algebra.number_types import Algebra, sympy_algebra
 from ..algebra.program import Program
-from ..bodies.disk_equations import STATES, disk_system
+from ..bodies.thin_disk.disk_equations import STATES, disk_system
 from .characteristic import MU, K
 
 W = sympy.Symbol("w", positive=True)

@@ -2,8 +2,8 @@
 
 Nothing here is typed in: the Jacobian at a family is read from the CasADi graph in SymPy's algebra,
 with the sine and cosine of theta as symbols, what the family solves for is eliminated, and the
-determinant is factored.  `stability.bodies.disk_polynomials` keeps the result as package data;
-tests/derivation/test_exact.py derives it again and compares.
+determinant is factored.  `stability.bodies.thin_disk.disk_polynomials` keeps the result as package
+data; tests/derivation/test_exact.py derives it again and compares.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import sympy
 
 from ..algebra.number_types import sympy_algebra
 from ..base.errors import StabilityError
-from ..bodies.disk_families import FAMILIES, disk_family
+from ..bodies.thin_disk.disk_families import FAMILIES, disk_family
 from ..systems.family import Family
 
 LAM, K, MU, SIN, COS = sympy.symbols("lam k mu s c")

@@ -17,7 +17,7 @@ import numpy as np
 from ..algebra.number_types import sympy_algebra
 from ..algebra.program import Program
 from ..base.errors import ParameterError, shown
-from ..bodies.disk_equations import disk_system
+from ..bodies.thin_disk.disk_equations import disk_system
 
 NEAR = 1e-4
 """A root counts as a member within this distance.  Rolling has two zero eigenvalues but one

@@ -1,9 +1,9 @@
 """Stability conditions as formulas: polynomials, boundaries, limits, and what holds for every mu.
 
-Everything is worked out by SymPy from the polynomials of `stability.bodies.disk_polynomials`:
-Hurwitz determinants are factored, boundaries solved where they are at most quadratic, and the
-pattern of verdicts along a family is followed through all mu
-(`stability.derivation.friction_ranges`).
+Everything is worked out by SymPy from the polynomials of
+`stability.bodies.thin_disk.disk_polynomials`: Hurwitz determinants are factored, boundaries solved
+where they are at most quadratic, and the pattern of verdicts along a family is followed through all
+mu (`stability.derivation.friction_ranges`).
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ import sympy
 from ..algebra.exact.known_polynomial import Exact
 from ..algebra.polynomial import Polynomial
 from ..base.errors import ParameterError, shown
-from ..bodies.disk_families import FAMILIES, families_under
-from ..bodies.disk_polynomials import exact_polynomial, known_polynomial
-from ..bodies.disk_quantities import QUANTITIES
+from ..bodies.thin_disk.disk_families import FAMILIES, families_under
+from ..bodies.thin_disk.disk_polynomials import exact_polynomial, known_polynomial
+from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from .branches import where
 from .characteristic import LAM, MU, SQUARE, Derived, M
 from .friction_ranges import FlutterCondition, Range
@@ -60,7 +60,7 @@ class Formulas:
 
 
 def expression(polynomial: Polynomial) -> Expr:
-    """A polynomial of `stability.bodies.disk_polynomials` as a SymPy expression.
+    """A polynomial of `stability.bodies.thin_disk.disk_polynomials` as a SymPy expression.
 
     Parameters
     ----------

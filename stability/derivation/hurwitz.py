@@ -23,8 +23,8 @@ import sympy
 
 from ..base.errors import FileError, StabilityError
 from ..bodies.contact_laws import LAWS
-from ..bodies.disk_families import families_under
-from ..bodies.disk_polynomials import digest
+from ..bodies.thin_disk.disk_families import families_under
+from ..bodies.thin_disk.disk_polynomials import digest
 from ..storage.files import atomic_write, together
 from .characteristic import LAM, SIN, Derived, K, derive
 
@@ -246,7 +246,7 @@ def catalogue() -> dict[str, Any]:
     Returns
     -------
     dict
-        JSON-able; `make derive` writes it to stability/bodies/disk_polynomials.json.
+        JSON-able; `make derive` writes it to stability/bodies/thin_disk/disk_polynomials.json.
     """
     cases: dict[str, Any] = {}
     for law in LAWS:
@@ -286,8 +286,8 @@ def write(path: str, source: str | None = None) -> None:
     path
         The file.
     source
-        Source of `stability.bodies.disk_polynomials`, in which the digest of the file is to stand;
-        none where the file is not the package's.
+        Source of `stability.bodies.thin_disk.disk_polynomials`, in which the digest of the file is
+        to stand; none where the file is not the package's.
     """
     found = catalogue()
     lines = [f"{json.dumps(key)}: {json.dumps(case)}" for key, case in found["cases"].items()]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..base.quantities import axis_label, in_latex, unit_of
 from ..base.verdict import CODES, Verdict
-from ..bodies.disk_quantities import quantities_of
+from ..bodies.thin_disk.disk_quantities import quantities_of
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
 

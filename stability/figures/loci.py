@@ -14,7 +14,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ..base.quantities import Kind, axis_label, in_latex
-from ..bodies.disk_quantities import is_angle, quantities_of
+from ..bodies.thin_disk.disk_quantities import is_angle, quantities_of
 from ..spectra.result import Spectrum
 
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")

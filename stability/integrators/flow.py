@@ -15,8 +15,8 @@ from ..algebra.eigensolver import eigenvalues_alone
 from ..algebra.program import Program
 from ..base.types import Floats, fields_of
 from ..bodies.contact import Contact
-from ..bodies.disk_model import disk_model
 from ..bodies.model import Model
+from ..bodies.thin_disk.disk_model import disk_model
 from ..systems.system import System
 
 
@@ -357,7 +357,7 @@ def flow(law: str | type[Contact], *, pose: bool = False, sticking: bool = False
     Parameters
     ----------
     law, pose, sticking
-        As for `stability.bodies.disk_model.disk_model`.
+        As for `stability.bodies.thin_disk.disk_model.disk_model`.
 
     Returns
     -------

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..algebra.program import Program
 from ..base.types import Floats
-from ..bodies.disk_equations import disk_system
+from ..bodies.thin_disk.disk_equations import disk_system
 
 
 @dataclass(frozen=True, eq=False)

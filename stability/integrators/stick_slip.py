@@ -27,8 +27,16 @@ import casadi as ca
 import numpy as np
 
 from ..base.types import Floats
-from ..bodies.disk_equations import disk_system
-from ..bodies.disk_model import CONE, FLAT, LIFT_OFF, NO_CONTACT, POSE, disk_model, pose_rates
+from ..bodies.thin_disk.disk_equations import disk_system
+from ..bodies.thin_disk.disk_model import (
+    CONE,
+    FLAT,
+    LIFT_OFF,
+    NO_CONTACT,
+    POSE,
+    disk_model,
+    pose_rates,
+)
 from .flow import Flow, flow
 from .friction_at_rest import continuations, polish, slip_acceleration, sticking_force
 from .leg import UNRESOLVED, Budget, End, Leg, Path

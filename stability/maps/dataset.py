@@ -14,7 +14,7 @@ import numpy as np
 from ..base.quantities import Kind
 from ..base.verdict import CODES
 from ..base.version import __version__
-from ..bodies.disk_quantities import disk_quantities
+from ..bodies.thin_disk.disk_quantities import disk_quantities
 from ..spectra.problem import Problem
 from ..systems.structural_zeros import structure
 

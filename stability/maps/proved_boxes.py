@@ -2,8 +2,8 @@
 
 A rectangle is halved in both directions until the conditions of its family keep their signs on all
 of it, or it is as narrow as was asked.  For the disk the conditions are the polynomials of
-`stability.bodies.disk_polynomials`, bounded over many boxes at once by the mean value form; a
-user's family goes through Routh's array in wide balls.
+`stability.bodies.thin_disk.disk_polynomials`, bounded over many boxes at once by the mean value
+form; a user's family goes through Routh's array in wide balls.
 """
 
 from __future__ import annotations

@@ -17,8 +17,8 @@ from ..base.errors import DomainError, listed
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
-from ..bodies.disk_families import FAMILIES, lines_under
-from ..bodies.disk_model import POSE, POSE_UNIT
+from ..bodies.thin_disk.disk_families import FAMILIES, lines_under
+from ..bodies.thin_disk.disk_model import POSE, POSE_UNIT
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import SLIDING, STICKING
 from .result import BY_CODE, Outcome

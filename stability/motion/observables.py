@@ -9,8 +9,8 @@ import numpy as np
 
 from ..algebra.program import Program
 from ..base.types import Floats
-from ..bodies.disk_model import disk_model
 from ..bodies.model import Model
+from ..bodies.thin_disk.disk_model import disk_model
 from ..integrators.stick_slip import REST, STICKING
 from .starts import Starts
 

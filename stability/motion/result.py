@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..base.checks import MOST_WORKERS, Sentences, flag, one_number, whole_number
 from ..base.errors import ParameterError
 from ..base.types import Floats
-from ..bodies.disk_model import FLAT, LIFT_OFF, NO_CONTACT
+from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.leg import UNRESOLVED, Path
 from ..integrators.selection import Choice
 from ..integrators.stick_slip import NON_UNIQUE, Transition

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..base.types import Floats
-from ..bodies.disk_model import FLAT, LIFT_OFF, NO_CONTACT
+from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
 from ..integrators.leg import UNRESOLVED, End, Leg, Path
 from ..integrators.painleve import OPEN_END, closer

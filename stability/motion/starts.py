@@ -20,10 +20,10 @@ from ..base.types import Floats
 from ..bodies.contact import Contact, Scales
 from ..bodies.contact_laws import Rough
 from ..bodies.disk import Disk
-from ..bodies.disk_equations import STATES, disk_system
-from ..bodies.disk_families import FAMILIES
-from ..bodies.disk_model import disk_model, moving_system
 from ..bodies.model import Model
+from ..bodies.thin_disk.disk_equations import STATES, disk_system
+from ..bodies.thin_disk.disk_families import FAMILIES
+from ..bodies.thin_disk.disk_model import disk_model, moving_system
 from ..integrators.friction_at_rest import continuations
 from ..integrators.stick_slip import REST
 from ..settling.disk_settling import DiskSettling

@@ -24,8 +24,8 @@ from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT, Upright
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.disk_equations import STATES, disk_system
-from ..bodies.disk_families import AT_REST, FAMILIES, DiskFamily, lines_under
+from ..bodies.thin_disk.disk_equations import STATES, disk_system
+from ..bodies.thin_disk.disk_families import AT_REST, FAMILIES, DiskFamily, lines_under
 from .attraction import Attraction, Surroundings, Tilted, attraction
 from .nearest import Nearest
 

@@ -14,8 +14,8 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, Viscous, law_class
 from ..bodies.disk import Disk
-from ..bodies.disk_families import FAMILIES
-from ..bodies.disk_quantities import PHYSICAL
+from ..bodies.thin_disk.disk_families import FAMILIES
+from ..bodies.thin_disk.disk_quantities import PHYSICAL
 from ..systems.family import Family
 from .disk_problem import check_axis, disk_problem, disk_roundings
 from .problem import Problem, system_problem

@@ -15,9 +15,9 @@ from ..base.types import Floats
 from ..bodies.contact import ZERO_MU, Contact, Scales
 from ..bodies.contact_laws import stored
 from ..bodies.disk import Disk
-from ..bodies.disk_families import FAMILIES, disk_family, leaning
-from ..bodies.disk_polynomials import disk_polynomial
-from ..bodies.disk_quantities import PHYSICAL, is_angle
+from ..bodies.thin_disk.disk_families import FAMILIES, disk_family, leaning
+from ..bodies.thin_disk.disk_polynomials import disk_polynomial
+from ..bodies.thin_disk.disk_quantities import PHYSICAL, is_angle
 from .problem import Problem, _scalar
 
 

@@ -16,7 +16,7 @@ from ..base.quantities import Kind
 from ..base.verdict import CODES, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
-from ..bodies.disk_quantities import QUANTITIES
+from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..systems.family import Family
 from .arguments import problem_of
 from .problem import Problem

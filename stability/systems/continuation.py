@@ -66,7 +66,7 @@ def branch(
 
     Examples
     --------
-    >>> from stability.bodies.disk_families import disk_family
+    >>> from stability.bodies.thin_disk.disk_families import disk_family
     >>> run = branch(disk_family("tumbling", "viscous"), 1.5, 0.1, [0.25, 0.3], points=5)
     >>> run.complete, float(run.state[0, 2].round(6))
     (True, 2.00251)

@@ -11,7 +11,7 @@ from ..base.errors import NameUnknownError, shown
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, LinearViscous, Viscous
 from ..bodies.disk import Disk
-from ..bodies.disk_families import FAMILIES, DiskFamily
+from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..boundary.changes import along
 from ..boundary.crossings import BoundaryPoint
 from ..spectra.disk_problem import disk_problem

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..base.types import Progress
 from ..bodies.disk import Disk
-from ..bodies.disk_families import FAMILIES
+from ..bodies.thin_disk.disk_families import FAMILIES
 from ..boundary.hopf import hopf
 from .drift import _body, law_of
 

@@ -14,7 +14,7 @@ from ..base.types import Floats
 from ..base.verdict import Nonlinear, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
-from ..bodies.disk_families import FAMILIES
+from ..bodies.thin_disk.disk_families import FAMILIES
 from ..boundary.drift import drift
 from ..motion.result import BY_CODE, Outcome
 from ..motion.simulate import simulate

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import NameUnknownError, listed, shown
-from ..bodies.disk_families import FAMILIES
+from ..bodies.thin_disk.disk_families import FAMILIES
 from .drift import drift_rows
 from .hopf import hopf_rows
 from .launches import launch_rows

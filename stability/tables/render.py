@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..bodies.disk_families import FAMILIES
+from ..bodies.thin_disk.disk_families import FAMILIES
 from ..derivation.branches import LIMITS
 from .drift import DRIFT_NOTES
 from .hopf import HOPF_NOTES

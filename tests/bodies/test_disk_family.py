@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 import stability as st
 from stability.algebra.upright import UPRIGHT
-from stability.bodies.disk_families import FAMILIES, DiskFamily
+from stability.bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from stability.cli import main
 from stability.tables.launches import launch_rows
 from stability.tables.registry import records
@@ -206,7 +206,7 @@ def test_launches_are_tabled_beside_its_linear_theory(monkeypatch: pytest.Monkey
 
 
 def test_figures_mark_the_member_that_was_settled_on(family: str) -> None:
-    from stability.figures.motion import states
+    from stability.figures.launch.motion import states
 
     at = 2.5 if family == "edge-on" else 3.0
     start = st.launch(family, at=at, tilt=0.02, disk=st.Disk())
@@ -262,7 +262,7 @@ def test_a_polynomial_is_derived_from_the_record(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_stored_polynomial_makes_its_answers_exact(monkeypatch: pytest.MonkeyPatch) -> None:
-    from stability.bodies import disk_polynomials
+    from stability.bodies.thin_disk import disk_polynomials
 
     monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
     stored = dict(disk_polynomials._catalogue())

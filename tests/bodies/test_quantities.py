@@ -15,10 +15,10 @@ import pytest
 import stability as st
 from stability.base.quantities import Kind, in_latex
 from stability.bodies.contact_laws import MOTION_LAWS, law_class
-from stability.bodies.disk_equations import disk_system
-from stability.bodies.disk_quantities import QUANTITIES, disk_quantities, quantities_of
-from stability.figures.caption import caption
+from stability.bodies.thin_disk.disk_equations import disk_system
+from stability.bodies.thin_disk.disk_quantities import QUANTITIES, disk_quantities, quantities_of
 from stability.figures.diagram import diagram
+from stability.figures.launch.caption import caption
 from stability.figures.loci import locus
 
 PACKAGE = Path(st.__file__).parent

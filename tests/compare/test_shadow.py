@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.bodies.disk_equations import STATES
+from stability.bodies.thin_disk.disk_equations import STATES
 from stability.compare.motion.measure import distance
 from stability.compare.motion.reference_motions import ReferenceMotion, scene, scenes
 from stability.motion.result import BY_CODE

@@ -15,8 +15,8 @@ from matplotlib.patches import Rectangle
 
 import stability as st
 from stability.base.errors import ParameterError
-from stability.figures.caption import caption
-from stability.figures.motion import energy, motion_figure, paths, states
+from stability.figures.launch.caption import caption
+from stability.figures.launch.motion import energy, motion_figure, paths, states
 
 DRY = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]
 LIFTS = [2.2, 0.64, 1.54, 1.44, 0.62, 0.04]

@@ -8,7 +8,7 @@ import pytest
 import reference
 
 import stability as st
-from stability.bodies.disk_equations import STATES
+from stability.bodies.thin_disk.disk_equations import STATES
 from stability.integrators.friction_at_rest import (
     continuations,
     directions,

@@ -17,7 +17,7 @@ import pytest
 from reference import trajectories
 
 import stability as st
-from stability.bodies.disk_equations import STATES
+from stability.bodies.thin_disk.disk_equations import STATES
 from stability.motion.result import BY_CODE
 
 TESTS = Path(__file__).parents[1]

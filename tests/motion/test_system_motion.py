@@ -305,8 +305,8 @@ def test_it_is_refused_in_one_sentence(call: Callable[[], Any], words: str) -> N
 
 
 def test_figures_show_the_states_of_the_system_and_no_word_of_a_disk() -> None:
-    from stability.figures.caption import caption
-    from stability.figures.motion import energy, motion_figure, states
+    from stability.figures.launch.caption import caption
+    from stability.figures.launch.motion import energy, motion_figure, states
 
     system = pendulum()
     run = st.simulate(system, {"g": 9.81, "c": 0.5}, [1.5, 0.0], 60.0, families=hanging(system))
@@ -327,7 +327,7 @@ def _is_text(artist: Any) -> bool:
 
 
 def test_a_figure_of_a_system_without_account_shows_its_states_alone() -> None:
-    from stability.figures.motion import motion_figure
+    from stability.figures.launch.motion import motion_figure
 
     run = st.simulate(pendulum(observed=False), [1.0, 0.0], [1.0, 0.0], 2.0)
     assert len(motion_figure(run).axes) == 2

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.bodies.disk_families import FAMILIES
+from stability.bodies.thin_disk.disk_families import FAMILIES
 from stability.motion.result import BY_CODE
 from stability.motion.starts import launch
 from stability.tables.launches import contact_lines, launch_rows

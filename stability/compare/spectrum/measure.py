@@ -259,7 +259,7 @@ def exact_edge(
 
     from ...algebra.balls import precision
     from ...algebra.routh_balls import hurwitz_sign, verdict_polynomial
-    from ...bodies.disk_families import disk_family
+    from ...bodies.thin_disk.disk_families import disk_family
     from ...systems.enclosure import characteristic
     from ...systems.structural_zeros import structure
 

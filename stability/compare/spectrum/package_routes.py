@@ -18,7 +18,7 @@ from .routes import Answer, Route
 
 def _somewhere(points: Points, *, certify: bool) -> Spectrum:
     """A family that claims to hold the given state; the package looks whether it is steady."""
-    from ...bodies.disk_equations import disk_system
+    from ...bodies.thin_disk.disk_equations import disk_system
     from ...systems.family import Family
 
     assert points.given is not None

@@ -214,7 +214,7 @@ def _rates(law: str) -> Program:
     """The right-hand side as a program; states that are not reached have a rate of zero."""
     import casadi as ca
 
-    from ...bodies.disk_equations import disk_system
+    from ...bodies.thin_disk.disk_equations import disk_system
 
     system = disk_system(law)
     return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
@@ -241,7 +241,7 @@ def jacobian_program(law: str) -> Program:
     """
     import casadi as ca
 
-    from ...bodies.disk_equations import disk_system
+    from ...bodies.thin_disk.disk_equations import disk_system
 
     system = disk_system(law)
     return Program(ca.Function("jacobian", [system.x, system.p], [system.jacobian]))

@@ -1,7 +1,7 @@
 """The disk's equations in SymPy, from Newton and Euler, as people write them; no CasADi here.
 
-Frames as in `stability.bodies.disk_equations`, of which nothing is used: this is the route of
-somebody who has SymPy and the paper.
+Frames as in `stability.bodies.thin_disk.disk_equations`, of which nothing is used: this is the
+route of somebody who has SymPy and the paper.
 """
 
 from __future__ import annotations

@@ -22,11 +22,11 @@ from matplotlib.path import Path
 from PIL import Image
 from scipy.ndimage import uniform_filter1d
 
-from ..base.errors import FileError
-from ..base.quantities import unit_of
-from ..base.types import Floats
-from ..bodies.disk_quantities import PHYSICAL, QUANTITIES
-from ..motion.result import BY_CODE
+from ...base.errors import FileError
+from ...base.quantities import unit_of
+from ...base.types import Floats
+from ...bodies.thin_disk.disk_quantities import PHYSICAL, QUANTITIES
+from ...motion.result import BY_CODE
 from .pose import POSED, geometry
 
 if TYPE_CHECKING:

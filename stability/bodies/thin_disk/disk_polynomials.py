@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra.exact.known_polynomial import Exact, TabulatedPolynomial
-from ..algebra.number_types import Algebra
-from ..algebra.polynomial import Polynomial
-from ..base.errors import NameUnknownError, NoMemberError, StabilityError, shown
-from .contact import Contact
+from ...algebra.exact.known_polynomial import Exact, TabulatedPolynomial
+from ...algebra.number_types import Algebra
+from ...algebra.polynomial import Polynomial
+from ...base.errors import NameUnknownError, NoMemberError, StabilityError, shown
+from ..contact import Contact
 from .disk_families import FAMILIES
 
 DATA = "disk_polynomials.json"
@@ -108,7 +108,7 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     Parameters
     ----------
     family
-        A key of `stability.bodies.disk_families.FAMILIES`.
+        A key of `stability.bodies.thin_disk.disk_families.FAMILIES`.
     law
         A contact law or its name.
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ..base.quantities import Kind, Quantity
-from .contact import Contact
-from .contact_laws import MOTION_LAWS
+from ...base.quantities import Kind, Quantity
+from ..contact import Contact
+from ..contact_laws import MOTION_LAWS
 
 PHYSICAL = ("mass", "radius", "gravity")
 """The disk's dimensional quantities."""

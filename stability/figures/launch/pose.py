@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from ..base.types import Floats
+from ...base.types import Floats
 
 POSED = ("theta", "phi", "psi", "centre_x", "centre_y")
 """What places the disk."""

@@ -15,12 +15,12 @@ from typing import Any
 
 import casadi as ca
 
-from ..base.checks import flag
-from ..base.errors import ParameterError, shown
-from ..systems.condition import Condition
-from ..systems.system import System
-from .contact import Contact
-from .contact_laws import Coulomb, Rough, Smooth, law_class
+from ...base.checks import flag
+from ...base.errors import ParameterError, shown
+from ...systems.condition import Condition
+from ...systems.system import System
+from ..contact import Contact
+from ..contact_laws import Coulomb, Rough, Smooth, law_class
 from .disk_quantities import SYSTEM, disk_quantities
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")

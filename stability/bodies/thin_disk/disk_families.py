@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from ..algebra.upright import UPRIGHT, Upright
-from ..base.errors import NameUnknownError, listed
+from ...algebra.upright import UPRIGHT, Upright
+from ...base.errors import NameUnknownError, listed
 
 # the command line reads the records for its help: what is heavy is imported in functions
 if TYPE_CHECKING:
-    from ..systems.family import Family
-    from .contact import Contact
+    from ...systems.family import Family
+    from ..contact import Contact
 
 Interval = tuple[float, float]
 
@@ -202,8 +202,8 @@ def disk_family(name: str, law: str | type[Contact]) -> Family:
     >>> disk_family("tumbling", "viscous").member([math.pi / 6], [0.5, 1.0]).round(12)[2]
     np.float64(2.0)
     """
-    from ..base.checks import known
-    from .contact_laws import LAWS, law_class, stored
+    from ...base.checks import known
+    from ..contact_laws import LAWS, law_class, stored
 
     record = FAMILIES[known("family", name, FAMILIES)]
     if isinstance(law, str) or not isinstance(law, type):
@@ -221,8 +221,8 @@ def disk_family(name: str, law: str | type[Contact]) -> Family:
 
 @lru_cache(maxsize=32)
 def _disk_family(record: DiskFamily, law: type[Contact]) -> Family:
-    from ..systems.family import Family
-    from .contact_laws import stored
+    from ...systems.family import Family
+    from ..contact_laws import stored
     from .disk_equations import disk_system
 
     system = disk_system(law)

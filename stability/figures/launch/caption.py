@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base.quantities import Kind
-from ..bodies.disk_equations import STATES
-from ..bodies.disk_quantities import SYSTEM, quantities_of
-from ..motion.result import BY_CODE
+from ...base.quantities import Kind
+from ...bodies.thin_disk.disk_equations import STATES
+from ...bodies.thin_disk.disk_quantities import SYSTEM, quantities_of
+from ...motion.result import BY_CODE
 from .single_run import one_launch, system_states
 
 if TYPE_CHECKING:

@@ -9,12 +9,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..systems.system import System
-from .contact import Contact
-from .contact_laws import Rough, law_class
+from ...systems.system import System
+from ..contact import Contact
+from ..contact_laws import Rough, law_class
+from ..model import WORK, Model
 from .disk_equations import STATES, disk_system
 from .disk_quantities import QUANTITIES
-from .model import WORK, Model
 
 POSE = ("phi", "psi", "centre_x", "centre_y")
 """Precession angle, relative spin angle, horizontal place of the centre; x̂ = (cos φ, sin φ)."""

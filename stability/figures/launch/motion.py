@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .canvas import COLUMN, STYLE, figure_style, spacing  # isort: skip
+from ..canvas import COLUMN, STYLE, figure_style, spacing  # isort: skip
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -17,10 +17,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
-from ..bodies.disk_equations import STATES
-from ..bodies.disk_families import FAMILIES
-from ..bodies.disk_quantities import QUANTITIES
-from ..motion.result import BY_CODE, Outcome
+from ...bodies.thin_disk.disk_equations import STATES
+from ...bodies.thin_disk.disk_families import FAMILIES
+from ...bodies.thin_disk.disk_quantities import QUANTITIES
+from ...motion.result import BY_CODE, Outcome
 from .motion_panels import MOST_PANELS, STROKES, draw_system, legend, lines_of_energy, unit, words
 from .single_run import SingleRun, one_launch, system_states
 

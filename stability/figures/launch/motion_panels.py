@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from ..base.quantities import in_latex, unit_of
-from ..motion.result import BY_CODE, Outcome
+from ...base.quantities import in_latex, unit_of
+from ...motion.result import BY_CODE, Outcome
 from .single_run import SingleRun
 
 if TYPE_CHECKING:

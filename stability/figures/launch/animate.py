@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .canvas import figure_style  # isort: skip
+from ..canvas import figure_style  # isort: skip
 
 import json
 import os
@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.checks import callback, positive
-from ..base.errors import ParameterError
-from ..base.quantities import unit_of
-from ..motion.dataset import FORMAT
-from ..motion.result import BY_CODE
-from ..storage.files import atomic_write
-from ..storage.targets import FILMS, check_suffix, check_target
+from ...base.checks import callback, positive
+from ...base.errors import ParameterError
+from ...base.quantities import unit_of
+from ...motion.dataset import FORMAT
+from ...motion.result import BY_CODE
+from ...storage.files import atomic_write
+from ...storage.targets import FILMS, check_suffix, check_target
 from .film import FINE, Camera, caption_of, inner_radius, write_gif, write_mp4
 from .pose import LINEAR, POSED, resample
 from .single_run import events_of
