@@ -146,6 +146,40 @@ def positive(name: str, value: ArrayLike, remedy: str = "it must be positive") -
     return number
 
 
+def not_negative(name: str, value: ArrayLike, remedy: str = "it must not be negative") -> Number:
+    """Return `checked(name, value)` if none of it is below zero, or refuse; as `positive`.
+
+    Parameters
+    ----------
+    name
+        What the number is called in the message.
+    value
+        A number or an array of numbers, any shape.
+    remedy
+        What is accepted, for the message.
+
+    Returns
+    -------
+    float or ndarray
+        The same values in double precision.
+
+    Raises
+    ------
+    ParameterError
+        If a value is not a real finite number of at least zero.
+
+    Examples
+    --------
+    >>> not_negative("beta", 0)
+    0.0
+    """
+    number = checked(name, value)
+    low = np.asarray(number)
+    if (low < 0).any():
+        raise ParameterError(f"{name} is {low[low < 0].flat[0]:g}; {remedy}.")
+    return number
+
+
 def one_number(name: str, value: Any) -> float:
     """A single finite number, or a refusal.
 

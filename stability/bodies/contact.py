@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ..base.checks import arithmetic, positive
+from ..base.checks import Number, arithmetic, not_negative, positive
 from ..base.errors import NameUnknownError, ParameterError
 
 ZERO_MU = "friction must be positive (without friction the law is Smooth(), `--contact smooth`)"
@@ -64,6 +64,8 @@ class Parameter:
     """(value in SI, units of the body) → the number in the equations, by + - * / alone."""
     symbol: str = ""
     """Its name in the equations, by default its own; two fields of one symbol are alternatives."""
+    zero: bool = False
+    """Whether zero is accepted."""
 
     @property
     def place(self) -> str:
@@ -77,13 +79,14 @@ class Contact:
 
     A law states its `name`, its `parameters` and its `force`; from these everything else follows:
     spectra, boundaries, maps, motions, and the command line (`--contact module:Class`).  Each
-    parameter is a field of the class, and is refused unless it is a finite number above zero.  The
-    force must vanish with the slip and depend linearly on the normal force.
+    parameter is a field of the class, and is refused unless it is a finite number above zero (or
+    zero, where `Parameter.zero` says so).  The force must vanish with the slip and depend linearly
+    on the normal force.
 
     Raises
     ------
     ParameterError
-        If a parameter is not a finite number above zero.
+        If a parameter is not a finite number above zero, or zero where that is not accepted.
 
     Examples
     --------
@@ -118,7 +121,6 @@ class Contact:
     """Whether slip decays at a rate in proportion to the first parameter, stiff if large."""
 
     def __post_init__(self) -> None:
-        first = self.parameters[0].place if self.parameters else ""
         for p in self.parameters:
             if not hasattr(self, p.name):
                 raise ParameterError(
@@ -127,8 +129,7 @@ class Contact:
                 )
             if getattr(self, p.name) is None and len(self.alternatives(p.name)) > 1:
                 continue
-            extra = (ZERO_MU,) if p.place == first else ()
-            object.__setattr__(self, p.name, positive(p.name, getattr(self, p.name), *extra))
+            object.__setattr__(self, p.name, self.accepted(p.name, getattr(self, p.name)))
 
     @property
     def given(self) -> dict[str, Any]:
@@ -157,6 +158,23 @@ class Contact:
             for p in cls.parameters
             if p.name in given
         }
+
+    @classmethod
+    def accepted(cls, name: str, value: Any) -> Number:
+        """Values of a parameter in double precision, or a refusal that says what is accepted.
+
+        Parameters
+        ----------
+        name
+            Of the parameter.
+        value
+            A number or an array of numbers, any shape.
+        """
+        [parameter] = [p for p in cls.parameters if p.name == name]
+        if parameter.zero:
+            return not_negative(name, value)
+        first = parameter.place == cls.parameters[0].place
+        return positive(name, value, *((ZERO_MU,) if first else ()))
 
     @classmethod
     def alternatives(cls, name: str) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -294,6 +295,21 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
             "inside the friction cone it is `rough`."
         )
     return found
+
+
+def spelled(laws: Mapping[str, type[Contact]]) -> str:
+    """How laws are written, for a message: `Smooth(), Viscous(mu)`.
+
+    Parameters
+    ----------
+    laws
+        By name.
+    """
+    words = []
+    for law in laws.values():
+        first = {p.place: p.name for p in reversed(law.parameters)}
+        words.append(f"{law.__name__}({', '.join(reversed(first.values()))})")
+    return ", ".join(words)
 
 
 def stored(law: type[Contact]) -> bool:

@@ -79,7 +79,7 @@ def contact_of(
         if name in given:
             raise ParameterError(f"{name} is given twice; give it once.")
         given[name] = _number(value, name)
-    if given and set(given) <= set(swept):
+    if given and set(given) <= set(swept) and options.mu is None:
         return law
     epsilon = getattr(options, "epsilon", None)
     return law_named(options.contact, options.mu, motion=motion, epsilon=epsilon, others=given)

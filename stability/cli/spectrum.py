@@ -61,8 +61,9 @@ def _spectrum(options: argparse.Namespace) -> None:
         given = at if isinstance(at, list) else [at]
         where = [f"{n} = {v:g}" for n, v in zip(parts, given, strict=True)]
     rest = [
-        f"{n} = {v:g}" for n, v in parameters.items() if n in ("k", "mu") or not disk.dimensionless
-    ]
+        f"{n} = {v:g}" for n, v in parameters.items()
+        if n in ("k", *contact.given) or not disk.dimensionless
+    ]  # fmt: skip
     print(f"{options.family}, {options.contact} contact, at {', '.join([*where, *rest])}")
     print(f"verdict     {result.verdict.value}")
     print(f"nonlinear   {result.nonlinear.value}")

@@ -18,7 +18,7 @@ from ..base.checks import checked, known
 from ..base.errors import DomainError, NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact, Scales
-from ..bodies.contact_laws import Rough
+from ..bodies.contact_laws import MOTION_LAWS, Rough, spelled
 from ..bodies.disk import Disk
 from ..bodies.model import Model
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
@@ -187,10 +187,7 @@ def gather(
     if not isinstance(disk, Disk):
         raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
     if not isinstance(contact, Contact) or not contact.name:
-        raise NameUnknownError(
-            f"contact is {shown(contact)}; give one of Smooth(), Viscous(mu), LinearViscous(c), "
-            "Rough(), Coulomb(mu), RegularisedCoulomb(mu, epsilon)."
-        )
+        raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(MOTION_LAWS)}.")
     with np.errstate(all="ignore"):  # what overflows is refused by _check
         return _gathered(disk, contact, start, times, pose=pose)
 
@@ -330,7 +327,9 @@ def _look(law: type[Contact], x: Floats, p: Floats) -> Floats:
 
 def _check(law: type[Contact], shape: tuple[int, ...], starts: Floats, p: Floats) -> Floats:
     """Refuse starts at which there is no contact, with the reason; the energies of the others."""
-    finite = np.isfinite(starts).all() and np.isfinite(p).all() and (p > 0).all()
+    zeros = {one.place for one in law.parameters if one.zero}
+    may = np.array([False, *(n in zeros for n in law.symbols())])
+    finite = np.isfinite(starts).all() and np.isfinite(p).all() and ((p > 0) | may & (p == 0)).all()
     if not (finite and np.abs(starts).max() < FASTEST):
         raise ParameterError(
             "a dimensionless number of the start or the body leaves the range of double precision "

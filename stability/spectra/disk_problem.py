@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import checked, positive
+from ..base.checks import checked
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
-from ..bodies.contact import ZERO_MU, Contact, Scales
-from ..bodies.contact_laws import stored
+from ..bodies.contact import Contact, Scales
+from ..bodies.contact_laws import LAWS, spelled, stored
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, disk_family, leaning
 from ..bodies.thin_disk.disk_polynomials import disk_polynomial
@@ -57,10 +57,7 @@ def disk_problem(
     if not isinstance(family, str):
         raise NameUnknownError(f"family is {shown(family)}; give a name or a stability.Family.")
     if not isinstance(contact, Contact) or not contact.name:
-        raise NameUnknownError(
-            f"contact is {shown(contact)}; give one of Smooth(), Viscous(mu), LinearViscous(c), "
-            "Rough()."
-        )
+        raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(LAWS)}.")
     law = type(contact)
     if not law.linearises:
         raise NameUnknownError(
@@ -143,6 +140,6 @@ def check_axis(problem: Problem, name: str, values: Floats) -> None:
     if problem.law is None:
         return
     if problem.law.alternatives(name):
-        positive(name, values, ZERO_MU)
+        problem.law.accepted(name, values)
     elif name in ("k", *PHYSICAL):
         Disk(**{name: values})

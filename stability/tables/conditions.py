@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..base.errors import NameUnknownError, shown
+from ..base.errors import NameUnknownError, ParameterError, shown
 from ..bodies.contact import Contact
-from ..bodies.contact_laws import LAWS, LinearViscous, Viscous
+from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..boundary.changes import along
@@ -102,11 +102,12 @@ def conditions(
 def _contacts(law: str, mu: Sequence[float]) -> list[Contact]:
     if law not in LAWS:
         raise NameUnknownError(f"contact is {shown(law)}; known are {', '.join(LAWS)}.")
-    if law == "viscous":
-        return [Viscous(m) for m in mu]
-    if law == "linear-viscous":
-        return [LinearViscous(mu=m) for m in mu]
-    return [LAWS[law]()]
+    if not LAWS[law].parameters:
+        return [LAWS[law]()]
+    if len(LAWS[law].symbols()) > 1:
+        raise ParameterError(f"contact is {law}; the table is of laws of one coefficient, mu.")
+    of_mu: Any = LAWS[law]
+    return [of_mu(mu=m) for m in mu]
 
 
 def scan(family: DiskFamily, disk: Disk, contact: Contact) -> list[BoundaryPoint]:
