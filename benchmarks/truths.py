@@ -5,10 +5,11 @@ IIA collocation of 30 stages with numbers of 200 bits; nothing of the package is
 the package's own graph in its angles, by heyoka's Taylor series with numbers of 160 bits.  Where
 they agree, the digits are those of the model.  Coulomb: the tests' scenes next to the package.
 
-    cd stability/compare/motion
-    OMP_NUM_THREADS=1 python benchmarks/truths.py [--only gentle] --out reference_motions.json
+    OMP_NUM_THREADS=1 python benchmarks/truths.py --only gentle \
+        --out stability/compare/motion/reference_motions.json
 
-All scenes take half an hour on one core; several threads make the small matrices slower.
+One scene takes seconds to a minute, all of them half an hour on one core; several threads make the
+small matrices slower.  A new scene is an entry of `SCENES`, then `--only` with its name.
 """
 
 from __future__ import annotations

@@ -22,7 +22,10 @@ MOVED = {
     "stability.verdict": ("base.verdict",),
     "stability.compare.cases": ("compare.spectrum.cases",),
     "stability.compare.catalogue": ("compare.failures",),
-    "stability.compare.routes": ("compare.spectrum.routes",),
+    "stability.compare.routes": (
+        "compare.spectrum.routes.jacobians",
+        "compare.spectrum.routes.route",
+    ),
     "stability.compare.drivers": ("compare.motion.drivers",),
 }
 """Where the names of each are now."""

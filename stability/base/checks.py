@@ -112,7 +112,9 @@ def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
         raise ParameterError(f"{name} is {shown(value)}; a real number is needed.") from None
 
 
-def positive(name: str, value: ArrayLike, remedy: str = "it must be positive") -> Number:
+def positive(
+    name: str, value: ArrayLike, remedy: str = "it must be positive", *, zero: bool = False
+) -> Number:
     """Return `checked(name, value)` if all of it is above zero, or refuse.
 
     Parameters
@@ -123,6 +125,8 @@ def positive(name: str, value: ArrayLike, remedy: str = "it must be positive") -
         A number or an array of numbers, any shape.
     remedy
         What is accepted, for the message.
+    zero
+        Whether zero is accepted too.
 
     Returns
     -------
@@ -140,43 +144,10 @@ def positive(name: str, value: ArrayLike, remedy: str = "it must be positive") -
     0.3
     """
     number = checked(name, value)
-    low = np.asarray(number)
-    if (low <= 0).any():
-        raise ParameterError(f"{name} is {low[low <= 0].flat[0]:g}; {remedy}.")
-    return number
-
-
-def not_negative(name: str, value: ArrayLike, remedy: str = "it must not be negative") -> Number:
-    """Return `checked(name, value)` if none of it is below zero, or refuse; as `positive`.
-
-    Parameters
-    ----------
-    name
-        What the number is called in the message.
-    value
-        A number or an array of numbers, any shape.
-    remedy
-        What is accepted, for the message.
-
-    Returns
-    -------
-    float or ndarray
-        The same values in double precision.
-
-    Raises
-    ------
-    ParameterError
-        If a value is not a real finite number of at least zero.
-
-    Examples
-    --------
-    >>> not_negative("beta", 0)
-    0.0
-    """
-    number = checked(name, value)
-    low = np.asarray(number)
-    if (low < 0).any():
-        raise ParameterError(f"{name} is {low[low < 0].flat[0]:g}; {remedy}.")
+    values = np.asarray(number)
+    low = values[(values < 0) | (values == 0) & (not zero)]
+    if low.size:
+        raise ParameterError(f"{name} is {low.flat[0]:g}; {remedy}.")
     return number
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ..base.checks import Number, arithmetic, not_negative, positive
+from ..base.checks import Number, arithmetic, positive
 from ..base.errors import NameUnknownError, ParameterError
 
 ZERO_MU = "friction must be positive (without friction the law is Smooth(), `--contact smooth`)"
@@ -172,7 +172,7 @@ class Contact:
         """
         [parameter] = [p for p in cls.parameters if p.name == name]
         if parameter.zero:
-            return not_negative(name, value)
+            return positive(name, value, "it must not be negative", zero=True)
         first = parameter.place == cls.parameters[0].place
         return positive(name, value, *((ZERO_MU,) if first else ()))
 

@@ -16,7 +16,7 @@ def _map(options: argparse.Namespace) -> None:
     from ..maps.netcdf import write_map
     from ..maps.stability_map import stability_map
     from ..storage.files import atomic_write, named, together
-    from ..storage.targets import NETCDF, check_suffix, check_target, path_text
+    from ..storage.targets import DATASETS, NETCDF, check_suffix, check_target, path_text
 
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
     swept = {x[0], y[0]}
@@ -27,7 +27,8 @@ def _map(options: argparse.Namespace) -> None:
         raise ParameterError("--levels belongs to --certify; leave it out or certify.")
     disk = _disk(options)
     contact = contact_of(options, swept=swept)
-    out = check_suffix(options.out, NETCDF, "--out")
+    streams = options.verdict_only
+    out = check_suffix(options.out, NETCDF if streams else DATASETS, "--out")
     targets = [check_target(out, overwrite=options.force)]
     if options.plot is not None:
         targets.append(_picture(options.plot, options.force))

@@ -112,9 +112,9 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
 
 def _targets(options: argparse.Namespace) -> dict[str, Path]:
     """The files to write, checked before anything is computed."""
-    from ..storage.targets import FILMS, NETCDF, PICTURES, check_suffix, check_target
+    from ..storage.targets import DATASETS, FILMS, PICTURES, check_suffix, check_target
 
-    kinds = {"out": NETCDF, "plot": PICTURES, "film": FILMS}
+    kinds = {"out": DATASETS, "plot": PICTURES, "film": FILMS}
     targets: dict[str, Path] = {}
     for name in ("out", "plot", "film"):
         path = getattr(options, name)

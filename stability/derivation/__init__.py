@@ -3,5 +3,5 @@
 Characteristic polynomials over Q, Hurwitz conditions, formulas of boundaries, completeness.
 May import `bodies` and the floors below.
 To add the polynomial of a family: its variables in `VARIABLES` of `characteristic.py`, then
-`make derive`, which writes `bodies/disk_polynomials.json`.
+`make derive`, which writes `bodies/thin_disk/disk_polynomials.json`.
 """

@@ -6,9 +6,9 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.errors import FileError, shown
+from ..base.errors import FileError
 from ..storage.files import atomic_write
-from ..storage.targets import NETCDF, check_suffix
+from ..storage.targets import DATASETS, check_suffix
 
 if TYPE_CHECKING:
     import xarray
@@ -55,10 +55,11 @@ def write_map(
     import xarray
 
     from ..storage.netcdf import packed
+    from .dataset import FORMAT
 
-    if not isinstance(dataset, xarray.Dataset):
-        raise FileError(f"dataset is {shown(dataset)}; give what stability_map returns.")
-    check_suffix(path, NETCDF)
+    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
+        raise FileError(f"dataset is {type(dataset).__name__}; give what stability_map returns.")
+    check_suffix(path, DATASETS)
     encoded: xarray.Dataset = dataset.copy()
     for name, variable in dataset.variables.items():
         if np.iscomplexobj(variable.values):

@@ -54,11 +54,11 @@ def write_motion(
 
     from ..storage.files import atomic_write
     from ..storage.netcdf import packed
-    from ..storage.targets import NETCDF, check_suffix
+    from ..storage.targets import DATASETS, check_suffix
 
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise FileError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
-    check_suffix(path, NETCDF)
+    check_suffix(path, DATASETS)
     with atomic_write(path, overwrite=overwrite) as draft:
         draft.write_bytes(packed(dataset))
     return FilePath(path)

@@ -15,6 +15,8 @@ LONGEST = 120
 """Characters of a path in a message at most."""
 NETCDF = (".nc", ".nc4", ".netcdf", ".h5", ".hdf5")
 """Endings of a NetCDF-4 file."""
+DATASETS = NETCDF
+"""Endings of a file of a map or a motion, the usual one first."""
 PICTURES = (".png", ".pdf", ".svg")
 """Endings of a figure."""
 FILMS = (".gif", ".mp4", ".html")
@@ -99,7 +101,7 @@ def refusing(path: Any, what: str = "written") -> Iterator[None]:
 
 
 def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
-    """A path with an ending that fits what is written into it; none is an ending of NetCDF.
+    """A path with an ending that fits what is written into it; none means NetCDF where that fits.
 
     Parameters
     ----------
@@ -126,7 +128,7 @@ def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
     """
     found = place(path)
     suffix = found.suffix.lower()
-    if suffix in endings or (not suffix and tuple(endings) == NETCDF):
+    if suffix in endings or (not suffix and endings[0] in NETCDF):
         return found
     subject = f"{option} is {shown(str(path))}" if option else path_text(path)
     if len(endings) < 4:
@@ -217,7 +219,7 @@ def check_folder(path: str | os.PathLike[str], taken: str = "") -> Path:
         there = target.is_dir()
         if target.exists() and not there:
             raise FileError(f"{path_text(target)} is a file; give the name of a folder.")
-        if not there and target.suffix.lower() in (*NETCDF, *PICTURES, *FILMS, *OTHER):
+        if not there and target.suffix.lower() in (*NETCDF, *DATASETS, *PICTURES, *FILMS, *OTHER):
             raise FileError(f"{path_text(target)} is named like a file; give the name of a folder.")
         if there:
             clear(target, always=True)

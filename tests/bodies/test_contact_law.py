@@ -8,8 +8,10 @@ repeats the viscous force, so that every motion is that of `Viscous` too.
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -304,3 +306,64 @@ def test_a_wrong_law_on_the_command_line_is_one_sentence(
     assert why in said.err
     assert said.err.count("\n") == 1
     assert not said.out
+
+
+# --- a law of two numbers, one of which may be zero ---
+
+
+@dataclass(frozen=True, eq=False)
+class Cubic(st.Contact):
+    """Viscous friction that grows with the slip: -mu gn (1 + beta |v|²) v."""
+
+    mu: Any
+    beta: Any
+    name: ClassVar[str] = "cubic"
+    parameters: ClassVar[tuple[st.Parameter, ...]] = (
+        st.Parameter("mu", "s/m", by_speed),
+        st.Parameter("beta", "s2/m2", lambda v, s: v * s.speed * s.speed, zero=True),
+    )
+
+    def force(self, slip: Any, normal: Any, p: Any) -> Any:
+        share = p[0] * normal * (1 + p[1] * (slip[0] ** 2 + slip[1] ** 2))
+        return [-share * slip[0], -share * slip[1]]
+
+
+def test_a_number_that_may_be_zero_is_accepted_at_zero_and_not_below() -> None:
+    start = [1.2, 0.1, 0.4, 1.6, 0.3, -0.2]
+    plain = st.simulate(st.Disk(), st.Viscous(0.3), start, [1.0, 3.0])
+    zero = st.simulate(st.Disk(), Cubic(0.3, 0.0), start, [1.0, 3.0])
+    more = st.simulate(st.Disk(), Cubic(0.3, 5.0), start, [1.0, 3.0])
+    assert np.allclose(zero.theta, plain.theta, rtol=0, atol=float(plain.final_error) + 1e-12)
+    assert abs(more.theta - plain.theta).max() > 1e-3
+    found = st.stability_map(
+        "rolling", x=("at", 0.5, 2, 4), y=("beta", 0, 1, 3), contact=Cubic(0.3, 1.0)
+    )
+    known = st.stability_map("rolling", x=("at", 0.5, 2, 4), y=("mu", 0.3, 1, 3))
+    assert (found.verdict.values == known.verdict.values[0]).all()  # linear: beta is not in it
+    with pytest.raises(st.StabilityError, match="beta is -1; it must not be negative"):
+        Cubic(0.3, -1.0)
+    with pytest.raises(st.StabilityError, match="mu is 0; friction must be positive"):
+        Cubic(0.0, 1.0)
+    with pytest.raises(st.StabilityError, match="beta is -1; it must not be negative"):
+        st.stability_map(
+            "rolling", x=("at", 1, 2, 3), y=("beta", -1, 1, 3), contact=Cubic(0.3, 1.0)
+        )
+
+
+def test_one_number_is_given_and_the_other_swept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "two_numbers", SimpleNamespace(Law=Cubic))
+    words = ["map", "rolling", "--x", "at:.5:2:5", "--y", "beta:0:1:4", "--contact",
+             "two_numbers:Law", "--mu", "0.3", "--out", str(tmp_path / "m.nc")]  # fmt: skip
+    assert main(words) == 0
+    capsys.readouterr()
+    assert json.loads(st.read_map(tmp_path / "m.nc").attrs["parameters"])["mu"] == 0.3
+    assert main(["spectrum", "rolling", "--at", "2", "--contact", "two_numbers:Law", "--mu", "0.3",
+                 "--parameter", "beta=0.5"]) == 0  # fmt: skip
+    assert "mu = 0.3, beta = 0.5" in capsys.readouterr().out.splitlines()[0]
+
+
+def test_slow_drift_is_told_of_the_laws_it_was_derived_for_alone() -> None:
+    with pytest.raises(st.StabilityError, match="drift needs a law with friction: Viscous"):
+        st.drift(at=1.3, contact=Half(0.3), tilt=0.01)

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -21,14 +22,16 @@ from stability.compare.motion.measure import judged
 from stability.compare.motion.reference_motions import ReferenceMotion, scene, scenes
 from stability.compare.pareto import places
 from stability.compare.spectrum import measure as spectral
-from stability.compare.spectrum import routes
-from stability.compare.spectrum.cases import CASES, LADDERS, Case, DoubleZero, NonSteady
+from stability.compare.spectrum.case import Case
+from stability.compare.spectrum.cases import CASES, LADDERS, DoubleZero, NonSteady
 from stability.compare.spectrum.hardness import EDGES, MEETINGS, classes, coalescence, points_of
-from stability.compare.spectrum.mpmath_routes import ManyDigits
-from stability.compare.spectrum.package_routes import OWN, Certified, Deflated, MapKernel
 from stability.compare.spectrum.points import Points
-from stability.compare.spectrum.routes import AutomaticJacobian, AutomaticRaw, Route
-from stability.compare.spectrum.sympy_disk import kept_mass
+from stability.compare.spectrum.routes import jacobians as routes
+from stability.compare.spectrum.routes.jacobians import AutomaticJacobian, AutomaticRaw
+from stability.compare.spectrum.routes.mpmath_routes import ManyDigits
+from stability.compare.spectrum.routes.package_routes import OWN, Certified, Deflated, MapKernel
+from stability.compare.spectrum.routes.route import Route
+from stability.compare.spectrum.routes.sympy_disk import kept_mass
 
 # --- truths of spectra ---
 
@@ -467,6 +470,13 @@ def test_the_catalogue_is_written_as_csv_and_markdown() -> None:
 def test_a_default_route_that_is_wrong_is_told() -> None:
     assert catalogue.misleading([entry(Mark.WRONG, method="ad"), entry(Mark.UNDECIDED)]) == []
     assert len(catalogue.misleading([entry(Mark.WRONG), entry(Mark.CRASHED)])) == 2
+
+
+def test_the_readme_counts_cases_and_methods() -> None:
+    readme = (Path(__file__).parents[2] / "README.md").read_text()
+    cases, methods = len(CASES) + len(MOTION_CASES), len(spectral.ROUTES) + len(DRIVERS)
+    assert f"{cases} hard cases to {methods} methods" in readme
+    assert readme.count("hard cases") == readme.count(f"{cases} hard cases")
 
 
 def test_every_case_and_method_is_documented_and_has_a_name_of_its_own() -> None:

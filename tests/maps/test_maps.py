@@ -438,3 +438,10 @@ def test_a_map_of_twelve_million_cells_fits_in_two_gigabytes(tmp_path: Path) -> 
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     print(run.stdout)
     assert float(run.stdout.split()[0]) < 2.0
+
+
+def test_a_motion_is_not_written_as_a_map(tmp_path: Path) -> None:
+    run = st.simulate(st.Disk(), st.Viscous(0.3), st.launch("rolling", at=1.2), [0.0, 1.0])
+    with pytest.raises(st.StabilityError, match="give what stability_map returns"):
+        st.write_map(run, tmp_path / "x.nc")
+    assert list(tmp_path.iterdir()) == []

@@ -1,5 +1,6 @@
 """Routes to eigenvalues, compared.
 
-To add a route: a subclass of `Route` in `routes.py`, listed in `measure.py`.
-To add a hard case: a subclass of `Case` in `cases.py`, listed in `CASES`.
+May import what `compare` may.  To add a route: see `routes`.
+To add a hard case: a subclass of `Case` of `case.py`, in `cases.py` or a module next to it, and
+its class in `_EVERY` of `cases.py`.
 """

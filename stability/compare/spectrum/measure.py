@@ -13,11 +13,8 @@ from ...base.verdict import CODES, Verdict
 from ...jobs.processes import Task
 from ..timing import timed
 from .hardness import EDGES, classes, points_of
-from .mpmath_routes import ManyDigits, MoreDigits, MostDigits
-from .package_routes import OWN
 from .points import Points, edge
-from .routes import (  # fmt: skip
-    Answer,
+from .routes.jacobians import (  # fmt: skip
     AutomaticJacobian,
     AutomaticRaw,
     AutomaticTolerance,
@@ -27,12 +24,13 @@ from .routes import (  # fmt: skip
     Hurwitz,
     LongForwardDifferences,
     PolynomialRoots,
-    Route,
     ShortForwardDifferences,
     SolvedSymbolically,
     SymbolicJacobian,
-    check,
 )
+from .routes.mpmath_routes import ManyDigits, MoreDigits, MostDigits
+from .routes.package_routes import OWN
+from .routes.route import Answer, Route, check
 
 FEW = 12
 """Points of a class that a route which takes one at a time is asked."""

@@ -6,20 +6,20 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...base.verdict import CODES
-from ...maps.growth_rates import GrowthKernel
-from ...maps.verdict_filter import FilteredVerdicts
-from ...spectra.certificate import verdict
-from ...spectra.result import Spectrum
-from ...spectra.spectrum import spectrum
-from .points import Points
-from .routes import Answer, Route
+from ....base.verdict import CODES
+from ....maps.growth_rates import GrowthKernel
+from ....maps.verdict_filter import FilteredVerdicts
+from ....spectra.certificate import verdict
+from ....spectra.result import Spectrum
+from ....spectra.spectrum import spectrum
+from ..points import Points
+from .route import Answer, Route
 
 
 def _somewhere(points: Points, *, certify: bool) -> Spectrum:
     """A family that claims to hold the given state; the package looks whether it is steady."""
-    from ...bodies.thin_disk.disk_equations import disk_system
-    from ...systems.family import Family
+    from ....bodies.thin_disk.disk_equations import disk_system
+    from ....systems.family import Family
 
     assert points.given is not None
     system, law = disk_system(points.law), points.contact()
@@ -41,7 +41,7 @@ def _told(found: Spectrum) -> Answer:
 
 
 def _arguments(points: Points) -> dict[str, Any]:
-    from ...bodies.disk import Disk
+    from ....bodies.disk import Disk
 
     place = {"at": points.at} if points.lean is None else {"lean": points.lean}
     return {**place, "disk": Disk(k=points.k), "contact": points.contact()}

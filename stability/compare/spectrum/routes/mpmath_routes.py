@@ -7,13 +7,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...algebra.number_types import Algebra
-from ...algebra.upright import UPRIGHT
-from ...base.types import Floats
-from ...base.verdict import CODES, Verdict
-from ...bodies.thin_disk.disk_families import FAMILIES
-from .points import Points
-from .routes import Answer, Route, jacobian_program
+from ....algebra.number_types import Algebra
+from ....algebra.upright import UPRIGHT
+from ....base.types import Floats
+from ....base.verdict import CODES, Verdict
+from ....bodies.thin_disk.disk_families import FAMILIES
+from ..points import Points
+from .jacobians import jacobian_program
+from .route import Answer, Route
 
 
 class ManyDigits(Route):

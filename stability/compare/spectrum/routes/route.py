@@ -1,0 +1,111 @@
+"""What a route to a verdict is, and what it answers.
+
+A route is one class: `matrices` for those that go through LAPACK, or `answer` for the rest.  What
+all of them are given: the members as doubles, the equations of motion, and how many zeros the
+spectrum has by structure, which is more than people know.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....base.types import Complexes, Floats
+from ....base.verdict import CODES, Verdict
+from ..points import Points
+
+SMALL = 1e-9
+"""What people's scripts take for zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a route says at N points."""
+
+    codes: NDArray[np.int8]
+    """Verdict flags, shape (N,)."""
+    eigenvalues: Complexes | None = None
+    """Shape (N, n), structural zeros removed; None if the route has none."""
+    abscissa: Floats | None = None
+    """Largest real part, shape (N,)."""
+    bound: Floats | None = None
+    """The route's own bound on the error of the abscissa, shape (N,); None if it states none."""
+
+
+def check(points: Points, answer: Answer) -> None:
+    """See that an answer has the shapes and kinds that it should have.
+
+    Parameters
+    ----------
+    points
+        What was asked.
+    answer
+        What a route says.
+
+    Raises
+    ------
+    ArithmeticError
+        If it has not, or holds a number that is not finite.
+    """
+    count, codes = len(points), np.asarray(answer.codes)
+    if codes.shape != (count,) or codes.dtype.kind not in "iu":
+        raise ArithmeticError(f"verdicts of shape {codes.shape} for {count} points")
+    if not np.isin(codes, list(CODES.values())).all():
+        raise ArithmeticError("verdict flags that mean nothing")
+    wide = points.member.system.x.numel() - points.zeros
+    for name, shape in (("eigenvalues", (count, wide)), ("abscissa", (count,))):
+        values = getattr(answer, name)
+        if values is not None and (
+            np.shape(values) != shape or not np.isfinite(np.asarray(values, dtype=complex)).all()
+        ):
+            raise ArithmeticError(f"{name} of a wrong shape, or not finite")
+
+
+class Route:
+    """A route to spectra; subclasses name it and say how.
+
+    `matrices` returns the linearisation at each point; from it everything else follows the way
+    people do it: LAPACK, the smallest moduli dropped as structural zeros, the sign of the largest
+    real part against `small`.  A route of another kind overrides `answer`.
+    """
+
+    name: ClassVar[str]
+    """Name in tables and on the command line."""
+    title: ClassVar[str]
+    """What it is, in a few words."""
+    own: ClassVar[bool] = False
+    """Whether it is one of the package's."""
+    default: ClassVar[bool] = False
+    """Whether the package takes it when nothing else is asked."""
+    arrays: ClassVar[bool] = True
+    """Whether it takes many points at once, so that its time falls with their number."""
+    small: ClassVar[float] = SMALL
+    """Real parts up to this count as zero."""
+
+    def matrices(self, points: Points) -> Floats:
+        """The linearisation, shape (N, n, n)."""
+        raise NotImplementedError
+
+    def answer(self, points: Points) -> Answer:
+        """Eigenvalues and verdicts at points."""
+        return self.judged(points, np.linalg.eigvals(self.matrices(points)).astype(complex))
+
+    def at_state(self, points: Points) -> Answer:
+        """The answer at states that may not be steady: most routes do not look."""
+        return self.answer(points)
+
+    def judged(self, points: Points, values: Complexes) -> Answer:
+        """What eigenvalues, structural zeros among them, say."""
+        order = np.argsort(np.abs(values), axis=1, kind="stable")[:, points.zeros :]
+        kept = np.take_along_axis(values, order, axis=1)
+        abscissa = kept.real.max(axis=1)
+        codes = np.full(len(points), CODES[Verdict.NEUTRAL], dtype=np.int8)
+        codes[abscissa > self.small] = CODES[Verdict.UNSTABLE]
+        codes[abscissa < -self.small] = CODES[Verdict.STABLE]
+        return Answer(codes, kept, abscissa)
+
+
+# --- differences of the rates ---
