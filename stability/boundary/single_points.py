@@ -20,10 +20,13 @@ import numpy as np
 from flint import acb, acb_poly, arb, arb_poly, fmpq
 
 from ..algebra.balls import precision
-from ..algebra.exact.real_roots import BITS, specialised
+from ..algebra.exact.real_roots import BITS, MOST_BITS, specialised
 from ..base.verdict import Verdict
 from .critical import Characteristic, Conditions
 from .search import Mark, Search
+
+GUARD = 64
+"""Bits beyond those of a root at which conditions are evaluated there."""
 
 
 def single(found: Search, mark: Mark) -> Verdict:
@@ -45,7 +48,8 @@ def single(found: Search, mark: Mark) -> Verdict:
     if mark.below > 0:
         # the limit of stable motions with an eigenvalue on the axis
         return Verdict.NEUTRAL
-    with precision(BITS):
+    # as precisely as the search had to be to separate this root from the next
+    with precision(max(BITS, min(mark.root.rel_accuracy_bits(), MOST_BITS)) + GUARD):
         if _unstable(found.source, mark.root):
             return Verdict.UNSTABLE
     exact = _rational(found.source, mark.root)

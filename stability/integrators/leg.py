@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ from .flow import Flow
 
 LARGE = 1e3
 """Friction from which the slip is resolved more finely."""
+BRIEF = 0.01
+"""Share of the computing time that a run may take, up to which the wall's clock tells it."""
 RESOLVED = 0.01
 """mu times the slip that is always resolved."""
 LOOSE = 1e-2
@@ -102,11 +105,16 @@ class Path:
     """Computing time of the thread that it took [s]; 0 where it was run among others."""
 
 
+_READ = threading.local()
+"""Wall's and thread's clock when a thread last read its own."""
+
+
 class Budget:
     """The computing time that a run has left, counted for the thread that made the budget.
 
-    Other work on the machine takes nothing from it.  As a callback it is asked at every step, and
-    is false once the time is spent.
+    Other work on the machine takes nothing from it.  The thread's own clock may take a millisecond
+    to read: a reading serves for as long as `BRIEF` of the time, to which the budget is exact.  As
+    a callback it is asked at every step, and is false once the time is spent.
 
     Parameters
     ----------
@@ -120,17 +128,26 @@ class Budget:
     """
 
     def __init__(self, seconds: float) -> None:
-        self.seconds, self.end = seconds, time.thread_time() + seconds
+        self.seconds, self._began = seconds, time.perf_counter()
+        wall, used = getattr(_READ, "clocks", (-math.inf, 0.0))
+        if not self._began - wall < BRIEF * seconds:
+            wall, used = _READ.clocks = self._began, time.thread_time()
+        self._start = used + (self._began - wall)  # the thread has computed no more than that
+
+    @property
+    def used(self) -> float:
+        """Seconds since it was made; by the wall's clock, which is never behind, while few."""
+        now = time.perf_counter()
+        if now - self._began < BRIEF * self.seconds:
+            return now - self._began
+        used = time.thread_time()
+        _READ.clocks = now, used
+        return max(0.0, used - self._start)
 
     @property
     def left(self) -> float:
         """Seconds that are left."""
-        return self.end - time.thread_time()
-
-    @property
-    def used(self) -> float:
-        """Seconds since it was made."""
-        return self.seconds - self.left
+        return self.seconds - self.used
 
     @property
     def spent(self) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
@@ -38,8 +37,6 @@ TURN, TURN_POWER = {HEYOKA: 500.0, "dop853": 190.0}, 0.12
 for the error that it ends with, which for Taylor's is far below that of CVODES at one tolerance."""
 PATIENCE = 4.0
 """Steps of an explicit method per TURN and unit of time after which `auto` takes it for stiff."""
-BRIEF = 0.01
-"""Share of the computing time that a run may take, up to which it counts as long as it lasted."""
 EXPLICIT_TIGHT = 1e-10
 """Without heyoka: tolerance from which DOP853 takes over from CVODES, which is of order 5."""
 
@@ -316,11 +313,9 @@ def _alone(
 
 def _timed(method: str, leg: Leg) -> Path:
     """The path by one method, with the computing time that it took."""
-    budget, began = Budget(leg.seconds), time.perf_counter()
+    budget = Budget(leg.seconds)
     path = METHODS[method](leg)
-    passed = time.perf_counter() - began
-    # the thread's own clock may take a millisecond to read: what is brief is told by the wall's
-    return replace(path, seconds=passed if passed < BRIEF * leg.seconds else budget.used)
+    return replace(path, seconds=budget.used)
 
 
 def _second(leg: Leg, first: Path, choice: Choice) -> tuple[Path, Choice]:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import time
 from typing import Any
 
 import casadi as ca
@@ -45,6 +46,14 @@ def test_a_budget_is_of_the_thread_and_of_no_other() -> None:
     assert budget(None)
     assert 0 < budget.left <= 1e6
     assert not Budget(0.0)(None)
+    for _ in range(3):  # a reading of the clock that serves several budgets
+        budget = Budget(0.2)
+        time.sleep(0.3)
+        assert budget.left > 0.15 and not budget.spent
+        end = time.thread_time() + 0.21
+        while time.thread_time() < end:
+            pass
+        assert budget.spent
 
 
 @pytest.mark.parametrize("seconds", [0, -1.0, math.inf, math.nan, 1e9, "long", [1.0, 2.0]])

@@ -163,7 +163,8 @@ def families_under(law: str) -> list[DiskFamily]:
 
 def lines_under(law: str) -> list[DiskFamily]:
     """Those of which a motion may be near a member, and settle on it."""
-    return [f for f in families_under(law) if f.line]
+    # asked of each launch, so in one pass
+    return [f for f in FAMILIES.values() if f.law in ("", law) and f.line]
 
 
 def leaning() -> str:
