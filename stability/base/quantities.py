@@ -40,8 +40,9 @@ class Kind(Enum):
 
     def attributes(self, *, dimensionless: bool) -> dict[str, str]:
         """`units` of a labelled array, and `unit_in_words` where these are 1 by choice of units."""
-        found = {"units": self.unit(dimensionless=dimensionless)}
-        return found | ({"unit_in_words": self.words} if dimensionless and self.words else {})
+        if dimensionless and self.words:
+            return {"units": "1", "unit_in_words": self.words}
+        return {"units": self.si}
 
     @property
     def suffix(self) -> str:
@@ -71,7 +72,7 @@ class Quantity:
 
     def attributes(self, *, dimensionless: bool) -> dict[str, str]:
         """Long name and units of a labelled array."""
-        return {"long_name": self.long_name} | self.kind.attributes(dimensionless=dimensionless)
+        return {"long_name": self.long_name, **self.kind.attributes(dimensionless=dimensionless)}
 
 
 def unit_of(attributes: Mapping[str, Any]) -> str:

@@ -307,7 +307,8 @@ def _alone(
     with ASKING:
         leg = Leg(flow(), *numbers)
         if path is None:
-            path = _timed(choice.method, replace(leg, max_steps=most))
+            fewer = leg if most == leg.max_steps else replace(leg, max_steps=most)
+            path = _timed(choice.method, fewer)
         return _second(leg, path, choice) if auto and _gave_up(path, leg) else (path, choice)
 
 
