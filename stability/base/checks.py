@@ -145,7 +145,7 @@ def positive(
     """
     number = checked(name, value)
     values = np.asarray(number)
-    low = values[(values < 0) | (values == 0) & (not zero)]
+    low = values[values < 0 if zero else values <= 0]
     if low.size:
         raise ParameterError(f"{name} is {low.flat[0]:g}; {remedy}.")
     return number

@@ -18,6 +18,7 @@ from ..base.verdict import Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..spectra.arguments import prepare
+from ..spectra.certificate import verdict as certified
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structural_zeros import structure
@@ -188,7 +189,7 @@ def located(line: AxisScan, found: Search) -> Boundaries:
         crossing = CROSSINGS[mark.kind]
         rate = _rate(line, found, mark, root, crossing)
         points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
-    touching, unclear = _touching(found)
+    touching, unclear = _touching(line, found)
     left += [Unresolved(v, v, f"whether the member of {line.problem.family.name} there is neutral, "
                         "between unstable ones, is not decided.") for v in unclear]  # fmt: skip
     left = list(dict.fromkeys(left))
@@ -196,8 +197,12 @@ def located(line: AxisScan, found: Search) -> Boundaries:
     return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), how)
 
 
-def _touching(found: Search) -> tuple[list[float], list[float]]:
+def _touching(line: AxisScan, found: Search) -> tuple[list[float], list[float]]:
     """Values at which alone the verdict is neutral, and those where that is not decided."""
+
+    def proved(value: float) -> Verdict:
+        return certified(line.problem, line.fixed | {line.axis: value})
+
     neutral: list[float] = []
     unclear: list[float] = []
     for mark in found.marks:
@@ -205,7 +210,7 @@ def _touching(found: Search) -> tuple[list[float], list[float]]:
             continue
         if mark.below > 0 and not found.source.dissipative:
             continue  # neutral on both sides too
-        verdict = single(found, mark)
+        verdict = single(found, mark, proved)
         if verdict is not Verdict.UNSTABLE:
             (neutral if verdict is Verdict.NEUTRAL else unclear).append(float(mark.value.mid()))
     return neutral, unclear

@@ -20,7 +20,7 @@ from ..base.checks import checked, flag
 from ..base.errors import ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.contact_laws import LinearViscous, Viscous
+from ..bodies.contact_laws import LinearViscous, Viscous, stored
 from ..bodies.disk import Disk
 from ..spectra.disk_problem import disk_problem
 
@@ -108,7 +108,7 @@ def drift(
     >>> d.time.round().tolist()
     [5075.0, 28471.0]
     """
-    if type(contact) not in (Viscous, LinearViscous) or contact is None:  # the flow is of these
+    if not (isinstance(contact, (Viscous, LinearViscous)) and stored(type(contact))):
         raise ParameterError(
             f"contact is {shown(contact)}; drift needs a law with friction: Viscous(mu) or "
             "LinearViscous(c)."

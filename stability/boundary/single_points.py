@@ -11,7 +11,7 @@ tests/boundary/test_single_points.py.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import comb
 from typing import Any
@@ -29,7 +29,7 @@ GUARD = 64
 """Bits beyond those of a root at which conditions are evaluated there."""
 
 
-def single(found: Search, mark: Mark) -> Verdict:
+def single(found: Search, mark: Mark, proved: Callable[[float], Verdict]) -> Verdict:
     """The verdict at a mark on whose two sides it is the same.
 
     Parameters
@@ -38,6 +38,8 @@ def single(found: Search, mark: Mark) -> Verdict:
         From `search`.
     mark
         One of its marks, no pole.
+    proved
+        The proved verdict at a double.
 
     Returns
     -------
@@ -52,12 +54,12 @@ def single(found: Search, mark: Mark) -> Verdict:
     with precision(max(BITS, min(mark.root.rel_accuracy_bits(), MOST_BITS)) + GUARD):
         if _unstable(found.source, mark.root):
             return Verdict.UNSTABLE
-    exact = _rational(found.source, mark.root)
-    if exact is None:
-        return Verdict.UNDECIDED
     if isinstance(found.source, Conditions):
-        return Verdict.NEUTRAL if found.source.sign(exact) == 0 else Verdict.UNSTABLE
-    return found.source.verdict(exact)
+        # none is negative there; those that were left out follow from positive ones alone
+        neutral = proved(float(mark.value.mid())) is Verdict.NEUTRAL
+        return Verdict.NEUTRAL if neutral else Verdict.UNDECIDED
+    exact = _rational(found.source, mark.root)
+    return Verdict.UNDECIDED if exact is None else found.source.verdict(exact)
 
 
 def _unstable(source: Conditions | Characteristic, x: Any) -> bool:
@@ -91,7 +93,7 @@ def _grows(coefficients: Sequence[Any]) -> bool:
     return False
 
 
-def _rational(source: Conditions | Characteristic, x: Any) -> Any | None:
+def _rational(source: Characteristic, x: Any) -> Any | None:
     """The root as a rational, where it is a short one."""
     with precision(BITS):
         middle = x.mid().fmpq()

@@ -27,8 +27,7 @@ def _map(options: argparse.Namespace) -> None:
         raise ParameterError("--levels belongs to --certify; leave it out or certify.")
     disk = _disk(options)
     contact = contact_of(options, swept=swept)
-    streams = options.verdict_only
-    out = check_suffix(options.out, NETCDF if streams else DATASETS, "--out")
+    out = check_suffix(options.out, NETCDF if options.verdict_only else DATASETS, "--out")
     targets = [check_target(out, overwrite=options.force)]
     if options.plot is not None:
         targets.append(_picture(options.plot, options.force))

@@ -81,8 +81,8 @@ def determinants(polynomial: sympy.Poly) -> list[Expr]:
         place = 2 * (j + 1) - (i + 1)
         return a[place] if 0 <= place <= n else sympy.Integer(0)
 
-    atomic_write = sympy.Matrix(n, n, entry)
-    return [sympy.factor(atomic_write[:i, :i].det(method="berkowitz")) for i in range(1, n + 1)]
+    whole = sympy.Matrix(n, n, entry)
+    return [sympy.factor(whole[:i, :i].det(method="berkowitz")) for i in range(1, n + 1)]
 
 
 def conditions(derived: Derived) -> list[tuple[str, Expr]]:

@@ -78,7 +78,10 @@ class Rows:
     def _proved_zeros(self) -> Iterator[int]:
         from .certificate import structural_zeros
 
-        return (structural_zeros(self.member(row)) for row in map(int, np.unique(self.first)))
+        return (
+            structural_zeros(self.member(row))
+            for row in map(int, np.unique(self.firsts(np.arange(len(self.place.a)))))
+        )
 
     def _supported(self) -> NDArray[np.intp]:
         """How many zeros of each member are within their rounding."""
@@ -152,12 +155,12 @@ class Rows:
         """The numbers of one member by name."""
         return {n: float(column[row]) for n, column in self._columns.items()}
 
-    @cached_property
-    def first(self) -> NDArray[np.intp]:
-        """The first row with the same numbers as each, bit for bit: a proof of one is for all."""
-        bits = np.column_stack([*self._columns.values(), self.place.u]).view(np.int64)
+    def firsts(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+        """For each of some rows the first with the same numbers, bit for bit: one proof for all."""
+        columns = [column[rows] for column in self._columns.values()]
+        bits = np.column_stack([*columns, self.place.u[rows]]).view(np.int64)
         _, first, inverse = np.unique(bits, axis=0, return_index=True, return_inverse=True)
-        return first[inverse.reshape(-1)]
+        return rows[first][inverse.reshape(-1)]
 
     def member(self, row: int) -> Member:
         """A member of a user's family in exact numbers, made once."""

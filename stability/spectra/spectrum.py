@@ -157,7 +157,8 @@ def proved(
     error = np.asarray(found.abscissa_error, dtype=float).reshape(-1).copy()
     codes, bits = found.codes.reshape(-1).copy(), np.full(len(flat), NOT_ASKED, dtype=np.int64)
     seen: dict[int, Certificate | None] = {}
-    for row, first in zip(np.flatnonzero(asked), rows.first[asked], strict=True):
+    where = np.flatnonzero(asked)
+    for row, first in zip(where, rows.firsts(where), strict=True):
         if first not in seen:
             seen[first] = _certificate(rows, int(first), escalated=escalated)
         certificate = seen[first]

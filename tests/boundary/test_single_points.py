@@ -9,8 +9,11 @@ import pytest
 from flint import arb
 
 import stability as st
+from stability.algebra.exact.rational_functions import RING
 from stability.boundary.brackets import AxisScan, refine
-from stability.boundary.single_points import _grows
+from stability.boundary.critical import Conditions
+from stability.boundary.search import Mark, Search
+from stability.boundary.single_points import _grows, single
 from stability.spectra.problem import system_problem
 
 STATES = ("q", "u", "r", "w")
@@ -114,3 +117,15 @@ def test_a_map_with_an_edge_of_neutral_members_says_what_is_open_and_ends_soon()
     line.quick_sign = lambda value: asked.append(value) or sign(value)  # type: ignore[method-assign, func-returns-value]
     assert refine(line, 0.0, 1.0) is None  # unstable on both sides: no bracket
     assert len(asked) < 20
+
+
+@pytest.mark.parametrize("word", ["NEUTRAL", "UNSTABLE", "UNDECIDED"])
+def test_a_condition_that_is_zero_between_unstable_sides_proves_nothing_alone(word: str) -> None:
+    x = RING.gens()[0]
+    source = Conditions(
+        [("static", RING.constant(1)), ("flutter", -(x**2))], None, dissipative=True
+    )
+    mark = Mark(arb(0), "flutter", -1, -1, arb(0))
+    said = st.Verdict[word]
+    found = single(Search((mark,), source), mark, lambda _: said)
+    assert found is (said if said is st.Verdict.NEUTRAL else st.Verdict.UNDECIDED)

@@ -163,8 +163,7 @@ def families_under(law: str) -> list[DiskFamily]:
 
 def lines_under(law: str) -> list[DiskFamily]:
     """Those of which a motion may be near a member, and settle on it."""
-    # asked of each launch, so in one pass
-    return [f for f in FAMILIES.values() if f.law in ("", law) and f.line]
+    return [f for f in families_under(law) if f.line]
 
 
 def leaning() -> str:

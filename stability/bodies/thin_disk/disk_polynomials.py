@@ -24,7 +24,7 @@ from ..contact import Contact
 from .disk_families import FAMILIES
 
 DATA = "disk_polynomials.json"
-"""The file of derived polynomials, in stability/data."""
+"""The file of derived polynomials, next to this module."""
 DIGEST = "d60731b19cd4d14caabd9d683c1229d5ee419c736590ce8994c1b54211caac27"
 """SHA-256 of that file, written by `make derive`; another content is refused."""
 

@@ -15,6 +15,8 @@ from ....base.verdict import CODES, Verdict
 from ..points import Points
 from .route import SMALL, Answer, Route
 
+# --- differences of the rates ---
+
 
 def rates(points: Points, x: Floats) -> Floats:
     """The rates at states of the points' disks, without a look at where they have a meaning.

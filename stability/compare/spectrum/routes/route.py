@@ -106,6 +106,3 @@ class Route:
         codes[abscissa > self.small] = CODES[Verdict.UNSTABLE]
         codes[abscissa < -self.small] = CODES[Verdict.STABLE]
         return Answer(codes, kept, abscissa)
-
-
-# --- differences of the rates ---
