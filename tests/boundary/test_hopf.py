@@ -218,7 +218,10 @@ def ends_at(point: Any, family: str, k: float, mu: float, y: float, z: float, ti
     return states[:, 2 if family == "spinning" else 0] - point.at, states
 
 
-@pytest.mark.parametrize(("family", "k", "mu"), [("spinning", 0.25, 0.8), ("tumbling", 0.25, 1.5)])
+@pytest.mark.parametrize(
+    ("family", "k", "mu"),
+    [pytest.param("spinning", 0.25, 0.8, marks=pytest.mark.long), ("tumbling", 0.25, 1.5)],
+)
 def test_elliptic_a_motion_near_the_unstable_part_settles_as_far_beyond(
     family: str, k: float, mu: float
 ) -> None:

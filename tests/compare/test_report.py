@@ -16,10 +16,11 @@ import pytest
 import stability as st
 from stability.cli import main
 from stability.compare import failures as catalogue
-from stability.compare import report
+from stability.compare import parts, report
 from stability.compare.motion import dataset as motion_data
 from stability.compare.motion import measure as works
 from stability.compare.spectrum import dataset as spectral_data
+from stability.compare.spectrum import hardness
 from stability.compare.spectrum import measure as spectral
 from stability.jobs import journal
 from stability.jobs.journal import CRASHED, DONE, LATE, REFUSED, Journal
@@ -176,13 +177,17 @@ def test_the_fingerprint_knows_the_sources_and_not_the_figures(
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """A report of few routes, classes, scenes and cases."""
     routes = ("ad-1e-9", "certified", "map", "spectrum")
+    some = {name: hardness.classes()[name] for name in ("open", "meeting")}
     for module in (spectral, spectral_data):
         monkeypatch.setattr(module, "CHARTED", routes)
+    for module in (spectral, spectral_data, parts):
+        monkeypatch.setattr(module, "classes", lambda: some)
     scenes = {n: works.CHARTED[n] for n in ("gentle", "stiff-10000")}
     drivers = ("simulate", "rk4", "rough-model")
     for module in (works, motion_data):
         monkeypatch.setattr(module, "CHARTED", scenes)
         monkeypatch.setattr(module, "NAMES", drivers)
+    monkeypatch.setattr(works, "LIMIT", 2.0)  # what a cell has by then is kept
     monkeypatch.setattr(catalogue, "LIMIT", 60.0)  # a loaded machine is no fault of a method
     monkeypatch.setattr(catalogue, "ROUTE_NAMES", ("ad-raw", "sympy-solved", "spectrum"))
     monkeypatch.setattr(catalogue, "DRIVER_NAMES", ("rk4", "regularised", "simulate"))

@@ -74,13 +74,18 @@ CLAIMS = [
 ]
 
 
+SEVERAL = ("0.25", "0.34", "0.27195394608109374", "0.375", "0.5", "0.01")
+
+
 def decided(family: str, law: str, k: float, mu: float, at: float) -> Verdict:
     contact = {"smooth": st.Smooth(), "viscous": st.Viscous(mu), "rough": st.Rough()}[law]
     asked = disk_problem(family, st.Disk(k=k), contact, at)
     return verdict(asked, {n: float(v) for n, v in asked.values.items()})
 
 
-@pytest.mark.parametrize("k", ["all", "0.375", "0.34", "0.5", "0.01"])
+@pytest.mark.parametrize(
+    "k", ["all", "0.34", *(pytest.param(k, marks=pytest.mark.long) for k in SEVERAL[3:])]
+)
 def test_ranges_of_spinning_hold_wherever_they_are_probed(k: str) -> None:
     random = np.random.default_rng(3)
     value = float(random.uniform(1e-3, 0.5)) if k == "all" else float(k)
@@ -110,8 +115,10 @@ def test_ranges_of_spinning_hold_wherever_they_are_probed(k: str) -> None:
                 assert below is Verdict.UNSTABLE
 
 
-@pytest.mark.parametrize("probes", [12, pytest.param(50, marks=pytest.mark.long)])
-@pytest.mark.parametrize("k", ["0.25", "0.375", "0.34", "0.5", "0.01", "0.27195394608109374"])
+@pytest.mark.parametrize(
+    ("k", "probes"),
+    [("0.25", 12), ("0.34", 12), *(pytest.param(k, 50, marks=pytest.mark.long) for k in SEVERAL)],
+)
 def test_ranges_of_tumbling_hold_wherever_they_are_probed(k: str, probes: int) -> None:
     random = np.random.default_rng(4)
     ranges = formulas("tumbling", "viscous", (k,)).ranges

@@ -36,7 +36,7 @@ def events(case: dict[str, Any]) -> list[tuple[str, float]]:
 
 
 @pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize("method", ["auto", "dop853"])
+@pytest.mark.parametrize("method", ["auto", pytest.param("dop853", marks=pytest.mark.long)])
 def test_scenes_meet_the_inertial_formulation(name: str, method: str) -> None:
     case = SCENES[name]
     times = np.array(case["times"])
@@ -245,10 +245,13 @@ def test_ways_on_by_the_force_are_those_by_the_direction() -> None:
         assert sorted(ways.directions) == pytest.approx(sorted(angles), abs=1e-8)
 
 
-def test_the_number_of_ways_that_keep_contact_is_odd_if_pressed_and_even_if_not() -> None:
+@pytest.mark.parametrize("draws", [400, pytest.param(2000, marks=pytest.mark.long)])
+def test_the_number_of_ways_that_keep_contact_is_odd_if_pressed_and_even_if_not(
+    draws: int,
+) -> None:
     rng = np.random.default_rng(5)
     several = 0
-    for _ in range(2000):
+    for _ in range(draws):
         k = float(rng.choice([0.05, 0.1, 0.25, 0.5]))
         mu = float(2 * math.sqrt(k * (k + 1)) * rng.uniform(0.3, 4))
         theta, q, p, w = four = np.array([rng.uniform(0.1, 3.0), *rng.uniform(-3, 3, 3)])

@@ -115,7 +115,7 @@ def test_neighbours_of_the_reference_launch_all_end_as_outcomes() -> None:
 
 @lru_cache
 def of_neighbours(method: str) -> Any:
-    starts, times = attached(neighbours(24), 0.3)[14:], np.linspace(0, 20, 21)
+    starts, times = attached(neighbours(24), 0.3)[19:], np.linspace(0, 20, 21)
     return st.simulate(st.Disk(), st.Viscous(0.3), starts, times, method=method, tolerance=1e-11)
 
 
