@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="auto, heyoka, dop853, lsoda, radau, bdf, cvodes, idas")  # fmt: skip
     parser.add_argument("--tolerance", type=float, default=1e-9, metavar="E",
                         help="error allowed in a step (default 1e-9)")  # fmt: skip
-    parser.add_argument("--max-seconds", type=float, default=10.0, metavar="S",
+    parser.add_argument("--max-seconds", type=float, default=8.0, metavar="S",
                         help="computing time after which it gives up (default 10)")  # fmt: skip
     parser.add_argument("--no-check", action="store_true",
                         help="do not run the neighbours of each launch, which tell the error "

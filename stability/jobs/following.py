@@ -85,7 +85,8 @@ def processes(workers: int) -> Iterator[Executor]:
     """
     context = multiprocessing.get_context("spawn")
     others = set(multiprocessing.active_children())
-    pool = _Processes(workers, context, follow, (os.getpid(),))
+    with ignoring_signals():  # its queues start the helper of multiprocessing
+        pool = _Processes(workers, context, follow, (os.getpid(),))
     try:
         yield pool
         pool.shutdown()

@@ -145,7 +145,7 @@ class Settings:
     """Threads."""
     check: bool = True
     """Whether each launch has a shadow."""
-    max_seconds: float = 10.0
+    max_seconds: float = 8.0
     """Computing time after which a run gives up [s]."""
     executor: Executor | None = None
     """What does the launches; None for threads, and this one."""

@@ -39,7 +39,7 @@ def simulate(
     flat: float = 1e-6,
     settle: float = 1e-3,
     max_steps: int = 1_000_000,
-    max_seconds: float = 10.0,
+    max_seconds: float = 8.0,
     check: bool = True,
     workers: int | None = None,
     executor: Executor | None = None,

@@ -116,6 +116,27 @@ def test_a_worker_ends_with_its_parent(system: str, tmp_path: Path) -> None:
     assert soon(there, 30.0) == []
 
 
+@LINUX
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_to_the_group_leaves_the_helper_of_multiprocessing_alone(number: int) -> None:
+    """If it dies, the next one knows no semaphore and ends each release in a traceback."""
+    code = (
+        "import os, time\n"
+        "from multiprocessing.resource_tracker import _resource_tracker as helper\n"
+        "from stability.jobs.following import processes\n"
+        "with processes(1) as pool:\n"
+        "    first = helper._pid\n"
+        f"    os.kill(first, {int(number)})\n"
+        "    time.sleep(0.3)\n"
+        "    print(pool.submit(abs, -1).result(), helper._pid == first)\n"
+        "    helper.ensure_running()\n"
+        "    print(helper._pid == first)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False,
+                          timeout=60)  # fmt: skip
+    assert (done.stdout.split(), done.stderr) == (["1", "True", "True"], "")
+
+
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer here")
 def test_an_interruption_within_hdf5_does_not_end_the_process(tmp_path: Path) -> None:
     """A stream that is interrupted at any moment leaves nothing, and the process goes on."""
