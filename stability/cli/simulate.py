@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tolerance", type=float, default=1e-9, metavar="E",
                         help="error allowed in a step (default 1e-9)")  # fmt: skip
     parser.add_argument("--max-seconds", type=float, default=8.0, metavar="S",
-                        help="computing time after which it gives up (default 10)")  # fmt: skip
+                        help="computing time after which it gives up (default 8)")  # fmt: skip
     parser.add_argument("--no-check", action="store_true",
                         help="do not run the neighbours of each launch, which tell the error "
                         "of its end: faster")  # fmt: skip
