@@ -307,7 +307,7 @@ def _draw_energy(page: Any, motion: SingleRun) -> None:
         lines_of_energy(upper, motion)
     else:
         _layers_of_energy(upper, motion)
-    # the stated error is the largest audit divided by the energy at time 0
+    # largest audit over stated error: the scale of the energy, for a disk its value at time 0
     largest = float(np.abs(data.audit.values).max())
     first = largest / (float(data.energy_error) or 1.0) or 1.0
     upper.set_ylabel(f"energy\n{unit(data, 'energy')}")
