@@ -61,7 +61,7 @@ class ExactPolynomial(ABC):
     """The characteristic polynomial of a family, from the numbers that name a member.
 
     A subclass for your family has one method, `coefficients`, and `zeros` where eigenvalues vanish
-    by structure.  `Family` takes an instance as `exact`, if the family has no unknowns.  At first
+    by structure.  `Family` takes an instance as `exact`, if no unknown is solved for.  At first
     use the package compares the polynomial with the equations of motion at random members.
 
     Examples
