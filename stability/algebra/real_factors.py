@@ -196,7 +196,7 @@ def settle(a: Sequence[Array], factors: Factors, steps: int = 0) -> Factors:
     Returns
     -------
     Factors
-        Without any bound on their error; `enclose` gives one.
+        Without any bound on their error; `enclose` gives bounds.
     """
     enough = 8 * np.finfo(a[0].dtype).eps
     change: Array = np.empty(0)

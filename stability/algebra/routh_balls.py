@@ -14,8 +14,9 @@ ROUGH = 1e-6
 def verdict_polynomial(coefficients: Sequence[Any], zeros: int, conservative: bool) -> list[Any]:
     """The polynomial whose Hurwitz stability is the verdict, lowest coefficient first.
 
-    For a dissipative law it is the reduced characteristic polynomial.  For a conservative one,
-    q(λ²), it is q(λ²) + λ q'(λ²): Hurwitz exactly when all λ² are real, negative and simple.
+    For a dissipative law: the reduced characteristic polynomial.  For a conservative law, with the
+    reduced polynomial q(λ²): q(λ²) + λ q'(λ²), Hurwitz exactly when all λ² are real, negative and
+    simple.
 
     Parameters
     ----------

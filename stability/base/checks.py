@@ -366,7 +366,7 @@ def instance(name: str, value: Any, kind: type[Kind], remedy: str) -> Kind:
     value
         The object.
     kind
-        Its class.
+        Required class of the object.
     remedy
         Accepted argument, for the message.
 

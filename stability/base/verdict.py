@@ -1,4 +1,4 @@
-"""Verdicts: what a spectrum says, and what the motion itself does, as far as that is known."""
+"""Verdicts of a spectrum, and of the nonlinear motion as far as it is known."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rolling, spinning and tumbling are all steady motions of the viscous disk: proof and search.
+"""The viscous disk has only rolling, spinning and tumbling as steady motions: proof and search.
 
 A steady motion has θ̇ = 0 and constant θ, φ̇, ω₃ and slip.  The proof eliminates the unknowns from
 the implicit equations in the graph.  SymPy checks that each step is an identity of the graph.  The

@@ -52,7 +52,7 @@ class Formulas:
     boundaries: list[dict[str, str]]
     """Solved boundaries: kind, solved quantity, formula, and `where` it holds (if stated)."""
     limits: dict[str, list[str]]
-    """Factored conditions as mu → 0 and as mu → ∞, positive at each member, not uniformly."""
+    """Factored leading terms of conditions as mu → 0 and mu → ∞; at each member, not uniformly."""
     statements: list[str] = field(default_factory=list)
     """Verdicts for whole ranges of mu, with the checked obligations."""
     ranges: list[dict[str, Any]] = field(default_factory=list)
@@ -84,7 +84,7 @@ def derived(known: Exact) -> Derived:
     Parameters
     ----------
     known
-        From `exact_polynomial`.
+        Result of `exact_polynomial`.
 
     Returns
     -------
@@ -189,7 +189,7 @@ def _solved(kind: str, condition: Expr, family: str) -> list[dict[str, str]]:
 
 
 def _quadratic(a: Expr, b: Expr, c: Expr) -> list[Expr]:
-    """Both roots, with squares taken out of √; their order depends on the point."""
+    """Both roots, with squares taken out of √; the order of the roots depends on the point."""
     content, factors = sympy.factor_list(sympy.expand(b**2 - 4 * a * c))
     outer, inner = sympy.Integer(1), content
     for factor, power in factors:
@@ -276,7 +276,7 @@ def latex(found: Formulas) -> str:
     Parameters
     ----------
     found
-        From `formulas`.
+        Result of `formulas`.
 
     Returns
     -------

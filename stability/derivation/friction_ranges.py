@@ -1,4 +1,4 @@
-"""How verdicts along a family change with mu: cylindrical decomposition of its condition.
+"""Change of verdicts along a family with mu, by cylindrical decomposition of its condition.
 
 The pattern of verdicts along the family can change only where a leading coefficient, an end value
 or a discriminant of the condition vanishes.  One exact sample in between shows the pattern.
@@ -50,7 +50,7 @@ class FlutterCondition:
     condition
         Condition in k, M = mu*² and z = at*² or s = sinθ; positive where stable.
     static
-        The static boundary; verdicts are those beyond it; 0 where there is none.
+        The static boundary, 0 where there is none; only verdicts beyond the boundary count.
     """
 
     def __init__(self, family: str, condition: Expr, static: Expr = 0) -> None:

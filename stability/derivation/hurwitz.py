@@ -36,7 +36,7 @@ SLACK = sympy.symbols("u t v", positive=True)
 
 @dataclass(frozen=True)
 class StabilityCondition:
-    """A polynomial whose sign decides the verdict: stable if all are positive."""
+    """One polynomial of a verdict: all positive means stable (or neutral), some negative unstable."""
 
     kind: str
     """Kind: static (an eigenvalue through zero), flutter (a pair through the axis) or auxiliary."""
@@ -93,7 +93,7 @@ def conditions(derived: Derived) -> list[tuple[str, Expr]]:
     Parameters
     ----------
     derived
-        From `derive`.
+        Result of `derive`.
 
     Returns
     -------
@@ -129,7 +129,7 @@ def positive(expression: Expr, given: Expr | None = None) -> str | None:
     expression
         Polynomial in k, M, z, s.
     given
-        A polynomial that is assumed positive; it must be linear in some variable.
+        A polynomial that is assumed positive and is linear in some variable.
 
     Returns
     -------
@@ -187,7 +187,7 @@ def decisive(derived: Derived) -> tuple[list[StabilityCondition], list[Obligatio
     Parameters
     ----------
     derived
-        From `derive`.
+        Result of `derive`.
 
     Returns
     -------

@@ -61,7 +61,7 @@ class Certificate:
 
     @property
     def how(self) -> str:
-        """How the verdict was proved, in words."""
+        """Arithmetic of the verdict's proof, in words."""
         return in_words(self.bits)
 
 
@@ -354,7 +354,7 @@ def _ball_roots(coefficients: Sequence[Any], even: bool, *, last: bool) -> Balls
 
 
 def _member_roots(member: Member, zeros: int, unit: Any, *, last: bool) -> Balls | None:
-    """Every other eigenvalue from the graph; at the last precision, clusters of equal roots."""
+    """As `_roots`, from the graph; at the last precision, clusters where roots coincide."""
     found = _of_graph(member, zeros, last=last)
     return found if found is None or unit == 1 else [root * arb(unit) for root in found]
 

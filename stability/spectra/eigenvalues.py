@@ -68,8 +68,8 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> Enclosed:
     reduced
         Linearisation from `deflate`.
     even
-        Whether the characteristic polynomial is even by structure.  An eigenvalue whose disc
-        meets the imaginary axis then has a real part of exactly 0.
+        Whether the characteristic polynomial is even by structure.  Values and discs then use
+        the symmetry of the spectrum.
 
     Returns
     -------
@@ -208,7 +208,7 @@ def decide(values: Complexes, radius: Floats, *, even: bool) -> NDArray[np.int8]
     Parameters
     ----------
     values, radius
-        From `eigenvalues`, shapes (N, m).
+        Eigenvalues and radii from `eigenvalues`, shapes (N, m).
     even
         Whether the polynomial is even by structure.
 
@@ -237,7 +237,7 @@ def _decide(values: Complexes, radius: Floats) -> NDArray[np.int8]:
 
 
 def _decide_even(values: Complexes, radius: Floats) -> NDArray[np.int8]:
-    """Neutral: every λ on the imaginary axis with a disc clear of every other disc."""
+    """Verdicts where no two discs meet: all on the imaginary axis, or some clear to its right."""
     distance = np.abs(values[:, :, None] - values[:, None, :])
     reach = radius[:, :, None] + radius[:, None, :]
     np.einsum("ijj->ij", distance)[...] = np.inf

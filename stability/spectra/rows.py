@@ -121,7 +121,7 @@ class Rows:
         return values, radius, codes, pairs if len(self.place.a) <= self._step else None
 
     def grows(self) -> NDArray[np.bool_] | None:
-        """Where structural zeros that no tangent of the family explains are not semisimple."""
+        """Whether structural zeros are proved not to be semisimple; None where not tested."""
         from .deflation import grows
 
         family, place = self.problem.family, self.place

@@ -32,7 +32,7 @@ class Exact:
     even: bool
     """Whether the polynomial without its structural zeros is even in λ."""
     factors: tuple[tuple[Polynomial, ...], ...]
-    """Factors over Q; each by powers of σ, lowest first.  λ = σ mu* for a law with mu, else σ."""
+    """Factors over Q; each by powers of σ, lowest first.  λ = σ mu*, or λ = σ without mu."""
     conditions: tuple[tuple[str, Polynomial], ...]
     """(kind, polynomial): all positive means stable (or neutral), some negative means unstable."""
 

@@ -67,7 +67,7 @@ def isolated(coefficients: Balls, even: bool) -> Balls | None:
         found = acb_poly(balls).roots(tol=arb(2) ** (-3 * ctx.prec // 4))
     except ValueError:
         return None
-    # the conjugate of a root is a root: a ball on the real line alone with its mirror is real
+    # conjugates are roots too: if a ball's mirror image meets it and no other, its root is real
     for i, r in enumerate(found):
         others = (s for j, s in enumerate(found) if j != i)
         if r.imag.contains(0) and any(r.conjugate().overlaps(s) for s in others):

@@ -52,7 +52,7 @@ def split(p: Any) -> tuple[int, Any, Any]:
     -------
     zeros, symmetric, rest
         Number of roots at 0, and two polynomials.  `symmetric` is even; its roots are the nonzero
-        roots λ for which -λ is a root too.  `rest` has no such root.
+        roots λ for which -λ is a root too.  `rest` has no such pair.
 
     Examples
     --------
