@@ -36,7 +36,7 @@ SLACK = sympy.symbols("u t v", positive=True)
 
 @dataclass(frozen=True)
 class StabilityCondition:
-    """One polynomial of a verdict: all positive means stable (or neutral), some negative unstable."""
+    """A polynomial of a verdict: all positive means stable (or neutral), one negative unstable."""
 
     kind: str
     """Kind: static (an eigenvalue through zero), flutter (a pair through the axis) or auxiliary."""
