@@ -77,7 +77,7 @@ class Parameter:
 class Contact:
     """The base of the contact laws; a law is one frozen subclass, here or in a user's module.
 
-    A law states its `name`, its `parameters` and its `force`; from these everything else follows:
+    A law states its `name`, its `parameters` and its `force`.  These give everything else:
     spectra, boundaries, maps, motions, and the command line (`--contact module:Class`).  Each
     parameter is a field of the class.  Its value must be a finite number above zero (or zero, where
     `Parameter.zero` says so).  The force must vanish with the slip and depend linearly on the

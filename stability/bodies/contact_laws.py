@@ -212,7 +212,7 @@ class Coulomb(Contact):
 
 @dataclass(frozen=True, eq=False)
 class RegularisedCoulomb(Contact):
-    """Dry friction made smooth: −mu·gn·vA/√(|vA|² + ε²); it creeps where `Coulomb` sticks.
+    """Dry friction made smooth: −mu·gn·vA/√(|vA|² + ε²); the disk creeps where `Coulomb` sticks.
 
     Parameters
     ----------

@@ -84,7 +84,7 @@ class Model:
         name
             A state, parameter or observable, or `time`.
         dimensionless
-            Whether the body's units are all 1; not used for a user's system, which has its units.
+            Whether the body's units are all 1; not used for a user's system, which states units.
         """
         known = self.quantities.get(name)
         if known is not None:
@@ -112,8 +112,8 @@ def system_model(system: System) -> Model:
     Raises
     ------
     ParameterError
-        If a name is in `TAKEN`, cannot be stored in a file, or is an observable's and a state's or
-        parameter's.
+        If a name is in `TAKEN`, cannot be stored in a file, or is both that of an observable and
+        that of a state or parameter.
 
     Examples
     --------

@@ -194,8 +194,8 @@ def disk_family(name: str, law: str | type[Contact]) -> Family:
     NameUnknownError
         If there is no such family under this law.
 
-    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2; that the viscous law has no further
-    steady motions is proved in `stability.derivation.completeness`.
+    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2; `stability.derivation.completeness`
+    proves that the viscous law has no further steady motions.
 
     Examples
     --------
