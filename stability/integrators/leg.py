@@ -21,7 +21,7 @@ BRIEF = 0.01
 RESOLVED = 0.01
 """mu times the slip that is always resolved."""
 LOOSE = 1e-2
-"""Tolerance down to which `RESOLVED` holds; below, that slip falls with its fourth root."""
+"""Tolerance down to which `RESOLVED` holds; below, that slip falls like tolerance^(1/4)."""
 HALVINGS = 1000
 """Most iterations of a search for a guard's zero; a multiple zero takes many."""
 UNRESOLVED = "unresolved"
@@ -136,7 +136,7 @@ class Budget:
 
     @property
     def used(self) -> float:
-        """Seconds since the start; few seconds by the wall clock, which never shows less."""
+        """Seconds since the start; the wall clock, which is never behind, measures short times."""
         now = time.perf_counter()
         if now - self._began < BRIEF * self.seconds:
             return now - self._began
