@@ -212,8 +212,8 @@ def locate(name: str) -> dict[str, Any]:
     Returns
     -------
     dict
-        Lists along `EDGES`, None where a slow route is not asked.  error: relative error, or None;
-        seconds; width: the stated relative half-width, or None.
+        Lists along `EDGES`, None where a slow route is not asked.  error: relative, None where not
+        found; seconds; width: the stated relative half-width, or None.
     """
     import time
 
