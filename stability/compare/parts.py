@@ -63,7 +63,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Standing:
-    """Where one of the package's default routes stands in a panel."""
+    """Standing of a default route of the package in a panel."""
 
     panel: str
     """Quantity and hardness class, or error and scene."""

@@ -50,9 +50,9 @@ class Driver:
     title: ClassVar[str]
     """Description in a few words."""
     own: ClassVar[bool] = False
-    """Whether it is one of the package's."""
+    """Whether the driver belongs to the package."""
     default: ClassVar[bool] = False
-    """Whether the package uses it by default."""
+    """Whether the package uses the driver by default."""
     tolerances: ClassVar[tuple[float, ...]] = DECADES
     """Tolerances in the charts, from loose to tight."""
     usual: ClassVar[float] = 1e-9

@@ -77,11 +77,11 @@ class Route:
     title: ClassVar[str]
     """Description in a few words."""
     own: ClassVar[bool] = False
-    """Whether it is one of the package's."""
+    """Whether the route belongs to the package."""
     default: ClassVar[bool] = False
-    """Whether the package uses it by default."""
+    """Whether the package uses the route by default."""
     arrays: ClassVar[bool] = True
-    """Whether it takes many points at once, so that its time per point falls."""
+    """Whether it takes many points at once, which makes the time per point shorter."""
     small: ClassVar[float] = SMALL
     """Real parts up to this count as zero."""
 
