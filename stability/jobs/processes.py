@@ -81,7 +81,7 @@ def run(
     Raises
     ------
     KeyboardInterrupt
-        On Ctrl-C, with a sentence that says that finished cells are kept.
+        On Ctrl-C, with a sentence on where the finished cells are.
     """
     lanes_at_most = min(workers, os.cpu_count() or 1)
     keys = [task.key for group in groups for task in group]
