@@ -51,7 +51,7 @@ def unsealed(content: bytes, label: str = "") -> bytes | None:
     content
         From `sealed`.
     label
-        The same as for `sealed`.
+        Label that `sealed` was given.
 
     Returns
     -------

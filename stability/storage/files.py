@@ -92,7 +92,7 @@ def record(path: Path) -> None:
     Parameters
     ----------
     path
-        Its name.
+        Path of the file or folder.
     """
     _named.append(path)
 
