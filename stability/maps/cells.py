@@ -54,7 +54,7 @@ class Cells:
     axes
         x and y.
     modes
-        Whether all eigenvalues are kept.
+        Whether to store all eigenvalues.
     """
 
     def __init__(self, problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> None:

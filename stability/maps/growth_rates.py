@@ -93,7 +93,7 @@ class GrowthKernel:
     problem
         Problem of a family with a tabulated polynomial.
     modes
-        Whether all eigenvalues are kept.
+        Whether to return all eigenvalues.
     """
 
     def __init__(self, problem: Problem, *, modes: bool = False) -> None:
