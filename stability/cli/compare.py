@@ -27,8 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
     if chart:
         parser.add_argument("what", metavar="WHAT", help="spectrum or motion")
     parser.add_argument("--out", required=True, metavar="DIR",
-                        help="folder to write; finished cells are kept there, and gone on "
-                        "with")  # fmt: skip
+                        help="folder to write; finished cells are kept there, and a run "
+                        "that was stopped is resumed")  # fmt: skip
     parser.add_argument("--workers", type=int, metavar="N",
                         help="processes for the catalogue (default: all cores); charts are timed, "
                         "and take one")  # fmt: skip

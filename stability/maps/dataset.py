@@ -162,7 +162,7 @@ def assemble(
             "box_proved": boxes.proved,
             "box_comment": f"share {boxes.proved:.6f} of the map's area is proved; the strip that "
             f"encloses every change of verdict is made of boxes 2^-{boxes.levels} of each axis "
-            "wide (in its logarithm on a logarithmic axis)",
+            "wide; a logarithmic axis is measured in its logarithm",
         }
     return xarray.Dataset(variables, coordinates, attributes)
 

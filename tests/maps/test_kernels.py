@@ -333,6 +333,7 @@ def test_no_box_holds_a_point_of_another_verdict(family: str, x: Any, y: Any, la
     assert boxes.proved > 0.5
     random = np.random.default_rng(7)
     area = np.diff(boxes.x, axis=1)[:, 0] * np.diff(boxes.y, axis=1)[:, 0]
+    assert boxes.proved == pytest.approx(area[boxes.codes != 0].sum() / area.sum())
     assert area.sum() == pytest.approx((axes[0].high - axes[0].low) * (axes[1].high - axes[1].low))
     proved = np.flatnonzero(boxes.codes)
     assert len(set(boxes.codes[proved].tolist())) == (1 if family == "tumbling" and law else 2)
