@@ -11,7 +11,7 @@ import numpy as np
 
 from ...systems.system import System
 from ..contact import Contact
-from ..contact_laws import Rough, law_class
+from ..contact_laws import law_class
 from ..model import WORK, Model
 from .disk_equations import STATES, disk_system
 from .disk_quantities import QUANTITIES
@@ -49,7 +49,7 @@ def moving_system(law: str | type[Contact]) -> System:
     (6, 4)
     """
     contact = law_class(law)
-    return disk_system(contact, slip_states=None if issubclass(contact, Rough) else True)
+    return disk_system(contact, slip_states=None if contact.holds else True)
 
 
 def disk_model(law: str | type[Contact], *, pose: bool = False, sticking: bool = False) -> Model:
@@ -115,6 +115,8 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         "force_x": seen["contact_force"][0], "force_y": seen["contact_force"][1],
         "power": seen["power"],
     }  # fmt: skip
+    if law.holds and law.symbols():
+        series |= {"slip_x": seen["slip"][0], "slip_y": seen["slip"][1]}
     return Model(
         system, STATES, ca.vertcat(*columns), ca.vertcat(parameters, flat), ca.vertcat(*rates),
         tuple(names), guards, WORDS, series, QUANTITIES,
