@@ -1,8 +1,8 @@
 """Fast kernels from the exact polynomials against AD Jacobian + numpy.linalg.eigvals.
 
-Everything is measured in one run, on the same points, and the routes take turns, since machines
-are shared and noisy; ratios of medians are what counts.  The baseline evaluates the AD Jacobian of
-all points at once and calls one batched `eigvals`; it gives no bound and many wrong signs.
+One run measures all routes on the same map, the baseline on some of its rows.  The routes take
+turns, since machines are shared and noisy: compare ratios of medians.  The baseline evaluates the
+AD Jacobian of its points at once and calls one batched `eigvals`: no bound, many wrong signs.
 
 Usage: python benchmarks/kernels.py [--large]
 """
@@ -62,7 +62,7 @@ def baseline(family: str, axes: tuple[Axis, Axis]) -> Callable[[], Any]:
     at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
     a = at.reshape(-1, 1)
     q = np.column_stack([np.full(len(a), 0.25), mu.reshape(-1)])
-    u = resolved.solve(a, q)  # not timed: the family is closed or solved once
+    u = resolved.solve(a, q)  # not timed: the family is closed or is solved once
 
     def run() -> Any:
         return np.linalg.eigvals(resolved.matrix(a, u, q)).real.max(axis=1)
@@ -117,7 +117,7 @@ def signs_wrong(family: str, axes: tuple[Axis, Axis], slow: Callable[[], Any]) -
 
 
 def packed(family: str, distance: float) -> dict[str, Any]:
-    """The verdict route on a grid packed around a boundary, exact arithmetic included."""
+    """Time of the verdict route on a grid packed around a boundary, exact arithmetic included."""
     from stability.maps.verdict_tiles import GridVerdicts
 
     axes = axes_of(family, distance)
@@ -173,7 +173,7 @@ def streamed(side: int) -> dict[str, Any]:
 
 def main() -> None:
     large = "--large" in sys.argv[1:]
-    if large:  # first, so that the peak memory is its own
+    if large:  # first, so that the peak memory is that of the stream
         print(json.dumps({"streamed": streamed(31623)}), flush=True)
     print(json.dumps({"machine": platform.machine(), "python": platform.python_version(),
                       "numpy": np.__version__}))  # fmt: skip

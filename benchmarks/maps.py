@@ -1,8 +1,8 @@
-"""Maps against the obvious route, side by side in one run: cost, and what it buys.
+"""Maps against the obvious route, side by side in one run: cost and benefit.
 
-The obvious route: the same Jacobian as a SymPy expression, lambdified once (not timed), evaluated
-point by point, `numpy.linalg.eigvals`, and the largest real part.  It gives no error bound, no
-verdict that can be trusted near a boundary, and no boundary.  A second, better obvious route
+The obvious route takes the same Jacobian as a SymPy expression, lambdifies it once (not timed), and
+takes the largest real part of `numpy.linalg.eigvals` point by point.  This route gives no error
+bound, no boundary, and no reliable verdict near a boundary.  A second, faster obvious route
 evaluates the whole grid at once.
 
 Usage: python benchmarks/maps.py [--large]
@@ -42,7 +42,7 @@ def timed(run: Callable[[], Any], repeats: int = REPEATS) -> list[float]:
 
 
 def obvious(family: str) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """The linearisation, matrix and entries, as NumPy functions of (at, k, mu) by lambdify."""
+    """The linearisation as two NumPy functions of (at, k, mu): its matrix, and its entries."""
     at, k, mu = sympy.symbols("at k mu", positive=True)
     resolved = st.disk_family(family, "viscous")
     unknown = {"tumbling": 1 / sympy.sqrt(k * sympy.sin(at))}.get(family, sympy.Integer(0))

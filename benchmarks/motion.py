@@ -1,7 +1,8 @@
-"""How fast motions are, side by side in one run: `make bench` (ARGS=--large for 1024 neighbours).
+"""Speed of motions, side by side in one run: `make bench` (ARGS=--large for 1024 neighbours).
 
-Every figure is the best of several turns, taken in turn so that a busy machine hits all alike.
-What is compiled once per process is timed apart.  Raw routes are the libraries themselves on the
+Times of routes are the best of several turns.  The routes alternate, so that a busy machine hits
+all alike.
+Compilation, once per process, is timed separately.  Raw routes are the libraries themselves on the
 same CasADi graph: no events, no energy account, no outcome, no labels.
 """
 
@@ -32,7 +33,7 @@ GRID = np.linspace(0.0, 100.0, 101)
 
 
 def best(routes: dict[str, Callable[[], Any]], turns: int) -> dict[str, float]:
-    """Shortest time of each [s], the routes taking turns."""
+    """Shortest time of each route [s]; the routes take turns."""
     found = dict.fromkeys(routes, math.inf)
     for _ in range(turns):
         for name, run in routes.items():
@@ -47,7 +48,7 @@ def states(run: Any) -> Any:
 
 
 def raw_heyoka(tolerance: float, width: int = 0) -> Any:
-    """Heyoka's own integrator of the six equations, and how long it took to compile."""
+    """Heyoka's own integrator of the six equations, and its time to compile [s]."""
     import heyoka as hy
 
     system = st.disk_system("viscous")
@@ -192,9 +193,10 @@ def batches(count: int = 1000) -> None:
 
 
 def stiff() -> None:
-    """Cost and error over friction: explicit in proportion, implicit flat and less accurate.
+    """Cost and error over friction.
 
-    `auto` takes the one that is cheaper for the error it ends with.
+    The time of an explicit method grows with friction; that of an implicit method stays the same,
+    with a larger error.  `auto` takes the cheaper method for the same error.
     """
     print("stiff launch: k = 1/4, tilt 0.1, omega3 = 1.2, T = 100, 101 samples: ms (error)")
     methods = ["heyoka"] * taylor.available() + ["cvodes", "lsoda", "auto"]
@@ -232,7 +234,7 @@ def stiff() -> None:
 
 
 def neighbours(count: int) -> None:
-    """Launches near the reference launch, some of which lift off: all end, in bounded time."""
+    """Launches near the reference launch, some with lift-off: all end in bounded time."""
     rng = np.random.default_rng(20161)
     starts = LAUNCH + rng.uniform(-0.1, 0.1, (count, 6))
     begin = time.perf_counter()
@@ -255,7 +257,7 @@ def neighbours(count: int) -> None:
 
 
 def audits() -> None:
-    """How well energy and the integrals of rough and smooth are kept."""
+    """Energy errors over long times of viscous, rough and smooth disks."""
     for method in ["heyoka"] * taylor.available() + ["dop853"]:
         run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 100.0, method=method, tolerance=1e-16)
         line = f"audit over T = 100 by {method}: viscous {float(run.energy_error):.1e}"
@@ -275,7 +277,7 @@ def main() -> None:
     if taylor.available():
         import heyoka
 
-        heyoka.llvm_state.set_diskcache_enabled(False)  # or a first call finds its code on disk
+        heyoka.llvm_state.set_diskcache_enabled(False)  # a first call must compile
     reference()
     batches()
     stiff()

@@ -1,15 +1,15 @@
 """The true motions of 25 hard scenes, by two independent high-precision integrations.
 
 Route A: Newton and Euler in the inertial frame (axis, angular momentum, contact velocity) by Radau
-IIA collocation of 30 stages with numbers of 200 bits; nothing of the package is in it.  Route B:
-the package's own graph in its angles, by heyoka's Taylor series with numbers of 160 bits.  Where
-they agree, the digits are those of the model.  Coulomb: the tests' scenes next to the package.
+IIA collocation of 30 stages with numbers of 200 bits, without code of the package.  Route B: the
+package's graph in its angles, by heyoka's Taylor series with numbers of 160 bits.  Digits on which
+both routes agree are those of the model.  Coulomb: the tests' scenes next to the package.
 
     OMP_NUM_THREADS=1 python benchmarks/truths.py --only gentle \
         --out stability/compare/motion/reference_motions.json
 
-One scene takes seconds to a minute, all of them half an hour on one core; several threads make the
-small matrices slower.  A new scene is an entry of `SCENES`, then `--only` with its name.
+One scene takes seconds to a minute, all scenes half an hour on one core; several threads make the
+small matrices slower.  For a new scene add an entry to `SCENES`, then run `--only` with its name.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ PRECISION, TOLERANCE = 160, "1e-36"  # route B
 SAMPLES, FLAT_ANGLE, MOVING = 20, 1e-6, "moving"
 AGREE = 1e-12  # ends further apart than this leave the outcome undetermined
 PAST = 1.0  # how long a grazing motion is continued past lift-off, to the bottom of its dip
-LEAST = 1e-40  # what is written for no difference at all
+LEAST = 1e-40  # written in place of a difference of zero
 
 
 # Route A: the inertial equations, for balls and for arrays alike
@@ -127,7 +127,7 @@ def inertial(k: Any, mu: Any, y: Any) -> tuple[list[Any], Any]:
 
 
 def from_six(six: tuple[float, ...], k: float, rough: bool) -> Any:
-    """The inertial start: the doubles are exact, their sines have all digits."""
+    """The inertial start; the doubles count as exact, and their sines have all digits."""
     theta, theta_dot, phi_dot, omega3, *slip = (arb(value) for value in six)
     cosine, sine, zero = theta.cos(), theta.sin(), arb(0)
     n, a, y = np.array([[sine, zero, cosine], [cosine, zero, -sine], [zero, arb(1), zero]])
@@ -138,7 +138,7 @@ def from_six(six: tuple[float, ...], k: float, rough: bool) -> Any:
 def to_six(y: Any, k: float) -> list[arb]:
     n, sine, a = axis(y)
     x_hat, y_hat = np.array([[n[0], n[1], arb(0)], [-n[1], n[0], arb(0)]]) / sine
-    omega3, omega = dot(y[3:6], n) / (2 * k), y[3:6] / k  # but for its part along n
+    omega3, omega = dot(y[3:6], n) / (2 * k), y[3:6] / k  # omega is right except along n
     rates, slip = [dot(omega, y_hat), -dot(omega, a) / sine, omega3], [*y[6:8], *[arb(0)] * 3]
     return [arb.atan2(sine, n[2]), *rates, dot(slip, x_hat), dot(slip, y_hat)]
 
@@ -149,9 +149,9 @@ middle = np.frompyfunc(arb.mid, 1, 1)
 
 @lru_cache(maxsize=1)
 def radau() -> tuple[Any, Any]:
-    """Integration matrix of Radau IIA on [0, 1]; Chebyshev coefficients from values there."""
+    """Integration matrix of Radau IIA on [0, 1]; matrix from values to Chebyshev coefficients."""
     s, nodes = STAGES, []
-    ctx.prec = 4 * BITS  # the construction loses many
+    ctx.prec = 4 * BITS  # the construction loses many bits
     for u in map(arb, np.sort(roots_jacobi(s - 1, 1, 0)[0]).tolist()):
         for _ in range(10):  # Newton on P_s - P_(s-1)
             p = [u.legendre_p(m) for m in (s - 2, s - 1, s)]
@@ -167,7 +167,7 @@ def radau() -> tuple[Any, Any]:
 
 
 class Step(NamedTuple):
-    """Chebyshev coefficients, a column for each state, the normal force and the squared sine."""
+    """Chebyshev coefficients of a step: a column for each state, normal force and squared sine."""
 
     begin: arb
     span: arb
@@ -178,7 +178,7 @@ class Step(NamedTuple):
 
 
 def make_step(k: float, mu: float | None, begin: arb, y: Any, h: float) -> Step | None:
-    """One step by Newton's method in doubles on a residual with all digits; None where it fails."""
+    """One step by Newton's method: slopes in doubles, residual in all digits; None if it fails."""
     exact, n, many, tiny = radau()[0], len(y), STAGES * len(y), 1e-30
     moves, size, before, inverse = np.full((STAGES, n), arb(0)), math.inf, math.inf, None
     while not (size < 1e-45 or (size < 1e-40 and size > before / 10)):
@@ -199,7 +199,7 @@ def make_step(k: float, mu: float | None, begin: arb, y: Any, h: float) -> Step 
 
 
 def place(c: Any, low: arb, high: arb) -> arb:
-    """Where a polynomial has its root between two places at which its signs differ."""
+    """Root of a polynomial between two places at which its signs differ."""
     positive = chebval(low, c) > 0
     for _ in range(BITS - 10):
         u = ((low + high) / 2).mid()
@@ -208,7 +208,7 @@ def place(c: Any, low: arb, high: arb) -> arb:
 
 
 def turns(c: Any) -> list[arb]:
-    """Where a polynomial on [-1, 1] has its extrema: a grazing shows in no other place."""
+    """Extrema of a polynomial on [-1, 1]: a grazing shows in no other place."""
     slope, reach = chebder(c.astype(float)), arb(1e-6)
     found = chebroots(slope) if np.abs(slope).max() > 0 else np.empty(0)
     near = [arb(u.real) for u in found if abs(u.imag) < 1e-9 and abs(u.real) < 1]
@@ -216,7 +216,7 @@ def turns(c: Any) -> list[arb]:
 
 
 def first_below(step: Step, column: int, level: arb) -> arb | None:
-    """When a column first falls below a level, if it does."""
+    """Time at which a column first falls below a level, or None."""
     c = step.table[:, column].copy()
     c[0] = c[0] - level
     if np.abs(c[1:].astype(float)).sum() < float(c[0]):
@@ -232,7 +232,7 @@ def six_at(steps: list[Step], t: float, k: float) -> list[arb]:
 
 
 def inertial_motion(scene: Scene, past: float) -> tuple[str, arb, list[Any], list[Step]]:
-    """Route A: outcome, its time, dips (where it is followed past lift-off: value, time), steps."""
+    """Route A: outcome, its time, dips (value, time) of a run followed past lift-off, steps."""
     law, k, mu, start, limit = scene
     y, begin, h = from_six(start, k, law == "rough"), arb(0), 0.1 / (1 + (mu or 0))
     outcome, end, dips, steps = MOVING, arb(limit), [], []
@@ -271,7 +271,7 @@ def balled(values: Any) -> list[arb]:
 
 
 def launched(scene: Scene, stops: bool) -> Any:
-    """An integrator of the package's graph at its start, with or without the ends of a motion."""
+    """An integrator of the package's graph at its start, with or without events that end it."""
     law, k, mu, start, _ = scene
     found, symbols = flow(law), list(hy.make_vars(*flow(law).names))
     program = Program(ca.Function("f", [found.x, found.p], [found.rhs, *found.guards.values()]))
@@ -282,14 +282,14 @@ def launched(scene: Scene, stops: bool) -> Any:
     numbers = [k, *([] if mu is None else [mu]), *([arb(FLAT_ANGLE).sin()] if stops else [])]
     return hy.taylor_adaptive(
         [(s, r[0]) for s, r in zip(symbols, rates, strict=True)],
-        reals([*start[: len(symbols) - 1], 0.0]),  # the work comes last
+        reals([*start[: len(symbols) - 1], 0.0]),  # the work is the last state
         pars=reals(numbers), t_events=[hy.t_event(g[0], **falls) for g in guards],
         fp_type=hy.real, prec=PRECISION, tol=reals([arb(TOLERANCE)])[0], compact_mode=True,
     )  # fmt: skip
 
 
 def graph_motion(scene: Scene, times: list[float]) -> tuple[str, arb, list[list[arb]]]:
-    """Route B: outcome, its time and the six states at the times."""
+    """Route B: outcome, its time, and the six states at the given times."""
     ta = launched(scene, True)
     result = ta.propagate_grid(reals([*(t for t in times if t < scene[4]), scene[4]]))
     names = {-1 - i: name for i, name in enumerate(flow(scene[0]).guards)}  # events from -1 down
@@ -299,7 +299,7 @@ def graph_motion(scene: Scene, times: list[float]) -> tuple[str, arb, list[list[
 
 
 def graph_press(scene: Scene, t: arb) -> arb:
-    """Route B: the normal force at a time, be there contact or not."""
+    """Route B: the normal force at a time, with or without contact."""
     ta, found = launched(scene, False), flow(scene[0])
     ta.propagate_until(reals([t])[0])
     normal = found.system.observables["normal_force"]
@@ -313,7 +313,7 @@ def magnitude(value: float) -> int:
 
 
 def written(value: arb, error: float) -> str:
-    """As many digits as agree, twenty-five at most; the error is over max(1, |value|)."""
+    """Text of the digits that agree, at most 25; the error is over max(1, |value|)."""
     size = abs(float(value))
     count = magnitude(size) - magnitude(error * max(1.0, size))
     return value.str(min(25, count), radius=False) if size and count > 0 else "0"
@@ -327,7 +327,7 @@ def truth(name: str) -> dict[str, Any]:
     """One scene by both routes."""
     law, k, mu, start, last = scene = SCENES[name]
     began, grazes = time.perf_counter(), name.startswith("graze")
-    radau()  # which sets the precision that all balls have
+    radau()  # sets the precision of all balls
     kind, stop, dips, steps = inertial_motion(scene, PAST if grazes else 0.0)
     until = last if kind == MOVING else math.floor(float(stop) * 1e4) / 1e4
     times = [until * i / SAMPLES for i in range(SAMPLES)] + [until]
@@ -344,7 +344,7 @@ def truth(name: str) -> dict[str, Any]:
     }  # fmt: skip
     if grazes:
         least, when = min(dips, key=lambda dip: float(dip[0]))
-        # at the bottom an error of the time does no more than its square to the force
+        # at the bottom, an error of the time changes the force by its square only
         entry["least_normal_force"] = written(least, apart(least, graph_press(scene, when)))
         entry["least_normal_force_time"] = when.str(20, radius=False)
     spent = f"{half - began:4.0f} s {time.perf_counter() - half:4.0f} s"
@@ -354,7 +354,7 @@ def truth(name: str) -> dict[str, Any]:
 
 
 def dry(name: str) -> dict[str, Any]:
-    """A Coulomb scene of the tests, and how far the package's own motion is from it."""
+    """A Coulomb scene of the tests, and its distance from the package's motion."""
     path = Path(__file__).parents[1] / "tests" / "data" / "coulomb.json"
     known = {s["name"]: s for s in json.loads(path.read_text())["scenes"]}[name]
     k, mu, start, times, states, events, error = list(known.values())[1:]

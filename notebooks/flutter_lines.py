@@ -14,11 +14,12 @@
 # # Flutter on a line of steady motions
 #
 # Spinning and tumbling under friction are *lines* of steady motions.  Where such a line loses
-# stability by flutter, energy falls strictly while the rim slips, so no limit cycle can be born.
-# It is a Hopf bifurcation without parameters (Fiedler, Liebscher & Alexander, J. Differential
-# Equations 167, 2000, 16-35).  With $y$ the distance along the line and $z$ the amplitude of the
-# pair, to leading order $\dot y = c\,|z|^2$ and $\frac{d}{dt}|z| = \mathrm{Re}\,\mu'\,y\,|z|$, so
-# that $y^2 - (c/\mathrm{Re}\,\mu')\,|z|^2$ is constant: an ellipse or a hyperbola.
+# stability by flutter, energy falls strictly while the rim slips, so no limit cycle can form.
+# The boundary is a Hopf bifurcation without parameters (Fiedler, Liebscher & Alexander,
+# J. Differential Equations 167, 2000, 16-35).  Let $y$ be the distance along the line and $z$ the
+# amplitude of the pair.  To leading order $\dot y = c\,|z|^2$ and
+# $\frac{d}{dt}|z| = \mathrm{Re}\,\mu'\,y\,|z|$.  So $y^2 - (c/\mathrm{Re}\,\mu')\,|z|^2$ is
+# constant: an ellipse or a hyperbola.
 
 # %%
 import casadi as ca
@@ -33,9 +34,9 @@ import stability as st
 # %% [markdown]
 # ## Both types occur
 #
-# Spinning is elliptic wherever it flutters.  Tumbling is elliptic for a uniform disk, hyperbolic
-# for a hoop, and for inertia factors in between the two types face each other across an unstable
-# stretch that is born at a fold, where the pair crosses with no speed.
+# Spinning is elliptic wherever it flutters.  Tumbling is elliptic for a uniform disk and hyperbolic
+# for a hoop.  For inertia factors in between, both types occur, one at each end of an unstable
+# stretch.  The stretch begins at a fold, where the pair crosses with zero speed.
 
 # %%
 for family, k, mu in (("spinning", 0.25, 0.8), ("tumbling", 0.25, 1.5), ("tumbling", 0.375, 0.9),
@@ -45,10 +46,11 @@ for family, k, mu in (("spinning", 0.25, 0.8), ("tumbling", 0.25, 1.5), ("tumbli
         print(f"{family} k={k} mu={mu}: at {point.at:.6f}, stable {side}, {point.kind.word}")
 
 # %% [markdown]
-# ## What a motion does that starts near the unstable part
+# ## Motions that start near the unstable part
 #
-# It starts at a member beyond the boundary, with a small disturbance along the pair.  Elliptic: it
-# swings out and settles as far on the other side.  Hyperbolic: it leaves, here towards flat.
+# Each motion starts at a member beyond the boundary, with a small disturbance along the pair.  In
+# the elliptic case the motion swings out and settles at the same distance on the other side.  In
+# the hyperbolic case it leaves, here towards flat.
 
 
 # %%

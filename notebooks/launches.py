@@ -11,10 +11,10 @@
 # ---
 
 # %% [markdown]
-# # Launch a disk: what linear theory says, and what becomes of it
+# # Launch a disk: linear theory and outcome
 #
 # Two launches of Przybylska & Rauch-Wojciechowski (2016), Section 5, recomputed: rolling and
-# spinning, each with its axis tilted by 0.1 rad.  Dimensionless: $m = R = g = 1$.
+# spinning, each with its axis tilted by 0.1 rad.  Units are dimensionless: $m = R = g = 1$.
 
 # %%
 import math
@@ -34,8 +34,9 @@ disk, friction = st.Disk(), st.Viscous(0.3)
 # %% [markdown]
 # ## Rolling too slowly
 #
-# At $\omega_3 = 1.2$ rolling is unstable (it needs $\omega_3^2 > 1/(2k) = 2$).  It leaves, topples
-# to the other side, and rings down towards tumbling: the centre at rest, the rim running round.
+# At $\omega_3 = 1.2$ rolling is unstable (stability needs $\omega_3^2 > 1/(2k) = 2$).  The disk
+# leaves this motion, topples to the other side, and oscillates with falling amplitude towards
+# tumbling: the centre is at rest, the contact point runs round a circle.
 
 # %%
 start = st.launch("rolling", at=1.2, tilt=0.1)
@@ -47,7 +48,7 @@ figure.savefig("launch.png", dpi=200)
 plt.close(figure)
 
 # %% [markdown]
-# The energy account (kinetic and potential energy plus what friction took) closes to the tolerance:
+# Kinetic and potential energy plus the work of friction stay constant to the tolerance:
 
 # %%
 print(f"audit {float(run.energy_error):.1e} with {run.attrs['method']}, {int(run.steps)} steps")
@@ -57,7 +58,7 @@ assert float(run.energy_error) < 1e-9
 # ## A whole range of launches at once
 #
 # `start`, `k` and `mu` may be arrays.  Spinning is stable for $\dot\varphi^2 > 1/k = 4$ at this
-# friction: beyond it the disk goes back to spinning, before it settles on tumbling.
+# friction.  Above this threshold the disk returns to spinning, below it settles on tumbling.
 
 # %%
 speeds = np.linspace(0.5, 4.0, 36)
@@ -73,8 +74,8 @@ assert (stable == back).all()
 # %% [markdown]
 # ## Dry friction
 #
-# With set-valued friction the disk slides, sticks, and slips again; the events are located, not
-# smeared.  Regularised friction tends to it as its slip speed falls, slowly once a slip has set in.
+# With set-valued friction the disk slides, sticks, and slips again, and each event has a sharp
+# time.  Regularised friction tends to this law as its slip speed falls, slowly after a slip begins.
 
 # %%
 launch = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]
@@ -89,7 +90,7 @@ for epsilon in (1e-2, 1e-3, 1e-4):
 # %% [markdown]
 # ## Where motions end
 #
-# A run never goes on past the end of contact.
+# A run never continues past the end of contact.
 
 # %%
 thrown = st.simulate(disk, st.Viscous(3.0), [1.0, 0, 5.0, -5.0, 0, 0], 3.0)

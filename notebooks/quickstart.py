@@ -14,8 +14,9 @@
 # # From a coin to its stability diagram
 #
 # A coin can roll, spin on its edge, or tumble on its rim.  Which of these can be seen?  This
-# notebook asks for a US quarter on a table with viscous friction.  It is kept as text; open it with
-# Jupytext, or run it as a script.  The tests run it, and its assertions are its expected output.
+# notebook answers for a US quarter on a table with viscous friction.  The notebook is stored as
+# text: open it with Jupytext, or run it as a script.  The tests run it; its assertions state the
+# expected output.
 
 # %%
 from pathlib import Path
@@ -36,8 +37,8 @@ print(
 # %% [markdown]
 # ## One steady motion
 #
-# The coin spins on its edge at 10 turns per second.  Friction is mu = 1 s/m, so that the force is
-# mu × normal force × slip velocity.
+# The coin spins on its edge at 10 turns per second.  The friction coefficient is mu = 1 s/m: the
+# force is mu × normal force × slip velocity.
 
 # %%
 law = st.Viscous(1.0)
@@ -52,8 +53,8 @@ assert turning.nonlinear is st.Nonlinear.ASYMPTOTIC
 # %% [markdown]
 # ## Where does it become unstable?
 #
-# Slower spins fall over at phi_dot² = g/(kR), for every friction: the coin starts to tumble.
-# The number comes with a proved bracket.
+# Below phi_dot² = g/(kR) the coin falls over, for every friction, and starts to tumble.
+# The threshold comes with a proved bracket.
 
 # %%
 [threshold] = st.boundaries("spinning", axis=("at", 10, 100, 100), disk=coin, contact=law)
@@ -65,8 +66,8 @@ assert threshold.crossing is st.Crossing.STATIC
 # %% [markdown]
 # ## Its diagram
 #
-# Spin and friction together.  On a rough table every spin is lost to a growing wobble: above the
-# dashed curve a pair of eigenvalues has crossed the imaginary axis.
+# The diagram varies spin and friction together.  On a rough table every spin is unstable by a
+# growing wobble: above the dashed curve a pair of eigenvalues has crossed the imaginary axis.
 
 # %%
 found = st.stability_map(
@@ -79,8 +80,8 @@ assert set(found.verdict.values.ravel().tolist()) == {1, 2}
 assert st.read_map("quarter.nc").identical(found)
 
 # %% [markdown]
-# The flutter curve leaves the static one where mu √(gR) = 1, and falls to a lower limit for fast
-# spins: below that limit every spin beyond the threshold is stable.
+# The flutter curve starts on the static curve where mu √(gR) = 1, and falls to a limit for fast
+# spins.  Below that limit every spin beyond the threshold is stable.
 
 # %%
 flutter = found.boundary_kind == 1

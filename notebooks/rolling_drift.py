@@ -14,12 +14,13 @@
 # # Does straight rolling last?
 #
 # Under viscous friction straight rolling with $\omega_3^2 > g/(2kR)$ is spectrally stable: every
-# eigenvalue that is not zero by structure decays.  But rolling has *two* structural zeros and only
-# one of them is the tangent of its family.  The other is a tilt $\alpha = \theta - \pi/2$ with the
-# slow precession and the lateral slip that go with it, so linear theory leaves the motion open.
-# This notebook reduces the equations to the centre manifold, with the derivatives taken by CasADi
-# and the algebra done by SymPy, and follows the slow flow until the linear threshold is crossed.
-# Dimensionless throughout: $m = R = g = 1$, $w = \omega_3$.
+# mode whose eigenvalue is not zero by structure decays.  But rolling has *two* structural zeros,
+# and only one of them is the tangent of its family.  The other is a tilt
+# $\alpha = \theta - \pi/2$ with a slow precession and a lateral slip, so linear theory leaves the
+# motion open.
+# This notebook reduces the equations to the centre manifold.  CasADi takes the derivatives, and
+# SymPy does the algebra.  The notebook then follows the slow flow to the linear threshold.
+# All values are dimensionless: $m = R = g = 1$, $w = \omega_3$.
 
 # %%
 import casadi as ca
@@ -49,13 +50,13 @@ print("d(tilt)/dt = a tilt^3, a =", flow.tilt)
 print("dw/dt      = b tilt^2, b =", flow.spin)
 
 # %% [markdown]
-# Both rates are small of higher order: the tilt moves with $\alpha^3$, the spin with $\alpha^2$.
-# Since $a > 0 > b$ beyond the threshold, the tilt grows and the spin falls: straight rolling does
+# Both rates are of higher order: the tilt changes with $\alpha^3$, the spin with $\alpha^2$.
+# Beyond the threshold $a > 0 > b$, so the tilt grows and the spin falls: straight rolling does
 # not last.
 #
 # ## A first integral, and the time
 #
-# Dividing the two equations leaves $d\ln\alpha/dw = a/b$, which integrates in closed form.
+# The quotient of the two equations is $d\ln\alpha/dw = a/b$, which integrates in closed form.
 
 # %%
 a = flow.tilt.subs({sympy.Symbol("k"): K, sympy.Symbol("mu"): MU})
@@ -92,8 +93,8 @@ print("T =", stated)
 # ## A launch
 #
 # A disk that is launched with a tilt $\alpha_0$, no precession and no slip is not on the manifold.
-# The fast transient takes it there along the stable directions; the left null vectors say that it
-# changes the tilt at first order, by a factor that does not depend on friction.
+# A fast transient along the stable directions takes the disk there.  By the left null vectors, the
+# transient changes the tilt at first order, by a factor that does not depend on friction.
 
 # %%
 print("tilt on the slow manifold / tilt of the launch =", sympy.factor(flow.launch))
@@ -101,8 +102,9 @@ print("tilt on the slow manifold / tilt of the launch =", sympy.factor(flow.laun
 # %% [markdown]
 # ## The full equations over the long time
 #
-# CVODES integrates all six equations; the crossing of the threshold is compared with the formula,
-# for a launch, at three tilts.  The relative difference falls with the square of the tilt.
+# CVODES integrates all six equations from launches at three tilts.  The time at which each crosses
+# the threshold is compared with the formula.  The relative difference falls with the square of the
+# tilt.
 
 # %%
 k, mu, start = 0.25, 0.3, 1.5 * np.sqrt(2)

@@ -1,7 +1,7 @@
 """Stability of steady motions: which can be seen, for which parameters, and how do we know.
 
-The public names are listed in `__all__`; each loads its module when it is first used, so that
-importing the package costs next to nothing.
+`__all__` lists the public names.  Each name loads its module when it is first used, so that the
+import of the package is fast.
 """
 
 from __future__ import annotations

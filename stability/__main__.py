@@ -4,14 +4,14 @@ import signal
 
 
 def run() -> int:
-    """Run the command line as a process of its own, which Ctrl-C ends without a traceback."""
+    """Run the command line as its own process; Ctrl-C ends it without a traceback."""
     try:
         from .cli.commands import main
 
         return main()
-    except KeyboardInterrupt:  # while the command line itself was imported
+    except KeyboardInterrupt:  # during the import of the command line
         return 130
-    finally:  # what is left to do is to leave
+    finally:  # only the exit is left: Ctrl-C may end it at once
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 

@@ -1,4 +1,4 @@
-"""Modules of version 0.4 that its documents named: each still imports, with a warning."""
+"""Modules that the documents of version 0.4 name: each still imports, and its names warn."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MOVED = {
     ),
     "stability.compare.drivers": ("compare.motion.drivers",),
 }
-"""Where the names of each are now."""
+"""New modules with the names of each old module."""
 
 
 def found(name: str, old: str, places: Sequence[str]) -> Any:
@@ -37,13 +37,13 @@ def found(name: str, old: str, places: Sequence[str]) -> Any:
     Parameters
     ----------
     name
-        What is asked for.
+        Name to find.
     old
-        The old module.
+        Name of the old module.
     places
-        The new ones, within the package.
+        Names of the new modules, within the package.
     """
-    if name.startswith("__"):  # what Python and its tools ask of every module
+    if name.startswith("__"):  # Python and its tools ask every module for these
         raise AttributeError(name)
     for place in places:
         value = getattr(import_module(f"stability.{place}"), name, None)
@@ -60,7 +60,7 @@ def found(name: str, old: str, places: Sequence[str]) -> Any:
 class _Loader:
     # no base class: importlib.abc would triple the time that importing the package takes
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:  # noqa: ARG002
-        return None  # an empty one, made by Python
+        return None  # Python then makes an empty module
 
     def exec_module(self, module: ModuleType) -> None:
         old = module.__name__
@@ -75,7 +75,7 @@ _LOADER: Any = _Loader()
 
 
 class Finder:
-    """Finds the old modules, which have no files."""
+    """Finder of the old modules, which have no files."""
 
     def find_spec(self, fullname: str, *_: Any) -> ModuleSpec | None:
         """An empty module for an old path; None for every other."""
@@ -83,6 +83,6 @@ class Finder:
 
 
 def install() -> None:
-    """Let Python look here last."""
+    """Add the finder as the last that Python asks."""
     if not any(isinstance(finder, Finder) for finder in sys.meta_path):
         sys.meta_path.append(Finder())

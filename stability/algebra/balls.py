@@ -15,7 +15,7 @@ from .number_types import UNARY, Algebra
 
 
 def upper(ball: Any) -> float:
-    """A double that is not below a ball; 0 for an exact zero.
+    """A double that is not below any number of a ball; 0 for an exact zero.
 
     Parameters
     ----------
@@ -32,12 +32,12 @@ _PRECISION = RLock()
 
 @contextmanager
 def precision(bits: int) -> Iterator[None]:
-    """Work in balls of so many bits, and put the precision back.
+    """A context with balls of the given precision; the former precision returns afterwards.
 
     Parameters
     ----------
     bits
-        Working precision.
+        Working precision, in bits.
 
     Examples
     --------
@@ -60,4 +60,4 @@ MIXED = Algebra(
     {name: partial(lambda method, x: getattr(arb(x), method)(), name) for name in UNARY}
     | {"pow": lambda x, y: arb(x) ** y, "fabs": abs},
 )  # fmt: skip
-"""Rationals as they are, balls where a function makes them irrational."""
+"""Rationals stay rational; a function makes them balls."""

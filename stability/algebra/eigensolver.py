@@ -1,9 +1,9 @@
 """Eigenvalues of matrices in floating point: LAPACK, or another solver of the caller's choice.
 
-Every eigenvalue of a linearisation, and so every spectrum, map and verdict, comes from here.
-(Symmetric matrices of a quadratic form, and roots of a polynomial in dry friction, do not.)
-Nothing is assumed of a solver's error: error discs come from residuals, proofs from exact numbers
-and balls.
+Every eigenvalue of a linearisation comes from here, and so does every spectrum, map and verdict.
+(Symmetric matrices of a quadratic form and roots of a polynomial in dry friction do not.)
+No assumption is made about a solver's error: error discs come from residuals, proofs from exact
+numbers and balls.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ def eigensolver(solver: EigenSolver) -> Iterator[None]:
     ----------
     solver
         Function from real matrices, shape (N, n, n), to their eigenvalues, shape (N, n), and
-        eigenvectors of any length as columns, shape (N, n, n).  A real eigenvalue has imaginary
-        part 0 and a real vector.  Where the solver does not converge it raises
-        `numpy.linalg.LinAlgError`.  Maps call it from several threads at once.  A solver with
-        large errors gives wide error discs, and verdicts that are proved by other means or stay
+        eigenvectors of any norm as columns, shape (N, n, n).  A real eigenvalue has imaginary
+        part 0 and a real vector.  A solver that does not converge raises
+        `numpy.linalg.LinAlgError`.  Maps call the solver from several threads at once.  A solver
+        with large errors gives wide error discs; verdicts are then proved by other means or stay
         undecided.
 
     Examples
@@ -78,7 +78,7 @@ def eigenpairs(matrix: Floats, solver: EigenSolver | None = None) -> tuple[Compl
     matrix
         Shape (…, n, n).
     solver
-        The solver; that of the context when left out.
+        The solver; the context's solver when left out.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def eigenpairs(matrix: Floats, solver: EigenSolver | None = None) -> tuple[Compl
     DomainError
         If LAPACK does not converge, or another solver gives a value that is not finite.
     ParameterError
-        If a solver returns anything but arrays of these shapes.
+        If a solver does not return arrays of these shapes.
     """
     solver = solver or chosen()
     try:
@@ -102,7 +102,7 @@ def eigenpairs(matrix: Floats, solver: EigenSolver | None = None) -> tuple[Compl
 
 
 def _by_rows(solver: EigenSolver, matrix: Floats) -> tuple[Complexes, Complexes]:
-    """What another solver returns for matrices in one row, checked."""
+    """Checked results of another solver for matrices stacked along one axis."""
     rows = matrix.reshape(-1, *matrix.shape[-2:])
     found = solver(rows)
     try:
@@ -125,13 +125,13 @@ def eigenvalues_alone(matrix: Floats) -> Complexes:
     matrix
         Shape (…, n, n).
     """
-    if chosen() is lapack:  # which has a shorter way to the values alone
+    if chosen() is lapack:  # LAPACK finds values alone at less cost
         return np.linalg.eigvals(matrix).astype(complex)
     return eigenpairs(matrix)[0]
 
 
 def name_of(solver: EigenSolver) -> str:
-    """What a solver is called in a method's description."""
+    """Name of a solver in a method's description."""
     return "LAPACK" if solver is lapack else str(getattr(solver, "__name__", shown(solver)))
 
 

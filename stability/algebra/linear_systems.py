@@ -1,4 +1,4 @@
-"""Linear systems and null vectors whose entries have errors, each answer with a bound."""
+"""Linear systems and null vectors of inexact matrices, each answer with an error bound."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from .running_error import TINY, UNIT
 def null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
     """Null vector whose largest entry is 1, and a bound on its error.
 
-    The other entries m solve A₁ m = -a₀, where a₀ is the column of the largest entry and A₁ the
-    others.  An approximate inverse L of A₁ bounds the error δ of m for any L: with the
-    residual r and K = 1 - L A₁, δ = L r + K δ, and |K| < 1 proves that A has one null vector.
+    The other entries m solve A₁ m = -a₀, where a₀ is the column of the largest entry and A₁ holds
+    the other columns.  Any approximate inverse L of A₁ bounds the error δ of m: with the residual r
+    and K = 1 - L A₁, δ = L r + K δ, and |K| < 1 proves that A has at most one null vector.
     """
     count, n = matrix.shape[:2]
     left, sizes, right = np.linalg.svd(matrix)
@@ -40,10 +40,10 @@ def null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
 
 
 def inverse_of(matrix: Floats) -> Floats:
-    """Approximate inverses; NaN where there is none."""
+    """Approximate inverses; NaN for a singular matrix."""
     try:
         return np.asarray(np.linalg.inv(matrix))
-    except np.linalg.LinAlgError:  # of one matrix at least
+    except np.linalg.LinAlgError:  # at least one matrix is singular
         alone = np.linalg.matrix_rank(matrix, tol=0.0) == matrix.shape[-1]
         out = np.full_like(matrix, np.nan)
         for row in np.flatnonzero(alone):
@@ -62,7 +62,7 @@ def contraction(inverse: Floats, matrix: Floats, error: Floats) -> Floats:
 
 
 def widened(doubt: Floats, change: Floats) -> Floats:
-    """Bound on δ with |δ| ≤ doubt + change |δ|, entry by entry; infinite where that bounds none."""
+    """Bound on δ with |δ| ≤ doubt + change |δ|, entry by entry; infinite where none follows."""
     spread = change.sum(axis=-1)[:, :, None]
     factor = spread.max(axis=1, keepdims=True)
     sound = factor < 0.5

@@ -1,4 +1,4 @@
-"""Number types that a graph is read in: NumPy arrays, balls, SymPy, CasADi itself."""
+"""Number types in which a graph is read: NumPy arrays, balls, SymPy, CasADi itself."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .upright import Upright
 
 @dataclass(frozen=True)
 class Algebra:
-    """A number type: how it holds a constant, and its functions beyond + - * /."""
+    """A number type: its constants, and its functions beyond + - * /."""
 
     name: str
-    """What it is called."""
+    """Name of the number type."""
     constant: Callable[[float], Any]
-    """The double as a number of this type, exactly."""
+    """Function from a double to the same number in this type, exactly."""
     functions: dict[str, Callable[..., Any]]
     """sin, cos, tan, sqrt, exp, log, … by name."""
 
@@ -44,7 +44,7 @@ def numpy_algebra() -> Algebra:
 
 
 def ball_algebra() -> Algebra:
-    """Real balls of python-flint at the precision of its context: every result encloses the truth.
+    """Real balls of python-flint at its context's precision: a result encloses the exact value.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def sympy_algebra() -> Algebra:
 
 
 def casadi_algebra() -> Algebra:
-    """CasADi's own SX, which folds constants: the way to read a graph at an exact symbol.
+    """CasADi's own SX, which folds constants, for a graph at the exact right angle.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def casadi_algebra() -> Algebra:
     """
 
     def exact(name: str) -> Callable[[Any], Any]:
-        # the one algebra in which the right angle is met
+        # only this algebra meets the exact right angle
         return lambda x: getattr(x, name)() if isinstance(x, Upright) else getattr(ca, name)(x)
 
     table = {name: exact(name) for name in UNARY}

@@ -27,14 +27,14 @@ class Polynomial:
     """
 
     variables: tuple[str, ...]
-    """Names."""
+    """Names of the variables."""
     terms: tuple[tuple[int, tuple[int, ...]], ...]
     """(coefficient, exponents) of each monomial."""
 
     __getstate__ = fields_of
 
     def __post_init__(self) -> None:
-        """Refuse what is no polynomial over Z: the terms become the source of a function."""
+        """Refuse other terms: the terms become the source of a function."""
         for c, e in self.terms:
             whole = type(c) is int and all(type(p) is int and 0 <= p <= MOST for p in e)
             if not whole or len(e) != len(self.variables):
@@ -44,7 +44,7 @@ class Polynomial:
                 )
 
     def __call__(self, *values: Any) -> Any:
-        """The value, by nested Horner schemes, the last variable outermost."""
+        """The value by nested Horner schemes, with the last variable outermost."""
         return self._compiled(*values)
 
     @cached_property
@@ -57,7 +57,7 @@ class Polynomial:
 
     @cached_property
     def parts(self) -> tuple[Polynomial, Polynomial]:
-        """(P⁺, P⁻), both with positive coefficients, whose difference this is."""
+        """(P⁺, P⁻) with P = P⁺ - P⁻, both with positive coefficients."""
         plus = tuple(t for t in self.terms if t[0] > 0)
         minus = tuple((-c, e) for c, e in self.terms if c < 0)
         return Polynomial(self.variables, plus), Polynomial(self.variables, minus)
@@ -69,21 +69,21 @@ class Polynomial:
                      for i in range(len(self.variables)))  # fmt: skip
 
     def ordered(self) -> tuple[Polynomial, list[int]]:
-        """The same with the variable of least degree outermost, and the order of its arguments.
+        """The polynomial with the least-degree variable outermost, and the order of its arguments.
 
-        Over broadcast arrays the outermost scheme is the one that runs over the full shape.
+        Over broadcast arrays only the outermost scheme runs over the full shape.
         """
         order = sorted(range(len(self.variables)), key=lambda i: -self.degrees[i])
         terms = tuple((c, tuple(e[i] for i in order)) for c, e in self.terms)
         return Polynomial(tuple(self.variables[i] for i in order), terms), order
 
     def roundings(self, behind: Mapping[str, int]) -> int:
-        """Most roundings on the way of any monomial through the Horner schemes.
+        """Largest number of roundings of any monomial in the Horner schemes.
 
         Parameters
         ----------
         behind
-            Roundings already behind each variable.
+            Number of roundings in the value of each variable, by name.
         """
         return _roundings(list(self.terms), [behind[n] for n in self.variables])
 
@@ -93,7 +93,7 @@ class Polynomial:
         Parameters
         ----------
         variable
-            Its name.
+            Name of the variable.
         """
         i = self.variables.index(variable)
         terms = tuple((c * e[i], (*e[:i], e[i] - 1, *e[i + 1 :])) for c, e in self.terms if e[i])
@@ -111,7 +111,7 @@ class Polynomial:
 
 
 def _horner(terms: list[tuple[int, tuple[int, ...]]], names: list[str]) -> str:
-    """Source of the value; constants stay integers, so that no number type is forced."""
+    """Source of the value; constants stay integers, which every number type accepts."""
     if not terms:
         return "0"
     if not names:
@@ -131,7 +131,7 @@ def _horner(terms: list[tuple[int, tuple[int, ...]]], names: list[str]) -> str:
 
 
 def _roundings(terms: list[tuple[int, tuple[int, ...]]], behind: list[int]) -> int:
-    """Mirrors `_horner`: one for each product and sum, and those behind each factor."""
+    """Roundings in `_horner`: one for each product and sum, and those of each factor."""
     if not terms or not behind:
         return 0
     groups: dict[int, list[tuple[int, tuple[int, ...]]]] = {}

@@ -1,9 +1,9 @@
 """A CasADi graph read in another algebra: NumPy arrays, python-flint balls, SymPy, CasADi itself.
 
-An SX `Function` is a straight list of scalar instructions.  `Program` holds that list and runs it
-over any number type with + - * / and the few functions the graph uses, so the equations of motion
-stay written once.  Nothing here is shared with CasADi's own evaluator, and nothing is locked: a
-`Program` may run in many threads at once.
+An SX `Function` is a straight list of scalar instructions.  `Program` holds the list and runs the
+instructions over any number type with + - * / and the functions of the graph, so the equations of
+motion are written once.  `Program` shares nothing with CasADi's own evaluator and has no lock:
+many threads may run one `Program` at once.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _SYMBOLS = {
     ca.OP_CONSTPOW: "f_pow({0}, {1})",
     ca.OP_FABS: "f_fabs({0})",
 }
-"""Each operation as Python."""
+"""Each operation of CasADi as Python source."""
 _SYMBOLS |= {getattr(ca, f"OP_{name.upper()}"): f"f_{name}({{0}})" for name in UNARY}
 
 
@@ -43,8 +43,8 @@ class Program:
     function
         An SX `casadi.Function`; an MX one is expanded.
     constants
-        Values of the entries of a last input that is not given again: numbers that the graph kept
-        as symbols, so that CasADi rounds no sum or product of two of them.
+        Values of the entries of the last input, which `run` then does not take.  The graph kept
+        these numbers as symbols, so that CasADi rounds no sum or product of two of them.
 
     Raises
     ------
@@ -69,7 +69,7 @@ class Program:
             tuple(zip(*function.sparsity_out(i).get_triplet(), strict=True))
             for i in range(function.n_out())
         )
-        """(row, column) of each stored entry of each output; the others are zero by structure."""
+        """(row, column) of each stored entry of each output; others are zero by structure."""
         self._constants: list[float] = []
         self._held: dict[str, list[Any]] = {}
         self._code = compile(self._source(function), f"<graph {self.name}>", "exec")
@@ -78,7 +78,7 @@ class Program:
         self._run = space["run"]
 
     def _source(self, function: ca.Function) -> str:
-        """The instructions as the source of one straight Python function: no loop, no look-ups."""
+        """Source of one Python function with all instructions: no loop, no look-up."""
         lines = [f"    o{i} = [0] * {len(places)}" for i, places in enumerate(self.places)]
         last = function.n_in() - 1
         for index in range(function.n_instructions()):
@@ -132,19 +132,19 @@ class Program:
     def dense(
         self, algebra: Algebra, arguments: Sequence[Sequence[Any]], output: int = 0
     ) -> list[list[Any]]:
-        """Run, and return one output as rows of entries, zeros written out.
+        """One output as rows of entries, with zeros written out.
 
         Parameters
         ----------
         algebra, arguments
             As in `run`.
         output
-            Which output.
+            Index of the output.
 
         Returns
         -------
         list of list
-            Rows.
+            Rows of the output.
         """
         rows, columns = self.shapes[output]
         zero = algebra.constant(0.0)
@@ -160,7 +160,7 @@ class Program:
         Parameters
         ----------
         arguments
-            For each input its entries, arrays that broadcast to `shape`.
+            Entries of each input, arrays that broadcast to `shape`.
         shape
             Leading shape of the results.
 
@@ -169,7 +169,7 @@ class Program:
         list of ndarray
             For each output an array of shape `shape + (rows, columns)`.
         """
-        with np.errstate(all="ignore"):  # callers check what they get
+        with np.errstate(all="ignore"):  # callers check the results
             values = self.run(_NUMPY, arguments)
         results = []
         for (rows, columns), places, entries in zip(self.shapes, self.places, values, strict=True):

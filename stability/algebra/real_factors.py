@@ -1,9 +1,9 @@
 """Roots of many real cubics or quintics at once, in real arithmetic, with proved error bounds.
 
-A polynomial of odd degree is kept as (x - r) ∏ (x² + p x + q).  All factors are improved at once by
-Weierstrass' correction written for quadratics, which converges quadratically and does not care
-whether a pair is real or complex.  The error bound is Gershgorin's theorem for the companion of the
-factors: it needs no assumption on how the factors were found.
+A polynomial of odd degree is stored as (x - r) ∏ (x² + p x + q).  Weierstrass' correction, written
+for quadratics, improves all factors at once.  The correction converges quadratically for real and
+for complex pairs.  The error bound is Gershgorin's theorem for the companion of the factors; the
+bound holds for any factors.
 
 Sources: K. Dvorčuk, Apl. Mat. 14 (1969) 207-223 (factors of Weierstrass' method); A. Neumaier, J.
 Comput. Appl. Math. 156 (2003) 389-401 (Gershgorin discs of approximate roots);
@@ -23,9 +23,9 @@ from .eigensolver import eigenvalues_alone
 Array = NDArray[Any]
 
 BLOCK = 65536
-"""Rows worked on at once, so that what is live stays in the cache."""
+"""Rows in one block, so that its arrays stay in the cache."""
 MORE = 8
-"""Most corrections of the points that have not settled."""
+"""Largest number of corrections of rows that have not settled."""
 
 
 class Factors(NamedTuple):
@@ -42,12 +42,12 @@ class Factors(NamedTuple):
         Parameters
         ----------
         index
-            Which rows.
+            Index of the rows.
         """
         return Factors(self.r[index], [(p[index], q[index]) for p, q in self.pairs])
 
     def stack(self) -> Array:
-        """All of them in one array, shape (n, N)."""
+        """The factors in one array, shape (n, N)."""
         return np.stack([self.r, *(v for pair in self.pairs for v in pair)])
 
     @classmethod
@@ -57,7 +57,7 @@ class Factors(NamedTuple):
         Parameters
         ----------
         stacked
-            As `stack` gives it.
+            Array from `stack`, shape (n, N).
         """
         return cls(stacked[0], list(zip(stacked[1::2], stacked[2::2], strict=True)))
 
@@ -67,7 +67,7 @@ class Factors(NamedTuple):
         Parameters
         ----------
         kind
-            The type.
+            Floating-point type of NumPy.
         """
         return Factors(
             self.r.astype(kind), [(p.astype(kind), q.astype(kind)) for p, q in self.pairs]
@@ -79,9 +79,9 @@ class Factors(NamedTuple):
         Parameters
         ----------
         index
-            Which rows.
+            Index of the rows.
         other
-            Their factors.
+            New factors of these rows.
         """
         self.r[index] = other.r
         for (p, q), (u, v) in zip(self.pairs, other.pairs, strict=True):
@@ -89,14 +89,14 @@ class Factors(NamedTuple):
 
 
 class Roots(NamedTuple):
-    """Roots of one row of polynomials, with discs that hold the exact ones."""
+    """Roots of many polynomials, with discs that hold the exact roots."""
 
     real: list[Array]
-    """Real parts, one array a root."""
+    """Real parts, one array for each root."""
     imag: list[Array]
     """Imaginary parts."""
     radius: list[Array]
-    """Radius about each; infinite where nothing is proved."""
+    """Radius of the disc of each root; infinite where nothing is proved."""
 
 
 def start(a: Sequence[Array]) -> Factors:
@@ -116,7 +116,7 @@ def start(a: Sequence[Array]) -> Factors:
     companion[:, np.arange(1, n), np.arange(n - 1)] = 1.0
     for i, c in enumerate(a):
         companion[:, i, n - 1] = -c
-    # what overflowed has no factors; nothing will be proved of it, and it is passed on
+    # a row that overflowed has no factors: it passes on, and nothing is proved of it
     companion[~np.isfinite(companion).all(axis=(1, 2))] = 0.0
     found = eigenvalues_alone(companion)
     # sorted by whether real, then size: real roots first, conjugates next to each other
@@ -141,7 +141,7 @@ def improve(a: Sequence[Array], factors: Factors, *, watch: bool = True) -> tupl
     factors
         Factors so far.
     watch
-        Whether the change is wanted.
+        Whether to compute the change.
 
     Returns
     -------
@@ -191,18 +191,18 @@ def settle(a: Sequence[Array], factors: Factors, steps: int = 0) -> Factors:
     factors
         First factors; rows that do not settle from them start again from `start`.
     steps
-        Corrections of every row before it is looked at which have settled.
+        Corrections of every row before the first test for settled rows.
 
     Returns
     -------
     Factors
-        Nothing is promised about them; `enclose` says how good they are.
+        Without any bound on their error; `enclose` gives bounds.
     """
     enough = 8 * np.finfo(a[0].dtype).eps
     change: Array = np.empty(0)
     if steps:
         factors, change = _blocks(a, factors, steps)
-    # convergence is quadratic: what is left of the error is the square of the last change
+    # convergence is quadratic: the error left is the square of the last change
     left = np.arange(len(a[0])) if not steps else np.flatnonzero(~(change < enough))
     for fresh in (False, True):
         if not len(left):
@@ -240,11 +240,11 @@ class _Pair(NamedTuple):
     real: tuple[Array, Array]
     imag: Array
     modulus: tuple[Array, ...]
-    """Of each root; one for both where they are complex in every row."""
+    """Modulus of each root; one array for both where all rows are complex."""
     apart: Array
-    """Square of their distance."""
+    """Square of the distance between the two roots."""
     slip: Array
-    """Bound on their rounding."""
+    """Bound on the rounding error of the roots."""
 
 
 def _pair(p: Array, q: Array, unit: float) -> _Pair:
@@ -287,7 +287,7 @@ def enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roo
     joined: dict[tuple[int, ...], Array] = {}
 
     def join(pieces: tuple[Array, ...]) -> Array:
-        # what the two roots of a pair share stays one array
+        # an array that both roots of a pair share stays one array
         key = tuple(id(piece) for piece in pieces)
         if key not in joined:
             joined[key] = np.concatenate(pieces)
@@ -317,11 +317,11 @@ def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Ro
         value = off[-1]
         for o in reversed(off[:-1]):
             value = value * size_ + o
-        # where the discs are clear below, rounding moves the distances by less than that factor
+        # 1.2 covers the rounding of the distances where the discs are clear, see below
         weights.append(1.2 * value / np.sqrt(spread_) + slip_)
     n = len(a)
     heaviest = np.maximum.reduce(weights)
-    # discs of diag(λ) - w 1ᵀ scaled by 1/10 in one place: it keeps clear of the others
+    # discs of diag(λ) - w 1ᵀ, scaled by 1/10 in one place: its disc is clear of the others
     clear = closest > (2 * (n + 10) * heaviest) ** 2
     factor = np.where(clear, 1 + (n - 1) / 10, np.inf)
     radius = [factor * w for w in weights]
@@ -338,7 +338,7 @@ def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Ro
 
 
 def _distances(r: Array, pairs: list[_Pair]) -> tuple[list[Any], Any]:
-    """Square of the product of distances from each root to all others, and of the least of them.
+    """Square of the product of distances from each root to all others, and of the least distance.
 
     A pair that is complex in every row counts for both its roots.
     """
@@ -374,7 +374,7 @@ def _distances(r: Array, pairs: list[_Pair]) -> tuple[list[Any], Any]:
 
 
 def _times(poly: list[Any], p: Any, q: Any) -> list[Any]:
-    """A polynomial times x² + p x + q; the leading 1 stays implicit in its place."""
+    """A monic polynomial times x² + p x + q; nothing multiplies by the leading 1."""
     n = len(poly)
     out: list[Any] = [0.0] * (n + 2)
     for i, c in enumerate(poly):

@@ -1,4 +1,4 @@
-"""Characteristic polynomials in balls: structure, proved verdicts, what crosses at a boundary."""
+"""Characteristic polynomials in balls: proved verdicts and crossings at a boundary."""
 
 from __future__ import annotations
 
@@ -8,21 +8,22 @@ from typing import Any
 from flint import arb, arb_mat
 
 ROUGH = 1e-6
-"""Largest rate of a sampled member that is held, not solved for, and counts as steady."""
+"""Largest rate at which a sampled member without solved unknowns counts as steady."""
 
 
 def verdict_polynomial(coefficients: Sequence[Any], zeros: int, conservative: bool) -> list[Any]:
     """The polynomial whose Hurwitz stability is the verdict, lowest coefficient first.
 
-    For a dissipative law it is the reduced characteristic polynomial.  For a conservative one,
-    q(λ²), it is q(λ²) + λ q'(λ²): Hurwitz exactly when all λ² are real, negative and simple.
+    For a dissipative law: the reduced characteristic polynomial.  For a conservative law, with the
+    reduced polynomial q(λ²): q(λ²) + λ q'(λ²), Hurwitz exactly when all λ² are real, negative and
+    simple.
 
     Parameters
     ----------
     coefficients
-        Of det(λ - A), lowest first.
+        Coefficients of det(λ - A), lowest first.
     zeros
-        Structural zeros.
+        Number of structural zeros.
     conservative
         Whether the reduced polynomial is even.
 
@@ -46,7 +47,7 @@ def product(factors: Sequence[Sequence[Any]]) -> list[Any]:
     Parameters
     ----------
     factors
-        Coefficients of each, lowest first; the last one is not zero.
+        Coefficients of each factor, lowest first; the last one is not zero.
 
     Returns
     -------
@@ -78,7 +79,7 @@ def hurwitz_sign(polynomial: Sequence[Any]) -> int:
         half-plane; 0, not decided at this precision.
 
     Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV §§ 3-6.  (A polynomial with all
-    roots in Re ≤ 0 is a limit of stable ones, so its Hurwitz determinants are ≥ 0: one that is
+    roots in Re ≤ 0 is a limit of stable ones, so its Hurwitz determinants are ≥ 0: a determinant
     proved negative proves a root in Re > 0.)
 
     Examples

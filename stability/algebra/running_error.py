@@ -1,8 +1,8 @@
 """Double-precision arrays that carry a bound on their own rounding error.
 
 Running error analysis (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM
-2002, Section 3.3): each operation adds its own rounding to what it inherits.  Bounds are absolute
-and hold to every order, as those of an interval do: an error may be larger than its value.
+2002, Section 3.3): each operation adds its own rounding to the inherited error.  Bounds are
+absolute and hold to every order, like those of an interval: an error may exceed its value.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .number_types import Algebra
 UNIT = 2.0**-53
 """Unit roundoff of a double."""
 TINY = 2.0**-1074
-"""Least double: what a product or quotient that underflows may lose."""
+"""Least double: largest loss of a product or quotient that underflows."""
 
 
 class RunningError:
@@ -98,7 +98,7 @@ class RunningError:
         total = self.value**exponent
         size = np.abs(self.value)
         low, high = size - self.error, size + self.error
-        # |x|^y is monotone in |x|; across zero it has a bound for y ≥ 0 only, and only whole powers
+        # |x|^y is monotone in |x|; across zero only whole powers y ≥ 0 have a bound
         ends = [np.abs(np.maximum(end, 0.0) ** exponent - np.abs(total)) for end in (low, high)]
         passed = np.maximum(*ends)
         passed = np.where(low < 0, np.where(exponent >= 0, 2 * high**exponent, np.inf), passed)
@@ -109,7 +109,7 @@ class RunningError:
 
 
 class Constant(float):
-    """A number of a graph: exact, and so is none of its sums and products with another."""
+    """An exact number of a graph; its sum or product with another is rounded."""
 
     def _with(self, other: Any, operation: Any) -> Any:
         if isinstance(other, Constant):
@@ -136,14 +136,14 @@ class Constant(float):
 
 
 def _elementary(function: Any, change: Any) -> Any:
-    """A function with the most that it changes within an error: change(|x|, error, |value|)."""
+    """A function with its largest change within an error: change(x, error, |value|)."""
 
     def apply(x: Any) -> Any:
         if not isinstance(x, RunningError):
             x = RunningError(x, 0.0)
         total = function(x.value)
         size = np.abs(total)
-        own = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds to zero what is not zero
+        own = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds a nonzero value to zero
         return RunningError(total, change(x.value, x.error, size) + own)
 
     return apply
@@ -186,7 +186,7 @@ TRACKED = Algebra(
         ),
     },
 )
-"""The algebra in which a graph tells the rounding error of its own value."""
+"""The algebra in which each value of a graph carries a bound on its rounding error."""
 
 
 def running_error_arrays(
@@ -199,7 +199,7 @@ def running_error_arrays(
     program
         The instruction list.
     arguments
-        For each input its entries.
+        Entries of each input.
     shape
         Leading shape of the results.
 
@@ -219,7 +219,7 @@ def running_error_arrays(
         for (row, column), entry in zip(places, entries, strict=True):
             if isinstance(entry, RunningError):
                 value[..., row, column] = entry.value
-                # nan: 0/0, or the root of what may be negative
+                # nan: 0/0, or the root of a number that may be negative
                 error[..., row, column] = np.where(
                     np.isnan(entry.error), np.inf, 1.01 * entry.error
                 )

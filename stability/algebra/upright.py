@@ -1,4 +1,4 @@
-"""The exact right angle, which no double is."""
+"""The exact right angle π/2, which is not a double."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from __future__ import annotations
 class Upright:
     """The exact right angle π/2 as a symbol: its sine is 1, its cosine 0, and no more is known.
 
-    No double is π/2, so a motion with the disk upright is read from the graph with this in place
-    of theta; the terms with cosθ then vanish from the graph itself.
+    No double is π/2.  For a motion with the disk upright, this symbol replaces theta in the graph;
+    the terms with cosθ then vanish from the graph itself.
 
     Examples
     --------
@@ -28,4 +28,4 @@ class Upright:
 
 
 UPRIGHT = Upright()
-"""The one right angle."""
+"""The right angle, the only instance."""

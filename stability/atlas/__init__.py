@@ -2,5 +2,6 @@
 
 Diagrams and loci of the families for three bodies.
 May import `figures`, `tables` and the floors below.
-To add a body or a range: an entry in `BODIES` or `RANGES` of `page.py`.
+To add a body: an entry in `BODIES` of `page.py`.
+To add a family: the interval `drawn` in its record of `bodies/thin_disk/disk_families.py`.
 """

@@ -1,7 +1,7 @@
 """The atlas: diagrams and loci of the families for three bodies, with data and a page.
 
-Each (body, family) pair is one job; jobs run in processes of their own.  Everything is written into
-a folder next to the target and moved there when it is whole.
+Each (body, family) pair is one job.  Jobs run in separate processes.  All files are written into a
+temporary folder next to the target, and move to the target when the atlas is complete.
 """
 
 from __future__ import annotations
@@ -63,21 +63,21 @@ def atlas(
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Draw the atlas into a folder: figures (PNG, PDF), maps (NetCDF), boundaries (CSV), a page.
+    """Write the atlas into a folder: figures (PNG, PDF), maps (NetCDF), boundaries (CSV), a page.
 
     Parameters
     ----------
     out
-        Folder to make.
+        Folder to write.
     resolution
         Points along the axis of the family; three quarters as many along mu.
     force
-        Whether files in an existing folder may be replaced; other files there are left alone.
+        Whether files in an existing folder may be replaced; other files there stay unchanged.
     workers
-        Processes; all processors when left out.  With 1 everything runs in this process.
+        Number of processes; all processors when left out.  With 1 all jobs run in this process.
     executor
-        Any `concurrent.futures.Executor` in place of the processes, whose workers see the same
-        folders; `workers` is then how many workers it has.
+        Any `concurrent.futures.Executor` in place of the processes.  Its workers must see the same
+        folders; `workers` is then its number of workers.
     progress
         Called with (jobs done, jobs in all).
 
@@ -89,9 +89,9 @@ def atlas(
     Raises
     ------
     FileError
-        If the folder exists without `force`, or cannot be made.
+        If the folder is not empty and `force` is off, or if it cannot be written.
     ParameterError
-        If the resolution is below 8.
+        If the resolution is below 8 or above `FINEST`.
     """
     resolution = whole_number(
         "resolution", resolution, 8, FINEST, "`stability map --verdict-only` draws finer ones"
@@ -137,7 +137,7 @@ class _temporary_folder:  # noqa: N801  # a context manager that reads as a word
 
 
 def _move(folder: Path, target: Path) -> None:
-    """Give the folder its name, or its files theirs where the target holds other files."""
+    """Rename the folder to the target, or move its files into a target that exists."""
     mask = os.umask(0)
     os.umask(mask)
     with refusing(target), postponed():
@@ -145,16 +145,16 @@ def _move(folder: Path, target: Path) -> None:
             path.chmod(0o666 & ~mask)
         if not os.path.lexists(target):
             folder.chmod(0o777 & ~mask)
-            folder.replace(target)  # at once
+            folder.replace(target)  # one atomic step
         else:
             target.mkdir(exist_ok=True)
-            for path in folder.iterdir():  # all or nothing
+            for path in folder.iterdir():  # check all before the first move
                 if (target / path.name).is_dir():
                     raise FileError(
                         f"{path_text(target / path.name)} is a folder in the way; move it aside."
                     )
             for path in sorted(folder.iterdir(), key=lambda p: p.name == "index.html"):
-                path.replace(target / path.name)  # the page last: it points at what is there
+                path.replace(target / path.name)  # the page last: it links to the others
         record(target)
 
 

@@ -1,4 +1,4 @@
-"""The page of the atlas, and what is on it."""
+"""The page of the atlas, its bodies, ranges and captions."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ BODIES: dict[str, tuple[Callable[[], Disk], str, str]] = {
     "annulus": (lambda: Disk.annulus(0.5), "annulus with inner radius R/2", "k = 5/16"),
     "hoop": (Disk.hoop, "hoop", "k = 1/2"),
 }
-"""The bodies of the atlas: disk, name, inertia."""
+"""The bodies of the atlas by key: function that makes the disk, name, inertia."""
 
 FRICTION = (0.01, 100.0)
-"""Interval of mu*, even in the logarithm."""
+"""Interval of mu* = mu √(gR), on a logarithmic axis."""
 
 LOCUS_FRICTION = (0.3, 3.0)
-"""mu* of the loci."""
+"""Values of mu* in the loci."""
 
 CODE_KINDS = {code: crossing for crossing, code in KINDS.items()}
 
@@ -44,19 +44,19 @@ class Picture:
     stem: str
     """File name without suffix."""
     caption: str
-    """What was computed, exactly."""
+    """Exact description of the computation."""
     alternative: str
-    """The figure in a few words, for those who cannot see it."""
+    """The figure in a few words, for readers who cannot see it."""
 
 
 @dataclass(frozen=True)
 class Page:
-    """What one job made."""
+    """Figures and rows of one job."""
 
     body: str
     """Key of `BODIES`."""
     family: str
-    """Family."""
+    """Name of the family."""
     pictures: tuple[Picture, ...]
     """Figures, the diagram first."""
     rows: tuple[tuple[Any, ...], ...]
@@ -158,16 +158,17 @@ def _figure(page: Page, picture: Picture, diagram: bool) -> str:
 
 
 def summary(page: Path) -> dict[str, Any]:
-    """What an atlas holds, for JSON.
+    """Contents of an atlas, for JSON.
 
     Parameters
     ----------
     page
-        Its `index.html`.
+        Path of `index.html` of the atlas.
 
     Returns
     -------
     dict
+        `page`, and in `files` the number of files by suffix.
     """
     names = sorted(p.name for p in page.parent.iterdir())
     kinds = {s: sum(n.endswith(s) for n in names) for s in (".png", ".pdf", ".nc", ".csv")}

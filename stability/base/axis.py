@@ -13,7 +13,7 @@ from .errors import ParameterError, shown
 from .types import Floats
 
 MOST_POINTS = 10_000_000
-"""Longest axis."""
+"""Largest number of points of an axis."""
 
 
 AxisLike = tuple[str, float, float, int] | tuple[str, float, float, int, str]
@@ -25,7 +25,7 @@ class Axis:
     """One axis of a map."""
 
     name: str
-    """What varies."""
+    """Name of the parameter that varies."""
     low: float
     """First value."""
     high: float
@@ -33,7 +33,7 @@ class Axis:
     count: int
     """Number of values."""
     log: bool = False
-    """Whether they are even in the logarithm."""
+    """Whether the values have even steps in the logarithm."""
 
     @classmethod
     def of(cls, axis: Sequence[Any], which: str, most: int = MOST_POINTS) -> Axis:
@@ -46,12 +46,12 @@ class Axis:
         which
             `x` or `y`, for messages.
         most
-            Most points.
+            Largest number of points.
 
         Raises
         ------
         ParameterError
-            With what is accepted.
+            If an entry is not accepted; the message says which entries are.
 
         Examples
         --------
@@ -113,5 +113,5 @@ class Axis:
 
     @property
     def text(self) -> str:
-        """The axis as the command line writes it."""
+        """The axis as text for the command line."""
         return f"{self.name}:{self.low:g}:{self.high:g}:{self.count}" + ":log" * self.log

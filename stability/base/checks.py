@@ -14,13 +14,13 @@ from .errors import NameUnknownError, ParameterError, StabilityError, shown
 
 Number = float | NDArray[np.float64]
 MOST_WORKERS = 1024
-"""Most threads or processes that may be asked for."""
+"""Largest number of threads or processes."""
 Kind = TypeVar("Kind")
 Method = TypeVar("Method", bound=Callable[..., Any])
 
 
 class _ByText(EnumMeta):
-    """Members are looked up by their text alone; anything else need not even be comparable."""
+    """An enumeration that finds its members by text alone; other values may lack comparison."""
 
     def __call__(cls, value: Any) -> Any:  # type: ignore[override]
         if not isinstance(value, (str, cls)):
@@ -43,7 +43,7 @@ def checked(name: str, value: ArrayLike) -> Number:
     Parameters
     ----------
     name
-        What the number is called in the message.
+        Name of the number in the message.
     value
         A number or an array of numbers, any shape.
 
@@ -62,7 +62,7 @@ def checked(name: str, value: ArrayLike) -> Number:
     >>> checked("mu", 3)
     3.0
     """
-    if type(value) is float:  # by far the most frequent
+    if type(value) is float:  # the most frequent case by far
         array = np.asarray(value)
     else:
         array = real_numbers(name, value)
@@ -79,12 +79,12 @@ def checked(name: str, value: ArrayLike) -> Number:
 
 
 def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
-    """Real numbers as doubles, infinite and NaN among them, or a refusal.
+    """Real numbers as doubles, infinite and NaN included, or a refusal.
 
     Parameters
     ----------
     name
-        What they are called in the message.
+        Name of the numbers in the message.
     value
         A number or an array of numbers, any shape.
 
@@ -104,27 +104,27 @@ def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
             entry is None or isinstance(entry, (str, bytes, bool, complex)) for entry in given.flat
         ):
             raise TypeError
-        with np.errstate(all="ignore"):  # what overflows is infinite, and refused as that
+        with np.errstate(all="ignore"):  # an overflow is infinite; callers refuse it
             return np.asarray(given, dtype=float)
     except ParameterError:
         raise
-    except Exception:  # the value's own conversion runs here, which may raise anything
+    except Exception:  # the value's own conversion may raise anything
         raise ParameterError(f"{name} is {shown(value)}; a real number is needed.") from None
 
 
 def positive(
     name: str, value: ArrayLike, remedy: str = "it must be positive", *, zero: bool = False
 ) -> Number:
-    """Return `checked(name, value)` if all of it is above zero, or refuse.
+    """Return `checked(name, value)` if all numbers are above zero, or refuse.
 
     Parameters
     ----------
     name
-        What the number is called in the message.
+        Name of the number in the message.
     value
         A number or an array of numbers, any shape.
     remedy
-        What is accepted, for the message.
+        Accepted values, for the message.
     zero
         Whether zero is accepted too.
 
@@ -136,7 +136,7 @@ def positive(
     Raises
     ------
     ParameterError
-        If a value is not a real finite number above zero.
+        If a value is not a real finite number above zero (or zero, with `zero`).
 
     Examples
     --------
@@ -157,7 +157,7 @@ def one_number(name: str, value: Any) -> float:
     Parameters
     ----------
     name
-        What it is called in the message.
+        Name of the argument in the message.
     value
         The number.
 
@@ -182,11 +182,11 @@ def rows(name: str, value: Any, names: Collection[str]) -> NDArray[np.float64]:
     Parameters
     ----------
     name
-        What the array is called in the message.
+        Name of the array in the message.
     value
-        Shape (…, len(names)); without names anything empty will do.
+        Shape (…, len(names)).
     names
-        Of the entries of the last axis.
+        Names of the entries of the last axis.
 
     Returns
     -------
@@ -236,12 +236,12 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def arithmetic(remedy: str) -> Callable[[Method], Method]:
-    """Wrap a formula over any number type: what that type cannot do is refused in a sentence.
+    """Wrap a formula over any number type; a failed operation becomes a refusal in a sentence.
 
     Parameters
     ----------
     remedy
-        What the formula takes.
+        Accepted arguments of the formula, for the message.
 
     Returns
     -------
@@ -261,7 +261,7 @@ def arithmetic(remedy: str) -> Callable[[Method], Method]:
                 return found
             except StabilityError:
                 raise
-            except Exception as error:  # the numbers' own code runs here, which may raise anything
+            except Exception as error:  # the numbers' own code may raise anything
                 given = ", ".join(map(shown, (*values, *named.values())))
                 raise ParameterError(f"{given}: {type(error).__name__}; {remedy}.") from None
 
@@ -276,7 +276,7 @@ def flag(name: str, value: Any) -> bool:
     Parameters
     ----------
     name
-        What it is called in the message.
+        Name of the argument in the message.
     value
         A truth value of Python or NumPy.
 
@@ -302,13 +302,13 @@ def whole_number(
     Parameters
     ----------
     name
-        What it is called in the message.
+        Name of the argument in the message.
     value
         An integer of Python or NumPy.
     least, most
-        The range, ends included; no upper end when left out.
+        Ends of the range, both included; None for no upper end.
     remedy
-        What to do for more than `most`, for the message.
+        Advice for a value above `most`, for the message.
 
     Returns
     -------
@@ -336,11 +336,11 @@ def known(name: str, value: Any, names: Collection[str]) -> str:
     Parameters
     ----------
     name
-        What it is called in the message.
+        Name of the argument in the message.
     value
         The name.
     names
-        The known ones.
+        Known names.
 
     Returns
     -------
@@ -362,13 +362,13 @@ def instance(name: str, value: Any, kind: type[Kind], remedy: str) -> Kind:
     Parameters
     ----------
     name
-        What it is called in the message.
+        Name of the argument in the message.
     value
         The object.
     kind
-        Its class.
+        Required class of the object.
     remedy
-        What to give, for the message.
+        Accepted argument, for the message.
 
     Returns
     -------

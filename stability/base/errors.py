@@ -1,4 +1,4 @@
-"""What can go wrong, one class each; a message is one sentence with the value and the remedy."""
+"""Errors, one class for each cause; a message is one sentence with the value and the remedy."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class FileError(StabilityError):
 
 
 class StabilityWarning(UserWarning):
-    """A result that holds, but says less than was asked: what it leaves open is in the message.
+    """A result that is true but incomplete; the message says what stays open.
 
     Examples
     --------
@@ -84,7 +84,7 @@ def one_line(text: str, longest: int = LONGEST) -> str:
     >>> one_line("0123456789", 7)
     '01 … 89'
     """
-    if len(text) > 40 * longest:  # what is cut away below need not be looked at
+    if len(text) > 40 * longest:  # the part that is cut away below needs no work
         text = f"{text[: 20 * longest]} {text[-20 * longest :]}"
     plain = " ".join(text.split())
     if not plain.isprintable():
@@ -97,7 +97,7 @@ def one_line(text: str, longest: int = LONGEST) -> str:
 
 
 class _Short(reprlib.Repr):
-    """Values in few words; nothing that a value's own code raises gets out."""
+    """Short texts of values; `shown` catches the errors of a value's own code."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -106,20 +106,20 @@ class _Short(reprlib.Repr):
         self.maxstring = self.maxlong = self.maxother = VALUE
 
     def repr_int(self, x: int, level: int) -> str:  # noqa: ARG002
-        """Digits, or how many there are; Python refuses to print very long ones."""
+        """Digits, or the number of bits; Python refuses to print very long integers."""
         return repr(x) if x.bit_length() < 180 else f"an integer of {x.bit_length()} bits"
 
     def repr_ndarray(self, x: Any, level: int) -> str:  # noqa: ARG002
         """Shape and type of its entries."""
         return f"an array of shape {x.shape}, {x.dtype}"
 
-    repr_MaskedArray = repr_matrix = repr_ndarray  # noqa: N815  # reprlib looks for the type's name
+    repr_MaskedArray = repr_matrix = repr_ndarray  # noqa: N815  # reprlib looks up the type's name
 
     def repr_instance(self, x: Any, level: int) -> str:  # noqa: ARG002
-        """What it says of itself if that is short; else what it is."""
+        """The value's own `repr` if short; otherwise its type."""
         try:
             said = repr(x)
-        except Exception:  # the value's own code runs here, which may raise anything
+        except Exception:  # the value's own code may raise anything
             said = ""
         kind = type(x).__name__
         article = "an" if kind[:1].lower() in tuple("aeiou") else "a"
@@ -135,7 +135,7 @@ def shown(value: object) -> str:
     Parameters
     ----------
     value
-        Anything: arrays show their shape, datasets and graphs their type.
+        Any value: arrays show their shape, datasets and graphs their type.
 
     Returns
     -------
@@ -151,7 +151,7 @@ def shown(value: object) -> str:
     ('an array of shape (2, 3), float64', '[0.5, 0.5, 0.5, 0.5, 0.5, 0.5, ...]')
     """
     try:
-        if isinstance(value, str):  # its ends say more than reprlib's three dots
+        if isinstance(value, str):  # its two ends say more than reprlib's three dots
             return one_line(repr(str(value)), VALUE)
         return one_line(_SHORT.repr(value), VALUE)
     except Exception:  # as above

@@ -12,11 +12,11 @@ from pathlib import Path
 from .version import __version__
 
 LIBRARIES = ("casadi", "numpy", "scipy", "sympy", "python-flint", "mpmath", "heyoka")
-"""Whose versions a comparison depends on."""
+"""Libraries whose versions a comparison depends on."""
 
 
 def machine() -> dict[str, str]:
-    """The machine and the versions, in words.
+    """The machine and the versions of libraries, as texts.
 
     Returns
     -------
@@ -58,7 +58,7 @@ def _memory() -> str:
 
 
 def today() -> str:
-    """The moment, UTC.
+    """The present time in UTC, to the second.
 
     Returns
     -------

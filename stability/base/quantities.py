@@ -1,4 +1,4 @@
-"""Kinds of quantities with their units, and a quantity as a record; of no body in particular."""
+"""Kinds of quantities with their units, and a quantity as a record, for any body."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 
 class Kind(Enum):
-    """Unit in SI, and in words the unit where a mass m, a length R and gravity g are 1."""
+    """SI unit of a kind, and in words its unit where a mass m, a length R and gravity g are 1."""
 
     NUMBER = "1", ""
     ANGLE = "rad", ""
@@ -28,7 +28,7 @@ class Kind(Enum):
     DRAG = "kg/s", "m √(g/R)"
 
     def __init__(self, si: str, words: str) -> None:
-        self.si, self.words = si, words  # no words where the number is the same in both
+        self.si, self.words = si, words  # no words where the number is the same in both systems
 
     def unit(self, *, dimensionless: bool) -> str:
         """The unit in a file, where a number without dimension has the unit 1."""
@@ -61,9 +61,9 @@ class Quantity:
     long_name: str
     """Name in words."""
     kind: Kind
-    """What fixes the units."""
+    """Kind, which fixes the units."""
     latex: str = ""
-    """Symbol in LaTeX without dollars, where it is not the plain one."""
+    """Symbol in LaTeX without dollars, where the plain symbol differs."""
 
     @property
     def typeset(self) -> str:
@@ -87,7 +87,7 @@ def axis_label(quantity: Quantity | None, name: str, unit: str) -> str:
 
 
 def in_latex(unit: str) -> str:
-    """The unit of a kind as a figure shows it; a unit of no kind as it is.
+    """The unit of a kind as a figure shows it; an unknown unit unchanged.
 
     Examples
     --------
@@ -102,7 +102,7 @@ def _in_latex(words: str) -> str:
     return f"${root.replace(' ', '')}$"
 
 
-# metres come last: m is the unit of a mass only in words, and no figure shows that
+# metres come last and win: in words m is a mass, which no figure shows
 _IN_LATEX = {k.words: _in_latex(k.words) for k in Kind if k.words} | {
     k.si: re.sub("(?<=[a-z])2", "$^2$", k.si) for k in Kind
 }

@@ -15,5 +15,5 @@ Progress = Callable[[int, int], None]
 
 
 def fields_of(record: Any) -> dict[str, Any]:
-    """A frozen record's fields, without what was worked out of them: its state when pickled."""
+    """Fields of a frozen record without its cached values: its state when pickled."""
     return {f.name: getattr(record, f.name) for f in fields(record)}

@@ -1,4 +1,4 @@
-"""Verdicts: what a spectrum says, and what the motion itself does, as far as that is known."""
+"""Verdicts of a spectrum, and of the nonlinear motion as far as it is known."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ class Verdict(Sentences):
 
 
 def best(*, even: bool) -> Verdict:
-    """The verdict without growth that a law allows.
+    """The verdict of a spectrum without growth: neutral or stable.
 
     Parameters
     ----------
     even
-        Whether the polynomial is even in λ, so that nothing can decay either.
+        Whether the polynomial is even in λ; then no mode decays either.
 
     Examples
     --------
@@ -58,7 +58,7 @@ BY_CODE = {code: verdict for verdict, code in CODES.items()}
 
 
 class Nonlinear(Sentences):
-    """What the motion itself does; the value of each member is the sentence a user reads.
+    """Behaviour of the nonlinear motion; the value of each member is the sentence a user reads.
 
     Examples
     --------

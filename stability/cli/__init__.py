@@ -1,8 +1,8 @@
 """The command line.
 
-A thin layer on the public names; one file for each command.
+A thin layer on the public names.  `commands.py` parses a command line and runs its command.
 May import `atlas`, `compare` and the floors below.
-To add a command: a module with one function of the parsed options, and its words in `_parser` of
+To add a command: a module with one function of the parsed options, and its help in `_parser` of
 `commands.py`.
 """
 

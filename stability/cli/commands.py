@@ -31,7 +31,7 @@ from .terminal import (
 
 @contextmanager
 def _warnings() -> Iterator[None]:
-    """The package's own warnings as one line each on standard error."""
+    """Print each warning of the package as one line on standard error."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", StabilityWarning)
         plainly = warnings.showwarning
@@ -52,12 +52,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments
-        Words after the program's name; those of the process when left out.
+        Words after the program's name; the words of the process when left out.
 
     Returns
     -------
     int
-        0 done, 2 bad input, 130 interrupted (143 by SIGTERM, 129 by SIGHUP).
+        Exit code: 0 done, 2 bad input, 130 interrupted (143 by SIGTERM, 129 by SIGHUP).
 
     Examples
     --------
@@ -79,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _run(arguments)
             stop.check()
         except BaseException as reason:
-            # a library that is interrupted may raise what it likes: an import fails, a solver stops
+            # an interrupted library may raise any error: an import fails, a solver stops
             if stop.number or isinstance(reason, KeyboardInterrupt):
                 told = str(reason) if isinstance(reason, KeyboardInterrupt) else ""
                 say(f"{told or stop.sentence}.")
@@ -94,17 +94,17 @@ def _run(arguments: Sequence[str] | None) -> None:
         run: Callable[[argparse.Namespace], None] = options.run
         with _warnings():
             run(options)
-    except SystemExit:  # after --help
+    except SystemExit:  # after --help, --version or a bad argument
         sys.stdout.flush()
         raise
     sys.stdout.flush()
 
 
 def _code(reason: BaseException) -> int:
-    """Say what went wrong; the exit code."""
+    """Print the error in one sentence, and return the exit code."""
     if isinstance(reason, StabilityError):
         say(str(reason))
-    elif isinstance(reason, BrokenPipeError):  # the reader of our output has left, as it may
+    elif isinstance(reason, BrokenPipeError):  # the reader of the output has closed it: no error
         drop_output()
         return 0
     elif starved(reason):

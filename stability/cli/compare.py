@@ -11,7 +11,7 @@ from ..base.errors import NameUnknownError, ParameterError, shown
 from ..storage.json_text import json_text
 
 CHARTS = ("spectrum", "motion")
-"""What can be charted."""
+"""Subjects of a chart."""
 
 
 def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
     parser
         The command's parser.
     chart
-        Whether it is `chart`, which is told what to chart.
+        Whether the command is `chart`, which takes a subject.
     """
     if chart:
         parser.add_argument("what", metavar="WHAT", help="spectrum or motion")
@@ -37,14 +37,14 @@ def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
 
 
 def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
-    """Make a chart, the catalogue, or the whole report, and say what came of it.
+    """Write a chart, the catalogue or the whole report, and print a summary.
 
     Parameters
     ----------
     options
-        From `add_arguments`; `command` is the command's name.
+        Parsed options of `add_arguments`; `command` is the command's name.
     bar
-        Gives a progress bar for a unit, as a context manager.
+        Function of a unit's name that returns a progress bar, as a context manager.
     """
     from ..compare.report import PARTS, report
 
@@ -73,21 +73,21 @@ def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
 
 
 def summary(folder: Path, parts: tuple[str, ...]) -> dict[str, Any]:
-    """What a folder holds, as JSON.
+    """Contents of a folder, for JSON.
 
     Parameters
     ----------
     folder
-        Of a report.
+        Folder of a report.
     parts
-        Which parts to tell of.
+        Names of the parts to describe.
 
     Returns
     -------
     dict
-        `page`, `machine`, and for each part its files and what it says: for charts where the
-        package's default routes stand, for failures the marks of each method and the cells in
-        which a default route misleads.
+        `page`, `machine`, and for each part its files and results.  Results of a chart: the
+        standings of the package's default routes.  Results of failures: the marks of each method,
+        and the cells in which a default route misleads.
     """
     from ..base.provenance import machine
     from ..compare import failures as catalogue

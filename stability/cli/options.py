@@ -1,4 +1,4 @@
-"""Options that commands share, and their texts."""
+"""Options that commands share, and their help."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from .terminal import check, say
 
 MOST_VALUES = 1000
-"""Numbers in a list of a table, each of which takes a line or more."""
+"""Most numbers in a list of a table; each takes a line or more."""
 
 CONTACTS = "smooth, viscous, linear-viscous, rough, or module:Class for a law of your own"
 PARAMETER_HELP = "a number of a law of your own; once for each"
@@ -25,7 +25,7 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        # argparse takes -1e-3, -inf and -1,2 for options; here they are numbers to be judged
+        # argparse reads -1e-3, -inf and -1,2 as options; here they are numbers, checked later
         self._negative_number_matcher = re.compile(r"^-(\d|\.\d|inf|nan).*$")
 
     def error(self, message: str) -> NoReturn:
@@ -66,7 +66,7 @@ def _physics(parser: argparse.ArgumentParser) -> None:
 def contact_of(
     options: argparse.Namespace, *, motion: bool = False, swept: Collection[str] = ()
 ) -> Any:
-    """The contact law that the options name; 1 stands in for what an axis sweeps."""
+    """The contact law that the options name; a parameter swept by an axis gets the value 1."""
     from ..bodies.law_names import class_named, law_named
 
     law = class_named(options.contact, motion=motion)
@@ -144,7 +144,7 @@ def _picture(path: str, force: bool) -> Any:
 
 @contextmanager
 def _bar(unit: str) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar on standard error, shown once the work has taken a second."""
+    """A progress bar on standard error, shown after one second of work."""
     from tqdm import tqdm
 
     if sys.stderr is None:

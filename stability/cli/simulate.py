@@ -17,7 +17,7 @@ CONTACTS = (
     "law of your own"
 )
 MOST = 10_000_000
-"""Samples of a run at most."""
+"""Most samples of a run."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -66,16 +66,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> None:
-    """Simulate one launch, write what was asked, and say what became of it.
+    """Simulate one launch, write the files of the options, and print the outcome.
 
     Parameters
     ----------
     options
-        From `add_arguments`.
+        Parsed options of `add_arguments`.
     disk
-        The body.
+        The disk.
     bar
-        Gives a progress bar for a unit, as a context manager.
+        Function of a unit's name that returns a progress bar, as a context manager.
     """
     import numpy as np
 
@@ -148,7 +148,7 @@ def _draw(
 
 
 def _errors(dataset: Any) -> dict[str, float | None]:
-    """Estimated errors of the end; None where nothing is known of them."""
+    """Estimated errors of the end; None where the dataset has no estimate."""
     if "final_error" not in dataset:
         return {"final_error": None, "end_time_error": None}
     return {n: float(dataset[n]) for n in ("final_error", "end_time_error")}

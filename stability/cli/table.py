@@ -56,7 +56,7 @@ def _table(options: argparse.Namespace) -> None:
 
 
 def _table_settings(options: argparse.Namespace) -> dict[str, Any]:
-    """Options of a table as arguments of its function; what does not belong is refused."""
+    """Options of a table as arguments of its function; options of other tables are refused."""
     from ..bodies.disk import Disk
     from ..bodies.law_names import law_named
 
@@ -88,7 +88,7 @@ def _table_settings(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _table_launch(options: argparse.Namespace, settings: dict[str, Any]) -> None:
-    """The options of `table drift` and `table launches`."""
+    """Add the options of `table drift` and `table launches` to the settings."""
     name = options.name
     if options.tilt is not None:
         if name not in ("drift", "launches"):

@@ -18,7 +18,7 @@ from ..storage.targets import path_text
 
 
 class Stop:
-    """What stopped a command, if something has."""
+    """The signal that stopped a command, or none."""
 
     def __init__(self) -> None:
         self.number = 0
@@ -31,7 +31,7 @@ class Stop:
 
     @property
     def sentence(self) -> str:
-        """What was written until then."""
+        """Files written before the stop, in one sentence."""
         files: list[Path] = named()[self._before :]
         if not files:
             return "interrupted; nothing was written"
@@ -39,7 +39,7 @@ class Stop:
         return f"interrupted; {path_text(files[0])}{more} had been written, whole"
 
     def check(self) -> None:
-        """Raise again what a library has swallowed."""
+        """Raise KeyboardInterrupt again if a library has swallowed it."""
         if self.number:
             raise KeyboardInterrupt
 
@@ -48,7 +48,7 @@ _stops: list[Stop] = []
 
 
 def check() -> None:
-    """Raise KeyboardInterrupt if the running command was asked to stop and went on all the same."""
+    """Raise KeyboardInterrupt if the running command continued after a signal to stop."""
     if _stops:
         _stops[-1].check()
 
@@ -57,7 +57,7 @@ def check() -> None:
 def stoppable() -> Iterator[Stop]:
     """Let SIGTERM and SIGHUP end a command as Ctrl-C does, so that nothing is left behind.
 
-    A signal that is ignored (`nohup`), or that a program around this one handles, stays so.
+    A signal that is ignored (`nohup`), or that a calling program handles, stays so.
     """
     stop = Stop()
     if threading.current_thread() is not threading.main_thread():
@@ -68,7 +68,7 @@ def stoppable() -> Iterator[Stop]:
         stop.number = number
         raise KeyboardInterrupt
 
-    def quiet(swallowed: Any) -> None:  # in a destructor, say; `check` raises it again
+    def quiet(swallowed: Any) -> None:  # in a destructor; `check` raises it again
         if not issubclass(swallowed.exc_type, KeyboardInterrupt):
             hook(swallowed)
 
@@ -89,10 +89,10 @@ def stoppable() -> Iterator[Stop]:
 
 
 def prepare() -> bool:
-    """Make the streams fit for any text; False where there is no standard output.
+    """Prepare the streams for any text; False without a standard output.
 
-    A closed descriptor 0, 1 or 2 is opened on nothing: otherwise the next file would take its
-    number, and what libraries print would go into that file.
+    A closed descriptor 0, 1 or 2 is opened on the null device.  Otherwise the next file would take
+    its number, and libraries would print into that file.
     """
     for number in range(3):
         try:
@@ -108,19 +108,19 @@ def prepare() -> bool:
 
 
 def say(sentence: str) -> None:
-    """A message on standard error, if there is one that takes it.
+    """Print a message on standard error; without an open standard error nothing happens.
 
     Parameters
     ----------
     sentence
-        What to say.
+        Text of the message.
     """
     with suppress(OSError, ValueError, AttributeError):
         print(f"stability: {one_line(sentence)}", file=sys.stderr, flush=True)
 
 
 def drop_output() -> None:
-    """Throw away what standard output still holds and cannot write; leave it where it leads."""
+    """Discard the buffer of standard output, which cannot be written; keep its destination."""
     try:
         number = sys.stdout.fileno()
         kept = os.dup(number)
@@ -155,7 +155,7 @@ STARVED = (
     "bad_alloc", "failed to map segment", "annot allocate memory", "nable to allocate",
     "can't start new thread", "out of memory", "ot enough memory",
 )  # fmt: skip
-"""What libraries say where memory ends, each in its own class of error."""
+"""Parts of the messages of libraries without memory, whose classes of error differ."""
 
 
 def starved(reason: BaseException | None) -> bool:
@@ -164,7 +164,7 @@ def starved(reason: BaseException | None) -> bool:
     Parameters
     ----------
     reason
-        The error; what caused it counts too.
+        The error; its causes are checked too.
 
     Examples
     --------
@@ -175,7 +175,7 @@ def starved(reason: BaseException | None) -> bool:
     while reason is not None:
         if isinstance(reason, MemoryError) or any(word in str(reason) for word in STARVED):
             return True
-        if limited and isinstance(reason, ImportError):  # of a library that says no more than that
+        if limited and isinstance(reason, ImportError):  # some libraries give no other reason
             return True
         reason = reason.__cause__ or reason.__context__
     return False

@@ -1,7 +1,7 @@
-"""Where a printed root of a condition is a boundary: the range in which it is real and admissible.
+"""Ranges in which a printed root of a condition is real and admissible, so that it is a boundary.
 
-A condition that is quadratic in at² or mu² has two roots, and not each of them is a boundary of
-the family.  The ranges hold for every k in (0, 1/2]; tests/derivation/test_branches.py proves them
+A condition that is quadratic in at² or mu² has two roots; one of these may be no boundary of the
+family.  The ranges hold for every k in (0, 1/2].  tests/derivation/test_branches.py proves them
 from the polynomials and tries to refute them.
 """
 
@@ -28,9 +28,9 @@ WHERE = {
     ("circling", "phi_dot**2"): (_CIRCLING, _CIRCLING),
     ("precession", "phi_dot**2"): (_PRECESSION, _PRECESSION),
 }  # fmt: skip
-"""By family and what is solved for: the range of the root with +√, and of that with -√."""
+"""Ranges of the root with +√ and of the root with -√, by family and solved quantity."""
 LIMITS = "limits in mu hold at each member, not uniformly along the family"
-"""What the limits mean."""
+"""Meaning of the limits."""
 
 
 def where(family: str, of: str, roots: int) -> tuple[str, ...]:
@@ -39,16 +39,16 @@ def where(family: str, of: str, roots: int) -> tuple[str, ...]:
     Parameters
     ----------
     family
-        Name.
+        Name of the family.
     of
-        What was solved for.
+        Solved quantity, such as `mu**2`.
     roots
-        How many roots there are.
+        Number of roots.
 
     Returns
     -------
     tuple of str
-        Empty words where a root is the boundary throughout.
+        Empty strings for roots that are boundaries everywhere.
 
     Examples
     --------

@@ -1,10 +1,10 @@
 """The slow flow of straight rolling on its centre manifold, derived from the graph.
 
 Rolling under friction has one structural zero more than its family explains: a tilt α = θ - π/2
-with the precession and the lateral slip that go with it.  The centre manifold is a graph over (α,
-omega3); its Taylor coefficients in α follow order by order from the invariance equation, whose
-right-hand side CasADi differentiates and SymPy reads.  `stability.boundary.drift` states the result
-in closed form; tests/boundary/test_drift.py compares the two.
+with its precession and lateral slip.  The centre manifold is a graph over (α, omega3).  Its Taylor
+coefficients in α follow order by order from the invariance equation, whose right-hand side CasADi
+differentiates and SymPy reads.  `stability.boundary.drift` states the result in closed form;
+tests/boundary/test_drift.py compares the two.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .characteristic import MU, K
 
 W = sympy.Symbol("w", positive=True)
 DEPENDENT = ("theta_dot", "phi_dot", "slip_x", "slip_y")
-"""States that the manifold gives in terms of the tilt and omega3."""
+"""States that are functions of the tilt and omega3 on the manifold."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class SlowFlow:
     manifold: dict[str, tuple[sympy.Expr, ...]]
     """Coefficients of α, α², … of each dependent state."""
     launch: sympy.Expr
-    """Tilt on the slow manifold over the tilt of a launch with phi_dot = slip = 0."""
+    """Ratio of the tilt on the slow manifold to the tilt of a launch with phi_dot = slip = 0."""
 
 
 def derive_slow_flow(law: str = "viscous", order: int = 3) -> SlowFlow:
@@ -91,14 +91,14 @@ def derive_slow_flow(law: str = "viscous", order: int = 3) -> SlowFlow:
 
 
 def _upright_algebra() -> Algebra:
-    """SymPy with every sine 1 and every cosine 0: the only angle in the graph is theta = π/2."""
+    """SymPy with every sine 1 and every cosine 0, as theta = π/2 is the only angle in the graph."""
     algebra = sympy_algebra()
     exact = {"sin": lambda _: sympy.Integer(1), "cos": lambda _: sympy.Integer(0)}
     return replace(algebra, functions=dict(algebra.functions) | exact)
 
 
 def _taylor(law: str, order: int) -> Any:
-    """Coefficient of a power of the tilt in each rate, as a function of those of the states."""
+    """Function from the states' coefficients to those of each rate, at a power of the tilt."""
     system = disk_system(law)
     tilt, w = ca.SX.sym("tilt"), ca.SX.sym("w")
     symbols = {n: ca.SX.sym(n, order) for n in DEPENDENT}
@@ -141,7 +141,7 @@ def _block(law: str) -> sympy.Matrix:
 
 
 def _launch(law: str, known: dict[str, list[Any]]) -> sympy.Expr:
-    """Projection of a tilt alone on the slow manifold along the fast directions."""
+    """Projection of a pure tilt on the slow manifold along the fast directions."""
     left = _jacobian(law).T.nullspace()
     slow = [sympy.Integer(0)] * len(STATES)
     slow[0] = sympy.Integer(1)

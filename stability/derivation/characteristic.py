@@ -1,9 +1,9 @@
 """Characteristic polynomials over Q, derived by SymPy from the graph of a family.
 
-Nothing here is typed in: the Jacobian at a family is read from the CasADi graph in SymPy's algebra,
-with the sine and cosine of theta as symbols, what the family solves for is eliminated, and the
-determinant is factored.  `stability.bodies.thin_disk.disk_polynomials` keeps the result as package
-data; tests/derivation/test_exact.py derives it again and compares.
+No formula is typed in.  The Jacobian at a family is read from the CasADi graph in SymPy's algebra,
+with the sine and cosine of theta as symbols.  The family's unknown is eliminated, and the
+determinant is factored.  `stability.bodies.thin_disk.disk_polynomials` stores the polynomials as
+package data; tests/derivation/test_exact.py derives these polynomials again and compares.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ TRIG = sympy.Poly(SIN**2 + COS**2 - 1, COS)
 
 @dataclass(frozen=True)
 class Derived:
-    """The reduced characteristic polynomial of a family and law, and what decides its verdict."""
+    """The reduced characteristic polynomial of a family under a law, in factors."""
 
     zeros: int
     """Multiplicity of the factor λ."""
     even: bool
-    """Whether the rest is even in λ."""
+    """Whether the rest of the polynomial is even in λ."""
     factors: tuple[sympy.Poly, ...]
     """Irreducible factors of the rest over Q, polynomials in σ; λ = σ mu for a law with mu."""
 
@@ -40,7 +40,7 @@ def derive(family: str, law: str) -> Derived:
     Parameters
     ----------
     family, law
-        Names.
+        Names of the family and of the contact law.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def derive(family: str, law: str) -> Derived:
     Raises
     ------
     StabilityError
-        If the graph does not have the form that this derivation relies on; nothing is assumed.
+        If the graph does not have the form that this derivation needs; the form is checked.
 
     Examples
     --------
@@ -71,19 +71,19 @@ def derive(family: str, law: str) -> Derived:
 
 
 def variables(family: str) -> tuple[sympy.Symbol, ...]:
-    """What the coefficients depend on: k, M = mu*² and z = at*² or s = sinθ (or both)."""
+    """Variables of the coefficients: k, M = mu*² and z = at*² or s = sinθ (or both)."""
     record = FAMILIES[family]
-    friction = () if record.law else (M,)  # the laws of one family alone have none
+    friction = () if record.law else (M,)  # families of one law (smooth, rough) have no friction
     turning = (SQUARE,) if set(record.at) - {"theta"} else ()
     return (K, *friction, *turning, *((SIN,) if "theta" in record.at else ()))
 
 
 def _matrix(family: Family) -> tuple[sympy.Matrix, sympy.Poly | None]:
-    """The Jacobian at the family in SymPy, and the relation that its unknown obeys."""
+    """The Jacobian at the family in SymPy, and the equation of its unknown."""
     algebra = sympy_algebra()
     functions = dict(algebra.functions) | {"sin": lambda _: SIN, "cos": lambda _: COS}
     algebra = replace(algebra, functions=functions)
-    theta, unknown = sympy.symbols("theta unknown")  # theta is swallowed by sine and cosine
+    theta, unknown = sympy.symbols("theta unknown")  # theta occurs in sine and cosine only
     a = [theta if name == "theta" else AT for name in family.at]
     q = [K, MU][: len(family.parameters)]
     graph = family.graph
@@ -100,13 +100,13 @@ def _matrix(family: Family) -> tuple[sympy.Matrix, sympy.Poly | None]:
 
 
 def _reduced(top: sympy.Expr, relation: sympy.Poly | None) -> sympy.Expr:
-    """The numerator modulo the family's relation and cos² + sin² = 1, free of sin-cos signs."""
+    """The numerator modulo the family's relation and cos² + sin² = 1, without cosθ."""
     if relation is not None:
         unknown = relation.gen
         rest = sympy.rem(sympy.Poly(top, unknown), relation)
         top = sympy.fraction(sympy.together(rest.as_expr()))[0]
         if sympy.sympify(top).has(unknown):
-            # only a common power of the unknown may be left, which is not zero
+            # only a power of the unknown, which is not zero, may be left as a common factor
             top = sympy.Poly(top, unknown)
             if len(top.terms()) != 1:
                 raise StabilityError("the characteristic polynomial keeps the family's unknown.")
@@ -124,8 +124,8 @@ def _even(factor: sympy.Expr) -> bool:
 def _scaled(factor: sympy.Expr, variables: tuple[sympy.Symbol, ...], even: bool) -> sympy.Poly:
     """A factor with M = mu², z = at² and, where it is not even, λ = σ mu; leading sign positive.
 
-    The flow reversed in time is the flow with mu reversed, so each factor is even or odd in
-    (λ, mu) together and only mu² is left after the scaling; that is checked, not assumed.
+    The flow reversed in time is the flow with mu reversed.  So each factor is even or odd in
+    (λ, mu) together, and only mu² is left after the scaling; the code checks this evenness.
     """
     poly = sympy.Poly(factor, LAM, MU, AT)
     total = min(i + j for i, j, _ in poly.monoms())

@@ -1,8 +1,8 @@
-"""The viscous disk has no steady motions but rolling, spinning and tumbling: proof and search.
+"""The viscous disk has only rolling, spinning and tumbling as steady motions: proof and search.
 
 A steady motion has θ̇ = 0 and constant θ, φ̇, ω₃ and slip.  The proof eliminates the unknowns from
-the implicit equations that the graph holds; SymPy checks that each step is an identity of the
-graph.  The search tries to refute it: CasADi's root-finder from random starts in a box.
+the implicit equations in the graph.  SymPy checks that each step is an identity of the graph.  The
+search tries to refute the proof: CasADi's root-finder from random starts in a box.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from ..base.errors import ParameterError, shown
 from ..bodies.thin_disk.disk_equations import disk_system
 
 NEAR = 1e-4
-"""A root counts as a member within this distance.  Rolling has two zero eigenvalues but one
-tangent, so its roots are double, and Newton ends at the square root of its residual there."""
+"""Largest distance of a root from its member.  Rolling has two zero eigenvalues but one tangent,
+so its roots are double, and Newton's error there is the square root of its residual."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,9 @@ class Step:
     """One step of the proof."""
 
     claim: str
-    """What follows."""
+    """Consequence of the identity."""
     identity: str
-    """The identity of the graph that it follows from."""
+    """The identity of the graph from which the claim follows."""
     holds: bool
     """Whether SymPy confirms the identity."""
 
@@ -122,18 +122,18 @@ def prove(law: str = "viscous") -> tuple[Step, ...]:
 
 @dataclass(frozen=True)
 class Search:
-    """What a multi-start search for further steady motions found."""
+    """Results of a multi-start search for further steady motions."""
 
     starts: int
-    """Starts tried."""
+    """Number of starts."""
     converged: int
-    """Starts from which the root-finder reached an isolated or near-isolated root."""
+    """Number of starts from which the root-finder reached an isolated or near-isolated root."""
     found: dict[str, int]
-    """Roots by family."""
+    """Number of roots by family."""
     outside: int
-    """Roots that belong to no family: a refutation, if there were one."""
+    """Number of roots outside all families; any such root refutes completeness."""
     box: str
-    """Where the starts lay."""
+    """Ranges of the starts and parameters, in words."""
 
 
 def search(starts: int = 2000, *, seed: int = 1, law: str = "viscous") -> Search:
@@ -144,7 +144,7 @@ def search(starts: int = 2000, *, seed: int = 1, law: str = "viscous") -> Search
     starts
         Number of random starts.
     seed
-        Of the random numbers.
+        Seed of the random numbers.
     law
         `viscous` or `linear-viscous`.
 
@@ -169,8 +169,8 @@ def search(starts: int = 2000, *, seed: int = 1, law: str = "viscous") -> Search
     rates = ca.substitute(
         system.rhs, system.x, ca.vertcat(steady[0], 0, steady[1], steady[2], steady[3], steady[4])
     )
-    # φ̈ vanishes with θ̇ = 0, which leaves four rates for five unknowns: one more, random plane cuts
-    # each one-parameter family in points.
+    # φ̈ vanishes with θ̇ = 0, which leaves four rates for five unknowns: a random plane as fifth
+    # equation cuts each one-parameter family in points.
     plane = ca.SX.sym("plane", 6)
     cut = ca.dot(plane[:5], steady) - plane[5]
     kept = [system.index(n) for n in ("theta_dot", "omega3", "slip_x", "slip_y")]

@@ -1,9 +1,9 @@
-"""Stability conditions as formulas: polynomials, boundaries, limits, and what holds for every mu.
+"""Stability conditions as formulas: polynomials, boundaries, limits, and statements for every mu.
 
-Everything is worked out by SymPy from the polynomials of
-`stability.bodies.thin_disk.disk_polynomials`: Hurwitz determinants are factored, boundaries solved
-where they are at most quadratic, and the pattern of verdicts along a family is followed through all
-mu (`stability.derivation.friction_ranges`).
+SymPy computes everything from the polynomials of `stability.bodies.thin_disk.disk_polynomials`.
+Hurwitz determinants are factored.  Boundaries are solved where they are at most quadratic.  The
+pattern of verdicts along a family is followed through all mu
+(`stability.derivation.friction_ranges`).
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ Expr = Any
 
 @dataclass(frozen=True)
 class Formulas:
-    """What is known of a family under a law, as formulas; dimensionless (m = R = g = 1)."""
+    """Formulas of a family under a law, dimensionless (m = R = g = 1)."""
 
     family: str
-    """Name."""
+    """Name of the family."""
     contact: str
-    """Contact law."""
+    """Name of the contact law."""
     structural_zeros: int
     """Multiplicity of the factor λ, divided out."""
     polynomial: list[str]
@@ -46,17 +46,17 @@ class Formulas:
     determinants: dict[str, str]
     """Coefficients and Hurwitz determinants that must be positive, factored (λ = σ mu, M = mu²)."""
     conditions: list[dict[str, str]]
-    """Those that decide: kind and polynomial, positive on the stable (or neutral) side."""
+    """Deciding conditions: kind and polynomial, positive on the stable (or neutral) side."""
     proved: list[dict[str, str]]
-    """The others, which hold wherever these do, each with its proof."""
+    """Other conditions, which hold wherever the deciding ones hold, each with its proof."""
     boundaries: list[dict[str, str]]
-    """Boundaries solved: kind, what is solved for, formula, and `where` it is one (if stated)."""
+    """Solved boundaries: kind, solved quantity, formula, and `where` it holds (if stated)."""
     limits: dict[str, list[str]]
-    """What must be positive as mu → 0 and as mu → ∞, factored; at each member, not uniformly."""
+    """Factored leading terms of conditions as mu → 0 and mu → ∞; at each member, not uniformly."""
     statements: list[str] = field(default_factory=list)
-    """What holds for whole ranges of mu, with the obligations that were checked."""
+    """Verdicts for whole ranges of mu, with the checked obligations."""
     ranges: list[dict[str, Any]] = field(default_factory=list)
-    """The same as data, each with its k ("all" where it holds for every k in (0, 1/2])."""
+    """Ranges of mu as data, each with its k ("all" for every k in (0, 1/2])."""
 
 
 def expression(polynomial: Polynomial) -> Expr:
@@ -84,7 +84,7 @@ def derived(known: Exact) -> Derived:
     Parameters
     ----------
     known
-        From `exact_polynomial`.
+        Result of `exact_polynomial`.
 
     Returns
     -------
@@ -104,9 +104,9 @@ def formulas(family: str, law: str, k: Sequence[str] = ()) -> Formulas:
     Parameters
     ----------
     family, law
-        Names.
+        Names of the family and of the contact law.
     k
-        Inertia factors as exact numbers ("1/4", "0.3") for which the ranges of mu are worked out.
+        Inertia factors as exact numbers ("1/4", "0.3") for the ranges of mu.
 
     Returns
     -------
@@ -159,7 +159,7 @@ def _formulas(family: str, law: str, k: tuple[str, ...]) -> Formulas:
 
 
 def _in_lambda(factor: sympy.Poly, known: Exact) -> Expr:
-    """A factor in λ and mu again: σ = λ/mu, cleared of mu."""
+    """A factor in λ and mu again: σ = λ/mu, without powers of mu in a denominator."""
     if known.even or "M" not in known.variables:
         return sympy.factor(factor.as_expr())
     value = factor.as_expr().subs({LAM: LAM / MU, M: MU**2})
@@ -167,7 +167,7 @@ def _in_lambda(factor: sympy.Poly, known: Exact) -> Expr:
 
 
 def _solved(kind: str, condition: Expr, family: str) -> list[dict[str, str]]:
-    """The boundary solved for at² or for mu², whichever is at most quadratic."""
+    """The boundary solved for at² and for mu², where the condition is at most quadratic."""
     out = []
     for variable in (SQUARE, M):
         if not condition.has(variable):
@@ -189,7 +189,7 @@ def _solved(kind: str, condition: Expr, family: str) -> list[dict[str, str]]:
 
 
 def _quadratic(a: Expr, b: Expr, c: Expr) -> list[Expr]:
-    """Both roots, with squares taken out of the root: which sign is which depends on the point."""
+    """Both roots, with squares taken out of √; the order of the roots depends on the point."""
     content, factors = sympy.factor_list(sympy.expand(b**2 - 4 * a * c))
     outer, inner = sympy.Integer(1), content
     for factor, power in factors:
@@ -199,7 +199,7 @@ def _quadratic(a: Expr, b: Expr, c: Expr) -> list[Expr]:
         outer, inner = outer * square, inner / content
     out = []
     for sign in (1, -1):
-        # a common factor of top and bottom goes
+        # cancel the common factor of top and bottom
         common = sympy.gcd(sympy.gcd(sympy.expand(b), sympy.expand(2 * a)), sympy.expand(outer))
         top = -sympy.cancel(b / common) + sign * sympy.cancel(outer / common) * sympy.sqrt(inner)
         out.append(top / sympy.factor(sympy.cancel(2 * a / common)))
@@ -207,7 +207,7 @@ def _quadratic(a: Expr, b: Expr, c: Expr) -> list[Expr]:
 
 
 def _limits(polynomials: Sequence[Expr]) -> dict[str, list[str]]:
-    """Lowest and highest power of M in each condition, positive factors and all."""
+    """Factored coefficients of the lowest and highest power of M in each condition with M."""
     out: dict[str, list[str]] = {"mu -> 0": [], "mu -> oo": []}
     for polynomial in polynomials:
         if not polynomial.has(M):
@@ -276,7 +276,7 @@ def latex(found: Formulas) -> str:
     Parameters
     ----------
     found
-        From `formulas`.
+        Result of `formulas`.
 
     Returns
     -------
@@ -318,7 +318,7 @@ def latex(found: Formulas) -> str:
 
 
 def _words(statement: str) -> str:
-    """A statement with what LaTeX would misread put right."""
+    """A statement with the special characters of LaTeX replaced."""
     text = statement.replace("mu*²", "@").replace("**", "^").replace("*", " ")
     for plain in ("phi_dot", "omega3"):
         text = text.replace(plain, plain.replace("_", "\\_"))
@@ -333,7 +333,7 @@ def cases(laws: Sequence[str]) -> list[tuple[str, str]]:
     Parameters
     ----------
     laws
-        Contact laws.
+        Names of contact laws.
     """
     return [
         (family.name, law)
@@ -351,9 +351,9 @@ def rows(
     Parameters
     ----------
     laws
-        Contact laws.
+        Names of contact laws.
     k
-        Inertia factors for the ranges of mu, taken as the decimals they are written as.
+        Inertia factors for the ranges of mu, each taken as its shortest decimal.
     progress
         Called with (families done, families in all).
 

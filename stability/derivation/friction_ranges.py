@@ -1,7 +1,7 @@
-"""How verdicts along a family change with mu: cylindrical decomposition of its condition.
+"""Change of verdicts along a family with mu, by cylindrical decomposition of its condition.
 
 The pattern of verdicts along the family can change only where a leading coefficient, an end value
-or a discriminant of the condition vanishes; it is read off at one exact sample in between.
+or a discriminant of the condition vanishes.  One exact sample in between shows the pattern.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..bodies.thin_disk.disk_families import FAMILIES
 from .characteristic import SIN, SQUARE, K, M
 
 ROOT_BITS, DIGITS = 1024, 300
-"""Precision of irrational roots: far more than the separation of any two that were met."""
+"""Bits and digits of irrational roots, far more than any pair of roots so far needs."""
 Expr = Any
 """A SymPy expression; SymPy states no types."""
 
@@ -29,15 +29,15 @@ class Range:
     """An interval of mu over which the verdicts along a family have one pattern."""
 
     low: str
-    """mu*² at its low end, exactly if rational, else 20 digits (0 for none)."""
+    """mu*² at its low end: exact, a formula in k, or 20 digits of a root (0 for none)."""
     high: str
-    """mu*² at its high end, likewise (oo for none)."""
+    """mu*² at its high end, in the same form (oo for none)."""
     mu_low: float
-    """mu* at its low end."""
+    """mu* at its low end (at k = 1/4 for a formula in k)."""
     mu_high: float
-    """mu* at its high end."""
+    """mu* at its high end (at k = 1/4 for a formula in k)."""
     pattern: str
-    """Verdicts in order along the family, with what separates them."""
+    """Verdicts in order along the family, in words."""
 
 
 class FlutterCondition:
@@ -46,11 +46,11 @@ class FlutterCondition:
     Parameters
     ----------
     family
-        A family of which one number names a member.
+        Name of a family whose members one number names.
     condition
-        In k, M = mu*² and z = at*² or s = sinθ; positive where stable.
+        Condition in k, M = mu*² and z = at*² or s = sinθ; positive where stable.
     static
-        The static boundary, beyond which the family is asked; 0 where there is none.
+        The static boundary, 0 where there is none; only verdicts beyond the boundary count.
     """
 
     def __init__(self, family: str, condition: Expr, static: Expr = 0) -> None:
@@ -98,10 +98,10 @@ class FlutterCondition:
         return _merged(edges, patterns)
 
     def for_every_k(self) -> list[Range] | None:
-        """Ranges of mu whose ends are functions of k, or None if k in (0, 1/2] is no one cell."""
+        """Ranges of mu with ends as functions of k, or None if k in (0, 1/2] has several cells."""
         critical = self.critical(self.condition)
         half = sympy.Rational(1, 2)
-        # a factor without M may change the pattern at a k of its own
+        # a factor without M may change the pattern at some k
         watched: list[Expr] = [
             f for f in self._factors(self.condition) if f.has(K) and not f.has(M)
         ]
@@ -159,7 +159,7 @@ class FlutterCondition:
 
 
 def _irreducible(expression_: Expr) -> list[Expr]:
-    """Irreducible factors over Z, by Flint: SymPy needs a minute for some of these."""
+    """Irreducible factors over Z, by Flint, since SymPy needs a minute for some polynomials."""
     expanded = sympy.expand(expression_)
     if not expanded.free_symbols:
         return []
@@ -199,7 +199,7 @@ def _real_roots(poly: sympy.Poly) -> list[Expr]:
 
 
 def _between(a: Expr, b: Expr) -> Expr:
-    """A rational strictly between two real algebraic numbers, the second perhaps infinite."""
+    """A rational strictly between two real algebraic numbers; the second may be infinite."""
     if b is sympy.oo:
         return sympy.ceiling(a) + 1
     low, high = (sympy.Rational(v) for v in (a, b))
@@ -233,7 +233,7 @@ def _merged(edges: Sequence[Expr], patterns: Sequence[str]) -> list[Range]:
 
 
 def _exactly(value: Expr) -> str:
-    """A rational as it is; of another algebraic number 20 digits."""
+    """A rational in full; 20 digits of any other algebraic number."""
     if value.is_rational or value is sympy.oo:
         return str(value)
     return f"{sympy.N(value, 20)}…"

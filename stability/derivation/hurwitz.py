@@ -1,10 +1,10 @@
-"""Hurwitz's conditions over Q: which polynomials decide a verdict, and proofs of the others.
+"""Hurwitz's conditions over Q: the polynomials that decide a verdict, and proofs of the others.
 
 By the criterion of Liénard and Chipart a real polynomial with positive leading coefficient is
-stable exactly when some of its coefficients and Hurwitz determinants are positive.  If one of these
-is negative, some root lies in the right half plane, because a polynomial without such a root is a
-limit of stable ones.  So a point at which none vanishes is decided by signs alone.  Most of the
-conditions hold everywhere, or follow from another; `decisive` proves that and keeps the rest.
+stable exactly when certain coefficients and Hurwitz determinants are positive.  If one of these is
+negative, some root lies in the right half plane, because a polynomial without such a root is a
+limit of stable ones.  So signs alone decide a point at which none of these is zero.  Most of the
+conditions hold everywhere, or follow from another; `decisive` proves these and returns the rest.
 
 Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV §§ 6, 13;
 tests/derivation/test_exact.py.
@@ -36,22 +36,22 @@ SLACK = sympy.symbols("u t v", positive=True)
 
 @dataclass(frozen=True)
 class StabilityCondition:
-    """One of the polynomials whose signs are the verdict: all positive, or some negative."""
+    """A polynomial of a verdict: all positive means stable (or neutral), one negative unstable."""
 
     kind: str
-    """static (an eigenvalue through zero), flutter (a pair through the axis) or auxiliary."""
+    """Kind: static (an eigenvalue through zero), flutter (a pair through the axis) or auxiliary."""
     polynomial: sympy.Poly
-    """In k, M = mu*² and z = at*² or s = sinθ; positive on the stable (or neutral) side."""
+    """Polynomial in k, M = mu*² and z = at*² or s = sinθ; positive if stable (or neutral)."""
 
 
 @dataclass(frozen=True)
 class Obligation:
-    """A condition that holds wherever the others do, with its proof."""
+    """A condition that holds wherever the deciding conditions hold, with its proof."""
 
     name: str
-    """Which condition."""
+    """Name of the condition."""
     polynomial: Expr
-    """The factors that are asked about."""
+    """The polynomial that is proved positive."""
     proof: str
     """A sentence; the substitution in it turns every coefficient positive."""
 
@@ -62,7 +62,7 @@ def determinants(polynomial: sympy.Poly) -> list[Expr]:
     Parameters
     ----------
     polynomial
-        In one variable, with symbolic coefficients.
+        Polynomial in one variable, with symbolic coefficients.
 
     Returns
     -------
@@ -86,14 +86,14 @@ def determinants(polynomial: sympy.Poly) -> list[Expr]:
 
 
 def conditions(derived: Derived) -> list[tuple[str, Expr]]:
-    """Polynomials all of whose signs must be positive, by name, for every factor.
+    """Polynomials that must all be positive, by name, for every factor.
 
-    For an even factor q(λ²), linear in λ², the conditions are those of q: λ² negative.
+    For an even factor q(λ²), linear in λ², the conditions say that λ² is negative.
 
     Parameters
     ----------
     derived
-        From `derive`.
+        Result of `derive`.
 
     Returns
     -------
@@ -127,14 +127,14 @@ def positive(expression: Expr, given: Expr | None = None) -> str | None:
     Parameters
     ----------
     expression
-        Rational in k, M, z, s.
+        Polynomial in k, M, z, s.
     given
-        A polynomial that may be taken as positive; it must be linear in some variable.
+        A polynomial that is assumed positive and is linear in some variable.
 
     Returns
     -------
     str or None
-        The proof, or None if this way finds none.
+        The proof, or None if these substitutions give none.
 
     Examples
     --------
@@ -166,14 +166,14 @@ def positive(expression: Expr, given: Expr | None = None) -> str | None:
 
 
 def _inserted(expression: Expr, variable: sympy.Symbol, top: Expr, bottom: Expr) -> Expr:
-    """The expression at variable = top/bottom, times the power of bottom > 0 that clears it."""
+    """The expression at variable = top/bottom, times a power of bottom > 0: no fractions."""
     poly = sympy.Poly(expression, variable)
     n = poly.degree()
     return sympy.expand(sum(c * top**i * bottom ** (n - i) for (i,), c in poly.terms()))
 
 
 def _all_positive(expression: Expr) -> bool:
-    """Whether every coefficient is positive, and the value is so also at u = 0 (k = 1/2)."""
+    """Whether every coefficient is positive, and the value at u = 0 (k = 1/2) too."""
     free = sorted(expression.free_symbols, key=str)
     if not free:
         return bool(expression > 0)
@@ -182,12 +182,12 @@ def _all_positive(expression: Expr) -> bool:
 
 
 def decisive(derived: Derived) -> tuple[list[StabilityCondition], list[Obligation]]:
-    """The conditions that decide, and the proofs of those that need not be asked.
+    """The conditions that decide, and the proofs of the others.
 
     Parameters
     ----------
     derived
-        From `derive`.
+        Result of `derive`.
 
     Returns
     -------
@@ -253,7 +253,7 @@ def catalogue() -> dict[str, Any]:
         for family in (record.name for record in families_under(law)):
             try:
                 derived = derive(family, law)
-            except StabilityError:  # not the form that is relied on: its graph is the route
+            except StabilityError:  # not in the form needed: verdicts come from the graph
                 continue
             names = derived.factors[0].gens[1:]
             used = [x for x in names if any(f.has(x) for f in derived.factors)]
@@ -279,15 +279,15 @@ def _terms(expression: Expr, variables: Sequence[sympy.Symbol]) -> list[list[int
 
 
 def write(path: str, source: str | None = None) -> None:
-    """Derive everything and write it, one case to a line.
+    """Derive the catalogue and write it, one case in each line.
 
     Parameters
     ----------
     path
-        The file.
+        Path of the file.
     source
-        Source of `stability.bodies.thin_disk.disk_polynomials`, in which the digest of the file is
-        to stand; none where the file is not the package's.
+        Path of the source of `stability.bodies.thin_disk.disk_polynomials`, which gets the digest
+        of the file; None where the file is not the package's.
     """
     found = catalogue()
     lines = [f"{json.dumps(key)}: {json.dumps(case)}" for key, case in found["cases"].items()]

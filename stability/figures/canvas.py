@@ -1,7 +1,7 @@
 """Matplotlib without a screen or the settings of the user's machine; sizes, spacing, files.
 
-Import this before Matplotlib: a backend that does not exist, in the environment or in a
-`matplotlibrc`, else ends in a traceback, and settings such as `text.usetex` change every figure.
+Import this module before Matplotlib.  Otherwise an unknown backend, in the environment or in a
+`matplotlibrc`, ends in a traceback, and settings such as `text.usetex` change every figure.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 _asked = os.environ.pop("MPLBACKEND", None)
 _log = logging.getLogger("matplotlib")
 _level = _log.level
-_log.setLevel(logging.ERROR)  # that a cache or a font is missing is no matter of the user's
+_log.setLevel(logging.ERROR)  # a missing cache or font does not concern the user
 try:
     import matplotlib
 finally:
     _log.setLevel(_level)
     if _asked is not None:
         os.environ["MPLBACKEND"] = _asked
-if _asked:  # the user's own figures keep their backend, as far as there is one of that name
+if _asked:  # figures of the user keep their backend, if its name is known
     with suppress(ValueError):
         matplotlib.rcParams["backend"] = _asked
 
@@ -39,7 +39,7 @@ STYLE: dict[Any, Any] = {
     "hatch.linewidth": 0.35, "hatch.color": "#5a2a0a", "savefig.dpi": 300, "pdf.fonttype": 42,
     "mathtext.fontset": "dejavusans", "lines.linewidth": 1.3,
 }  # fmt: skip
-"""What the package's figures have of their own."""
+"""Settings of the package's figures."""
 COLUMN = 3.39
 """Width of a journal column [in]."""
 OF_THE_SESSION = (
@@ -47,7 +47,7 @@ OF_THE_SESSION = (
     "docstring.", "figure.max_open_warning", "figure.raise_window", "savefig.directory",
     "animation.",
 )  # fmt: skip
-"""Settings that are no style."""
+"""Settings that are not style, by the start of their names."""
 
 
 @cache
@@ -58,7 +58,7 @@ def _defaults() -> dict[Any, Any]:
 
 @contextmanager
 def figure_style(style: Mapping[str, Any]) -> Iterator[None]:
-    """Draw with Matplotlib's own defaults and these changes, under any settings of the user.
+    """Draw with Matplotlib's defaults and these changes, under any settings of the user.
 
     Parameters
     ----------
@@ -70,19 +70,19 @@ def figure_style(style: Mapping[str, Any]) -> Iterator[None]:
 
 
 def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) -> None:
-    """Write a figure at 300 dots an inch; ticks and texts are made only now, in the same style.
+    """Write a figure at 300 dots an inch, in `STYLE` again: ticks and texts are made only now.
 
     Parameters
     ----------
     figure
         The figure.
     path
-        File to write; its suffix says what.
+        File to write; its suffix names the format.
     **options
         As for `savefig`.
     """
     name, content = Path(path), BytesIO()
-    # in memory: the writer of PDF ends in an error of its own where the disk is full
+    # in memory: on a full disk the PDF writer of Matplotlib raises a different error
     with figure_style(STYLE):
         figure.savefig(content, format=name.suffix[1:].lower(), dpi=300, **options)
     name.write_bytes(content.getbuffer())

@@ -1,4 +1,4 @@
-"""Figures only: stability diagrams and eigenvalue loci, drawn from datasets and spectra."""
+"""Figures only: stability diagrams, drawn from datasets."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-# Decay blue, growth vermilion: apart for every common colour vision, and in grey by the hatching.
+# Decay is blue, growth vermilion: distinct in every common colour vision; in grey, by hatching.
 DIVERGING = LinearSegmentedColormap.from_list(
     "decay-growth", ["#08306b", "#4292c6", "#deebf7", "#fdebdc", "#e6703a", "#7f2704"]
 )
@@ -42,13 +42,13 @@ class Strip:
     """A limit law next to a diagram: its verdict along the x axis of the main panel."""
 
     name: str
-    """What it is called on the figure."""
+    """Name of the law on the figure."""
     x: NDArray[np.float64]
-    """Points along the axis."""
+    """Points along the axis, shape (n,)."""
     abscissa: NDArray[np.float64]
-    """Abscissa there."""
+    """Abscissa at these points, shape (n,)."""
     thresholds: tuple[float, ...]
-    """Where its verdict changes."""
+    """Points where the verdict changes."""
 
 
 def diagram(
@@ -63,11 +63,11 @@ def diagram(
     Parameters
     ----------
     dataset
-        From `stability_map`.
+        Map from `stability_map`.
     above, below
-        Limit laws for the far ends of the y axis, or None.
+        Limit laws at the upper and the lower end of the y axis, or None.
     title
-        A few words over the figure.
+        Title of the figure.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     for name, scale in ((_x(dataset), axes.set_xscale), (_y(dataset), axes.set_yscale)):
         if _is_log(dataset, name):
             scale("log")
-    # the sign shows without colour too: growth is hatched
+    # growth is hatched, so that the sign shows without colour too
     growing = np.where(values > 0, 1.0, 0.0)
     if growing.any() and not growing.all():
         axes.contourf(x, y, growing, levels=[0.5, 1.5], colors="none", hatches=["////"])
@@ -200,7 +200,7 @@ def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
 
 
 def _runs(kind: NDArray[Any], curve: NDArray[Any]) -> list[tuple[int, int]]:
-    """Stretches of one polyline along which the same thing crosses."""
+    """Index ranges (start, stop) of one polyline along which the crossing has one kind."""
     cuts = np.flatnonzero((np.diff(kind) != 0) | (np.diff(curve) != 0)) + 1
     ends = [0, *cuts.tolist(), len(kind)]
     return list(zip(ends[:-1], ends[1:], strict=True))
@@ -243,7 +243,7 @@ def _strip(axes: Axes, strip: Strip, norm: Any) -> None:
 
 
 def _region_names(axes: Axes, dataset: xarray.Dataset) -> None:
-    """The verdict written into its largest region, at the point farthest from its edge."""
+    """Write each verdict into its region, at the point farthest from the region's edge."""
     from scipy.ndimage import distance_transform_edt
 
     codes = dataset.verdict.values

@@ -32,11 +32,11 @@ def locus(
     Parameters
     ----------
     spectrum
-        Along one axis, shape (points, n).
+        Spectrum along one axis; eigenvalues of shape (points, n).
     thresholds
-        Where the verdict changes.
+        Values of the family parameter at which the verdict changes.
     title
-        A few words over the figure.
+        Title of the figure.
     unit
         Unit of rates.
 
@@ -101,7 +101,7 @@ def locus(
 
 
 def mode_groups(values: NDArray[np.complex128]) -> list[tuple[int, ...]]:
-    """Columns of tracked eigenvalues that are each other's conjugates somewhere, as one mode each.
+    """Group tracked eigenvalues by mode: columns that are conjugate somewhere share a mode.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def mode_states(
 
 
 def _locus_limits(axes: Axes, values: NDArray[np.complex128]) -> None:
-    # Rates span many orders of magnitude on both sides of zero, and the sign is what matters.
+    # Rates span many orders of magnitude on both sides of zero, and their sign matters most.
     axes.set_yscale("symlog", linthresh=LOCUS_LINEAR, linscale=0.8)
     size = max(float(np.abs(values.real).max()), 10 * LOCUS_LINEAR)
     axes.set_ylim(-2.5 * size, 2.5 * size)
@@ -177,7 +177,7 @@ def _locus_numbers(
     values: NDArray[np.complex128],
     groups: list[tuple[int, ...]],
 ) -> None:
-    """The number of each mode on its curve, spread along the axis so that they keep apart."""
+    """Write the number of each mode on its curve, spread along the axis against overlaps."""
     halo = [withStroke(linewidth=2, foreground="white")]
     low, high = axes.get_ylim()
     for index, columns in enumerate(groups):

@@ -1,4 +1,4 @@
-"""Arguments of spectra and maps: names and numbers to a problem."""
+"""Arguments of spectra and maps, turned from names and numbers into a problem."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .problem import Problem, system_problem
 
 RESERVED = ("abscissa", "abscissa_error", "frequency", "verdict", "eigenvalues", "mode",
             "complex_part", "box", "end")  # fmt: skip
-"""Variables and dimensions of every map, which no axis may be called."""
+"""Variables and dimensions of every map; no axis may have such a name."""
 
 
 def prepare(
@@ -40,7 +40,7 @@ def prepare(
     family, disk, contact, at, parameters
         As for `stability_map`.
     axes
-        The axes.
+        The axes of the map.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def prepare(
         problem = problem_of(family, at, disk, contact, dict(parameters))  # type: ignore[arg-type]
         known: tuple[str, ...] = (*family.at, *family.parameters)
     else:
-        tilted = 0.0 if "lean" in names else None  # the axis takes its place
+        tilted = 0.0 if "lean" in names else None  # the axis replaces this value
         at = _pair(family, names, at)
         problem = problem_of(family, at, disk, _law(contact, axes), dict(parameters), tilted)
         keys = ("at",) if len(problem.family.at) == 1 else problem.family.at
@@ -112,7 +112,7 @@ def prepare(
 
 
 def _pair(family: Any, names: Sequence[str], at: ArrayLike | None) -> Any:
-    """Both parts of a member that two numbers name, where one is the axis and `at` is the other."""
+    """Both numbers of a member that two numbers name, if one is the axis and `at` the other."""
     known = FAMILIES.get(family) if isinstance(family, str) else None
     parts = known.at if known else ()
     swept = [p for p in parts if p in names]
@@ -139,7 +139,7 @@ def _law(contact: Any, axes: Sequence[Axis]) -> Contact:
     given: dict[str, float] = {}
     for p in law.parameters:
         if p.name in names and not set(law.alternatives(p.name)) & set(given):
-            given[p.name] = 1.0  # the axis takes its place
+            given[p.name] = 1.0  # the axis replaces this value
     for p in law.parameters:
         if not set(law.alternatives(p.name)) & set(given):
             word = "mu" if "mu" in law.alternatives(p.name) else p.name
@@ -150,14 +150,14 @@ def _law(contact: Any, axes: Sequence[Axis]) -> Contact:
 
 
 def _middle(values: Floats) -> float:
-    """A value of an axis for all that asks one; one of its own where the mean overflows."""
+    """A typical value of an axis: the mean, or the middle value where the mean overflows."""
     with np.errstate(over="ignore"):
         mean = float(values.mean())
     return mean if np.isfinite(mean) else float(values[len(values) // 2])
 
 
 def _check_members(problem: Problem, axis_values: Mapping[str, Floats]) -> None:
-    """Refuse early where the corners of the map have no member."""
+    """Refuse a map early if a corner has no member."""
     corners = np.meshgrid(*[v[[0, -1]] for v in axis_values.values()])
     values = dict(problem.values) | {
         n: c.ravel() for n, c in zip(axis_values, corners, strict=True)
@@ -174,20 +174,20 @@ def problem_of(
     parameters: dict[str, Any],
     lean: ArrayLike | None = None,
 ) -> Problem:
-    """The problem that the arguments of `spectrum` and `stability_map` ask.
+    """The problem of the arguments of `spectrum` or `stability_map`.
 
     Parameters
     ----------
     family
-        Name of a disk's family, or a family of a user's own system.
+        Name of a disk's family, or a family of a user's system.
     at
-        Family parameter, or None where it is an axis.
+        Family parameter, or None where it is an axis or `lean` is given.
     disk, contact
-        For the disk's families.
+        Body and law, for the disk's families.
     parameters
-        For a user's family.
+        Parameters by name, for a user's family.
     lean
-        In place of `at` where theta alone names a member.
+        Angle π/2 - theta [rad] instead of `at`, where theta alone names a member.
 
     Returns
     -------
@@ -196,7 +196,7 @@ def problem_of(
     Raises
     ------
     StabilityError
-        If they do not fit together.
+        If the arguments do not fit together.
     """
     if isinstance(family, Family):
         if lean is not None:

@@ -1,10 +1,10 @@
-"""Proved verdicts and eigenvalue enclosures: rational arithmetic where it can be, balls elsewhere.
+"""Proved verdicts and eigenvalue enclosures, in rational arithmetic where possible or in balls.
 
-Where the body or the family has an exact polynomial everything starts from it and from the given
-doubles as rationals.  With the disk's θ given as a double its sine is transcendental (Lindemann),
-so no condition vanishes there and raising the precision ends; a lean of exactly zero is the right
-angle.  Any other family goes through the same steps: over Q where its member and its graph are
-rational, else in balls with proved zeros.
+If the body or the family has an exact polynomial, the proof starts from the polynomial and from the
+given doubles as rationals.  If the disk's θ is a double, its sine is transcendental (Lindemann), so
+no condition vanishes there and some precision decides.  A lean of exactly zero is the right angle.
+Any other family takes the same steps: over Q where its member and its graph are rational, otherwise
+in balls with proved zeros.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from .problem import Problem
 BITS = 128
 """Working precision of the first attempt."""
 MOST_BITS = 8192
-"""Where raising the precision ends: the verdict is then undecided."""
+"""Largest working precision; the verdict is undecided beyond it."""
 FINE_BITS = 1024
-"""Where raising it for the eigenvalues ends: those that still coincide are given as clusters."""
+"""Largest precision for eigenvalues; eigenvalues that still coincide come as clusters."""
 WANTED = 58
 """Bits of relative accuracy of each real and imaginary part, before rounding to double."""
 
@@ -49,19 +49,19 @@ class Certificate:
     """A proved verdict and enclosures at one point."""
 
     verdict: Verdict
-    """The verdict; undecided only where the budget of precision ended."""
+    """The verdict; undecided where the precision ended or the member is not steady."""
     eigenvalues: tuple[complex, ...]
     """Sorted by real, then imaginary part, in the user's unit of rate; empty if undecided."""
     radius: tuple[float, ...]
-    """Of the disc about each that holds the exact eigenvalue; 0 where it is exact."""
+    """Radius of the disc about each that holds the exact eigenvalue; 0 where it is exact."""
     abscissa_error: float
     """Proved bound on the error of the largest real part."""
     bits: int
-    """Precision of the balls that decided; 0 for rational arithmetic."""
+    """Precision of the balls that decided; 0 for rational arithmetic, `NOT_STEADY` for no proof."""
 
     @property
     def how(self) -> str:
-        """How the verdict was proved, in words."""
+        """Arithmetic of the verdict's proof, in words."""
         return in_words(self.bits)
 
 
@@ -76,12 +76,12 @@ def certify(
     problem
         Family with values in the user's units.
     values
-        Double by name, taken as exact.
+        Doubles by name, taken as exact.
     zeros
-        For a user's family: how many zero eigenvalues are left out; all that are structural and
-        proved to be zero at this point when left out.
+        For a user's family: number of zero eigenvalues to leave out.  If not given: all
+        structural ones that are proved zero at this point.
     member
-        For a user's family: the member, where it is at hand.
+        For a user's family: the member, if known.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def certify(
         member = member or member_at(problem, values)
         own = structural_zeros(member)
         zeros = own if zeros is None else zeros
-        decided, bits = of_member(member, own)  # others in a batch may have other counts
+        decided, bits = of_member(member, own)  # other members of a batch may have other counts
         attempt = partial(_member_roots, member, zeros, _exact(problem, values)[2])
     else:
         decided, bits = _decided(problem.exact, problem, values)
@@ -146,7 +146,7 @@ def member_at(
     problem, values
         As in `certify`.
     near
-        Unknowns of the member to double precision, shape (u,); found by the family's root-finder
+        Unknowns of the member to double precision, shape (u,); from the family's root-finder
         when left out.
 
     Returns
@@ -171,7 +171,7 @@ def _exact(problem: Problem, values: Mapping[str, float]) -> tuple[list[Any], li
 
 
 def structural_zeros(member: Member) -> int:
-    """How many eigenvalues of a member are left out: structural ones, each proved to be zero there.
+    """Number of structural zero eigenvalues of a member, each proved zero at this member.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def structural_zeros(member: Member) -> int:
 def _decided(
     exact: ExactPolynomial, problem: Problem, values: Mapping[str, float]
 ) -> tuple[Verdict, int]:
-    """The verdict from an exact polynomial, and the bits of the balls that decided it, or 0."""
+    """The verdict from an exact polynomial, and the bits of the deciding balls, or 0."""
     given = {name: rational(value) for name, value in values.items()}
     even = problem.family.conservative
     try:
@@ -203,43 +203,43 @@ def _decided(
 
 
 def of_member(member: Member, zeros: int) -> tuple[Verdict, int]:
-    """The verdict of a member on all but some zero eigenvalues, and the bits that decided it.
+    """The verdict of a member without some zero eigenvalues, and the bits that decided it.
 
     Parameters
     ----------
     member
         The member.
     zeros
-        How many eigenvalues, proved to be zero, are left out.
+        Number of eigenvalues, proved zero, that are left out.
 
     Returns
     -------
     verdict, bits
-        Bits are 0 for rational arithmetic.
+        Bits are 0 for rational arithmetic and `NOT_STEADY` for a member that is not steady.
     """
-    if not member.steady:  # a root of the equations, and no steady motion
+    if not member.steady:  # a root of the equations that is not a steady motion
         return Verdict.UNDECIDED, NOT_STEADY
     decided, bits = _without(member, zeros)
     if decided is Verdict.UNSTABLE or certain(member.family):
         return decided, bits
     low, high = member.structural
     if zeros == low < high and _without(member, high)[0] is not decided:
-        return Verdict.UNDECIDED, bits  # one that is left in may be structural
+        return Verdict.UNDECIDED, bits  # a zero that is not left out may be structural
     return decided, bits
 
 
 def _without(member: Member, zeros: int) -> tuple[Verdict, int]:
     if member.rational is not None:
-        if any(c != 0 for c in member.rational[:zeros]):  # no proof would have led here
+        if any(c != 0 for c in member.rational[:zeros]):  # these zeros are not proved
             return Verdict.UNDECIDED, 0
         return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
     return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]))
 
 
 def _enclosed_verdict(polynomial: Balls) -> Verdict | None:
-    """By Routh's array, or by the roots where that meets a zero; exact zeros count as such.
+    """The verdict by Routh's array, or by the roots where the array meets a zero.
 
-    A ball equals zero only if it is the exact zero; one that holds zero differs from nothing.
+    A ball equals 0 only as the exact zero; a wider ball around 0 is neither equal nor unequal.
     """
     extra = next(i for i, c in enumerate(polynomial) if not c == 0)
     rest = polynomial[extra:]
@@ -261,7 +261,7 @@ def _sign_by_roots(roots: Balls | None) -> int:
 
 
 def _root(value: Any) -> Any:
-    """√value, rational where that is so, else a ball."""
+    """√value, as a rational where possible, otherwise as a ball."""
     try:
         return rational_root(value)
     except NotExact:
@@ -295,14 +295,14 @@ def _by_conditions(conditions: Sequence[tuple[str, Any]], even: bool) -> Verdict
 
 
 def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
-    """The verdict everywhere in balls of parameters, by Routh's array at the current precision.
+    """The verdict for all parameters in balls, by Routh's array at the current precision.
 
     Parameters
     ----------
     family
         The family.
     a, q
-        Family parameters and parameters.
+        Family parameters and parameters as balls.
 
     Returns
     -------
@@ -315,7 +315,7 @@ def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
         If no root is proved to exist there.
     """
     if not certain(family):
-        return None  # the count of zeros is proved member by member only
+        return None  # the number of zeros is proved for single members only
     even = family.conservative
     coefficients = characteristic(family, a, q)
     sign = hurwitz_sign(verdict_polynomial(coefficients, structure(family).zeros, even))
@@ -354,7 +354,7 @@ def _ball_roots(coefficients: Sequence[Any], even: bool, *, last: bool) -> Balls
 
 
 def _member_roots(member: Member, zeros: int, unit: Any, *, last: bool) -> Balls | None:
-    """The same from the graph; at the last precision, clusters where roots coincide."""
+    """As `_roots`, from the graph; at the last precision, clusters where roots coincide."""
     found = _of_graph(member, zeros, last=last)
     return found if found is None or unit == 1 else [root * arb(unit) for root in found]
 
@@ -377,14 +377,14 @@ def _sharp(root: Any) -> bool:
 
 
 def _rounded(decided: Verdict, roots: Balls, bits: int) -> Certificate:
-    """Doubles, and how far the exact eigenvalues are from them at most."""
+    """A certificate in doubles, with bounds on the distance to the exact eigenvalues."""
     entries = []
     for root in roots:
         value = complex(float(root.real.mid()), float(root.imag.mid()))
         off = abs(root - acb(value.real, value.imag))
         entries.append((value.real + 0.0, value.imag + 0.0, upper(off), root))
     entries.sort(key=lambda entry: entry[:2])
-    # in balls: several eigenvalues may share the double that their real parts round to
+    # in balls: real parts of several eigenvalues may round to one double
     beyond = [root.real - arb(max(entry[0] for entry in entries)) for root in roots]
     high = max(upper(b) if b > 0 or b.contains(0) else 0.0 for b in beyond)
     low = min(upper(-b) if b < 0 or b.contains(0) else 0.0 for b in beyond)

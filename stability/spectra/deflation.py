@@ -1,7 +1,7 @@
 """A linearisation without its structural zeros, each entry with a bound on its error.
 
-Structural zeros are removed through null vectors, never by size: the family's own tangents first,
-then null vectors of what is left, as many as the family's structure has.
+Structural zeros are removed through null vectors, never by size: first the family's tangents, then
+null vectors of the remaining matrix, as many as the family's structure has.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ..systems.structural_zeros import structure
 def grows(
     family: Family, a: Floats, q: Floats, u: Floats, zeros: int, roundings: Sequence[int] | None
 ) -> NDArray[np.bool_]:
-    """Where the structural zeros are proved not to be semisimple.
+    """Whether the structural zeros are proved not to be semisimple.
 
     Parameters
     ----------
@@ -32,14 +32,14 @@ def grows(
     a, q, u
         Family parameters, parameters and unknowns, shapes (N, ·).
     zeros
-        How many eigenvalues vanish by structure.
+        Number of eigenvalues that vanish by structure.
     roundings
         As for `stability.spectra.deflation.deflate`.
 
     Returns
     -------
     ndarray of bool
-        Shape (N,); False means that it is not proved.
+        Shape (N,); False means no proof.
 
     Source: G. W. Stewart & J. Sun, Matrix Perturbation Theory (1990), for Weyl's inequality.
 
@@ -72,34 +72,34 @@ def grows(
 
 
 class Deflation(NamedTuple):
-    """One structural zero taken out by a similarity with multipliers of at most 1."""
+    """One structural zero removed by a similarity with multipliers of at most 1."""
 
     order: NDArray[np.intp]
-    """Which coordinate comes first, shape (N, n)."""
+    """Order of the coordinates, the removed one first, shape (N, n)."""
     multipliers: Floats
-    """Null vector below its first entry, shape (N, n - 1)."""
+    """Null vector below its first entry, which is 1, shape (N, n - 1)."""
     doubt: Floats
     """Bound on the error of the multipliers, shape (N, n - 1)."""
     row: Floats
-    """Coupling of the rest to the removed coordinate, shape (N, n - 1)."""
+    """Row of the removed coordinate: its rate by the other coordinates, shape (N, n - 1)."""
 
 
 class Reduced(NamedTuple):
     """A linearisation without its structural zeros."""
 
     matrix: Floats
-    """Shape (N, m, m)."""
+    """The reduced linearisation, shape (N, m, m)."""
     error: Floats
     """Bound on the error of each entry, shape (N, m, m)."""
     steps: list[Deflation]
-    """How to lift a mode back."""
+    """Steps of the removal in order, from which modes are lifted back."""
     supported: NDArray[np.intp]
-    """How many of the removed eigenvalues are zero within their rounding, in order, shape (N,)."""
+    """Number of first removed eigenvalues that are zero within their rounding, shape (N,)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Where members are, dimensionless: what their linearisation is computed from."""
+    """Dimensionless numbers from which the linearisation of members is computed."""
 
     a: Floats
     """Family parameters, shape (N, ·)."""
@@ -110,7 +110,7 @@ class Place:
     rate: Floats
     """Unit of rate, shape (N,) [1/s, or √(g/R)]."""
     roundings: tuple[int, ...]
-    """How many roundings each column of a and q has behind it."""
+    """Number of roundings in each column of a and q."""
 
     def __getitem__(self, rows: slice) -> Place:
         a, q, u = self.a[rows], self.q[rows], self.u[rows]
@@ -136,7 +136,7 @@ def deflate(
     zeros: int | None = None,
     watch: bool = False,
 ) -> Reduced:
-    """Linearise at members and take out the structural zeros.
+    """Linearise at members and remove the structural zeros.
 
     Parameters
     ----------
@@ -145,20 +145,20 @@ def deflate(
     a, q
         Family parameters and parameters, dimensionless, shapes (N, ·).
     u
-        Unknowns from `family.solve`, or None.
+        Unknowns from `family.solve`, shape (N, ·), or None.
     roundings
-        How many roundings each column of a and q has behind it; none when left out.
+        Number of roundings in each column of a and q; 0 when left out.
     zeros
-        How many zero eigenvalues are taken out; those of the family's structure when left out.
+        Number of zero eigenvalues to remove; the family's structural zeros when left out.
     watch
-        Whether each is held against its rounding; if not, all count as supported.
+        Whether to compare each removed zero with its rounding; if not, all count as supported.
 
     Returns
     -------
     Reduced
     """
     u = family.solve(a, q) if u is None else u
-    with np.errstate(all="ignore"):  # `eigenvalues` refuses what is not finite
+    with np.errstate(all="ignore"):  # `eigenvalues` refuses matrices that are not finite
         count = structure(family).zeros if zeros is None else zeros
         given = roundings or [0] * (a.shape[1] + q.shape[1])
         return _linearised(family, (a, q, u), given, count, watch)
@@ -225,8 +225,8 @@ def _rounded(block: Floats, roundings: Sequence[int]) -> list[RunningError]:
 def _root_error(family: Family, given: list[list[RunningError]], u: Floats) -> Floats:
     """Bound on the error of the solved unknowns, by Krawczyk's test to first order.
 
-    The residual goes through the inverse slope; where the slope changes too much within that reach,
-    as next to a double root, nothing bounds the error.
+    The inverse slope turns the residual into a reach.  Where the slope changes too much within this
+    reach, as near a double root, the bound is infinite.
     """
     if not u.shape[1] or family.closed:
         return np.zeros_like(u)
@@ -248,8 +248,8 @@ def tangent_vectors(
 ) -> tuple[Floats, Floats]:
     """Tangents of the family and a bound on their error, which grows where the equations fold.
 
-    Near a branch point the slope of the unknowns is a quotient of two small numbers; its error is
-    then far above a few roundings, and must reach the error discs.
+    Near a branch point the slope of the unknowns is a quotient of two small numbers.  Its error is
+    then far above a few roundings and must enter the error discs.
     """
     by_a, by_u, _, r_u, r_a = running_error_arrays(family.graph.tangent, arguments, shape)
     tangent, error = by_a
@@ -266,7 +266,7 @@ def tangent_vectors(
 
 
 def _push(vector: Floats, doubt: Floats, steps: Sequence[Deflation]) -> tuple[Floats, Floats]:
-    """A vector of the full space, and its error, in the coordinates left after the steps so far."""
+    """A vector of the full space, and its error, in the coordinates after the given steps."""
     for step in steps:
         ordered = np.take_along_axis(vector, step.order, axis=1)
         unsure = np.take_along_axis(doubt, step.order, axis=1)
@@ -281,7 +281,7 @@ def _deflate(
     matrix: Floats, error: Floats, vector: Floats, doubt: Floats, steps: list[Deflation],
     watch: bool,
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:  # fmt: skip
-    """Take out one null vector: B = A[1:, 1:] - m ⊗ A[0, 1:] with the largest entry put first.
+    """Remove one null vector: B = A[1:, 1:] - m ⊗ A[0, 1:] with its largest entry first.
 
     Returns B, the error of its entries, and whether A v is zero within its rounding.
     """
@@ -315,7 +315,7 @@ def _deflate(
         + UNIT * (size_product + np.abs(reduced))
         + 2 * TINY
     )
-    bound[least[:, 0] == 0] = np.inf  # nothing is known of what is left
+    bound[least[:, 0] == 0] = np.inf  # nothing is known of the remaining matrix
     steps.append(Deflation(order, m, m_error, row))
     within = _vanishes(matrix, error, m, m_error) if watch else np.ones(count, dtype=bool)
     return reduced, bound, within

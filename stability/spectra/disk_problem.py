@@ -34,10 +34,11 @@ def disk_problem(
     disk, contact
         The body and the law; their fields may be arrays.
     at
-        Family parameter; where several name a member, along the last axis.  None where it is an
-        axis to come.
+        Family parameter; several numbers that name a member lie along the last axis.  None where
+        the parameter is an axis.
     lean
-        In place of theta where theta alone names a member: π/2 - theta [rad], exactly upright at 0.
+        Angle π/2 - theta [rad] instead of `at`, where theta alone names a member; 0 is exactly
+        upright.
 
     Returns
     -------
@@ -97,7 +98,7 @@ def _reduce(
 ) -> tuple[list[Any], list[Any], Any]:  # fmt: skip
     time = root(v["radius"] / v["gravity"])
     if "lean" in v:
-        # no double is π/2, so the right angle takes the type of the lean
+        # no double is π/2, so the right angle has the type of the lean
         upright = v["lean"].pi() / 2 if hasattr(v["lean"], "pi") else np.pi / 2
         v = dict(v) | {"at": upright - v["lean"]}
     a = [v[k] if is_angle(p) else v[k] * time for k, p in zip(keys, parts, strict=True)]
@@ -111,7 +112,7 @@ def _speed(v: Mapping[str, Any]) -> Any:
 
 
 def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
-    """The lean as finite numbers strictly within a right angle, or a sentence why not."""
+    """The lean as finite numbers strictly between -π/2 and π/2, or a refusal."""
     if not FAMILIES[family].by_angle:
         raise ParameterError(f"lean names a member of {leaning()}; for {family} give at.")
     if at is not None:
@@ -128,7 +129,7 @@ def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
 def disk_roundings(
     parts: Sequence[str], contact: Contact, *, si: bool, lean: bool = False
 ) -> tuple[int, ...]:
-    """Roundings behind each dimensionless number: none for k, nor for an angle given as it is."""
+    """Number of roundings in each dimensionless number: none for k and for a given angle."""
     some = 4 if si else 0
     angle = 2 if lean else 0
     turns = (angle if is_angle(p) else some for p in parts)
@@ -136,7 +137,7 @@ def disk_roundings(
 
 
 def check_axis(problem: Problem, name: str, values: Floats) -> None:
-    """Refuse an axis whose values the body or the law cannot have."""
+    """Refuse an axis with values that the body or the law does not accept."""
     if problem.law is None:
         return
     if problem.law.alternatives(name):

@@ -1,7 +1,7 @@
-"""Eigenvalues with error discs, and the verdict they allow, for any family of any system.
+"""Eigenvalues with error discs, and the verdict from the discs, for any family of any system.
 
-Each eigenvalue carries a bound on its own error, from running error analysis of the graph and
-Gershgorin's theorem after diagonalisation; a verdict is given only where those bounds decide.
+Each eigenvalue carries an error bound, from running error analysis of the graph and Gershgorin's
+theorem after diagonalisation.  A verdict is given only where these bounds decide.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from ..base.verdict import CODES, Verdict
 from .deflation import Reduced
 
 NOT_STEADY = -2
-"""In place of bits where a rate is proved not to vanish at the root of the equations."""
+"""Value instead of bits, where a rate is proved nonzero at the root of the equations."""
 POOR = 8
-"""Residual over its own rounding error from which vectors are refined."""
+"""Ratio of a residual to its rounding error above which vectors are refined."""
 SPARE = 2.0**-20
-"""Share of a radius that is less than the roundings which are counted but not made."""
+"""Share of a radius that the surplus of the counted roundings covers."""
 
 
 def in_words(bits: int) -> str:
-    """What arithmetic a proof took.
+    """Arithmetic of a proof, in words.
 
     Parameters
     ----------
@@ -44,20 +44,20 @@ class Eigenpairs(NamedTuple):
     """Eigenvalues and eigenvectors of matrices, in any order and without bounds."""
 
     values: Complexes
-    """Shape (N, m)."""
+    """Eigenvalues, shape (N, m)."""
     vectors: Complexes
-    """As columns, shape (N, m, m)."""
+    """Eigenvectors as columns, shape (N, m, m)."""
 
 
 class Enclosed(NamedTuple):
-    """Eigenvalues with error discs, and the vectors that they were found with."""
+    """Eigenvalues with error discs, and the eigensolver's pairs."""
 
     values: Complexes
     """Sorted by real, then imaginary part, shape (N, m)."""
     radius: Floats
-    """Bound on the error of each, shape (N, m)."""
+    """Bound on the error of each eigenvalue, shape (N, m)."""
     pairs: Eigenpairs | None
-    """From the eigensolver; None where the values came from a formula."""
+    """Eigenpairs from the eigensolver; None where the values came from a formula."""
 
 
 def eigenvalues(reduced: Reduced, *, even: bool) -> Enclosed:
@@ -66,17 +66,16 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> Enclosed:
     Parameters
     ----------
     reduced
-        From `reduce`.
+        Linearisation from `deflate`.
     even
-        Whether the characteristic polynomial is even by structure; then λ² is computed, and real
-        and imaginary parts come out as exact as the structure has them.
+        Whether the characteristic polynomial is even by structure.  Values and discs then use
+        the symmetry of the spectrum.
 
     Returns
     -------
     Enclosed
-        The exact eigenvalues lie in the union of the discs, and a connected part of the union made
-        of j discs holds j of them (Gershgorin); for an even polynomial the same holds of each λ
-        separately.
+        The exact eigenvalues lie in the union of the discs.  A connected part of the union made
+        of j discs holds j of them (Gershgorin).
 
     Raises
     ------
@@ -90,7 +89,7 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> Enclosed:
             "the linearisation overflows double precision; give values nearer to 1 "
             "(dimensionless mu, at and 1/k below 1e100)."
         )
-    with np.errstate(all="ignore"):  # what overflows comes out as a disc without bound
+    with np.errstate(all="ignore"):  # an overflow gives an infinite disc
         found = _even(reduced) if even else _general(reduced.matrix, reduced.error)
         values, radius, pairs = found
         radius = np.where(np.isfinite(radius), radius, np.inf)
@@ -105,9 +104,8 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> Enclosed:
 def _general(matrix: Floats, error: Floats) -> Enclosed:
     """The eigensolver's eigenvalues, with Gershgorin discs of X⁻¹(B + E)X - Λ.
 
-    The residual BX - XΛ is computed, so the solver's own error is measured, not assumed.
-    Where it is large (LAPACK's balancing can do that to a matrix with a tiny entry) X is refined
-    once.
+    The residual BX - XΛ is computed, so the solver's error is measured, not assumed.  X is refined
+    once where the residual is large (LAPACK's balancing can cause this for a tiny entry).
     """
     values, x = eigenpairs(matrix)
     radius, excess = _discs(matrix, error, values, x)
@@ -122,13 +120,13 @@ def _general(matrix: Floats, error: Floats) -> Enclosed:
 
 
 def _discs(matrix: Floats, error: Floats, values: Complexes, x: Complexes) -> tuple[Floats, Floats]:
-    """Gershgorin radii, and how far the residual stands above its own rounding error."""
+    """Gershgorin radii, and the ratio of the residual to its rounding error."""
     size = matrix.shape[-1]
     with np.errstate(all="ignore"):
         y: Complexes = _inverse(x)
         ax, ay = np.abs(x), np.abs(y)
         residual = np.abs(matrix @ x - x * values[:, None, :])
-        # rounding of that residual: each entry is a sum of `size` products and one more
+        # rounding of the residual: each entry is a sum of `size` products and one more
         terms = np.abs(matrix) @ ax + ax * np.abs(values)[:, None, :]
         rough = (size + 3) * (UNIT * terms + TINY) + error @ ax
         sums = (ay @ (residual + rough)).sum(axis=-1) + size * TINY
@@ -164,7 +162,7 @@ def _refined(matrix: Floats, values: Complexes, x: Complexes) -> tuple[Complexes
 def _inverse(x: Complexes) -> Complexes:
     try:
         return np.asarray(np.linalg.inv(x), dtype=complex)
-    except np.linalg.LinAlgError:  # some row is exactly defective: that row has no bound
+    except np.linalg.LinAlgError:  # some matrix is exactly defective and gets no bound
         out = np.full_like(x, np.nan)
         for index in range(len(x)):
             try:
@@ -178,8 +176,8 @@ def _even(reduced: Reduced) -> Enclosed:
     """Eigenvalues of a matrix whose characteristic polynomial is even by structure."""
     if reduced.matrix.shape[-1] == 2:
         return _one_square(reduced.matrix, reduced.error)
-    # With λ also -λ̄ is an eigenvalue.  A disc that meets the imaginary axis is put symmetric to it;
-    # if it then keeps clear of all others it holds one eigenvalue, which is its own mirror image.
+    # If λ is an eigenvalue, -λ̄ is one too.  A disc that meets the imaginary axis is made symmetric
+    # to the axis; if no other disc touches it, its one eigenvalue is its own mirror image.
     values, radius, pairs = _general(reduced.matrix, reduced.error)
     near = np.abs(values.real) <= radius
     radius = np.where(near, radius + np.abs(values.real), radius)
@@ -195,7 +193,7 @@ def _one_square(matrix: Floats, error: Floats) -> Enclosed:
     bound = 0.5 * (slack[:, 0, 0] + slack[:, 1, 1]) + UNIT * np.abs(z)
     root = np.sqrt(z.astype(complex))
     size = np.maximum(np.abs(root), 1e-300)
-    # |√z - √z'| ≤ min(r/|√z|, √r): the bound of a simple root, and the one at zero
+    # |√z - √z'| ≤ min(r/|√z|, √r): the bound of a simple root, and the bound at zero
     spread = np.minimum(bound / size, np.sqrt(bound))
     both: Floats = np.stack([spread, spread], axis=-1)
     return Enclosed(np.stack([root, -root], axis=-1), both, None)
@@ -210,7 +208,7 @@ def decide(values: Complexes, radius: Floats, *, even: bool) -> NDArray[np.int8]
     Parameters
     ----------
     values, radius
-        From `eigenvalues`, shapes (N, m).
+        Eigenvalues and radii from `eigenvalues`, shapes (N, m).
     even
         Whether the polynomial is even by structure.
 
@@ -239,12 +237,12 @@ def _decide(values: Complexes, radius: Floats) -> NDArray[np.int8]:
 
 
 def _decide_even(values: Complexes, radius: Floats) -> NDArray[np.int8]:
-    """By λ²: on the imaginary axis with a disc that keeps clear of zero and of every other disc."""
+    """Verdicts where no two discs meet: all on the imaginary axis, or some clear to its right."""
     distance = np.abs(values[:, :, None] - values[:, None, :])
     reach = radius[:, :, None] + radius[:, None, :]
     np.einsum("ijj->ij", distance)[...] = np.inf
     alone = (distance > reach).all(axis=(1, 2))
-    # An isolated λ² whose disc meets the real axis is real, since the polynomial in λ² is real.
+    # an isolated λ whose disc meets the imaginary axis lies on it, since -λ̄ is an eigenvalue too
     neutral = alone & (np.abs(values.real) <= radius).all(axis=1)
     unstable = alone & (values.real - radius > 0).any(axis=1)
     codes = np.zeros(len(values), dtype=np.int8)

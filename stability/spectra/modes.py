@@ -35,7 +35,7 @@ def lift(
     reduced
         The linearisation without structural zeros, one row per point.
     pairs
-        Its eigenvalues and eigenvectors, in any order.
+        Eigenvalues and eigenvectors of `reduced`, in any order.
     scale
         Unit of each state, broadcastable to (…, states).
 
@@ -70,7 +70,7 @@ def lift(
 
 
 def _match(values: Complexes, given: Complexes) -> NDArray[np.intp]:
-    """For each value the place of the given one nearest to it, each used once."""
+    """Place of the nearest given eigenvalue for each value; each place is used once."""
     distance = np.abs(values[:, :, None] - given[:, None, :])
     pick: NDArray[np.intp] = distance.argmin(axis=2)
     twice = np.flatnonzero((np.sort(pick, axis=1) != np.arange(values.shape[1])).any(axis=1))
@@ -83,7 +83,7 @@ def _match(values: Complexes, given: Complexes) -> NDArray[np.intp]:
 
 
 def mode_labels(values: Complexes, radius: Floats, share: Floats, states: tuple[str, ...]) -> Any:
-    """Names such as `oscillation of theta, phi_dot`: what it does, and the states that lead it."""
+    """Names such as `oscillation of theta, phi_dot`: kind of motion, and its leading states."""
     flat, r, s = (
         array.reshape(-1, *array.shape[values.ndim - 1 :]) for array in (values, radius, share)
     )
@@ -135,6 +135,6 @@ def track(values: Complexes, vectors: Complexes) -> NDArray[np.intp]:
             last = order[line, point - 1]
             overlap = np.abs(vec[point - 1][last].conj() @ vec[point].T)
             jump = np.abs(lam[point - 1][last][:, None] - lam[point][None, :])
-            # overlap decides; distance only where vectors are alike, as next to a meeting of two
+            # overlap decides; distance decides where vectors are alike, as near equal eigenvalues
             order[line, point] = linear_sum_assignment((1 - overlap) + 4 * jump / size)[1]
     return order.reshape(values.shape)

@@ -1,9 +1,8 @@
-"""A family with values: what may vary, in which units, and what it comes to dimensionless.
+"""A family with values: its possible axes, units, and dimensionless numbers.
 
-Everything inside runs dimensionless; a `Problem` is the one place that knows how the numbers a
-user gives (`at`, `k`, `mu`, `mass`, `radius`, `gravity`, or the parameters of their own system)
-become the family's parameters.  It does so over any number type, so that balls start from the exact
-doubles.
+All computations are dimensionless.  Only a `Problem` knows how a user's numbers (`at`, `k`, `mu`,
+`mass`, `radius`, `gravity`, or the parameters of a user's system) become the family's parameters.
+A `Problem` converts any number type, so that balls start from the exact doubles.
 """
 
 from __future__ import annotations
@@ -33,11 +32,11 @@ from ..systems.multiplicity import certain
 from ..systems.structural_zeros import SAMPLE_BITS, SAMPLES, sampled, structure
 
 DERIVED = ("conditions", "scale")
-"""What a polynomial may have only if it is derived."""
+"""Methods that only a derived polynomial may override."""
 MOST_SIGNS = 4
-"""Numbers that are sampled with both signs."""
+"""Largest number of parameters that are sampled with both signs."""
 CLOSE = 2.0**-100
-"""Relative difference of balls that may hold one coefficient; wide ones overlap too."""
+"""Largest relative difference of two balls for one coefficient, as wide balls overlap too."""
 
 
 def _one(_: Mapping[str, Any]) -> float:
@@ -59,15 +58,15 @@ class Problem:
     speed: Callable[[Mapping[str, Any]], Any] = _one
     """Unit of speed from the values."""
     roundings: tuple[int, ...] = ()
-    """Roundings behind each of (family parameters, parameters) when they are made dimensionless."""
+    """Number of roundings in each dimensionless number of (family parameters, parameters)."""
     law: Contact | None = None
     """The contact law, for the disk."""
     exact: ExactPolynomial | None = None
-    """The characteristic polynomial, where the body or the family knows it."""
+    """The characteristic polynomial, or None where it is not known."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What may be an axis."""
+        """Names that may be an axis."""
         return tuple(self.values)
 
     @property
@@ -107,7 +106,7 @@ class Problem:
         Parameters
         ----------
         values
-            Double by name.
+            Doubles by name.
 
         Returns
         -------
@@ -148,14 +147,14 @@ def broadcast_shape(values: Mapping[str, Any]) -> tuple[int, ...]:
 def system_problem(
     family: Family, at: ArrayLike | None, parameters: Mapping[str, ArrayLike]
 ) -> Problem:
-    """The problem of a family of a user's own system; numbers are taken as they are.
+    """The problem of a family of a user's system; numbers are not converted.
 
     Parameters
     ----------
     family
         The family.
     at
-        Family parameter (last axis its parts, if there are several), or None where it is an axis.
+        Family parameter (last axis its parts, if there are several), or None where it varies.
     parameters
         The system's other parameters by name.
 
@@ -195,7 +194,7 @@ def system_problem(
 
 @lru_cache(maxsize=64)
 def _compared(family: Family) -> ExactPolynomial | None:
-    """The polynomial that a family was given, once it agrees with the equations of motion."""
+    """The exact polynomial of a family, after a comparison with the equations of motion."""
     exact = family.exact
     if exact is None or exact.derived:
         return exact
@@ -216,7 +215,7 @@ def _compared(family: Family) -> ExactPolynomial | None:
 
 
 def _compare(family: Family, number: int) -> None:
-    """Refuse a polynomial that is not det(λ - A) at a sampled member; later ones in all signs."""
+    """Refuse a polynomial that is not det(λ - A) at a sample; later samples take all signs."""
     names, cut = (*family.at, *family.parameters), len(family.at)
     flips = max(0, number - SAMPLES)
     with precision(SAMPLE_BITS):
@@ -241,7 +240,7 @@ def _compare(family: Family, number: int) -> None:
 
 
 def _monic(family: Family, values: Mapping[str, Any]) -> list[Any]:
-    """The monic polynomial without structural zeros, from the one that a family was given."""
+    """The monic polynomial without structural zeros, from a family's exact polynomial."""
     exact = family.exact
     assert exact is not None
     try:
@@ -250,7 +249,7 @@ def _monic(family: Family, values: Mapping[str, Any]) -> list[Any]:
             for factor in exact.coefficients(near, EXACT):
                 fmpq_poly(list(factor))
         return product(exact.coefficients(values, MIXED))
-    except Exception as error:  # a user's code runs here
+    except Exception as error:  # a user's code may raise anything
         raise ParameterError(
             f"the exact polynomial of {family.name} has no value in rational numbers and balls "
             f"({type(error).__name__}: {error}); write it with + - * /, whole numbers and "

@@ -1,4 +1,4 @@
-"""Spectrum: eigenvalues with error discs, a verdict, and how it was reached."""
+"""Spectrum: eigenvalues with error discs, a verdict, and its reason."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ from .eigenvalues import NOT_STEADY, Eigenpairs, in_words
 from .modes import Modes, lift, mode_labels, track
 
 GROWS = -2
-"""In place of a verdict's flag value where structural zeros are not semisimple."""
+"""Flag value instead of a verdict's, where structural zeros are not semisimple."""
 
 NOT_ASKED = -1
-"""In place of bits where a verdict stands as double precision gave it."""
+"""Value instead of bits, where the verdict comes from double precision."""
 
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """How the certified points of a spectrum were proved."""
+    """Proofs of the certified points of a spectrum."""
 
     abscissa_error: Floats
     """Proved bound on the error of the abscissa, shape (…)."""
     bits: NDArray[np.int64]
     """Precision of the balls that decided each verdict, 0 for rational arithmetic, shape (…);
-    `NOT_ASKED` where double precision decided."""
+    `NOT_ASKED` for double precision, `NOT_STEADY` where a member is proved not to be steady."""
     escalated: bool = False
-    """Whether only those points were certified that double precision left undecided."""
+    """Whether only points were certified that double precision left undecided."""
     own: bool = False
-    """Whether they were proved from the polynomial that the family was given."""
+    """Whether the proofs start from the family's exact polynomial."""
 
     def sentence(self, *, certified: bool) -> str:
-        """How far the proof of a single spectrum came, in words."""
+        """Result of the proof of a single spectrum, in words."""
         if self.bits == NOT_STEADY:
             return "no steady motion: at the root of the equations another rate is not zero"
         far = "proved" if certified else "undecided within the budget of precision"
@@ -71,29 +71,29 @@ class Spectrum:
     eigenvalues: Complexes
     """Sorted by real, then imaginary part, shape (…, n) [1/s, or √(g/R)]."""
     radius: Floats
-    """Error bound of each eigenvalue, shape (…, n): all of them lie in the union of these discs."""
+    """Radius of each error disc, shape (…, n): all eigenvalues lie in the union of the discs."""
     structural_zeros: int
-    """How many eigenvalues are left out: zero by structure at every point asked, the least number
-    where points differ."""
+    """Number of eigenvalues left out, which are zero by structure; the least number where points
+    differ."""
     codes: NDArray[np.int8]
     """Verdict as flag values (`Verdict.code`), shape (…)."""
     states: Floats
     """The steady motions, dimensionless, shape (…, states)."""
     place: Place
-    """Where the members are, dimensionless, one row per point."""
+    """Dimensionless numbers of the members, one row for each point."""
     rate: Floats
-    """Unit of the eigenvalues in dimensionless ones, shape (…) or () [1/s]."""
+    """Unit of rate: eigenvalues over their dimensionless values, shape (…) [1/s, or √(g/R)]."""
     scale: Floats
     """Unit of each state, shape (…, states)."""
     proof: Proof | None = None
-    """How verdicts and eigenvalues were proved, where they were."""
+    """Proof of verdicts and eigenvalues, or None without certified points."""
     grows: NDArray[np.bool_] | None = None
-    """Where the structural zeros are proved not to be semisimple, shape (…); None where every
-    one of them is a tangent of the family."""
+    """Whether the structural zeros are proved not to be semisimple, shape (…); None where
+    this is not tested."""
     note: str = ""
-    """A sentence on structural zeros, where there are fewer here than at typical members."""
+    """A sentence if there are fewer structural zeros than at typical members, or empty."""
     pairs: Eigenpairs | None = None
-    """From the eigensolver, dimensionless; None where it was not needed, or for many points."""
+    """Eigenpairs from the eigensolver, dimensionless; None if not needed, or for many points."""
     solver: EigenSolver = lapack
     """The eigensolver."""
 
@@ -121,7 +121,7 @@ class Spectrum:
     def abscissa_error(self) -> Any:
         """Bound on the error of the abscissa, shape (…)."""
         real = self.eigenvalues.real
-        # the difference first: it is exact where it matters
+        # the difference comes first, since it is exact where it matters
         value = (self.radius + (real - real.max(axis=-1, keepdims=True))).max(axis=-1)
         if self.proof is not None:
             value = self.proof.abscissa_error
@@ -134,12 +134,12 @@ class Spectrum:
 
     @property
     def nonlinear(self) -> Any:
-        """`Nonlinear`, or an object array of them, shape (…): what the motion itself does."""
+        """`Nonlinear`, or an object array of them, shape (…): behaviour of the nonlinear motion."""
         harmless = self.structural_zeros == self.family.tangents
         stable = Nonlinear.ASYMPTOTIC if harmless else Nonlinear.OPEN
         if self.family.drifts:
             stable = Nonlinear.DRIFTS
-        # Neutral with every λ² strictly negative: the integrals confine the motion.
+        # neutral with every λ² strictly negative: the integrals confine the motion
         kept = Nonlinear.BY_INTEGRALS if self.family.integrals else Nonlinear.OPEN
         table = {
             CODES[Verdict.STABLE]: stable,
@@ -160,7 +160,7 @@ class Spectrum:
 
     @property
     def reason(self) -> str:
-        """One sentence on how the verdict was reached, or why it was not; for a single spectrum."""
+        """One sentence with the reason for the verdict, for a single spectrum."""
         if self.codes.ndim:
             raise ParameterError("reason is for a single spectrum; ask for one point.")
         bound = f"largest real part {self.abscissa:.3g}, error bound {self.abscissa_error:.1g}"
@@ -197,7 +197,7 @@ class Spectrum:
         -------
         ndarray
             Indices of shape (…, points, n): `np.take_along_axis(s.eigenvalues, s.tracked(), -1)`
-            has one mode per column.  Where eigenvalues meet, which of them goes on is a convention.
+            has one mode per column.  Where eigenvalues meet, the order is a convention.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""The members that `spectrum` is asked for, and their spectra in double precision, in pieces."""
+"""The members of one `spectrum` call, and their spectra in double precision, in pieces."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ if TYPE_CHECKING:
 from ..base.types import Complexes, Floats
 
 PIECE = 2**20
-"""Entries of the linearisations that are worked on at once, so that 80 MB are enough."""
+"""Largest number of linearisation entries in one piece, so that 80 MB are enough."""
 MOST_VALUES = 10**8
-"""Eigenvalues of one call: a result of 7 GB."""
+"""Largest number of eigenvalues of one call, a result of 7 GB."""
 
 
 class Rows:
-    """The members asked for, and how many zero eigenvalues are left out of all their spectra.
+    """The members of one call, and the number of zero eigenvalues left out of all their spectra.
 
     Parameters
     ----------
     problem
         Family with values in the user's units.
     exact
-        Whether a count that is not proved for the whole family is proved at each member; if not,
-        what is left out is zero within its rounding.
+        Whether to prove the number of zeros at each member if it is not proved for the whole
+        family.  If False, the eigenvalues left out are zero within their rounding.
     """
 
     def __init__(self, problem: Problem, *, exact: bool) -> None:
@@ -61,7 +61,7 @@ class Rows:
         )[0]
         self.zeros = structure(family).zeros
         self.certain = problem.derived or certain(family)
-        """Whether that number is proved at every member of the family."""
+        """Whether the number of zeros is proved at every member of the family."""
         self._members: dict[int, Member] = {}
         if not self.certain:
             self.zeros = min(self._proved_zeros() if exact else self._supported())
@@ -69,7 +69,7 @@ class Rows:
     def _joined(
         self, count: int, work: Callable[[slice], tuple[NDArray[Any], ...]]
     ) -> list[NDArray[Any]]:
-        """What comes of each piece, one array after the other."""
+        """Results of all pieces, joined array by array."""
         pieces = [work(slice(i, i + self._step)) for i in range(0, max(count, 1), self._step)]
         if len(pieces) == 1:
             return list(pieces[0])
@@ -84,7 +84,7 @@ class Rows:
         )
 
     def _supported(self) -> NDArray[np.intp]:
-        """How many zeros of each member are within their rounding."""
+        """Number of eigenvalues of each member that are zero within their rounding."""
 
         def piece(rows: slice) -> tuple[NDArray[np.intp]]:
             return (self._reduced(rows, watch=True).supported,)
@@ -102,8 +102,8 @@ class Rows:
         values, radius, codes
             Shapes (N, m), (N, m), (N,).
         pairs
-            With eigenvectors; None where there are none yet, or the members are worked on in
-            pieces, so that they do not fill the memory.
+            Eigenvectors; None where the values came from a formula, or for members in several
+            pieces, to save memory.
         """
         even = self.problem.family.conservative and self.certain
         pairs = None
@@ -112,7 +112,7 @@ class Rows:
             nonlocal pairs
             watch = self.exact and not self.certain
             reduced = self._reduced(rows, watch=watch)
-            if watch:  # the zeros are proved; where these vectors are not theirs, nothing is known
+            if watch:  # the zeros are proved; with wrong null vectors nothing is known of the rest
                 reduced.error[reduced.supported < self.zeros] = np.inf
             values, radius, pairs = eigenvalues(reduced, even=even)
             return values, radius, decide(values, radius, even=even)
@@ -121,7 +121,7 @@ class Rows:
         return values, radius, codes, pairs if len(self.place.a) <= self._step else None
 
     def grows(self) -> NDArray[np.bool_] | None:
-        """Where structural zeros that no tangent of the family explains are not semisimple."""
+        """Whether structural zeros are proved not to be semisimple; None where not tested."""
         from .deflation import grows
 
         family, place = self.problem.family, self.place
@@ -136,7 +136,7 @@ class Rows:
 
     @property
     def note(self) -> str:
-        """A sentence on zeros that typical members have and these have not, or nothing."""
+        """A sentence if these members have fewer structural zeros than typical ones, or empty."""
         usual = structure(self.problem.family).zeros
         if self.zeros >= usual:
             return ""
@@ -156,14 +156,14 @@ class Rows:
         return {n: float(column[row]) for n, column in self._columns.items()}
 
     def firsts(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
-        """For each of some rows the first with the same numbers, bit for bit: one proof for all."""
+        """First row with the same numbers, bit for bit, for each given row: one proof for all."""
         columns = [column[rows] for column in self._columns.values()]
         bits = np.column_stack([*columns, self.place.u[rows]]).view(np.int64)
         _, first, inverse = np.unique(bits, axis=0, return_index=True, return_inverse=True)
         return rows[first][inverse.reshape(-1)]
 
     def member(self, row: int) -> Member:
-        """A member of a user's family in exact numbers, made once."""
+        """A member of a user's family in exact numbers, built once."""
         from .certificate import member_at
 
         if row not in self._members:

@@ -46,24 +46,24 @@ def spectrum(
         `rolling`, `spinning`, `tumbling`, for the rough disk `circling`, for the smooth one
         `precession`; or a `Family`.
     at
-        What names the member: omega3 (rolling), phi_dot (spinning) [rad/s], theta (tumbling)
+        Number that names the member: omega3 (rolling), phi_dot (spinning) [rad/s], theta (tumbling)
         [rad], the pair (theta, phi_dot) along the last axis (circling, precession).  Arrays
         broadcast with the fields of disk and contact.
     lean
-        In place of `at` for tumbling: π/2 - theta [rad], which is exactly upright at 0; no double
+        Angle π/2 - theta [rad] instead of `at`, for tumbling.  0 is exactly upright; no double
         theta is.
     disk
         The body; the uniform disk with m = R = g = 1 when left out.
     contact
-        The law.
+        The contact law.
     certify
-        Whether every verdict and eigenvalue is proved, in rational arithmetic or balls, so that a
-        verdict is undecided only where the budget of precision ends.
+        Whether to prove every verdict and eigenvalue, in rational arithmetic or balls.  A verdict
+        is then undecided only where the budget of precision ends.
     escalate
-        Whether points that double precision leaves undecided are certified by themselves; the
-        others keep their error discs.  False forbids it, and what is open stays undecided.
+        Whether to certify only the points that double precision leaves undecided; other points
+        keep their error discs.  If False, these points stay undecided.
     **parameters
-        For a family of a user's system: its parameters by name.
+        Parameters by name, for a family of a user's system.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def spectrum(
     Raises
     ------
     ParameterError, NameUnknownError, NoMemberError
-        One sentence that says what is wrong and what is accepted.
+        If an argument is not accepted; the message says what is accepted.
 
     Source: linearisation of the equations of Przybylska & Rauch-Wojciechowski 2016, recomputed.
 
@@ -92,7 +92,7 @@ def spectrum(
     problem = problem_of(family, at, disk, contact, dict(parameters), lean)
     rows = Rows(problem, exact=certify or escalate)
     resolved, shape, rate = problem.family, rows.shape, rows.place.rate
-    last = 0.0 if problem.dimensionless else 4 * UNIT  # of the product with the unit
+    last = 0.0 if problem.dimensionless else 4 * UNIT  # rounding of the product with the unit
     names = resolved.system.states
     scale = np.ones((len(rate), len(names)))
     if problem.law is not None:
@@ -102,7 +102,7 @@ def spectrum(
             unit = speed if kind is Kind.VELOCITY else rate
             scale[:, index] = 1.0 if kind is Kind.ANGLE else unit
     values, radius, codes, pairs = rows.spectra()
-    with np.errstate(all="ignore"):  # a radius may overflow to one without bound
+    with np.errstate(all="ignore"):  # a radius may overflow to infinity
         values, radius = values * rate[:, None], (radius + last * np.abs(values)) * rate[:, None]
     if not np.isfinite(values).all():
         raise DomainError("the eigenvalues overflow double precision; give values nearer to 1.")
@@ -132,21 +132,21 @@ def proved(
     found: Spectrum, rows: Rows, asked: NDArray[np.bool_], shape: tuple[int, ...], *,
     escalated: bool,
 ) -> Spectrum:  # fmt: skip
-    """A spectrum with verdicts and eigenvalues replaced by proved ones where that is asked.
+    """A spectrum with proved verdicts and eigenvalues at selected members.
 
     Parameters
     ----------
     found
-        From double precision; its modes are kept.
+        Spectrum from double precision; its modes stay.
     rows
         The members.
     asked
-        Which of them are certified, shape (N,).
+        Whether to certify each member, shape (N,).
     shape
-        Leading shape.
+        Leading shape of the spectrum.
     escalated
-        Whether nobody asked for a proof: a member whose root is not proved to exist then stays
-        undecided, where it is an error otherwise.
+        Whether the proof is automatic: a member whose root is not proved to exist then stays
+        undecided; otherwise such a member is an error.
 
     Returns
     -------
@@ -178,7 +178,7 @@ def proved(
 
 
 def _certificate(rows: Rows, row: int, *, escalated: bool) -> Certificate | None:
-    """The proof of one member; None where nobody asked for it and its root is not proved."""
+    """The proof of one member; None where the proof is automatic and the root is not proved."""
     from .certificate import certify as one
 
     member = rows.member(row) if rows.problem.exact is None else None

@@ -3,5 +3,5 @@
 A `System` is equations of motion as one CasADi graph; a `Family` holds its steady motions.
 No body is known here.  May import `algebra`, `storage` and `base`.
 To add a system: nothing is written here; make a `System` and a `Family`, as `bodies` does.
-To add what is computed for every family: one module with a function of a `Family`.
+To add a computation for every family: write one module with a function of a `Family`.
 """

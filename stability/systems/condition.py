@@ -13,12 +13,12 @@ from .system_checks import expression
 
 @dataclass(frozen=True, eq=False)
 class Condition:
-    """A quantity that must be positive for the equations to mean anything, and why."""
+    """A quantity that must be positive for the equations to have a meaning, and the reason."""
 
     value: ca.SX
-    """Expression in the states and parameters; the state is refused where it is not positive."""
+    """Expression in the states and parameters; a state without a positive value is refused."""
     sentence: str
-    """The reason, as it is shown to the user, with `{value}` where the number goes."""
+    """The reason as a sentence for the user, with `{value}` in place of the number."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "value", expression("value of a condition", self.value, 1, 1))

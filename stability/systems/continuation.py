@@ -14,7 +14,7 @@ from ..base.types import Floats
 from .family import Family, columns
 
 MOST_POINTS = 100_000
-"""Most members of a branch, each of which is solved for."""
+"""Largest number of members of a branch, since each one is solved for."""
 
 
 class Branch(NamedTuple):
@@ -23,11 +23,11 @@ class Branch(NamedTuple):
     at: Floats
     """Family parameter, shape (n,)."""
     state: Floats
-    """State at each, shape (n, states)."""
+    """State of each member, shape (n, states)."""
     complete: bool
     """Whether the whole interval was reached."""
     ended: str
-    """A sentence that says where and why it ended."""
+    """A sentence that says where and why the branch ended."""
 
 
 def branch(
@@ -45,17 +45,16 @@ def branch(
     parameters
         The system's other parameters, shape (m,).
     points
-        Number of members asked for, evenly spaced; steps in between are halved where the
-        corrector needs it.
+        Number of members, evenly spaced.  Steps in between are halved where the corrector fails.
     guess
-        Unknowns at `start`, shape (u,); the family's own guess when left out.
+        First guess of the unknowns at `start`, shape (u,); the family's guess when left out.
     fixed
         Values of the further family parameters, if the family has more than one.
 
     Returns
     -------
     Branch
-        As far as it goes; it says where and why it ended.
+        Members up to `stop`, or up to the point where the branch ended.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Members of a family in ball arithmetic: roots proved to exist, and what the graph gives there."""
+"""Members of a family in ball arithmetic: proved roots, and the polynomial at these roots."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[A
 
 
 NEARBY = 1e-6
-"""Largest distance of a proved root from the one in double precision, over 1 or its size."""
+"""Largest distance of a proved root from the double-precision root, over 1 plus its size."""
 INFLATIONS = 4
-"""How often a box is widened to what its image was."""
+"""Largest number of boxes in one test; each next box is twice the last image."""
 
 
 def matrix_polynomial(
@@ -76,7 +76,7 @@ def ball_unknowns(
     a, q
         Family parameters and parameters as balls.
     near
-        Unknowns to start from, where they are known to double precision.
+        Unknowns to double precision; found by the family's root-finder when left out.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def ball_unknowns(
         point = ([float(v.mid()) for v in a], [float(v.mid()) for v in q])
         rough = family.solve(*(np.array([part]).reshape(1, -1) for part in point))[0]
     found = _krawczyk(family, a, q, rough)
-    # next to a double root Newton's method may leave for another one
+    # near a double root Newton's method may jump to another root
     if found is None or not all(
         ball.overlaps(arb(float(v), NEARBY * (1 + abs(float(v)))))
         for ball, v in zip(found, rough, strict=True)
@@ -111,14 +111,14 @@ def ball_unknowns(
 def _krawczyk(
     family: Family, a: Sequence[Any], q: Sequence[Any], rough: Sequence[float]
 ) -> list[Any] | None:
-    """The test around a rough root: in a box of its own size first, then in one of size 1.
+    """Krawczyk's test around a rough root: in a box relative to the root, then relative to 1 too.
 
-    A root at 0 has no size of its own.
+    A root at 0 has no relative size.
     """
     size = len(rough)
     x = arb_mat(size, 1, [arb(float(v)) for v in rough])
     half = arb(2) ** (-ctx.prec // 2)
-    for _ in range(20):  # Newton doubles the digits, and so does the test below: stop halfway
+    for _ in range(20):  # a Newton step doubles the digits, as the test below does: stop halfway
         r, r_u = _residual(family, a, x, q)
         try:
             inverse = r_u.mid().inv().mid()
@@ -131,7 +131,7 @@ def _krawczyk(
         if all(abs(shift[i, 0]) <= half * abs(x[i, 0]) for i in range(size)):
             break
         x = (x - shift).mid()
-    else:  # the operator belongs to the last point, not to the one before it
+    else:  # the operator needs the residual at the last point, not at the point before
         shift = inverse * _residual(family, a, x, q)[0]
     one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
     for least in (0, 1):
@@ -146,7 +146,7 @@ def _krawczyk(
             image = x - shift + (one - inverse * slope) * (box - x)
             if all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
                 return [image[i, 0] for i in range(size)]
-            # a root that does not move with the others is wide because they are
+            # an unknown's image may be wide only because the other unknowns are wide
             moved = [(2 * (image[i, 0] - x[i, 0])).abs_upper() for i in range(size)]
             spread = [max(s, m) for s, m in zip(spread, moved, strict=True)]
     return None

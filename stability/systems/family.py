@@ -1,4 +1,4 @@
-"""Families of steady motions: which states they hold, what they solve for, and the root-finder."""
+"""Families of steady motions: states held, states solved for, and the root-finder."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from .system import System
 from .system_checks import check_family, tables
 
 STEP = 1e-11
-"""A root is accepted where a further Newton step moves it by less than this, relatively."""
+"""Largest relative size of a further Newton step at an accepted root."""
 NOISE = 1e-6
-"""Or by rounding alone, where that is less than this, relative to 1 or the root."""
+"""Largest rounding of a Newton step at an accepted root, relative to 1 or to the root."""
 UNKNOWN = 1e-10
-"""Rates that count as zero, in units of the linearisation, where their rounding has no bound."""
+"""Largest rate that counts as zero, in units of the linearisation, if its rounding has no bound."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,14 +34,14 @@ class Family:
     """A family of steady motions of a `System`, named by one or more parameters `at`.
 
     Every state is either named in `at`, held at a value, or solved for.  A member is a root of the
-    rates of the states in `equations`; that the other rates vanish too is checked.
+    rates of the states in `equations`; `member` checks that the other rates vanish too.
 
     Parameters
     ----------
     system
         The equations of motion.
     name
-        What the family is called.
+        Name of the family in messages and files.
     at
         Names of the states (or of parameters of the system) that name a member.
     held
@@ -51,10 +51,10 @@ class Family:
     equations
         States whose rates must vanish, as many as there are unknowns.
     positive
-        Unknowns that must come out positive.
+        Unknowns that must be positive.
     typical
-        A typical size by name of `at` and parameters (1 where left out), about which the spectrum's
-        structure is sampled.
+        Typical sizes by name of `at` and parameters (1 where left out).  The spectrum's structure
+        is sampled near these sizes.
     conservative
         Whether the reduced characteristic polynomial is even in λ by structure.
     integrals
@@ -62,7 +62,7 @@ class Family:
     drifts
         Whether a slow flow on the centre manifold carries a stable member to its threshold.
     exact
-        The characteristic polynomial, if you know it: verdicts are then proved from it.
+        The characteristic polynomial, or None.  Verdicts are proved from a known polynomial.
 
     Raises
     ------
@@ -85,7 +85,7 @@ class Family:
     system: System
     """The equations of motion."""
     name: str
-    """What the family is called."""
+    """Name of the family in messages and files."""
     at: tuple[str, ...]
     """Names of the states or parameters that name a member."""
     held: Mapping[str, float | Upright] = field(default_factory=dict)
@@ -105,7 +105,7 @@ class Family:
     drifts: bool = False
     """Whether a slow flow on the centre manifold carries a stable member to its threshold."""
     exact: ExactPolynomial | None = None
-    """The characteristic polynomial, if it is known."""
+    """The characteristic polynomial, or None where it is not known."""
 
     __getstate__ = fields_of
 
@@ -146,7 +146,7 @@ class Family:
 
     @property
     def closed(self) -> bool:
-        """Whether the first guess solves the equations identically, so that nothing is iterated."""
+        """Whether the first guess solves the equations identically, without iteration."""
         return self.graph.closed
 
     @property
@@ -157,7 +157,7 @@ class Family:
     def member(
         self, at: ArrayLike, parameters: ArrayLike, guess: ArrayLike | None = None
     ) -> Floats:
-        """States of the steady motions, by CasADi's root-finder where there is something to solve.
+        """States of the steady motions, by CasADi's root-finder where unknowns are solved for.
 
         Parameters
         ----------
@@ -166,7 +166,7 @@ class Family:
         parameters
             The system's other parameters, shape (…, m).
         guess
-            Unknowns to start from, shape (…, u); the family's own guess when left out.
+            First guess of the unknowns, shape (…, u); the family's guess when left out.
 
         Returns
         -------
@@ -184,7 +184,7 @@ class Family:
         return self.checked_states(a, self.solve(a, q, guess), q).reshape(*shape, -1)
 
     def checked_states(self, a: Floats, u: Floats, q: Floats) -> Floats:
-        """States of members whose unknowns are known, refused where they are not steady motions.
+        """States of members whose unknowns are known; members that are not steady are refused.
 
         Parameters
         ----------
@@ -208,7 +208,7 @@ class Family:
         given = self._system_parameters(a, q)
         self.system.check(states, given)
         self._require_steady(a, u, q)
-        # the family's graph has folded what it multiplies by zero; the system's own has not
+        # a factor zero folds away in the family's graph, which may hide an overflow in the system's
         self.system.rates(states, given)
         return states
 
@@ -259,7 +259,7 @@ class Family:
         a, q
             Family parameters and parameters, shapes (N, ·).
         guess
-            Where to start, shape (…, u) or None.
+            First guess of the unknowns, shape (…, u), or None.
 
         Returns
         -------
@@ -269,7 +269,7 @@ class Family:
         Raises
         ------
         NoMemberError
-            Where the root-finder does not converge to an admissible root.
+            If the root-finder does not converge to an admissible root.
         """
         unknowns = list(self.unknown)
         a, _, q = tables(self, a, q)
@@ -282,7 +282,7 @@ class Family:
             if len(start) not in (1, len(a)):
                 raise ParameterError(f"guess has {len(start)} rows for {len(a)} members.")
         start = np.broadcast_to(start, (len(a), len(unknowns)))
-        # What the equations do not depend on need not be solved again (mu, for the disk).
+        # members that differ only in numbers outside the equations (mu, for the disk) share a root
         used = self.graph.used
         distinct, inverse = np.unique(
             np.hstack([np.hstack([a, q])[:, used], start]), axis=0, return_inverse=True
@@ -311,7 +311,7 @@ class Family:
         return out
 
     def _check_before(self, a: Floats, q: Floats) -> None:
-        """Refuse what no root could mend: a member at which the equations have no meaning."""
+        """Refuse members at which the equations have no meaning, for any root."""
         conditions, program = self.graph.early
         if conditions:
             none = [np.zeros(1)] * len(self.unknown)
@@ -336,7 +336,7 @@ class Family:
         close = np.abs(step) <= STEP * np.maximum(size, 1e-8)
         if (
             not close.all()
-        ):  # a root at 0 is met within the rounding of its equation, not relatively
+        ):  # a root at 0 is accurate within the rounding of its equation, not relatively
             noise = step_noise(self.graph, a, u, q)
             close |= (np.abs(step) <= 2 * noise) & (noise <= NOISE * np.maximum(size, 1.0))
         good = (np.isfinite(u) & close).all(axis=1)
@@ -413,7 +413,7 @@ class Family:
 
 
 def columns(array: Floats) -> list[Any]:
-    """The columns of an array, one entry of a graph's input each."""
+    """The columns of an array, one for each entry of a graph's input."""
     return list(array.T)
 
 

@@ -16,19 +16,19 @@ from ..algebra.upright import Upright
 from .system import System
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
-"""CasADi's root-finder runs to the last digit; whether it got there is checked afterwards."""
+"""Options for CasADi's root-finder, to the last digit; `Family` checks the root afterwards."""
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What a family fixes of a system."""
+    """A system with the parts that a family fixes."""
 
     system: System
     """The equations of motion."""
     at: Sequence[str]
     """Names of the family parameters."""
     held: Mapping[str, float | Upright]
-    """States that do not change."""
+    """Values of the states that do not change along the family."""
     unknown: Mapping[str, float]
     """First guesses of the states solved for."""
     equations: Sequence[str]
@@ -36,29 +36,29 @@ class Frame:
 
 
 class Constants:
-    """The numbers of a graph as symbols, so that CasADi folds none but zeros.
+    """The numbers of a graph as symbols, so that CasADi folds only zeros.
 
-    CasADi works out a sum, product or sine of two numbers in double precision when it builds an
-    expression.  A graph that is read in exact arithmetic must not hold such rounded numbers.
+    CasADi computes sums, products or sines of numbers in double precision when it builds an
+    expression.  A graph for exact arithmetic must not hold such rounded numbers.
     """
 
     def __init__(self) -> None:
         self._symbols: dict[float, ca.SX] = {}
 
     def __call__(self, value: float) -> ca.SX:
-        """The number as a symbol; an exact zero stays one, since it folds without rounding."""
+        """The number as a symbol; zero stays a number, since zeros fold without rounding."""
         if value == 0:
             return ca.SX(0)
         return self._symbols.setdefault(float(value), ca.SX.sym(f"c{len(self._symbols)}"))
 
     @property
     def column(self) -> ca.SX:
-        """All symbols so far."""
+        """All symbols so far, as a column."""
         return ca.vertcat(*self._symbols.values()) if self._symbols else ca.SX(0, 1)
 
     @property
     def values(self) -> list[float]:
-        """Their values, in the same order."""
+        """Values of the symbols, in the same order."""
         return list(self._symbols)
 
     def algebra(self) -> Algebra:
@@ -78,7 +78,7 @@ class Constants:
         return Algebra("casadi", self, table | {"pow": self._power, "fabs": ca.fabs})
 
     def _kept(self, value: float) -> ca.SX:
-        """A number, zero too, as a symbol: acos(0) is not rational."""
+        """A number, also zero, as a symbol: acos(0) is not rational."""
         return self._symbols.setdefault(value, ca.SX.sym(f"c{len(self._symbols)}"))
 
     def _power(self, x: Any, exponent: Any) -> Any:
@@ -97,7 +97,7 @@ class FamilyGraph:
     Parameters
     ----------
     frame
-        What the family fixes.
+        A system with the parts that the family fixes.
     """
 
     def __init__(self, frame: Frame) -> None:
@@ -137,7 +137,7 @@ class FamilyGraph:
         bare = Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
         entries = [ca.vertsplit(s) if s.numel() else [] for s in (system.x, system.p)]
         rhs = ca.vertcat(*bare.run(algebra, entries)[0])
-        slopes_of = ca.jacobian(rhs, system.x)  # with the constants as symbols: nothing is rounded
+        slopes_of = ca.jacobian(rhs, system.x)  # constants are symbols, so nothing is rounded
         numbers = self._constants.column
         graph = Program(ca.Function("graph", [system.x, system.p, numbers], [rhs, slopes_of]))
         arguments = [[values[n] for n in names] for names in (system.states, system.parameters)]
@@ -152,7 +152,7 @@ class FamilyGraph:
 
     @staticmethod
     def _numbers(values: Mapping[str, Any], names: Sequence[str]) -> ca.SX:
-        """Values as a column, the right angle as the double nearest to it."""
+        """Values as a column, with the nearest double for the right angle."""
         column = [values[n] for n in names]
         column = [ca.SX(np.pi / 2) if isinstance(v, Upright) else ca.SX(v) for v in column]
         return ca.vertcat(*column) if column else ca.SX(0, 1)
@@ -170,17 +170,17 @@ class FamilyGraph:
         )  # fmt: skip
         given = ca.vertcat(a, q)
         self.used = [i for i in range(given.numel()) if ca.depends_on(residual, given[i])]
-        """Which of (family parameters, parameters) the equations depend on."""
+        """Indices in (family parameters, parameters) of those in the equations."""
         if self._size:
             numbers = ca.DM(self._constants.values)
             plain = ca.substitute(residual, self._constants.column, numbers)
             problem = ca.Function("residual", [u, given], [plain])
-            self.finder = None  # where no choice of numbers makes the Jacobian regular
+            self.finder = None  # None where the Jacobian is singular for all numbers
             if ca.sprank(by_u) == self._size:
                 self.finder = ca.rootfinder("root", "fast_newton", problem, FINDER)
 
     def _conditions(self, table: Mapping[str, Any]) -> None:
-        """The conditions on which no unknown has a say, to be checked before solving."""
+        """The conditions without unknowns, to be checked before solving."""
         system, unknowns = self._system, self._inputs[1]
         symbols = ca.vertcat(system.x, system.p)
         place = ca.vertcat(
@@ -199,7 +199,7 @@ class FamilyGraph:
         Parameters
         ----------
         entries
-            As `residual` gives them.
+            Stored entries from `residual`.
 
         Returns
         -------

@@ -1,8 +1,8 @@
-"""Eigenvalues that are zero by structure: how many, and whether they are proved zero at a member.
+"""Eigenvalues that are zero by structure: their number, and a proof at a member.
 
-Sampling members finds how many eigenvalues vanish there.  Such a count may fail elsewhere: on
-another branch of steady motions, or where |p| has its other sign.  So a count is proved for the
-whole family, as an identity of expressions; or else at the very member, exactly.
+Samples show how many eigenvalues vanish at the sampled members.  Such a count may fail on another
+branch of steady motions, or where p in |p| has the other sign.  So a count is proved for the whole
+family, as an identity of expressions, or otherwise exactly at the given member.
 """
 
 from __future__ import annotations
@@ -34,26 +34,26 @@ from .family import Family
 from .structural_zeros import structure
 
 ROOT_BITS = 512
-"""Precision at which a root is enclosed before its exact form is looked for."""
+"""Precision of a root's enclosure, before the search for its exact form."""
 LOCAL_BITS = 1024
-"""Precision at which members next to the one asked for are sampled."""
+"""Precision of the samples next to a given member."""
 OFFSETS = (40, 80, 120)
-"""Their relative distance is 2 to minus these, the first that keeps to the branch."""
+"""Exponents n of relative distances 2⁻ⁿ of these samples; the first on one branch is used."""
 
 
 @dataclass(frozen=True)
 class Identity:
-    """What holds of a family's characteristic polynomial at every member, on every branch."""
+    """Properties of a family's characteristic polynomial at every member, on every branch."""
 
     zeros: int
-    """Eigenvalues that are zero identically in parameters and unknowns."""
+    """Number of eigenvalues that are zero identically in parameters and unknowns."""
     even: bool
-    """Whether the polynomial without these is even in λ identically."""
+    """Whether the polynomial without these zeros is even in λ identically."""
 
 
 @lru_cache(maxsize=64)
 def identity(family: Family) -> Identity:
-    """What is zero in the characteristic polynomial as an identity of expressions.
+    """Zeros of the characteristic polynomial that are identities of expressions.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def identity(family: Family) -> Identity:
     Returns
     -------
     Identity
-        A lower bound: what is too large to be worked out counts as not proved.
+        A lower bound: an expression that is too large to compute counts as not proved.
     """
     symbols = FunctionField([*family.at, *family.unknown, *family.parameters]).symbols
     cut = len(family.at), len(family.at) + len(family.unknown)
@@ -77,7 +77,7 @@ def identity(family: Family) -> Identity:
 
 
 def _on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[Any], bool]:
-    """Whether an expression vanishes at every member: itself, or as a multiple of the equation."""
+    """Test whether an expression is zero at every member: identically, or by the equation."""
     if family.closed or len(family.unknown) != 1:
         return vanishes
     residual, _ = family.graph.residual.run(EXACT, parts)
@@ -92,7 +92,7 @@ def _on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[
 
 
 def certain(family: Family) -> bool:
-    """Whether the sampled structure holds at every member, so that no member need be checked.
+    """Whether the sampled structure is proved for every member.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def _zero_pattern(blocks: list[list[list[Any]]], zero: Callable[[Any], bool]) ->
         rest = poly[low:]
         if not _is_even(rest, zero):
             mixed.append(rest)
-    if mixed:  # blocks that are not even each may be so together, as (λ - a)(λ + a)
+    if mixed:  # a product of blocks may be even where no single block is: (λ - a)(λ + a)
         even = _is_even(reduce(_product, mixed), zero)
     return zeros, even
 
@@ -163,10 +163,10 @@ def _product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
 def _fixed_directions(
     family: Family, parts: Sequence[Sequence[Any]], zero: Callable[[Any], bool]
 ) -> int:
-    """How many tangents of the family are null vectors wherever the member is an isolated root.
+    """Number of tangents of the family that are null vectors at every isolated root.
 
-    The rates that are not solved for must vanish identically; then all of them vanish along the
-    branch, and the chain rule says A·∂x/∂at = 0.
+    The rates outside the solved equations must vanish identically.  All rates then vanish along
+    the branch, and the chain rule gives A·∂x/∂at = 0.
     """
     solved = set() if family.closed else {family.system.index(n) for n in family.equations}
     with suppress(ArithmeticError):
@@ -180,15 +180,15 @@ def _fixed_directions(
 
 
 class Member:
-    """A member at exact parameters: what is zero in its characteristic polynomial, by proof.
+    """A member at exact parameters, with the proved zeros of its characteristic polynomial.
 
     Parameters
     ----------
     family
         The family.
     a, q
-        Family parameters and parameters as rationals, or as balls where they are irrational: then
-        only what vanishes at every member is proved to vanish.
+        Family parameters and parameters as rationals, or as balls where irrational.  With balls
+        only zeros at every member are proved.
     near
         Unknowns to double precision, shape (u,).
     """
@@ -211,13 +211,13 @@ class Member:
                 self._exact()
 
     def _enclosed_root(self) -> list[Any] | None:
-        """The unknowns that are solved for, to many digits; None where no root is proved."""
+        """The solved unknowns, to many digits; None without unknowns or where no root is proved."""
         if self.near is None:
             return None
         with precision(ROOT_BITS):
             try:
                 return ball_unknowns(self.family, self.balls(self.a), self.balls(self.q), self.near)
-            except (NoMemberError, ZeroDivisionError):  # said where the root is needed
+            except (NoMemberError, ZeroDivisionError):  # raised again where the root is needed
                 return None
 
     def _rests(self) -> bool:
@@ -259,7 +259,7 @@ class Member:
         return all(vanishes(r) for r in residual)
 
     def _algebraic(self, ball: Any) -> Any:
-        """The irreducible polynomial over Q of a single unknown, as a number field."""
+        """A single unknown as an element of its number field over Q."""
         field = FunctionField(["u"])
         given = [[field.number(v) for v in some] for some in (self.a, self.q)]
         residual, _ = self.family.graph.residual.run(EXACT, [given[0], field.symbols, given[1]])
@@ -282,13 +282,13 @@ class Member:
 
     @property
     def flags(self) -> list[bool]:
-        """For each coefficient of det(λ - A), lowest first: whether it is proved to be zero."""
+        """Whether each coefficient of det(λ - A), lowest first, is proved to be zero."""
         if self._flags is None:
             self._flags = self._as_expressions()
         return self._flags
 
     def _as_expressions(self) -> list[bool]:
-        """With sines, roots and unknowns as indeterminates."""
+        """Flags of the coefficients, with sines, roots and unknowns as indeterminates."""
         family = self.family
         size = len(family.system.states) + 1
         known = [i < identity(family).zeros for i in range(size)]
@@ -303,7 +303,7 @@ class Member:
         return [k or vanishes(c) for k, c in zip(known, poly, strict=True)]
 
     def enclosed(self) -> list[Any]:
-        """Coefficients as balls at the current precision, exactly zero where that is proved.
+        """Coefficients as balls at the current precision; proved zeros are exact.
 
         Raises
         ------
@@ -317,15 +317,15 @@ class Member:
         return [arb(0) if flag else c for flag, c in zip(self.flags, poly, strict=True)]
 
     def zeros(self) -> int:
-        """Eigenvalues that are zero at this member, by proof: a lower bound unless all is exact."""
+        """Number of eigenvalues proved zero at this member: a lower bound unless all is exact."""
         return next(i for i, flag in enumerate(self.flags) if not flag)
 
     @cached_property
     def structural(self) -> tuple[int, int]:
-        """Least and largest number of eigenvalues that are zero here and at the members around.
+        """Least and largest number of eigenvalues that are zero here and at the members nearby.
 
-        Those that are zero here are so by proof.  Both numbers agree unless no neighbourhood of the
-        member is reached, or a coefficient is too flat to tell whether it vanishes there.
+        Zeros at this member are proved.  Both numbers agree except where no neighbourhood of the
+        member is reached, or where a coefficient nearby is too small to prove it nonzero.
         """
         count = self.zeros()
         if self.enclosed_only:
@@ -337,7 +337,7 @@ class Member:
 def _generic(
     family: Family, a: Sequence[Any], q: Sequence[Any], near: Sequence[float] | None
 ) -> tuple[int, int]:
-    """Bounds on how many eigenvalues vanish at members next to one, on its own branch."""
+    """Least and largest number of eigenvalues that vanish at nearby members on the same branch."""
     with precision(LOCAL_BITS):
         for offset in OFFSETS:
             step = fmpq(1, 2**offset)
@@ -354,7 +354,7 @@ def _generic(
 def _sampled(
     family: Family, a: Sequence[Any], q: Sequence[Any], near: Any, step: Any, turn: int
 ) -> tuple[int, int]:
-    """Eigenvalues that are proved to vanish at a member near by, and those that may."""
+    """Number of eigenvalues proved zero at a nearby member, and number of those that may be."""
     place = []
     for index, v in enumerate((*a, *q)):
         share = fmpq(16 + (13 * turn + 7 * index) % 33, 64)  # between 1/4 and 3/4
@@ -363,7 +363,7 @@ def _sampled(
         place.append(v + share * (abs(v) + step) * step)
     member = Member(family, place[: len(a)], place[len(a) :], near or [])
     low = member.zeros()
-    if member.rational is not None:  # no precision to end, however small a coefficient is
+    if member.rational is not None:  # exact, however small a coefficient is
         return low, low
     return low, next(i for i, c in enumerate(member.enclosed()) if not c.contains(0))
 

@@ -1,8 +1,8 @@
-"""Whether rates vanish within their rounding: what a root-finder and a steady motion must show.
+"""Whether rates vanish within their rounding, for the root-finder and for steady motions.
 
-Running error analysis (`stability.algebra.running_error`) bounds what rounding makes of a rate that
-is zero; the numbers that are given count as known to two units in the last place, since decimals, π
-and changes of unit are rounded before they arrive.
+Running error analysis (`stability.algebra.running_error`) bounds the computed value of a zero rate.
+Given numbers count as known to two units in the last place, since decimals, π and conversions of
+units are rounded before.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from ..base.types import Floats
 from .family_graph import FamilyGraph
 
 GIVEN = 4 * UNIT
-"""Relative error of a number that is given: two units in the last place."""
+"""Relative error of a given number: two units in the last place."""
 
 
 def _known(block: Floats) -> list[RunningError]:
-    """Columns of given numbers, each with the error of what is given."""
+    """Columns of given numbers, each with the error of a given number."""
     return [RunningError(c, GIVEN * np.abs(c)) for c in block.T]
 
 
 def step_noise(
     graph: FamilyGraph, a: Floats, u: Floats, q: Floats, *, whole: bool = False
 ) -> Floats:
-    """How far rounding of the equations moves a Newton step at a root.
+    """Bound on the change of a Newton step at a root by rounding of the equations.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def step_noise(
     a, u, q
         Family parameters, unknowns and parameters, shapes (N, ·).
     whole
-        Whether the step itself counts too: then it bounds the distance to the root.
+        Whether the residual counts too; the result then bounds the distance to the root.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def step_noise(
     with np.errstate(all="ignore"):
         sound = np.isfinite(slope).all(axis=(1, 2)) & (np.linalg.det(slope) != 0)
     if sound.any():
-        with np.errstate(all="ignore"):  # an error without bound makes the noise so
+        with np.errstate(all="ignore"):  # an infinite error makes the noise infinite
             found = (np.abs(np.linalg.inv(slope[sound])) @ size[sound])[..., 0]
         noise[sound] = np.where(np.isnan(found), np.inf, found)
     return noise
@@ -57,7 +57,7 @@ def step_noise(
 def rate_noise(
     graph: FamilyGraph, a: Floats, u: Floats, q: Floats, states: Floats, matrix: Floats
 ) -> Floats:
-    """Bound on the rates of a motion that is steady but for rounding.
+    """Bound on the rates of a motion that is steady except for rounding.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def rate_noise(
     a, u, q
         Family parameters, unknowns and parameters, shapes (N, ·).
     states, matrix
-        States and linearisation there, shapes (N, n) and (N, n, n).
+        States and linearisation of the members, shapes (N, n) and (N, n, n).
 
     Returns
     -------
@@ -79,7 +79,7 @@ def rate_noise(
             root = root + 2 * step_noise(graph, a, u, q, whole=True)
         solved = [RunningError(c, e) for c, e in zip(u.T, root.T, strict=True)]
         found = running_error_arrays(graph.rates, [_known(a), solved, _known(q)], a.shape[:1])
-        # what is held has become a constant of the graph, so that its rounding is added here
+        # held values are exact constants of the graph, so their rounding is added here
         given = np.abs(matrix) @ (GIVEN * np.abs(states))[..., None]
         bound: Floats = 2 * (found[0][1][..., 0] + given[..., 0])
     return bound

@@ -18,36 +18,36 @@ SAMPLES = 3
 """Random members at which the structure of a spectrum is established."""
 
 SAMPLE_BITS = 400
-"""Precision there; a coefficient that vanishes to this many bits at every sample is structural."""
+"""Precision at the samples; a coefficient below half as many bits at each one is structural."""
 
 
 @dataclass(frozen=True)
 class Structure:
-    """What a family's characteristic polynomial has by structure, not by its point."""
+    """Properties of a family's characteristic polynomial that hold at typical members."""
 
     zeros: int
     """Multiplicity of the factor λ over the rational functions of the parameters."""
     even: bool
-    """Whether the rest is even in λ."""
+    """Whether the polynomial without this factor is even in λ."""
     how: str
-    """A sentence that says how it was established."""
+    """A phrase that says how the structure was established."""
     steady: bool
-    """Whether the sampled members are steady motions; if not, the count says nothing of others."""
+    """Whether the sampled members are steady motions; if not, the count holds for them alone."""
 
 
 @lru_cache(maxsize=64)
 def structure(family: Family) -> Structure:
     """The structural zeros of a family's spectrum, established once.
 
-    Coefficients of the characteristic polynomial are analytic in the parameters, so one that
-    vanishes identically vanishes at random members, and one that does not is proved nonzero at
-    almost any of them.  For the disk the count is derived exactly over Q(k, mu, at) in
+    Coefficients of the characteristic polynomial are analytic in the parameters.  A coefficient
+    that vanishes identically vanishes at random members; any other is proved nonzero at almost
+    all of these.  For the disk the count is derived exactly over Q(k, mu, at) in
     tests/systems/test_structure.py.
 
     Parameters
     ----------
     family
-        The family; its `typical` sizes say where to sample.
+        The family; samples lie near its `typical` sizes.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def sampled(family: Family, sample: int) -> list[arb]:
     """
     names = (*family.at, *family.parameters)
     with precision(SAMPLE_BITS):
-        # Incommensurable factors near 1.
+        # incommensurable factors near 1 avoid special values
         spread = [arb(2 + 7 * sample + 3 * i).sqrt() for i in range(len(names))]
         factor = [1 + (s - s.floor()) / 4 - arb(1) / 8 for s in spread]
         return [
@@ -104,9 +104,9 @@ def sampled(family: Family, sample: int) -> list[arb]:
 
 
 def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
-    """Which coefficients vanish to 200 bits at a random member, and whether its rates vanish.
+    """Whether each coefficient vanishes to 200 bits at a random member, and whether its rates do.
 
-    Large entries take more bits.  Held values may be rounded: rates vanish to a few digits only.
+    Large entries need more bits.  Held values may be rounded: rates vanish to a few digits only.
     """
     cut, least = len(family.at), 2.0 ** (-SAMPLE_BITS // 2)
     point = sampled(family, sample)
@@ -120,7 +120,7 @@ def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
         small = [float(c.abs_upper()) < least for c in found]
         if all(s for s, n in zip(small, near, strict=True) if n):
             break
-    solved = family.unknown and not family.closed  # another root may be as close as one likes
+    solved = family.unknown and not family.closed  # another root may be arbitrarily close
     rests = [
         arb(rate).contains(0) if solved else arb(rate).abs_lower() < ROUGH for (rate,) in rates
     ]

@@ -23,13 +23,13 @@ from .system_checks import check_implicit, check_system, expression, mapping, na
 class System:
     """Equations of motion ẋ = f(x, p) as a CasADi SX graph, with its observables.
 
-    Any smooth system goes the same way as the disk: give bare CasADi expressions, then name a
-    family of steady motions with `stability.systems.family.Family`.
+    Any smooth system works like the disk: give plain CasADi expressions, then name a family of
+    steady motions with `stability.systems.family.Family`.
 
     Parameters
     ----------
     name
-        What the system is called in messages and files.
+        Name of the system in messages and files.
     x, p
         SX symbols, columns.
     rhs
@@ -39,11 +39,11 @@ class System:
     observables
         Expressions in x and p by name.
     conditions
-        What must be positive.
+        Quantities that must be positive.
     units
         SI unit by the name of state, parameter or observable, for labels.
     mass, forcing, unknowns
-        The implicit form mass · unknowns = forcing that rhs was solved from, where there is one.
+        The implicit form mass · unknowns = forcing from which rhs was solved, or None.
 
     Raises
     ------
@@ -60,7 +60,7 @@ class System:
     """
 
     name: str
-    """What the system is called."""
+    """Name of the system in messages and files."""
     x: ca.SX
     """State symbols, shape (n,)."""
     p: ca.SX
@@ -74,7 +74,7 @@ class System:
     observables: Mapping[str, ca.SX] = field(default_factory=dict)
     """Expressions in x and p by name."""
     conditions: tuple[Condition, ...] = ()
-    """What must be positive."""
+    """Quantities that must be positive."""
     units: Mapping[str, str] = field(default_factory=dict)
     """SI unit by name."""
     mass: ca.SX | None = None
@@ -135,8 +135,8 @@ class System:
         rates
             Rates of the states that are not among the unknowns, expressions by state name.
         pivots
-            (row, column) of each elimination step, each nonzero wherever the system has a
-            meaning; natural order when left out.
+            (row, column) of each elimination step, with a nonzero pivot at every valid state;
+            natural order when left out.
         observables
             Function (solution by name, pivot values) → mapping of expressions, or None.
         **others
@@ -183,7 +183,7 @@ class System:
 
     @cached_property
     def function(self) -> ca.Function:
-        """CasADi function (x, p) → (rates, observables…); build one per process."""
+        """CasADi function (x, p) → (rates, observables…); build one in each process."""
         outputs = [self.rhs, *self.observables.values()]
         names = ["rates", *self.observables]
         return ca.Function(_identifier(self.name), [self.x, self.p], outputs, ["x", "p"], names)
@@ -213,12 +213,12 @@ class System:
         Parameters
         ----------
         x, p
-            States and parameters, last axis as named.
+            States and parameters, shapes (…, n) and (…, m).
 
         Raises
         ------
         DomainError
-            Naming the condition that fails, and its value.
+            If a condition fails; the message names the condition and its value.
         """
         arguments, shape = self._arguments(x, p)
         values = self._condition_program.arrays(arguments, shape) if self.conditions else []
@@ -272,7 +272,7 @@ class System:
         return self._finite(self._jacobian_program.arrays(*self._arguments(x, p))[0])
 
     def observe(self, x: ArrayLike, p: ArrayLike) -> dict[str, NDArray[np.float64]]:
-        """Every observable at a state.
+        """Every observable at states.
 
         Parameters
         ----------
@@ -326,9 +326,9 @@ def eliminate(
 ) -> tuple[list[ca.SX], list[ca.SX]]:
     """Solve mass · u = forcing symbolically, with stated pivots.
 
-    The order of the pivots decides what is divided by: an order whose pivots never vanish in the
-    domain leaves no removable singularity, such as the factor 1/cosθ that a computer algebra
-    system may leave.
+    The order of the pivots decides the divisors.  An order whose pivots never vanish in the domain
+    leaves no removable singularity, such as the factor 1/cosθ that a computer algebra system may
+    leave.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Checks of the CasADi expressions and names that a user's system is made of."""
+"""Checks of the CasADi expressions and names of a user's system."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ def expression(what: str, value: Any, rows: int | None = None, columns: int | No
     Parameters
     ----------
     what
-        What it is called in the message.
+        Name of the argument in the message.
     value
-        An SX; numbers and DM are taken as constants.
+        An SX; numbers and DM become constants.
     rows, columns
-        Its shape; any when left out.
+        Shape; any when left out.
 
     Returns
     -------
@@ -34,10 +34,10 @@ def expression(what: str, value: Any, rows: int | None = None, columns: int | No
     if isinstance(value, ca.SX):
         found = value
     else:
-        try:  # as doubles first: some types of NumPy take CasADi's process down
+        try:  # as doubles first: some NumPy types crash CasADi
             found = ca.SX(ca.DM(np.asarray(checked(what, value.full() if isinstance(value, ca.DM)
                                                    else value))))  # fmt: skip
-        except Exception:  # CasADi raises several classes of its own
+        except Exception:  # CasADi raises several exception classes
             raise ParameterError(
                 f"{what} is {shown(value)}; give a CasADi SX expression."
             ) from None
@@ -55,7 +55,7 @@ def names(what: str, value: Any) -> tuple[str, ...]:
     Parameters
     ----------
     what
-        What they are called in the message.
+        Name of the argument in the message.
     value
         A tuple or list of strings.
 
@@ -82,7 +82,7 @@ def title(what: str, value: Any) -> str:
     Parameters
     ----------
     what
-        What it is called in the message.
+        Name of the argument in the message.
     value
         A string.
 
@@ -104,7 +104,7 @@ def mapping(what: str, value: Any) -> dict[str, Any]:
     Parameters
     ----------
     what
-        What it is called in the message.
+        Name of the argument in the message.
     value
         The mapping.
 
@@ -123,12 +123,12 @@ def check_system(system: Any) -> None:
     Parameters
     ----------
     system
-        A `System` as it was given.
+        A `System` as the user gave it.
 
     Raises
     ------
     ParameterError
-        With the part and what is accepted.
+        If a part does not fit; the message names the part and accepted values.
     """
     title("the system", system.name)
     for what in ("x", "p", "rhs"):
@@ -184,17 +184,17 @@ def _strangers(system: Any, expressions: Mapping[str, ca.SX]) -> tuple[str, Any]
 
 
 def check_family(family: Any) -> None:
-    """Refuse the parts of a family that are not what they should be, and keep the others as plain.
+    """Refuse wrong parts of a family, and store the others as plain tuples, dicts and floats.
 
     Parameters
     ----------
     family
-        A `Family` as it was given.
+        A `Family` as the user gave it.
 
     Raises
     ------
     ParameterError, NameUnknownError
-        With the part and what is accepted.
+        If a part does not fit; the message names the part and accepted values.
     """
     title("the family", family.name)
 
@@ -225,14 +225,14 @@ def check_family(family: Any) -> None:
 
 
 def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, Floats]:
-    """Family parameters, unknowns and parameters as tables (N, ·); as they are where they fit.
+    """Family parameters, unknowns and parameters as tables (N, ·); fitting arrays stay unchanged.
 
     Parameters
     ----------
     family
         The `Family`.
     a, q, u
-        Family parameters, parameters, and unknowns where there are some yet.
+        Family parameters, parameters, and unknowns or None.
 
     Returns
     -------
@@ -241,7 +241,7 @@ def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, 
     Raises
     ------
     ParameterError
-        If they are no numbers, or not as many as there are names or rows.
+        If an entry is no number, or the count of columns or rows does not fit.
     """
     wanted = family.at, tuple(family.unknown), family.parameters
     if u is None and type(a) is np.ndarray:
@@ -268,14 +268,14 @@ def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, 
 def check_implicit(
     mass: ca.SX, unknowns: tuple[str, ...], rates: Mapping[str, Any], pivots: Any, states: Any
 ) -> list[tuple[int, int]]:
-    """The pivots of mass · unknowns = forcing, or a refusal of what does not fit.
+    """The pivots of mass · unknowns = forcing, or a refusal.
 
     Parameters
     ----------
     mass
-        Square, as many rows as unknowns.
+        Square matrix, as many rows as unknowns.
     unknowns
-        Names.
+        Names of the unknowns.
     rates
         Rates of the states that are not among the unknowns.
     pivots

@@ -1,4 +1,4 @@
-"""Table of stability conditions: where verdicts change, along any axis."""
+"""Table of stability conditions: where verdicts change along each family."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class ConditionRow:
     """One change of verdict along a family, or none."""
 
     family: str
-    """Name."""
+    """Name of the family."""
     contact: str
     """Contact law."""
     k: float
@@ -30,9 +30,9 @@ class ConditionRow:
     mu: float | None
     """Friction coefficient in the user's unit, or None for a law without one."""
     at: float | None
-    """Where the verdict changes, or None if it does not."""
+    """Family parameter where the verdict changes, or None without a change."""
     error: float | None
-    """Half-width of the proved bracket."""
+    """Half-width of the proved bracket around `at`."""
     crossing: str
     """static, flutter, or none."""
     frequency: float | None
@@ -51,7 +51,7 @@ def conditions(
     laws: Sequence[str] = ("smooth", "viscous", "rough"),
     progress: Callable[[int, int], None] | None = None,
 ) -> list[ConditionRow]:
-    """Where the verdict changes along each family, each place a proved bracket.
+    """Changes of the verdict along each family, each with a proved bracket.
 
     Parameters
     ----------
@@ -69,8 +69,8 @@ def conditions(
     Returns
     -------
     list of ConditionRow
-        `at` is scanned over `DiskFamily.searched` (in √(g/R); tumbling up to upright, beyond it is
-        the mirror image).
+        `at` is searched over `DiskFamily.searched` (in √(g/R), or rad for tumbling; tumbling ends
+        at upright, since larger angles are its mirror image).
 
     Source: recomputed; thresholds are tested in tests/spectra/test_published.py.
 
@@ -111,7 +111,7 @@ def _contacts(law: str, mu: Sequence[float]) -> list[Contact]:
 
 
 def scan(family: DiskFamily, disk: Disk, contact: Contact) -> list[BoundaryPoint]:
-    """Every change of verdict along the family, over the interval that its record says."""
+    """Every change of verdict along the family, over `searched` of its record."""
     assert family.searched is not None
     low, high = family.searched
     unit = family.unit(float(disk.rate))

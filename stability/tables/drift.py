@@ -1,4 +1,4 @@
-"""Tables of what linear stability leaves open: rolling's drift, and flutter on lines of motions."""
+"""Table of the slow drift of rolling, which linear stability leaves open."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..bodies.disk import Disk
 from ..boundary.drift import FORMULAS, drift
 
 RATIOS = (1.25, 1.5, 2.0, 3.0)
-"""omega3 over its threshold, for which the table of drift is worked out."""
+"""Values of omega3 over its threshold in the table of drift."""
 
 
 @dataclass(frozen=True)
@@ -24,15 +24,15 @@ class DriftRow:
     mu: float
     """Friction coefficient in the user's unit."""
     omega3: float
-    """At the start."""
+    """omega3 at the start."""
     threshold: float
-    """omega3 where spectral stability ends."""
+    """Value of omega3 where spectral stability ends."""
     tilt: float
     """theta - π/2 at the start [rad]."""
     time_slow: float
     """Time to the threshold from the slow manifold."""
     time_launch: float
-    """The same from a launch with phi_dot = 0 and no slip."""
+    """Time to the threshold from a launch with phi_dot = 0 and no slip."""
     tilt_end: float
     """Tilt at the threshold after the launch [rad]."""
 
@@ -86,7 +86,7 @@ def drift_rows(
 
 
 def law_of(name: str, mu: float) -> Contact:
-    """The law of a table that compares with linear theory of a slipping disk.
+    """The contact law of a table on slipping disks, by its name.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def law_of(name: str, mu: float) -> Contact:
     Raises
     ------
     NameUnknownError
-        If it is another.
+        If the name is another.
     """
     if name not in ("viscous", "linear-viscous"):
         raise NameUnknownError(
@@ -123,4 +123,4 @@ DRIFT_NOTES = [
     "tilt = theta - π/2, dimensionless,",
     *[f"  {name}: {formula}" for name, formula in FORMULAS.items()],
 ]
-"""What the table of drift says below its rows."""
+"""Lines below the rows of the table of drift."""

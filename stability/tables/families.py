@@ -17,17 +17,18 @@ class FamilyRow:
     """A family of steady motions."""
 
     family: str
-    """Name."""
+    """Name of the family."""
     at: str
-    """What names a member."""
+    """Quantities that name a member."""
     motion: str
-    """The state, in words."""
+    """The motion in words."""
     condition: str
-    """What must hold, derived from the graph; dimensionless (m = R = g = 1)."""
+    """Condition for a member, derived from the graph; dimensionless (m = R = g = 1)."""
     structural_zeros: dict[str, int]
-    """By contact law."""
+    """Number of structural zeros by contact law."""
     thresholds: dict[str, list[float]]
-    """Squares of `at` where the smooth and rough verdicts change, for k = 1/4."""
+    """Squares of `at` (`at` itself for an angle) where the smooth and rough verdicts change,
+    for k = 1/4."""
 
 
 @lru_cache(maxsize=8)
@@ -37,7 +38,7 @@ def condition(name: str) -> str:
     Parameters
     ----------
     name
-        One of the families.
+        A key of `FAMILIES`.
 
     Returns
     -------
@@ -63,14 +64,14 @@ def condition(name: str) -> str:
     _, _, residual, *_ = family.graph.tangent.run(sympy_algebra(), arguments)
     [unknown] = family.unknown
     numerator = sympy.fraction(sympy.together(sympy.simplify(residual[0])))[0]
-    if unknown in family.positive:  # its square is solved for, and the sign is free
+    if unknown in family.positive:  # solve for its square, since the sign is free
         square = sympy.Symbol("square", positive=True)
         [root] = sympy.solve(
             sympy.expand(numerator).subs(symbols[unknown], sympy.sqrt(square)), square
         )
         return f"{unknown}**2 = {sympy.simplify(root)}"
     roots = sympy.solve(numerator, symbols[unknown])
-    if record.solution is not None:  # the others belong to other families
+    if record.solution is not None:  # other roots belong to other families
         wanted = record.solution(sympy, symbols[family.at[0]], symbols["k"], 1)
         roots = [root for root in roots if sympy.simplify(root - wanted) == 0]
     [root] = roots
@@ -78,12 +79,12 @@ def condition(name: str) -> str:
 
 
 def families() -> list[FamilyRow]:
-    """The families of steady motions with their conditions, recomputed from the graph.
+    """The families of steady motions with their conditions, derived from the graph.
 
     Returns
     -------
     list of FamilyRow
-        Thresholds are computed for the uniform disk.
+        One row for each family; thresholds are computed for the uniform disk.
 
     Source: equations of Przybylska & Rauch-Wojciechowski 2016; recomputed.
 

@@ -17,21 +17,21 @@ class HopfRow:
     """A flutter boundary along spinning or tumbling, or none."""
 
     family: str
-    """Name."""
+    """Name of the family."""
     k: float
     """Inertia factor [-]."""
     mu: float
     """Friction coefficient in the user's unit."""
     at: float | None
-    """Where on the family, or None if there is none."""
+    """Family parameter at the boundary, or None without a boundary."""
     stable: str
-    """Which side of it is stable."""
+    """Stable side of the boundary: below, above, or - without a boundary."""
     frequency: float | None
-    """Of the pair."""
+    """Frequency of the crossing pair."""
     crossing: float | None
-    """Re μ' along the line, dimensionless."""
+    """Re μ' of `HOPF_NOTES` along the line, dimensionless."""
     push: float | None
-    """c, dimensionless."""
+    """Coefficient c of `HOPF_NOTES`, dimensionless."""
     kind: str
     """elliptic, hyperbolic, degenerate, or none."""
 
@@ -91,4 +91,4 @@ HOPF_NOTES = [
     "stable part only motions inside a cone settle nearby.",
     "Re μ' vanishes only where the boundary folds (tumbling, 0.3291… < k < 1/2).",
 ]
-"""What the table of flutter boundaries says below its rows."""
+"""Lines below the rows of the table of flutter boundaries."""

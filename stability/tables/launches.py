@@ -1,4 +1,4 @@
-"""The table of launches: linear prediction next to what the motion does, and why they differ."""
+"""Table of launches: the linear prediction next to the motion, and why the two differ."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .drift import law_of
 VELOCITIES = tuple(float(v) for v in np.round(np.linspace(0.4, 4.8, 12), 6))
 """Initial angular velocities [√(g/R)]."""
 SAMPLES = 501
-"""Samples of a run, at which the smallest normal force is read."""
+"""Samples of a run, at which the least normal force is read."""
 NOTES = (
     "Launch: a steady motion with its axis tilted from level, no slip and no other motion.",
     "linear: spectral verdict of the steady motion launched near; rate: its",
@@ -39,10 +39,10 @@ NOTES = (
 
 @dataclass(frozen=True)
 class LaunchRow:
-    """One launch, what linear theory says of it and what it does."""
+    """One launch: its linear prediction and its outcome."""
 
     launch: str
-    """The steady motion launched near."""
+    """Family of the steady motion that the launch starts near."""
     k: float
     """Inertia factor [-]."""
     mu: float
@@ -52,25 +52,25 @@ class LaunchRow:
     linear: str
     """Spectral verdict of the steady motion."""
     rate: float
-    """Its abscissa."""
+    """Abscissa of the steady motion."""
     outcome: str
-    """What became of the launch."""
+    """Outcome of the launch."""
     final: str
-    """The nearest steady motion at the end."""
+    """Family of the nearest steady motion at the end; a tilde marks a run that has not settled."""
     final_at: float
-    """Its parameter: omega3, phi_dot or theta."""
+    """Parameter of that steady motion: omega3, phi_dot or theta."""
     time: float
-    """When it ended, or from when it had settled."""
+    """Time from which the run has settled, otherwise time of its end."""
     energy: float
     """Final over initial energy [-]."""
     normal_force: float
     """Least normal force over m g, at the samples and the end."""
     why: str
-    """How the two agree, or why they differ."""
+    """Reason why prediction and outcome agree or differ."""
 
 
 def contact_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """For each launch, k and mu, the velocities over which the normal force stayed positive.
+    """For each launch, k and mu, the velocities from which the normal force reaches zero.
 
     Parameters
     ----------
@@ -122,12 +122,12 @@ def launch_rows(
     law: str = "viscous",
     progress: Callable[[int, int], None] | None = None,
 ) -> list[LaunchRow]:
-    """The reference launches over initial angular velocity, for several bodies and frictions.
+    """The reference launches by initial angular velocity, for several bodies and frictions.
 
     Parameters
     ----------
     launches
-        Families launched near; rolling and spinning when left out.
+        Families that the launches start near; rolling and spinning when left out.
     k, mu
         Inertia factors [-] and friction coefficients.
     at
@@ -184,7 +184,7 @@ def launch_rows(
 def _block(
     name: str, body: Disk, contact: Contact, mu: float, values: Floats, tilt: float, last: float
 ) -> list[LaunchRow]:
-    """One body and friction, all velocities in one batch."""
+    """Rows of one body and friction, all velocities in one batch."""
     starts = launch(name, at=values, tilt=tilt, disk=body)
     runs = simulate(body, contact, starts, np.linspace(0.0, last, SAMPLES))
     linear = spectrum(name, at=values, disk=body, contact=contact, certify=True)
@@ -213,7 +213,7 @@ def _why(
     name: str, verdict: Verdict, nonlinear: Nonlinear, rate: float, outcome: Outcome, final: str,
     at: float, tilt: float, body: Disk, contact: Contact, end: float,
 ) -> str:  # fmt: skip
-    """How linear prediction and outcome go together."""
+    """Reason in one sentence why linear prediction and outcome agree or differ."""
     stayed = final == name and outcome in (Outcome.SETTLED, Outcome.MOVING)
     if verdict is Verdict.UNSTABLE:
         if stayed and outcome is Outcome.MOVING and rate * end < 3:
@@ -228,7 +228,7 @@ def _why(
     if nonlinear is Nonlinear.DRIFTS:
         try:
             crossing = float(drift(at=at, tilt=tilt, disk=body, contact=contact).time)
-        except ParameterError:  # on its way the tilt would reach flat
+        except ParameterError:  # the tilt would reach flat on the way
             return "differs: the tilt is too large for the slow drift that linear theory leaves"
         if crossing > end:
             if stayed:

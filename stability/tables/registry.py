@@ -1,4 +1,4 @@
-"""Tables, recomputed: the families with their conditions, and where their verdicts change."""
+"""Names of the tables, and their rows as records."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ TABLES = {
     "launches": f"what becomes of {_LAUNCHED} launched with a tilt, compared with linear theory",
     "completeness": "why the viscous disk has no other steady motions: proof and search",
 }
-"""What each table holds."""
+"""Heading of each table, by name."""
 
 
-# --- as text ---
+# --- as records ---
 
 
 def records(name: str, **options: Any) -> list[dict[str, Any]]:
@@ -41,7 +41,7 @@ def records(name: str, **options: Any) -> list[dict[str, Any]]:
     name
         A key of `TABLES`.
     **options
-        As for the table's function.
+        Arguments of the table's function.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def records(name: str, **options: Any) -> list[dict[str, Any]]:
     Raises
     ------
     NameUnknownError
-        If there is no such table.
+        If the table is unknown.
     """
     if name == "families":
         return [asdict(row) for row in families()]

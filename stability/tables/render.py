@@ -1,4 +1,4 @@
-"""Tables as text, Markdown, LaTeX and JSON."""
+"""Tables as lines of text."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:
-    """A table as lines of text, headed by what it is and that it was recomputed.
+    """A table as lines of text, below its heading from `TABLES`.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:
 
 
 def _names(unit: str) -> str:
-    """What names a member of each family, with its unit."""
+    """Quantity that names a member of each family, with its unit."""
     kinds: dict[str, list[str]] = {unit: [], "rad": []}
     for family in FAMILIES.values():
         if family.searched:
@@ -73,7 +73,7 @@ FORMATS = {
     "normal_force": "{:.3f}", "mu": "{:g}",
     "time_slow": "{:.6g}", "time_launch": "{:.6g}", "crossing": "{:.6g}", "push": "{:.6g}",
 }  # fmt: skip
-"""How each number is printed."""
+"""Format of the numbers in each column."""
 
 
 def _cells(rows: list[dict[str, Any]], titles: dict[str, str] | None = None) -> list[list[str]]:
@@ -94,7 +94,7 @@ def formula_lines(found: Sequence[Formulas]) -> list[str]:
     Parameters
     ----------
     found
-        One a family and law.
+        One record for each family and law.
 
     Returns
     -------

@@ -14,11 +14,11 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from .number_fields import Element, NotExact
 
 SPARE = 24
-"""Indeterminates kept for sines, roots and the like."""
+"""Number of indeterminates reserved for sines, roots and other functions."""
 MOST_TERMS = 1500
-"""Terms of a numerator or denominator at which exact work is given up."""
+"""Largest number of terms of a numerator or denominator; beyond it exact work ends."""
 MOST_WORK = 1_000_000
-"""Terms that one calculation may handle before it is given up; a count, so that machines agree."""
+"""Largest number of terms that one calculation handles; a count, so that machines agree."""
 
 
 class Expression(Element):
@@ -29,7 +29,7 @@ class Expression(Element):
     field
         The function field.
     num, den
-        `fmpq_mpoly` each.
+        Numerator and denominator, `fmpq_mpoly` each.
     """
 
     __slots__ = ("den", "field", "num")
@@ -56,7 +56,7 @@ class Expression(Element):
         return self.field.quotient(self.num * num, self.den * den)
 
     def reciprocal(self) -> Expression:
-        """The quotient turned over."""
+        """One over the quotient."""
         return self.field.quotient(self.den, self.num)
 
     def __eq__(self, other: object) -> bool:
@@ -72,7 +72,7 @@ class Expression(Element):
         return (self.num / self.den).leading_coefficient() if self.num != 0 else fmpq(0)
 
     def sqrt(self) -> Any:
-        """The root, rational or an indeterminate whose square is known."""
+        """The square root: rational, or an indeterminate whose square is known."""
         with suppress(NotExact):
             return super().sqrt()
         # √(num/den) = r/den with r² = num · den; the sign of r is that of den, so that the root of
@@ -82,7 +82,7 @@ class Expression(Element):
         return root / Expression(self.field, self.den, self.field.one)
 
     def fabs(self) -> Any:
-        """√(x²), rational or an indeterminate: its square is known, its sign is not."""
+        """√(x²): rational, or an indeterminate whose square is known and whose sign is not."""
         with suppress(NotExact):
             return super().fabs()
         num = self.field.root("fabs", self.field.reduced(self.num * self.num))
@@ -90,7 +90,7 @@ class Expression(Element):
         return num / den
 
     def function(self, name: str) -> Any:
-        """The function, rational or an indeterminate that is related to its partner."""
+        """The function's value: rational, or an indeterminate with a relation to its partner."""
         with suppress(NotExact):
             return super().function(name)
         return self.field.of_argument(name, self)
@@ -107,7 +107,7 @@ class FunctionField:
     Parameters
     ----------
     names
-        One indeterminate each.
+        Names of the first indeterminates.
     """
 
     def __init__(self, names: Sequence[str]) -> None:
@@ -127,7 +127,7 @@ class FunctionField:
         return Expression(self, self.ring.constant(fmpq(value)), self.one)
 
     def quotient(self, num: Any, den: Any) -> Expression:
-        """num/den by the relations and without a common factor."""
+        """num/den, reduced by the relations and without a common factor."""
         num, den = self.reduced(num), self.reduced(den)
         if den == 0:
             raise NotExact("a division by zero")

@@ -1,7 +1,8 @@
-"""Real roots of integer polynomials by halving: also where their sizes differ by 600 decimals.
+"""Real roots of integer polynomials by halving, also where their sizes differ by 600 decimals.
 
-Flint isolates complex roots by an iteration that starts on a circle and needs minutes for roots of
-1e-614 next to those of one; halving needs as many steps as there are binary digits between them.
+Flint isolates complex roots by an iteration that starts on a circle.  The iteration needs minutes
+for roots of size 1e-614 and of size 1 in one polynomial.  Halving needs one step for each binary
+digit between the sizes.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ def halved_roots(p: Any) -> list[Any]:
     Returns
     -------
     list of arb
-        In no stated order, each to the working precision relative to its own size.
+        In no stated order, each to the working precision relative to its size.
 
     Source: G. E. Collins, A. G. Akritas, Polynomial real root isolation using Descartes' rule of
     signs, Proc. SYMSAC (1976) 272-275.
@@ -50,9 +51,9 @@ def halved_roots(p: Any) -> list[Any]:
 
 @lru_cache(maxsize=16)
 def _intervals(coefficients: tuple[int, ...]) -> tuple[tuple[Any, Any], ...]:
-    """Ends, rational, of open intervals with one positive root each, or twice the root itself.
+    """Rational ends of open intervals with one positive root each; two equal ends are a root.
 
-    They do not depend on the working precision, which a search raises step by step.
+    The intervals do not depend on the working precision, which a search raises step by step.
     """
     p = fmpz_poly(list(coefficients))
     if p.degree() < 1:
@@ -90,7 +91,7 @@ def _scaled(p: Any, power: int) -> Any:
 
 
 def _variations(coefficients: Sequence[Any]) -> int:
-    """Changes of sign, zeros left out."""
+    """Number of changes of sign, zeros left out."""
     signs = [c > 0 for c in coefficients if c != 0]
     return sum(a != b for a, b in zip(signs[:-1], signs[1:], strict=True))
 
@@ -99,11 +100,11 @@ def _refined(p: Any, low: Any, high: Any) -> Any:
     """A ball around the one root between two numbers, as narrow as the working precision.
 
     Source: J. Abbott, Quadratic interval refinement for real roots, ACM Commun. Comput. Algebra 48
-    (2014) 3-12: the part that the chord points at is tried, and a finer one where it holds.
+    (2014) 3-12: try the part that the chord points at; after a success make the parts finer.
     """
     if low == high:
         return arb(low)
-    # the ends may be roots too, which are not the one within
+    # an end may be another root; the slope then gives the sign inside
     below = p(low) if p(low) != 0 else p.derivative()(low) * (high - low)
     above = p(high) if p(high) != 0 else p.derivative()(high) * (low - high)
     bits = 1
@@ -122,6 +123,6 @@ def _refined(p: Any, low: Any, high: Any) -> Any:
             bits *= 2
         elif bits > 1:
             bits //= 2
-        else:  # the half that does not hold it was tried
+        else:  # the tried half does not hold the root
             low, high, below, above = low, left, below, at_left
     return arb(low).union(arb(high))

@@ -1,6 +1,6 @@
-"""Characteristic polynomials that a body, or a user's family, knows exactly.
+"""Characteristic polynomials that are known exactly, of a body or of a user's family.
 
-Where one is known, verdicts are proved from its coefficients in place of the graph's.
+Verdicts are then proved from the known coefficients instead of the graph's.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ..polynomial import Polynomial
 
 @dataclass(frozen=True)
 class Exact:
-    """What is known of a family under a law over Q."""
+    """Polynomial and conditions of a family under a law, over Q."""
 
     family: str
     """Name of the family."""
@@ -28,13 +28,13 @@ class Exact:
     """For the disk: k, then M = mu*² (laws with mu), then z = at*² or s = sinθ (both for circling
     and precession, z = φ̇*²)."""
     zeros: int
-    """Structural zeros."""
+    """Number of structural zeros."""
     even: bool
-    """Whether the rest is even in λ."""
+    """Whether the polynomial without its structural zeros is even in λ."""
     factors: tuple[tuple[Polynomial, ...], ...]
-    """Factors over Q; each by powers of σ, lowest first.  λ = σ mu* for a law with mu, else σ."""
+    """Factors over Q; each by powers of σ, lowest first.  λ = σ mu*, or λ = σ without mu."""
     conditions: tuple[tuple[str, Polynomial], ...]
-    """(kind, polynomial): all positive means stable (or neutral), some negative unstable."""
+    """(kind, polynomial): all positive means stable (or neutral), some negative means unstable."""
 
     @arithmetic("give numbers of one type")
     def coefficients(self, values: Sequence[Any]) -> list[list[Any]]:
@@ -43,7 +43,7 @@ class Exact:
         Parameters
         ----------
         values
-            Of `variables`, any number type.
+            Values of `variables`, of any number type.
 
         Returns
         -------
@@ -60,9 +60,9 @@ class Exact:
 class ExactPolynomial(ABC):
     """The characteristic polynomial of a family, from the numbers that name a member.
 
-    A subclass for a family of your own has one method, `coefficients`, and `zeros` where
-    eigenvalues vanish by structure; an instance is given to `Family` as `exact`, if no member is
-    solved for.  At first use it is compared with the equations of motion at random members.
+    A subclass for your family has one method, `coefficients`, and `zeros` where eigenvalues vanish
+    by structure.  `Family` takes an instance as `exact`, if no unknown is solved for.  At first
+    use the package compares the polynomial with the equations of motion at random members.
 
     Examples
     --------
@@ -81,10 +81,10 @@ class ExactPolynomial(ABC):
     """
 
     zeros: int = 0
-    """Eigenvalues that vanish by structure; they are left out of the coefficients."""
+    """Number of eigenvalues that vanish by structure; the coefficients leave them out."""
     derived: ClassVar[bool] = False
-    """Whether polynomial and conditions are proved for every member, so that nothing is compared
-    at first use, and whether a member's unknowns are unique."""
+    """Whether polynomial and conditions are proved for every member and a member's unknowns are
+    unique.  The comparison at first use is then left out."""
 
     @abstractmethod
     def coefficients(self, values: Mapping[str, Any], algebra: Algebra) -> Sequence[Sequence[Any]]:
@@ -93,7 +93,7 @@ class ExactPolynomial(ABC):
         Parameters
         ----------
         values
-            Number of any type by name, in the user's units: rational, ball, ratio in an axis.
+            Numbers of one type by name, in the user's units: rational, ball, ratio in an axis.
         algebra
             Functions of this number type: `algebra.functions["sqrt"](x)`.
 
@@ -108,7 +108,7 @@ class ExactPolynomial(ABC):
         values: Mapping[str, Any],  # noqa: ARG002
         algebra: Algebra,  # noqa: ARG002
     ) -> list[tuple[str, Any]] | None:
-        """Numbers whose signs are the verdict; only for a polynomial that is `derived`.
+        """Numbers whose signs give the verdict; only for a polynomial that is `derived`.
 
         Parameters
         ----------
@@ -118,18 +118,18 @@ class ExactPolynomial(ABC):
         Returns
         -------
         list or None
-            (kind, number): all positive means stable (or neutral), some negative unstable.  Kinds
-            are static, flutter and auxiliary.  None where the coefficients are judged.
+            (kind, number): all positive means stable (or neutral), some negative means unstable.
+            Kinds are static, flutter and auxiliary.  None: the verdict comes from the coefficients.
         """
         return None
 
     def scale(self, values: Mapping[str, Any]) -> tuple[Any, Any]:  # noqa: ARG002
-        """Unit of the polynomial's variable in the user's unit of rate; as for `conditions`.
+        """Unit of the polynomial's variable in the user's unit of rate.
 
         Parameters
         ----------
         values
-            Number by name.
+            Numbers by name, as for `coefficients`.
 
         Returns
         -------
@@ -140,15 +140,15 @@ class ExactPolynomial(ABC):
 
 
 class TabulatedPolynomial(ExactPolynomial):
-    """One that is kept as `Polynomial`s in a few positive variables, proved offline.
+    """An exact polynomial stored as `Polynomial`s in a few positive variables, proved offline.
 
-    Maps bound these over whole arrays and boxes.  Each factor is of odd degree, or the polynomial
-    is even and has one factor, linear in λ².
+    Maps bound these polynomials over whole arrays and boxes.  Each factor has odd degree, or the
+    polynomial is even and has one factor, linear in λ².
 
     Parameters
     ----------
     known
-        The polynomials.
+        Polynomials and conditions over Q.
     """
 
     derived = True
@@ -170,7 +170,7 @@ class TabulatedPolynomial(ExactPolynomial):
 
     @abstractmethod
     def sine(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        """The sine that the polynomials depend on.
+        """The sine on which the polynomials depend.
 
         Parameters
         ----------
@@ -180,7 +180,7 @@ class TabulatedPolynomial(ExactPolynomial):
 
     @abstractmethod
     def roundings(self, *, dimensionless: bool) -> Mapping[str, int]:
-        """Roundings behind each variable at most, in floating point.
+        """Largest number of roundings in the value of each variable, in floating point, by name.
 
         Parameters
         ----------
@@ -195,17 +195,17 @@ class TabulatedPolynomial(ExactPolynomial):
         Parameters
         ----------
         point
-            As from `point`.
+            Values from `point`.
         """
 
     @abstractmethod
     def angle(self, axis: str) -> str:
-        """By which angle the polynomials depend on an axis, through its sine: theta, lean or none.
+        """Angle through whose sine the polynomials depend on an axis: theta, lean or empty.
 
         Parameters
         ----------
         axis
-            Its name.
+            Name of the axis.
         """
 
     @abstractmethod
@@ -215,15 +215,15 @@ class TabulatedPolynomial(ExactPolynomial):
         Parameters
         ----------
         values
-            Exact number by name.
+            Exact numbers by name.
         """
 
     def coefficients(self, values: Mapping[str, Any], algebra: Algebra) -> list[list[Any]]:
-        """As for every exact polynomial."""
+        """Coefficients of the factors, as for every exact polynomial."""
         return self.known.coefficients(self.point(values, algebra))
 
     def conditions(self, values: Mapping[str, Any], algebra: Algebra) -> list[tuple[str, Any]]:
-        """As for every exact polynomial; on the edge one of them is zero."""
+        """Conditions, as for every exact polynomial; on the edge one number is zero."""
         point = self.point(values, algebra)
         edge = [("static", 0)] if self.edge(values) else []
         return [(kind, p(*point)) for kind, p in self.known.conditions] + edge

@@ -1,8 +1,8 @@
-"""Numbers whose zero can be decided, for reading a graph: rationals and algebraic numbers.
+"""Rationals and algebraic numbers, for reading a graph: numbers that are provably zero or not.
 
-Balls enclose a number but never prove that it is zero.  A double is a rational number, so a graph
-of + - * / has rational values at doubles, and algebraic ones where a polynomial equation is solved.
-Sines, roots and the like are indeterminates (`stability.algebra.exact.function_field`).
+Balls enclose a number but never prove that the number is zero.  A double is a rational number, so
+a graph of + - * / has rational values at doubles, and algebraic values at roots of polynomials.
+Sines, roots and other functions are indeterminates (`stability.algebra.exact.function_field`).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..number_types import Algebra
 
 
 class NotExact(ArithmeticError):  # noqa: N818  (internal: never reaches a user)
-    """The graph has no value in this field, or one too large to be worked out."""
+    """The graph has no value in this field, or the value is too large to compute."""
 
 
 def rational(value: float) -> Any:
@@ -45,7 +45,7 @@ def _constant(value: float) -> Any:
 
 
 def rational_root(x: Any) -> Any:
-    """√x where that is rational."""
+    """√x where the root is rational."""
     parts = [int(x.p), int(x.q)]
     if parts[0] < 0:
         raise NotExact("the root of a negative number")
@@ -56,7 +56,7 @@ def rational_root(x: Any) -> Any:
 
 
 def _at(point: int, value: int) -> Callable[[Any], Any]:
-    """A function that is rational at one rational point only."""
+    """A function with a rational value at one rational point only."""
 
     def apply(x: Any) -> Any:
         if _is(x, point):
@@ -96,7 +96,7 @@ RATIONAL_AT = {
     "sin": (0, 0), "cos": (0, 1), "tan": (0, 0), "exp": (0, 1), "log": (1, 0), "asin": (0, 0),
     "acos": (1, 0), "atan": (0, 0), "sinh": (0, 0), "cosh": (0, 1), "tanh": (0, 0),
 }  # fmt: skip
-"""Where each transcendental function is rational, and its value there."""
+"""Point where each transcendental function is rational, and its value there."""
 
 
 def _function(name: str) -> Callable[[Any], Any]:
@@ -112,11 +112,11 @@ EXACT = Algebra(
     "exact", _constant,
     {name: _function(name) for name in RATIONAL_AT} | {"sqrt": _sqrt, "fabs": _fabs, "pow": _power},
 )  # fmt: skip
-"""Rationals, and elements of the fields below: one algebra, since constants are rational in all."""
+"""Rationals and elements of the fields below: one algebra, since all fields contain Q."""
 
 
 class Element(ABC):
-    """A number of a field that is not Q: what follows from sum, product, sign and reciprocal."""
+    """A number of a field beyond Q; sum, product, sign and reciprocal define the rest."""
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
@@ -136,7 +136,7 @@ class Element(ABC):
 
     @abstractmethod
     def plain(self) -> Any:
-        """The number as a rational; `NotExact` where it is none."""
+        """The number as a rational; `NotExact` where the number is not rational."""
 
     def __radd__(self, other: Any) -> Any:
         return self + other
@@ -160,7 +160,7 @@ class Element(ABC):
         return prod([self] * power, start=fmpq(1))
 
     def sqrt(self) -> Any:
-        """The root, where it is rational."""
+        """The square root, where it is rational."""
         return rational_root(self.plain())
 
     def fabs(self) -> Any:
@@ -212,7 +212,7 @@ class Algebraic(Element):
         return Algebraic(self.field, self.field.inverse(self.poly))
 
     def fabs(self) -> Any:
-        """The absolute value: the sign is that of the ball of the root."""
+        """The absolute value, with the sign from the ball of the root."""
         value = arb_poly(self.poly)(self.field.root)
         if value > 0:
             return self
@@ -237,7 +237,7 @@ class NumberField:
     modulus
         g, an `fmpq_poly` irreducible over Q.
     root
-        Ball that holds the root meant, and no other root of g.
+        Ball that holds the root u, and no other root of g.
     """
 
     def __init__(self, modulus: Any, root: Any) -> None:

@@ -1,8 +1,8 @@
 """Rational functions of one axis over Q: exact + - * /, and characteristic polynomials in them.
 
 The second variable of the ring is λ (or σ) in a characteristic polynomial, and the sine of a given
-angle in the disk's conditions: that sine is transcendental (Lindemann), so it is as free as a
-variable.
+angle in the disk's conditions.  Such a sine is transcendental (Lindemann), so no polynomial over Q
+distinguishes the sine from a free variable.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class Ratio(Element):
         return Ratio(-self.top, self.bottom)
 
     def reciprocal(self) -> Ratio:
-        """The quotient turned over."""
+        """One over the quotient."""
         if self.top.is_zero():
             raise ZeroDivisionError
         return Ratio(self.bottom, self.top)

@@ -1,4 +1,4 @@
-"""Real roots, proved, of polynomials along an axis: isolated over Q, or with a sine put in.
+"""Proved real roots of polynomials along an axis: isolated over Q, or at a given sine.
 
 Source: F. Johansson, IEEE Trans. Comput. 66 (2017) 1281-1292 (Arb, whose isolation is used).
 """
@@ -18,7 +18,7 @@ from .root_balls import isolated
 BITS = 256
 """Working precision of the first attempt."""
 MOST_BITS = 16384
-"""Where raising it ends."""
+"""Largest working precision."""
 WIDE = 2000
 """Binary digits of a coefficient above which real roots are isolated by halving."""
 
@@ -28,7 +28,7 @@ class UnclearError(ArithmeticError):
 
 
 def complex_roots(p: Any) -> list[Any]:
-    """Isolated roots with multiplicities of an `fmpq_poly`; none of a constant.
+    """Isolated roots with multiplicities of an `fmpq_poly`; an empty list for a constant.
 
     Parameters
     ----------
@@ -47,9 +47,9 @@ def specialised(p: Any, x: Any) -> Any:
     Parameters
     ----------
     p
-        The element.
+        Element of `RING`, in x and s.
     x
-        A rational.
+        Value of the axis, a rational.
     """
     out: dict[int, Any] = {}
     for (_, j), c in p.subs({"x": x}).terms():
@@ -63,11 +63,12 @@ def sign_at(p: Any, x: Any, sine: Callable[[], Any] | None) -> int:
     Parameters
     ----------
     p
-        In x and s.
+        Polynomial in x and s.
     x
-        Rational.
+        Value of the axis, a rational.
     sine
-        Where s is to be put in; transcendental, so that only what vanishes for every s is zero.
+        Function that returns the ball of s at the working precision; None without s.  The sine
+        is transcendental, so that only a polynomial that vanishes for every s is zero.
 
     Raises
     ------
@@ -95,9 +96,9 @@ def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> li
     Parameters
     ----------
     polynomials
-        In x and perhaps s, none zero.
+        Polynomials in x and perhaps s, none zero.
     sine
-        The s to put in.
+        As for `sign_at`.
 
     Returns
     -------
@@ -107,7 +108,7 @@ def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> li
     Raises
     ------
     UnclearError
-        If the working precision does not separate them.
+        If the working precision does not separate the roots.
 
     Examples
     --------
@@ -127,7 +128,7 @@ def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> li
         if not rest.derivative("x").is_zero():
             apart.append(rest)
     found: list[Any] = []
-    for p in apart:  # one by one: roots of two that nearly coincide would be slow to part
+    for p in apart:  # one by one: nearly equal roots of two polynomials are slow to separate
         if p.degrees()[1] == 0:
             found += _rational_roots(univariate(p).numer())
         else:

@@ -15,7 +15,7 @@ Balls = list[Any]
 
 
 def exact_roots(p: Any) -> Balls:
-    """Every root of a polynomial over Q at the current precision, as often as it occurs.
+    """Every root of a polynomial over Q at the current precision, repeated by multiplicity.
 
     Parameters
     ----------
@@ -51,14 +51,14 @@ def _both(square: Any) -> Balls:
 
 
 def isolated(coefficients: Balls, even: bool) -> Balls | None:
-    """Roots of a polynomial whose coefficients are balls; None where they are not separated.
+    """Roots of a polynomial whose coefficients are balls; None where the roots are not separated.
 
     Parameters
     ----------
     coefficients
         Balls, lowest first.
     even
-        Whether the odd ones are zero.
+        Whether the odd coefficients are zero.
     """
     balls = [arb(c) for c in (coefficients[::2] if even else coefficients)]
     if balls[-1].contains(0):
@@ -67,7 +67,7 @@ def isolated(coefficients: Balls, even: bool) -> Balls | None:
         found = acb_poly(balls).roots(tol=arb(2) ** (-3 * ctx.prec // 4))
     except ValueError:
         return None
-    # the mirror image of a root is a root: one whose mirrored ball meets no other ball is real
+    # conjugates are roots too: if a ball's mirror image meets it and no other, its root is real
     for i, r in enumerate(found):
         others = (s for j, s in enumerate(found) if j != i)
         if r.imag.contains(0) and any(r.conjugate().overlaps(s) for s in others):
@@ -86,9 +86,9 @@ def _clear(squares: Balls) -> bool:
 def clustered(coefficients: Sequence[Any]) -> Balls:
     """Balls that hold the roots of a monic polynomial, also where some coincide.
 
-    The polynomial at the midpoints has its roots exactly isolated.  A root of any polynomial within
-    the balls is no further than ρ from one of these, with ρⁿ the largest change of the value; each
-    cluster of overlapping discs holds as many roots as discs.
+    The roots of the polynomial at the midpoints are isolated exactly.  A root of any polynomial
+    within the balls is at most ρ from one of these roots, with ρⁿ the largest change of the value.
+    Each cluster of overlapping discs holds as many roots as discs.
 
     Parameters
     ----------

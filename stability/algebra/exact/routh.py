@@ -1,4 +1,4 @@
-"""Polynomials over Q and the imaginary axis: Routh's array and what lies on the axis, exactly."""
+"""Polynomials over Q and the imaginary axis: Routh's array and the roots on the axis, exactly."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def on_the_axis(factors: Sequence[Any]) -> Verdict:
     Parameters
     ----------
     factors
-        `fmpq_poly` each, none of them zero.
+        Polynomials, `fmpq_poly` each, none of them zero.
 
     Returns
     -------
@@ -51,8 +51,8 @@ def split(p: Any) -> tuple[int, Any, Any]:
     Returns
     -------
     zeros, symmetric, rest
-        `symmetric` is even and holds the roots whose mirror images in the imaginary axis are roots
-        too; `rest` has none of these.
+        Number of roots at 0, and two polynomials.  `symmetric` is even; its roots are the nonzero
+        roots λ for which -λ is a root too.  `rest` has no such pair.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Films only: a motion as GIF or MP4, or as a page that can be turned and played."""
+"""Films only: a motion as GIF or MP4, or as a page on which a reader turns and plays it."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ KEPT = (
     "time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "mass", "radius",
     "gravity", "k",
 )  # fmt: skip
-"""What else a film needs of a dataset."""
+"""Variables that a film needs in addition to `POSED` and `LINEAR`."""
 SHORTEST, LONGEST = 4.0, 20.0
-"""Range of a film's length when none is asked [s]."""
+"""Range of a film's length when `seconds` is left out [s]."""
 MOST_FRAMES, MOST_SAMPLES = 10_000, 20_000
-"""Frames in a film; samples in a page, which thins a longer motion evenly."""
+"""Most frames in a film; most samples in a page, which thins a longer motion evenly."""
 
 
 def animate(
@@ -48,19 +48,19 @@ def animate(
     overwrite: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> FilePath:
-    """Write a motion as a film (.gif, .mp4), or as a page to turn and play (.html).
+    """Write a motion as a film (.gif, .mp4) or as a page to turn and play (.html).
 
     Parameters
     ----------
     dataset
         A single run from `simulate` with `pose=True`.
     path
-        File to write; its suffix says what.
+        File to write; its suffix names the format.
     fps
-        Frames in a second, at most 100; a GIF counts in hundredths of a second and takes the
-        nearest it can, at most 50.  A page draws as fast as the screen.
+        Frames in a second, at most 100.  A GIF counts in hundredths of a second: it takes the
+        nearest possible rate, at most 50.  A page draws as fast as the screen.
     seconds
-        Length of the film [s]; when left out the motion's own, within 4 to 20.
+        Length of the film [s]; when left out the length of the motion, within 4 to 20.
     overwrite
         Whether an existing file may be replaced.
     progress
@@ -76,8 +76,8 @@ def animate(
     ParameterError
         If the dataset is not a single run with pose and two samples, or a number is not accepted.
     FileError
-        If the file cannot be written, or MP4 is asked for without ffmpeg; nothing is left
-        half-written.
+        If the file cannot be written, or MP4 is asked for without ffmpeg.  No half-written file
+        is left.
 
     Examples
     --------
@@ -122,7 +122,7 @@ def _number(name: str, value: Any, most: float) -> float:
 
 
 def _single(dataset: Any) -> dict[str, Any]:
-    """The series of a single run with pose, or a sentence why not."""
+    """The series of a single run with pose; an error in one sentence for other datasets."""
     import xarray
 
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
@@ -141,7 +141,7 @@ def _single(dataset: Any) -> dict[str, Any]:
     if dataset.theta.dims != ("time",):
         sizes = dict(dataset.theta.sizes)
         raise ParameterError(f"the dataset has sizes {sizes}; take one launch by isel(launch=0).")
-    # one of several holds its last state after its end
+    # a launch out of several repeats its last state after its end
     kept = int((dataset.running == 1).sum()) if "running" in dataset else None
     motion = {n: dataset[n].values[:kept].astype(float) for n in ("time", *POSED, *LINEAR)}
     if (count := len(motion["time"])) < 2:
@@ -153,7 +153,7 @@ def _single(dataset: Any) -> dict[str, Any]:
 
 
 def _page(dataset: xarray.Dataset, motion: dict[str, Any], length: float) -> str:
-    """The page: the template with the motion in it."""
+    """Text of the page: the template with the motion in it."""
     times, series = motion["time"], motion
     if len(times) > MOST_SAMPLES:
         series = resample(motion, np.linspace(times[0], times[-1], MOST_SAMPLES))
@@ -176,7 +176,7 @@ def _page(dataset: xarray.Dataset, motion: dict[str, Any], length: float) -> str
     }  # fmt: skip
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     template = resources.files(__package__).joinpath("animation.html")
-    # no "<" in the data, so that nothing in it can end the script element
+    # no "<" in the data, so that no text can end the script element
     return template.read_text(encoding="utf-8").replace("@MOTION@", text.replace("<", "\\u003c"))
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def caption(dataset: xarray.Dataset) -> str:
-    """What was computed and what came of it, in two sentences.
+    """The computation and its outcome, in two sentences.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def caption(dataset: xarray.Dataset) -> str:
     Raises
     ------
     ParameterError
-        In one sentence, on several launches or a missing series.
+        If the dataset holds several launches or lacks a series.
 
     Examples
     --------

@@ -38,23 +38,23 @@ Report = Callable[[int, int], None]
 BLUE, PALE, EDGE, VERMILION = "#0072B2", "#7db8da", "#004a75", "#D55E00"
 GREY, INK, WORDS = "#7a7a7a", "#222222", "#555555"
 FINE = 8
-"""Steps of the drawn path for each frame."""
+"""Steps of the drawn path between two frames."""
 SIZE, DPI = (7.2, 5.0), 100
-"""Frame [in] and dots per inch; both products are even, as video codecs ask."""
+"""Frame [in] and dots per inch; width and height in dots are even, as video codecs require."""
 ELEVATION, ASIDE, WIDEST, CLOSE = math.radians(24), math.radians(42), 7.0, 4.0
-"""Camera: above the plane, and aside of the axis at the start; half width of the view [R], the
-widest that takes in the whole path, and when following."""
+"""Angles of the camera [rad]: above the plane, and from the disk's axis at the start.  Half widths
+of the view [R]: the largest that shows the whole path, and that of a camera which follows."""
 THIN = 0.93
-"""Inner radius drawn for a hoop [R], whose own would leave nothing to see."""
+"""Largest inner radius drawn [R]: the true one of a hoop, 1, would leave nothing to see."""
 
 
 def inner_radius(dataset: xarray.Dataset) -> float:
-    """Inner radius to draw [R]: 0 for a disk, that of the annulus with this k otherwise."""
+    """Inner radius to draw [R]: 0 for a disk, otherwise that of the annulus with this k."""
     return min(math.sqrt(max(4 * float(dataset.k) - 1, 0.0)), THIN)
 
 
 def caption_of(dataset: xarray.Dataset) -> str:
-    """The parameters in words; the scales only where they are not 1."""
+    """The parameters in words, without mass, radius and gravity in a dimensionless motion."""
     plain = bool(dataset.attrs.get("dimensionless", 0))
     units = {name: QUANTITIES[name].kind.suffix for name in PHYSICAL}
     shown = [
@@ -66,7 +66,7 @@ def caption_of(dataset: xarray.Dataset) -> str:
 
 
 class Camera:
-    """The figure of a film, its camera, and everything in it; `show` puts it at a frame."""
+    """The figure of a film, its camera and all drawn parts; `show` moves these to a frame."""
 
     def __init__(self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float) -> None:
         self.motion, self.seen = motion, geometry(motion)
@@ -85,7 +85,7 @@ class Camera:
         self.mark = self._patch(VERMILION, "none")
         (self.ticks,) = self.axes.plot([], [], color="white", lw=1.0)
         (self.spot,) = self.axes.plot([], [], "o", color=INK, ms=3.5)
-        # the disk hides what lies on the plane, for all of it is above
+        # the disk hides everything on the plane, since the whole disk is above it
         layers = (self.grid, self.shadow, self.trail, self.path, self.body, self.mark, self.ticks)
         for order, artist in enumerate((*layers, self.spot)):
             artist.set_zorder(order)
@@ -102,7 +102,7 @@ class Camera:
         return patch
 
     def _aim(self, azimuth: float) -> None:
-        """Camera and limits: the whole path if it fits, else one that follows the disk."""
+        """Set camera and limits: show the whole path if it fits, otherwise follow the disk."""
         (c, ce), (s, se) = np.cos([azimuth, ELEVATION]), np.sin([azimuth, ELEVATION])
         self.to_camera = np.array([ce * c, ce * s, se])
         self.screen = np.array([[-s, c, 0.0], [-se * c, -se * s, ce]]).T
@@ -114,14 +114,14 @@ class Camera:
         self.target = np.broadcast_to(middle, ground.shape)
         if self.half > WIDEST:
             self.half = CLOSE
-            # a camera that lags a little keeps the grid calm; it never loses the disk
+            # a camera that lags a little keeps the grid calm; the clip keeps the disk in view
             calm = uniform_filter1d(ground, max(3, len(ground) // 8), axis=0, mode="nearest")
             self.target = ground - np.clip(ground - calm, -1.2 * radius, 1.2 * radius)
         x, y = self.half * radius, self.half * radius / aspect
         self.axes.set(xlim=(-x, x), ylim=(-y, y))
 
     def _lines(self, target: Floats) -> Floats:
-        """The plane's grid about the target, one square for each R, beyond the frame."""
+        """Grid of the plane around the target, in squares of side R, beyond the frame."""
         reach = math.ceil(2.3 * self.half)
         across = np.repeat(np.arange(-reach, reach + 1.0), 3)
         ends = np.tile([-reach, reach, np.nan], 2 * reach + 1)
@@ -130,14 +130,14 @@ class Camera:
         return np.pad(lines, ((0, 0), (0, 1)))
 
     def play(self, report: Report) -> Iterator[Any]:
-        """Show each frame in turn; the canvas, to be drawn."""
+        """Show each frame in turn, and yield the canvas to draw."""
         for frame in range(self.frames):
             self.show(frame)
             yield self.figure.canvas
             report(frame + 1, self.frames)
 
     def show(self, frame: int) -> None:
-        """Put everything where it is at a frame."""
+        """Move all parts to their places at a frame."""
         i, turn = frame * FINE, np.linspace(0, 2 * math.pi, 73)
         here = geometry({n: self.motion[n][i] for n in POSED} | {"radius": self.seen.radius})
         target = self.target[i]
@@ -154,7 +154,7 @@ class Camera:
         self.grid.set_data(*flat(self._lines(target)).T)
         self.shadow.set_path(outline(*(rim * [1, 1, 0] for rim in rims)))
         self.body.set_path(outline(*rims))
-        # the two faces differ, so that the eye can tell which one it sees
+        # the two faces differ in colour, so that a viewer can tell which one is seen
         self.body.set_facecolor(BLUE if self.to_camera @ here.axis[0] > 0 else PALE)
         wide = np.linspace(-1, 1, 9) * (0.1 + 0.12 * self.inner)
         ends = np.repeat([1.0, self.inner, 1.0], [9, 9, 1])
@@ -177,13 +177,13 @@ def write_gif(path: FilePath, scene: Camera, rate: float, report: Report) -> Non
     path
         File to write.
     scene
-        What to show.
+        Figure of the film.
     rate
         Frames in a second.
     report
         Called with (frames done, frames in all).
     """
-    # one palette for all frames, undithered: still parts stay still, and the file small
+    # one palette for all frames, undithered: still parts do not flicker, and the file is small
     colours = np.array([to_rgba(c)[:3] for c in (BLUE, PALE, EDGE, VERMILION, GREY, INK)])
     mixed = 1 + np.linspace(0, 1, 32)[:, None, None] * (colours - 1)
     palette = Image.new("P", (1, 1))
@@ -196,7 +196,7 @@ def write_gif(path: FilePath, scene: Camera, rate: float, report: Report) -> Non
             yield picture.quantize(palette=palette, dither=Image.Dither.NONE)
 
     film, pause = pictures(), round(1000 / rate)
-    with path.open("wb") as file:  # for Pillow leaves its own open if a frame fails
+    with path.open("wb") as file:  # a file opened by Pillow stays open if a frame fails
         next(film).save(file, "GIF", save_all=True, append_images=film, duration=pause, loop=0)
 
 
@@ -220,10 +220,10 @@ def write_mp4(path: FilePath, scene: Camera, rate: float, report: Report) -> Non
     Raises
     ------
     FileError
-        If there is no ffmpeg, or it fails.
+        If ffmpeg is missing or fails.
     """
-    program, speed = _ffmpeg(), cast(int, rate)  # it takes fractions too
-    # 4:2:0, which every player shows, and the index in front, so that a page can start it
+    program, speed = _ffmpeg(), cast(int, rate)  # the writer takes fractions too
+    # 4:2:0, which every player shows; the index in front, so that a web page starts at once
     options = ["-pix_fmt", "yuv420p", "-movflags", "+faststart"]
     writer = FFMpegWriter(fps=speed, codec="libx264", extra_args=options)
     try:

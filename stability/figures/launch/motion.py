@@ -1,4 +1,4 @@
-"""Figures only: one motion in time and in the plane, its energy, and a caption that says it all."""
+"""Figures only: one motion in time and in the plane, and its energy."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ PANELS = (
     ("inclination", ("theta",)), ("rates", ("theta_dot", "phi_dot", "omega3")),
     ("slip", ("slip_x", "slip_y")), ("normal force", ("normal_force",)),
 )  # fmt: skip
-"""Words and lines of each panel over time."""
+"""Word and series of each panel over time."""
 START: dict[str, Any] = {"marker": "o", "ls": "", "color": "black", "mfc": "none"}
 END: dict[str, Any] = {"marker": "s", "ls": "", "color": "black"}
 
@@ -57,12 +57,12 @@ def states(dataset: xarray.Dataset) -> Figure:
     Returns
     -------
     Figure
-        One journal column wide; sticking is hatched, events are upright lines with a word.
+        One journal column wide; sticking is hatched, events are vertical lines with a word.
 
     Raises
     ------
     ParameterError
-        In one sentence, on several launches or a missing series.
+        If the dataset holds several launches or lacks a series.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def states(dataset: xarray.Dataset) -> Figure:
 
 
 def paths(dataset: xarray.Dataset) -> Figure:
-    """The paths of the contact point and of the centre in the plane, time told by colour.
+    """The paths of the contact point and of the centre in the plane, time shown by colour.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def paths(dataset: xarray.Dataset) -> Figure:
     Raises
     ------
     ParameterError
-        In one sentence, on several launches or a missing pose.
+        If the dataset holds several launches or lacks the pose.
 
     Examples
     --------
@@ -110,7 +110,7 @@ def paths(dataset: xarray.Dataset) -> Figure:
 
 
 def energy(dataset: xarray.Dataset) -> Figure:
-    """Where the energy is, stacked to its constant total, and how well the audit closes.
+    """The energy by kind with its constant total, and the error of the energy audit.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def energy(dataset: xarray.Dataset) -> Figure:
     Raises
     ------
     ParameterError
-        In one sentence, on several launches or a missing series.
+        If the dataset holds several launches or lacks a series.
 
     Examples
     --------
@@ -144,8 +144,8 @@ def motion_figure(dataset: xarray.Dataset) -> Figure:
     Parameters
     ----------
     dataset
-        From `simulate`, one launch; the paths are left out where it has no pose, and the energy
-        where a system has no account of it.
+        From `simulate`, one launch.  The paths are left out without a pose, and the energy
+        where a system has no energy account.
 
     Returns
     -------
@@ -155,7 +155,7 @@ def motion_figure(dataset: xarray.Dataset) -> Figure:
     Raises
     ------
     ParameterError
-        In one sentence, on several launches or a missing series.
+        If the dataset holds several launches or lacks a series.
 
     Examples
     --------
@@ -239,11 +239,11 @@ def _draw_states(page: Any, motion: SingleRun) -> None:
 
 
 def _steady(panels: list[Axes], data: xarray.Dataset) -> None:
-    """Dotted, the steady motion that was settled on."""
+    """Draw dotted lines at the steady motion on which the run settled."""
     if "nearest_at" not in data or BY_CODE[int(data.outcome)] is not Outcome.SETTLED:
         return
     family, at = FAMILIES.get(str(data.nearest_family.values)), float(data.nearest_at)
-    if family is None:  # of a file from elsewhere
+    if family is None:  # a file from elsewhere may name an unknown family
         return
     rate = np.sqrt(float(data.gravity) / float(data.radius))
     turned = np.copysign(rate, data.phi_dot.values[-1])
@@ -262,7 +262,7 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
     for name, width in (("contact", 1.8), ("centre", 0.8)):
         x, y = data[f"{name}_x"].values, data[f"{name}_y"].values
         corners = np.column_stack([x, y])
-        # each piece runs into the next, so that no seams show
+        # each piece overlaps the next, so that no seams show
         pieces = [corners[i : i + 3] for i in range(len(x) - 1)]
         axes.add_collection(LineCollection(pieces, array=(times[1:] + times[:-1]) / 2, **shade,
                             linewidths=width, rasterized=len(x) > 20_000,
@@ -276,7 +276,7 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
         x, y = (np.interp(when, times, data[f"contact_{c}"].values) for c in "xy")
         axes.plot(x, y, color="white", linewidth=2.4, dashes=(0.7, 1.3), dash_capstyle="butt",
                   label="gaps", zorder=2.5)  # fmt: skip
-    # a disk that spins on the spot must not be blown up to its rounding errors
+    # for a disk that spins on the spot the axes must not shrink to rounding errors
     spot = 0.02 * float(data.radius) * np.array([[-1, -1], [1, 1]])
     axes.update_datalim([data.centre_x.values[0], data.centre_y.values[0]] + spot)
     axes.set_aspect("equal", adjustable="datalim")
@@ -307,13 +307,14 @@ def _draw_energy(page: Any, motion: SingleRun) -> None:
         lines_of_energy(upper, motion)
     else:
         _layers_of_energy(upper, motion)
-    largest = float(np.abs(data.audit.values).max())  # over the energy at time 0: the stated error
+    # largest audit over stated error: the scale of the energy, for a disk its value at time 0
+    largest = float(np.abs(data.audit.values).max())
     first = largest / (float(data.energy_error) or 1.0) or 1.0
     upper.set_ylabel(f"energy\n{unit(data, 'energy')}")
     upper.set_xlim(times[0], times[-1])
     legend(upper)
     audit = np.abs(data.audit.values) / first
-    seen = np.where(audit > 0, audit, np.nan)  # a log axis has no zero; a gap says so
+    seen = np.where(audit > 0, audit, np.nan)  # a log axis has no zero, so leave a gap
     lower.set_yscale("log")
     lower.plot(times, seen, label="audit", marker=".", markersize=1.2, linewidth=0.7,
                color=STROKES[0]["color"])  # fmt: skip

@@ -1,4 +1,4 @@
-"""Pieces of every figure of a motion, and the panels of a user's system."""
+"""Pieces that figures of a motion share, and the panels of a user's system."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .single_run import SingleRun
 if TYPE_CHECKING:
     import xarray
 
-# apart for every common colour vision, and in grey by the dashes
+# distinct in every common colour vision; in grey, by the dashes
 STROKES: tuple[dict[str, Any], ...] = (
     {"color": "#0072B2", "linestyle": "-", "linewidth": 1.0},
     {"color": "#D55E00", "linestyle": (0, (4, 1.4)), "linewidth": 1.0},
     {"color": "#000000", "linestyle": (0, (4, 1.2, 1, 1.2)), "linewidth": 0.9},
 )
 MOST_PANELS = 8
-"""Panels of a user's system at most."""
+"""Most panels of a user's system."""
 
 
 def unit(data: xarray.Dataset, name: str) -> str:
@@ -33,7 +33,7 @@ def unit(data: xarray.Dataset, name: str) -> str:
 
 
 def legend(axes: Axes, handles: list[Line2D] | None = None) -> None:
-    """Above the panel, where it can hide no data."""
+    """Draw a legend above the panel, where it hides no data."""
     shown = handles or axes.get_legend_handles_labels()[0]
     axes.legend(
         handles=shown, loc="lower right", bbox_to_anchor=(1.02, 0.98), fontsize=6.5,
@@ -43,13 +43,13 @@ def legend(axes: Axes, handles: list[Line2D] | None = None) -> None:
 
 
 def words(axes: Axes, motion: SingleRun) -> None:
-    """The word of each event over its line; of a crowd only those that can be read."""
+    """Write the word of each event over its line; words that would overlap are left out."""
     room = 0.035 * (motion.times[-1] - motion.times[0])
     marks = motion.events
     if not marks:  # a slice whose events are not known
         marks = [((a + b) / 2, "sticking") for a, b in motion.sticking]
     free: list[float] = []
-    # the end comes first: it is the one that matters most
+    # the last event comes first, since it matters most
     for t, word in marks[-1:] + marks[:-1]:
         if all(abs(t - other) > room for other in free):
             free.append(t)
@@ -58,7 +58,10 @@ def words(axes: Axes, motion: SingleRun) -> None:
 
 
 def draw_system(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:
-    """The states of a user's system, those of one unit together where there are many."""
+    """Draw the states of a user's system; many states share panels by unit.
+
+    A state whose unit comes after the first `MOST_PANELS` units is not drawn.
+    """
     data, times = motion.data, motion.times
     groups: list[tuple[str, ...]] = [(n,) for n in names]
     if len(names) > MOST_PANELS:
@@ -89,7 +92,7 @@ def draw_system(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:
 
 
 def _dotted(panels: dict[tuple[str, ...], Axes], names: tuple[str, ...], member: Any) -> None:
-    """Dotted, the steady motion that was settled on."""
+    """Draw dotted lines at the steady motion on which the run settled."""
     for group, axes in panels.items():
         if len(group) == 1:
             at = float(member[names.index(group[0])])
@@ -98,7 +101,10 @@ def _dotted(panels: dict[tuple[str, ...], Axes], names: tuple[str, ...], member:
 
 
 def lines_of_energy(axes: Axes, motion: SingleRun) -> None:
-    """Energy, what was lost, and their constant sum: a user's energy may be negative."""
+    """Draw energy, dissipated energy and their constant sum as lines.
+
+    Stacked layers would be wrong, since a user's energy may be negative.
+    """
     data = motion.data
     lines = {"energy": data.energy.values, "dissipated": data.dissipated.values}
     lines["sum"] = lines["energy"] + lines["dissipated"]

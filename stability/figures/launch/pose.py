@@ -1,4 +1,4 @@
-"""A disk in space: its points from the angles and the centre of a motion, at any time of it."""
+"""A disk in space: its points from the angles and the centre of a motion, at any time."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from scipy.interpolate import CubicHermiteSpline
 from ...base.types import Floats
 
 POSED = ("theta", "phi", "psi", "centre_x", "centre_y")
-"""What places the disk."""
+"""Series that place the disk."""
 LINEAR = (
     "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y", "normal_force", "force_x", "force_y",
 )  # fmt: skip
-"""What is interpolated by lines."""
+"""Series that are interpolated by lines."""
 
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """Where the disk is in space at n instants; Z is up, vectors have shape (n, 3)."""
+    """Place of the disk in space at n times; Z is up, vectors have shape (n, 3)."""
 
     radius: float
     """R, in the unit of the motion."""
@@ -40,12 +40,12 @@ class Geometry:
     """The contact point."""
 
     def points(self, angle: Any, share: Any = 1.0) -> Floats:
-        """Points fixed in the disk at every instant.
+        """Points fixed in the disk at every time.
 
         Parameters
         ----------
         angle
-            From the mark, shape (m,) [rad].
+            Angle from the mark, shape (m,) [rad].
         share
             Distance from the centre, shape (m,) or () [R].
 
@@ -66,7 +66,7 @@ def geometry(motion: Mapping[Any, Any]) -> Geometry:
     Parameters
     ----------
     motion
-        A single run from `simulate` with `pose=True`, one time of it, or its series by name.
+        A single run from `simulate` with `pose=True`, one time of a run, or its series by name.
 
     Returns
     -------
@@ -91,30 +91,30 @@ def geometry(motion: Mapping[Any, Any]) -> Geometry:
 
 
 def resample(motion: dict[str, Any], times: Floats) -> dict[str, Any]:
-    """A motion at other times: its pose by cubics through values and rates, the rest by lines.
+    """A motion at other times: the pose by cubics through values and rates, the rest by lines.
 
     Parameters
     ----------
     motion
         Series by name: `time`, `POSED`, `LINEAR`, and the radius.
     times
-        Within those of the motion, shape (n,).
+        Times within those of the motion, shape (n,).
 
     Returns
     -------
     dict
-        The same series at the times.
+        The same series at these times.
     """
     found = {n: np.interp(times, motion["time"], motion[n]) for n in LINEAR}
     for name, rate in _rates(motion).items():
         found[name] = CubicHermiteSpline(motion["time"], motion[name], rate)(times)
-    # between coarse samples a cubic may pass beyond flat, where the disk would be under the plane
+    # between coarse samples a cubic may overshoot flat, and put the disk under the plane
     found["theta"] = np.clip(found["theta"], 0.0, math.pi)
     return found | {"time": times, "radius": motion["radius"]}
 
 
 def _rates(motion: dict[str, Any]) -> dict[str, Floats]:
-    """Rates of the pose; ṡ = vA − ω × R1̂ gives those of the centre."""
+    """Rates of the pose; ṡ = vA − ω × R1̂ gives the rates of the centre."""
     theta, phi, omega3, radius = (motion[n] for n in ("theta", "phi", "omega3", "radius"))
     x = motion["slip_x"] + radius * motion["theta_dot"] * np.sin(theta)
     y = motion["slip_y"] - radius * omega3

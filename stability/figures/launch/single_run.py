@@ -20,33 +20,33 @@ if TYPE_CHECKING:
 KEPT = (
     "end_time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "method",
 )  # fmt: skip
-"""What every figure needs of a dataset in addition to its series."""
+"""Variables that every figure needs in addition to its series."""
 Event = tuple[float, str]
 Span = tuple[float, float]
 
 
 class SingleRun(NamedTuple):
-    """One launch up to its end, the times of its samples, its events, and when it stuck."""
+    """One launch up to its end: samples, times, events, and spans of sticking."""
 
     data: xarray.Dataset
     """The dataset, cut at the end of the run."""
     times: Floats
-    """Times of its samples."""
+    """Times of the samples."""
     events: list[Event]
     """Time and word of each event between the first and the last sample."""
     sticking: list[Span]
-    """From when to when it stuck."""
+    """Begin and end of each span of sticking."""
 
 
 def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> SingleRun:
-    """One launch up to its end, refused in a sentence if it is not one or lacks something.
+    """One launch up to its end; an error in one sentence for other datasets.
 
     Parameters
     ----------
     dataset
         From `simulate`.
     needed
-        Names of the series it must have.
+        Names of the series that it must have.
 
     Returns
     -------
@@ -55,7 +55,8 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> SingleRun:
     Raises
     ------
     ParameterError
-        If it is something else, holds several launches, or lacks a series.
+        If the dataset is not from `simulate`, holds several launches, lacks a series, or has
+        fewer than two samples.
     """
     import xarray
 
@@ -99,7 +100,7 @@ def system_states(dataset: Any) -> tuple[str, ...]:
 
 
 def _until_end(dataset: xarray.Dataset) -> xarray.Dataset:
-    """A slice of several launches without what is only held, its end dated as in a single run."""
+    """A slice of several launches without repeated last states; its last sample is at its end."""
     if "running" not in dataset or dataset.running.values.all():
         return dataset
     count = int(np.argmin(dataset.running.values))
@@ -112,7 +113,7 @@ def _until_end(dataset: xarray.Dataset) -> xarray.Dataset:
 
 
 def events_of(data: xarray.Dataset) -> list[Event]:
-    """The events of this launch; a slice of several tells its own by its number.
+    """The events of this launch; a slice of several launches selects them by its number.
 
     Parameters
     ----------
@@ -130,7 +131,7 @@ def events_of(data: xarray.Dataset) -> list[Event]:
 
 
 def _spans(log: list[Event], data: xarray.Dataset, times: Floats) -> list[Span]:
-    """From when to when the disk stuck: from the log, or from the samples where there is none."""
+    """Spans of sticking from the log, or from the samples where the log has no such event."""
     if "mode" not in data:
         return []
     stuck = data["mode"].values == STICKING
