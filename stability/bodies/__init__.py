@@ -1,6 +1,6 @@
 """Bodies that roll, contact laws.
 
-The record that a launch asks of a body; the thin disk has a folder of its own.
+`model.py` has the record that a launch needs of a body.  `thin_disk` has the disk.
 May import `systems`, `jobs` and the floors below.
 To add a contact law: a subclass of `Contact` in `contact_laws.py`.
 To add a family of the disk: a `DiskFamily` in `bodies/thin_disk/disk_families.py`.

@@ -1,4 +1,4 @@
-"""The base of the contact laws: what the plane does to the rim."""
+"""The base of the contact laws: the force of the plane on the rim."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Scales:
     values
         `mass`, `radius` and `gravity` by name [kg, m, m/s²].
     root
-        Square root of that number type; not called for what no law asks.
+        Square root of that number type; called only for the units that a law uses.
     """
 
     def __init__(self, values: Mapping[str, Any], root: Callable[[Any], Any]) -> None:
@@ -63,7 +63,7 @@ class Parameter:
     dimensionless: Callable[[Any, Scales], Any] = plain
     """(value in SI, units of the body) → the number in the equations, by + - * / alone."""
     symbol: str = ""
-    """Its name in the equations, by default its own; two fields of one symbol are alternatives."""
+    """Name in the equations, `name` if empty; fields with the same symbol are alternatives."""
     zero: bool = False
     """Whether zero is accepted."""
 
@@ -77,11 +77,11 @@ class Parameter:
 class Contact:
     """The base of the contact laws; a law is one frozen subclass, here or in a user's module.
 
-    A law states its `name`, its `parameters` and its `force`; from these everything else follows:
+    A law states its `name`, its `parameters` and its `force`.  These give everything else:
     spectra, boundaries, maps, motions, and the command line (`--contact module:Class`).  Each
-    parameter is a field of the class, and is refused unless it is a finite number above zero (or
-    zero, where `Parameter.zero` says so).  The force must vanish with the slip and depend linearly
-    on the normal force.
+    parameter is a field of the class.  Its value must be a finite number above zero (or zero, where
+    `Parameter.zero` says so).  The force must vanish with the slip and depend linearly on the
+    normal force.
 
     Raises
     ------
@@ -106,11 +106,11 @@ class Contact:
     """
 
     name: ClassVar[str] = ""
-    """The word in files and messages."""
+    """Name of the law in files and messages."""
     parameters: ClassVar[tuple[Parameter, ...]] = ()
-    """What the force depends on, in the order of its last argument."""
+    """Parameters of the force, in the order of its last argument."""
     conservative: ClassVar[bool] = False
-    """Whether energy is kept, so that the reduced spectrum is even in λ."""
+    """Whether energy is conserved, so that the reduced spectrum is even in λ."""
     slips: ClassVar[bool] = True
     """Whether the slip at the contact belongs to the state that a spectrum needs."""
     linearises: ClassVar[bool] = True
@@ -135,7 +135,7 @@ class Contact:
 
     @property
     def given(self) -> dict[str, Any]:
-        """Each parameter by the name under which it was given; empty for a law without one."""
+        """Each given parameter by name; empty for a law without parameters."""
         values = {p.name: getattr(self, p.name, None) for p in self.parameters}
         return {n: v for n, v in values.items() if v is not None}
 
@@ -151,7 +151,7 @@ class Contact:
         Parameters
         ----------
         given
-            Numbers by name, in the user's units; what is no parameter is left alone.
+            Numbers by name, in the user's units; names that are no parameters are ignored.
         scales
             Units of the body.
         """
@@ -163,12 +163,12 @@ class Contact:
 
     @classmethod
     def accepted(cls, name: str, value: Any) -> Number:
-        """Values of a parameter in double precision, or a refusal that says what is accepted.
+        """Values of a parameter in double precision, or an error that says what is accepted.
 
         Parameters
         ----------
         name
-            Of the parameter.
+            Name of the parameter.
         value
             A number or an array of numbers, any shape.
         """
@@ -180,12 +180,12 @@ class Contact:
 
     @classmethod
     def alternatives(cls, name: str) -> tuple[str, ...]:
-        """Names of the parameters that are given in place of this one, itself among them.
+        """Names of the parameters with the symbol of this one, its own name included.
 
         Parameters
         ----------
         name
-            Any name.
+            Name of a parameter; for any other name the result is empty.
         """
         places = {p.place for p in cls.parameters if p.name == name}
         return tuple(p.name for p in cls.parameters if p.place in places)
@@ -201,7 +201,7 @@ class Contact:
         normal
             Normal force [m g].
         mu
-            The law's dimensionless parameter [-]; of several a tuple, in order.
+            Dimensionless parameter of the law [-]; for several parameters a tuple, in order.
         """
         raise NameUnknownError(f"the contact law {type(self).__name__} states no force.")
 

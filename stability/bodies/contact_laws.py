@@ -1,4 +1,4 @@
-"""The stored contact laws: what the plane does to the rim, one class each."""
+"""The stored contact laws, one class each."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def _over_speed(value: Any, scales: Scales) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Smooth(Contact):
-    """No friction at all: L·ẑ, omega3 and energy are kept.
+    """No friction at all: L·ẑ, omega3 and energy are conserved.
 
     Examples
     --------
@@ -54,7 +54,7 @@ class Viscous(Contact):
     Parameters
     ----------
     mu
-        Positive [s/m]; dimensionless mu* = mu √(gR).
+        Friction coefficient, positive [s/m]; dimensionless mu* = mu √(gR).
 
     Raises
     ------
@@ -90,14 +90,14 @@ class LinearViscous(Contact):
     Parameters
     ----------
     c
-        Positive [kg/s]; dimensionless c* = (c/m) √(R/g).
+        Friction coefficient, positive [kg/s]; dimensionless c* = (c/m) √(R/g).
     mu
-        In place of c: positive [s/m], meaning c = mu m g of the disk in question.
+        Friction coefficient in place of c, positive [s/m]; then c = mu m g of the disk.
 
     Raises
     ------
     ParameterError
-        If not exactly one of them is given, or it is not a finite number above zero.
+        Unless exactly one of c and mu is given, as a finite number above zero.
 
     Examples
     --------
@@ -108,7 +108,7 @@ class LinearViscous(Contact):
     c: ArrayLike | None = None
     """Friction coefficient [kg/s], or None."""
     mu: ArrayLike | None = None
-    """Friction coefficient of the viscous law it is like [s/m], or None."""
+    """Friction coefficient of the viscous law with the same linearisation [s/m], or None."""
     name: ClassVar[str] = "linear-viscous"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("c", "kg/s", _drag, "mu"), Parameter("mu", "s/m", _times_speed, "mu"),
@@ -132,7 +132,7 @@ class LinearViscous(Contact):
         mu
             Friction coefficient of the viscous law [s/m].
         disk
-            Gives m g.
+            The body, for m g.
 
         Examples
         --------
@@ -142,7 +142,7 @@ class LinearViscous(Contact):
         coefficient: Number = positive("mu", mu, ZERO_MU)
         force = instance("disk", disk, Disk, "give a stability.Disk").force
         broadcast(mu=np.shape(coefficient), disk=np.shape(force))
-        with np.errstate(over="ignore", under="ignore"):  # what overflows is refused
+        with np.errstate(over="ignore", under="ignore"):  # an overflow is refused
             return cls(coefficient * force)
 
     @OVER_ANY_NUMBER
@@ -168,7 +168,7 @@ class Rough(Contact):
 
     @OVER_ANY_NUMBER
     def power(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
-        """Zero: no slip, no loss."""
+        """Zero, because there is no slip."""
         return 0
 
 
@@ -176,13 +176,13 @@ class Rough(Contact):
 class Coulomb(Contact):
     """Dry friction, set-valued at rest: −mu·gn along the slip, or sticking with |F| ≤ mu·gn.
 
-    Sticking is the rough disk inside the friction cone.  The law has no linearisation of its own,
-    so it is for motion (`simulate`) and not for spectra.
+    Sticking is the rough disk inside the friction cone.  The law has no linearisation at rest, so
+    it is for motion (`simulate`) and not for spectra.
 
     Parameters
     ----------
     mu
-        Positive [-], static and kinetic alike.
+        Friction coefficient, positive [-], the same at rest and in slip.
 
     Raises
     ------
@@ -213,19 +213,19 @@ class Coulomb(Contact):
 
 @dataclass(frozen=True, eq=False)
 class RegularisedCoulomb(Contact):
-    """Dry friction made smooth: −mu·gn·vA/√(|vA|² + ε²); it creeps where `Coulomb` sticks.
+    """Dry friction made smooth: −mu·gn·vA/√(|vA|² + ε²); the disk creeps where `Coulomb` sticks.
 
     Parameters
     ----------
     mu
-        Positive [-].
+        Friction coefficient, positive [-].
     epsilon
-        Slip speed below which the force gives way, positive [m/s].
+        Slip speed ε below which the force decreases to zero, positive [m/s].
 
     Raises
     ------
     ParameterError
-        If one of them is not a finite number above zero.
+        If mu or epsilon is not a finite number above zero.
 
     Examples
     --------
@@ -236,7 +236,7 @@ class RegularisedCoulomb(Contact):
     mu: ArrayLike
     """Friction coefficient [-]."""
     epsilon: ArrayLike
-    """Slip speed below which the force gives way [m/s]."""
+    """Slip speed below which the force decreases to zero [m/s]."""
     name: ClassVar[str] = "coulomb-regularised"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("mu", "1"), Parameter("epsilon", "m/s", _over_speed),
@@ -321,11 +321,11 @@ class Creep3(Creep):
 CREEP: tuple[type[Contact], ...] = (Rough, Creep1, Creep2, Creep3)
 """The slow manifold of viscous contact by order; order 0 is the rough disk."""
 LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, LinearViscous, Rough)}
-"""The stored contact laws of which spectra are asked, by name."""
+"""The stored contact laws that `spectrum` accepts, by name."""
 MOTION_LAWS: dict[str, type[Contact]] = LAWS | {
     law.name: law for law in (Coulomb, RegularisedCoulomb, *CREEP[1:])
 }
-"""The stored contact laws that `simulate` takes, by name."""
+"""The stored contact laws that `simulate` accepts, by name."""
 
 
 def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]:
@@ -336,12 +336,13 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
     law
         A key of `MOTION_LAWS`, or a subclass of `Contact`.
     motion
-        Whether it is for a motion; spectra ask of laws that have a linearisation.
+        Whether the law is for a motion; a spectrum needs a law with a linearisation.
 
     Raises
     ------
     NameUnknownError
-        If it is neither, or has no linearisation where one is needed.
+        If `law` is neither, or has no linearisation where one is needed, or is a user's law that
+        sticks or leaves out the slip.
 
     Examples
     --------
@@ -368,12 +369,12 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
 
 
 def spelled(laws: Mapping[str, type[Contact]]) -> str:
-    """How laws are written, for a message: `Smooth(), Viscous(mu)`.
+    """Laws as a user writes them, for a message: `Smooth(), Viscous(mu)`.
 
     Parameters
     ----------
     laws
-        By name.
+        Laws by name.
     """
     words = []
     for law in laws.values():
@@ -383,11 +384,11 @@ def spelled(laws: Mapping[str, type[Contact]]) -> str:
 
 
 def stored(law: type[Contact]) -> bool:
-    """Whether the package holds exact polynomials and proofs for a law: none for a user's.
+    """Whether the package has exact polynomials and proofs for a law; false for a user's law.
 
     Parameters
     ----------
     law
-        Its class.
+        Class of the law.
     """
     return LAWS.get(law.name) is law

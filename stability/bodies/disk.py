@@ -15,15 +15,15 @@ from ..base.errors import ParameterError
 
 @dataclass(frozen=True, eq=False)
 class Disk:
-    """A thin rigid body of revolution with a sharp circular rim, lying in its own mid-plane.
+    """A thin rigid body of revolution with a sharp circular rim in its mid-plane.
 
-    With the defaults m = R = g = 1 every number is dimensionless (time in √(R/g), speed in
-    √(gR)); give SI values and every number is SI.  Any field may be an array: arrays broadcast.
+    With the defaults m = R = g = 1 every number is dimensionless (time in √(R/g), speed in √(gR)).
+    With SI values every number is SI.  Any field may be an array: arrays broadcast.
 
     Parameters
     ----------
     mass, radius, gravity
-        Positive [kg, m, m/s²].
+        Mass, radius of the rim and acceleration of free fall, positive [kg, m, m/s²].
     k
         Inertia factor in (0, 1/2] [-].
 
@@ -91,7 +91,7 @@ class Disk:
         Parameters
         ----------
         inner_radius
-            r in [0, R], in the same unit as `radius` [m].
+            Inner radius r in [0, R], in the same unit as `radius` [m].
         **scales
             `mass`, `radius`, `gravity` as in the constructor.
 
@@ -109,7 +109,7 @@ class Disk:
         inner = np.asarray(checked("inner_radius", inner_radius))
         radius = np.asarray(positive("radius", scales.get("radius", 1.0)))
         broadcast(inner_radius=inner.shape, radius=radius.shape)
-        with np.errstate(all="ignore"):  # what overflows is refused below
+        with np.errstate(all="ignore"):  # an overflow is refused below
             ratio = inner / radius
         if (ratio < 0).any() or (ratio > 1).any():
             bad = np.broadcast_to(inner, ratio.shape)[(ratio < 0) | (ratio > 1)].flat[0]
@@ -181,7 +181,7 @@ class Disk:
 
     @property
     def dimensionless(self) -> bool:
-        """Whether m = R = g = 1, so that no unit is owed."""
+        """Whether m = R = g = 1, so that numbers have no unit."""
         scales = (self.mass, self.radius, self.gravity)
         if all(isinstance(v, float) for v in scales):
             return scales == (1.0, 1.0, 1.0)
@@ -189,7 +189,7 @@ class Disk:
 
 
 def _scales(scales: dict[str, Any], what: str) -> dict[str, Any]:
-    """Mass, radius and gravity as they were given; k and unknown words are refused."""
+    """Mass, radius and gravity as given; k and unknown keywords are refused."""
     if "k" in scales:
         raise ParameterError(f"k is given, but {what} has its own; leave it out.")
     for name in scales:
@@ -218,4 +218,4 @@ REAL_DISKS: dict[str, tuple[dict[str, float], str]] = {
         "300 g, 90 cm interior diameter; taken as a thin hoop",
     ),
 }
-"""Real disks by name: constructor arguments in SI units, and where they come from."""
+"""Real disks by name: constructor arguments in SI units, and their source."""

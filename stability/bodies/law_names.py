@@ -1,4 +1,4 @@
-"""Contact laws by name, as on the command line: a stored law, or `module:Class` of a user's."""
+"""Contact laws by name, as on the command line: a stored law, or `module:Class` of a user's law."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def law_named(
     Parameters
     ----------
     name
-        A key of `LAWS`, or `module:Class` for a law of a user's.
+        A key of `MOTION_LAWS`, or `module:Class` for a user's law.
     mu
-        Friction coefficient [s/m], or None for a law without one; for `linear-viscous` the
-        coefficient is c = mu m g, which has the same linearisation.
+        Friction coefficient [s/m, dry friction: -], or None for a law without one.  For
+        `linear-viscous` it gives c = mu m g, with the same linearisation.
     needed
-        Whether a law with a coefficient must be given one; else 1 stands in.
+        Whether a missing coefficient is an error; otherwise its value is 1.
     motion
-        Whether it is for a motion, which dry friction can have.
+        Whether the law is for a motion; dry friction is accepted only then.
     epsilon
         Slip speed of `coulomb-regularised` [m/s].
     others
@@ -42,9 +42,9 @@ def law_named(
     Raises
     ------
     NameUnknownError
-        If the law is unknown.
+        If the law is unknown, or is refused by `law_class`.
     ParameterError
-        If a parameter is missing, or given to a law that has none, or not positive.
+        If a parameter is missing or not positive, or the law does not have it.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def class_named(name: str, *, motion: bool = False) -> type[Contact]:
 
 
 def _supply(law: type[Contact], name: str, given: dict[str, Any], *, needed: bool) -> None:
-    """Let 1 stand in for a friction coefficient that is not needed, or say what is missing."""
+    """Set a coefficient that is not needed to 1, or refuse one that is missing."""
     if name == "epsilon" and law is RegularisedCoulomb:
         raise ParameterError(
             "epsilon is missing; coulomb-regularised needs the slip speed below which its "

@@ -1,4 +1,4 @@
-"""Everything that a launch asks of a body, or of a user's system, as one record."""
+"""One record of everything that a launch needs of a body, or of a user's system."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..systems.system import System
 WORK, PROBE = "work", "probe"
 """Entries of y: the energy lost since the start; a bounded function without symmetry."""
 PROBE_UNIT = 1024.0
-"""What the probe is counted in, so that it never decides a step that another entry can decide."""
+"""Unit of the probe, so large that the probe never decides a step that another entry can decide."""
 TAKEN = (
     "time", "outcome", "evidence", "end_time", "end_time_error", "settled_time", "energy_error",
     "final_error", "steps", "method", "running", "number", "nearest_family", "nearest_distance",
@@ -29,11 +29,11 @@ TAKEN = (
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Equations, guards, observables and names that a launch asks for.
+    """Equations, guards, observables and names that a launch needs.
 
-    y holds the states of the system, then the energy lost where an account is kept, then what else
-    the body carries along (its pose).  A guard is a function of y that stays positive: when the
-    first of them reaches zero, the run has ended there.
+    y holds the states of the system, then the energy lost (where it is counted), then further
+    entries such as the pose.  A guard is a function of y that stays positive.  The run ends where
+    the first guard reaches zero.
     """
 
     system: System
@@ -57,19 +57,19 @@ class Model:
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
     """Names in words and units; a name without a record has its unit from the system."""
     friction: str = ""
-    """The parameter in proportion to which slip decays, if there is one."""
+    """Name of the parameter that the decay rate of slip is proportional to; empty for none."""
     turning: tuple[int, ...] = ()
-    """Entries of y that are angular velocities: the pace of the motion."""
+    """Indices in y of the angular velocities, which give the pace of the motion."""
     sliding: tuple[int, ...] = ()
-    """Entries of y that a stiff motion soon loses: stiffness is looked at without them too."""
+    """Indices in y of the entries that soon decay if stiff; stiffness is found without them too."""
     parking: Callable[[Any, Any, int], None] | None = None
-    """Puts one lane of a batch (states, parameters, lane) on a motion that costs few steps."""
+    """Puts one lane of a batch (states, parameters, lane) on a motion that needs few steps."""
     sound: Callable[[Any], bool] | None = None
-    """Cheap look at states, shape (t, n), for a guard that failed there; all guards where None."""
+    """Cheap test that no guard failed at states, shape (t, n); None: all guards are evaluated."""
     title: str = ""
-    """What a motion's dataset is called."""
+    """Title of a motion's dataset."""
     source: str = ""
-    """Where the equations are from."""
+    """Source of the equations."""
 
     @property
     def accounted(self) -> bool:
@@ -84,7 +84,7 @@ class Model:
         name
             A state, parameter or observable, or `time`.
         dimensionless
-            Whether the body's units are all 1; the units of a user's system are its own.
+            Whether the body's units are all 1; not used for a user's system, which states units.
         """
         known = self.quantities.get(name)
         if known is not None:
@@ -98,12 +98,12 @@ class Model:
 
 @lru_cache(maxsize=64)
 def system_model(system: System) -> Model:
-    """The model of a user's system: its conditions are the guards, all it observes is reported.
+    """The model of a user's system: its conditions are the guards, its observables are reported.
 
     Parameters
     ----------
     system
-        Any; the energy lost is counted where it observes an `energy` and a `power`.
+        Any system; the energy lost is counted if `energy` and `power` are among its observables.
 
     Returns
     -------
@@ -112,7 +112,8 @@ def system_model(system: System) -> Model:
     Raises
     ------
     ParameterError
-        If a name is one that a motion's dataset has for itself.
+        If a name is in `TAKEN`, cannot be stored in a file, or is both that of an observable and
+        that of a state or parameter.
 
     Examples
     --------
@@ -159,9 +160,9 @@ def system_model(system: System) -> Model:
 def _probed(x: ca.SX, probe: ca.SX) -> ca.SX:
     """The rate of the probe: its Taylor series has all orders where those of the states have gaps.
 
-    A Taylor integrator takes its step from the last two orders.  Let go at a right angle, the angle
-    of a pendulum has the orders 2, 6, 10, 14 alone: at order 12 both are zero, and the step has no
-    bound (tests/motion/test_system_motion.py).
+    A Taylor integrator takes its step from the last two orders.  The angle of a pendulum that
+    starts at rest at a right angle has the orders 2, 6, 10, 14 alone.  At order 12 both are zero,
+    and the step has no bound (tests/motion/test_system_motion.py).
     """
     weights = 0.7 + 0.3 * np.modf((5**0.5 - 1) / 2 * np.arange(x.numel()))[0]
     sum_of_all = ca.dot(ca.DM(weights), x)

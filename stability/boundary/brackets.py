@@ -1,9 +1,9 @@
-"""Where the verdict changes: proved brackets, what crosses there, and at what frequency.
+"""Changes of verdict along an axis: proved brackets, the kind of crossing, and its frequency.
 
 A boundary point is a root, along one axis, of the constant term (static boundary) or of the Hurwitz
-determinant (flutter boundary) of the reduced characteristic polynomial, which is evaluated in balls
-from the same graph.  The bracket that is reported is proved: Routh's array, in balls, gives
-different verdicts at its two ends.
+determinant (flutter boundary) of the reduced characteristic polynomial.  The polynomial is
+evaluated in balls from the family's graph.  The reported bracket is proved: Routh's array, in
+balls, gives different verdicts at its two ends.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ MOST_BITS = 1024
 
 
 class AxisScan:
-    """A family along one axis, everything else fixed, evaluated in balls.
+    """A family along one axis, all other quantities fixed, evaluated in balls.
 
     Parameters
     ----------
@@ -50,13 +50,13 @@ class AxisScan:
     def __init__(self, problem: Problem, axis: str, fixed: Mapping[str, float]) -> None:
         self.problem, self.axis, self.fixed = problem, axis, dict(fixed)
         self.neutral: bool | None = None
-        """Whether neutral members are on the good side; judged one by one where it is None."""
+        """Whether neutral members are on the good side; None: each is judged by itself."""
         self._near: list[float] | None = None
         self._solution: tuple[int, list[Any], list[Any]] | None = None
         self._known: dict[tuple[float, int], list[Any]] = {}
 
     def coefficients(self, value: float, bits: int) -> list[Any]:
-        """Characteristic polynomial at a point of the line, to so many bits; kept once computed."""
+        """Characteristic polynomial at a point of the line, at a precision in bits; cached."""
         key = value, bits
         if key not in self._known:
             self._known[key] = self._coefficients(value, bits)
@@ -68,7 +68,7 @@ class AxisScan:
             a, q = self.problem.balls(self.fixed | {self.axis: value})
             if not family.unknown or family.closed:
                 return characteristic(family, a, q)
-            # a member that is not unique is the one that the family's guess leads to
+            # a member that is not unique is found from the family's guess alone
             unique = self.problem.derived
             for near in (self._near, None) if unique else (None,):
                 try:
@@ -98,7 +98,7 @@ class AxisScan:
 
     def _solved(self, a: list[Any], q: list[Any], near: list[float] | None) -> list[Any]:
         family = self.problem.family
-        # what the equation does not depend on (mu, for the disk) may move without a new solution
+        # quantities that are not in the equation (mu, for the disk) change without a new solution
         used = [(*a, *q)[i] for i in family.graph.used]
         if self._solution and self._solution[0] == ctx.prec and self._solution[1] == used:
             return matrix_polynomial(family, a, self._solution[2], q)
@@ -118,11 +118,11 @@ class AxisScan:
         )
 
     def sign(self, value: float) -> int:
-        """1: stable or neutral, proved; -1: unstable, proved; 0: on the boundary as far as seen."""
+        """Proved verdict: 1 stable or neutral, -1 unstable, 0 on the boundary or undecided."""
         return self.sign_of(*self._proved(value))
 
     def quick_sign(self, value: float) -> int:
-        """The same to look for a bracket by: structural zeros are zeros as far as balls see."""
+        """Verdict in the search for a bracket, as `sign`; structural zeros may lack a proof."""
         return self.sign_of(*self.look(value))
 
     def sign_of(self, found: Verdict, generic: bool) -> int:
@@ -131,19 +131,19 @@ class AxisScan:
         Parameters
         ----------
         found, generic
-            From `look`.
+            Result of `look`.
         """
         if found is Verdict.NEUTRAL:
             return int(generic if self.neutral is None else self.neutral)
         return {Verdict.STABLE: 1, Verdict.UNSTABLE: -1}.get(found, 0)
 
     def look(self, value: float) -> tuple[Verdict, bool]:
-        """The verdict for `quick_sign`; if neutral, whether neighbours on one side may be so too.
+        """The verdict for `quick_sign`; if neutral, whether verdicts on one side may be too.
 
         Parameters
         ----------
         value
-            Of the axis.
+            Value of the axis.
         """
         family = self.problem.family
         if not self.problem.derived and not certain(family):
@@ -158,7 +158,7 @@ class AxisScan:
     def _proved(self, value: float) -> tuple[Verdict, bool]:
         own = not self.problem.derived
         if own and not certain(self.problem.family):
-            return self._by_member(value)  # which zeros are structural is proved there
+            return self._by_member(value)  # proves which zeros are structural
         bits = BITS
         while bits <= (BITS if own else MOST_BITS):
             with precision(bits):
@@ -173,15 +173,15 @@ class AxisScan:
         return (best(even=even) if sign > 0 else Verdict.UNSTABLE), even
 
     def _by_member(self, value: float) -> tuple[Verdict, bool]:
-        """The same by every means of `certify`: over Q, in a number field, in balls."""
+        """The verdict by every means of `certify`: over Q, in a number field, in balls."""
         member = member_at(self.problem, self.fixed | {self.axis: value})
         zeros = structural_zeros(member)
         found, _ = of_member(member, zeros)
-        # all eigenvalues on the axis; or else one that is just crossing it
+        # if even, all eigenvalues are on the axis; otherwise one is just crossing it
         return found, all(member.flags[zeros + 1 :: 2]) and not member.flags[zeros]
 
     def function(self, crossing: Crossing) -> Callable[[float], float]:
-        """The number whose sign changes where something crosses, as a float of the right sign."""
+        """Function of the axis whose sign changes at a crossing: a float with the proved sign."""
 
         def signed(value: float) -> float:
             bits = BITS
@@ -211,7 +211,7 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     Returns
     -------
     BoundaryPoint or None
-        None if the proved verdicts at the two ends are the same.
+        None if the verdicts at the two ends are the same, or no bracket is proved.
     """
     signs = line.quick_sign(low), line.quick_sign(high)
     if signs[0] == signs[1] and signs[0]:
@@ -225,7 +225,7 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     for end, other, beyond in ((low, high, signs[1]), (high, low, signs[0])):
         if line.quick_sign(float(np.nextafter(end, other))) == beyond:
             return at_point(line, end)  # only the end itself differs, as without any damping
-    # Both determinants may change an even number of times: find the verdict's change first.
+    # Both determinants may change sign an even number of times: find the change of verdict first.
     root = _zero(lambda v: float(line.quick_sign(v)), low, high)
     for width in (1e-6, 1e-9, 1e-12):
         near = max(low, root - width * abs(root)), min(high, root + width * abs(root))
@@ -267,14 +267,14 @@ def bracket(
     sign
         The proved verdict at a value of the axis: 1, -1, or 0 where none is proved.
     root
-        The value.
+        Value of the axis.
     room
-        How far away the next root is.
+        Distance to the next root.
 
     Returns
     -------
     width, stable_below
-        Half-width, and whether the stable side is below; or None.
+        Half-width, and whether the stable side is below; None if no bracket is proved.
     """
     width = float(np.spacing(abs(root))) if root else 1e-300
     while width <= min(1e-6 * max(abs(root), 1e-3), 0.9 * room):
@@ -286,7 +286,7 @@ def bracket(
 
 
 def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:
-    """|Im λ| of what crosses, in the user's unit of rate; 0 at a static boundary.
+    """|Im λ| of the pair that crosses, in the user's unit of rate; 0 at a static boundary.
 
     Parameters
     ----------
@@ -295,7 +295,7 @@ def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:
     root
         Value of its axis.
     crossing
-        What crosses.
+        Kind of crossing.
     """
     if crossing is Crossing.STATIC:
         return 0.0
@@ -317,7 +317,7 @@ def at_point(line: AxisScan, value: float) -> BoundaryPoint | None:
     value
         Value of its axis.
     """
-    with precision(MOST_BITS):  # which of the two determinants vanishes there
+    with precision(MOST_BITS):  # to see which of the two determinants vanishes
         p = line.polynomial(value, MOST_BITS)
         crossing = Crossing.STATIC if p[0].contains(0) else Crossing.FLUTTER
     return _bracket(line, value, crossing)

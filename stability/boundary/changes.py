@@ -1,4 +1,4 @@
-"""Every change of verdict along one axis: by exact roots where there are any, else by a scan."""
+"""Every change of verdict along one axis: by exact roots where possible, otherwise by a scan."""
 
 from __future__ import annotations
 
@@ -41,20 +41,21 @@ def boundaries(
     at: ArrayLike | None = None,
     **parameters: ArrayLike,
 ) -> Boundaries:
-    """Every change of verdict along one axis, proved, with what crosses there.
+    """Every change of verdict along one axis, proved, with the kind of crossing.
 
     For the disk, and for a user's family whose graph is rational in the axis, every real root of
     every condition is isolated exactly, so that the result is complete.  Any other family is
-    scanned; the result then says what it could not exclude, and a `StabilityWarning` repeats it.
+    scanned.  The result then says where a change is not excluded, and a `StabilityWarning` repeats
+    this.
 
     Parameters
     ----------
     family, disk, contact, at, **parameters
-        As for `stability_map`, everything but the axis a single number; where the axis is one of
-        circling's theta and phi_dot, `at` is the other.
+        As for `stability_map`, with one number for every quantity but the axis.  Where the axis is
+        circling's theta or phi_dot, `at` is the other of the two.
     axis
         (name, low, high, n) or (name, low, high, n, "log"); both ends belong to it.  n is the
-        number of points of the scan, where there is one.
+        number of points of a scan, where one is needed.
 
     Returns
     -------
@@ -103,26 +104,26 @@ def along(
     Parameters
     ----------
     problem
-        Family with a value for everything but the axis.
+        Family with a value for every quantity but the axis.
     axis
         Name of the axis.
     low, high
-        Its interval, both ends included.
+        Ends of its interval, both included.
     points
-        Points of the scan, where there has to be one: for a user's family whose graph is not
+        Number of points of the scan, where one is needed: for a user's family whose graph is not
         rational in the axis.
     log
-        Whether the scan is even in the logarithm.
+        Whether the points of the scan have equal ratios.
 
     Returns
     -------
     Boundaries
-        In increasing order, with what could not be excluded.
+        Changes in increasing order, with the pieces of the axis that stay unresolved.
 
     Raises
     ------
     ParameterError
-        If the interval is empty.
+        If the interval is empty, or there are fewer than two points.
 
     Examples
     --------
@@ -157,14 +158,14 @@ def located(line: AxisScan, found: Search) -> Boundaries:
     line
         The line.
     found
-        From `search`.
+        Result of `search`.
 
     Returns
     -------
     Boundaries
     """
     if line.problem.exact is None:
-        structure(line.problem.family)  # refuses a family that is called conservative and is not
+        structure(line.problem.family)  # refuses a family that is declared conservative and is not
     sign = _proof(line, found)
     changes = [m for m in found.marks if m.kind != "pole" and m.below != m.above]
     places = [m.value for m in changes]
@@ -198,7 +199,7 @@ def located(line: AxisScan, found: Search) -> Boundaries:
 
 
 def _touching(line: AxisScan, found: Search) -> tuple[list[float], list[float]]:
-    """Values at which alone the verdict is neutral, and those where that is not decided."""
+    """Single values at which the verdict is neutral, and those where this is not decided."""
 
     def proved(value: float) -> Verdict:
         return certified(line.problem, line.fixed | {line.axis: value})
@@ -232,12 +233,12 @@ def _proof(line: AxisScan, found: Search) -> Callable[[float], int]:
     def by_graph(value: float) -> int:
         try:
             return line.sign(value)
-        except StabilityError:  # beyond the end of what the body can have
+        except StabilityError:  # outside the range of the body's values
             return 0
 
     if exact is None:
         return exactly
-    if isinstance(source, Characteristic):  # an eigenvalue stays on the axis: balls cannot see it
+    if isinstance(source, Characteristic):  # balls cannot see an eigenvalue that stays on the axis
         return lambda value: exactly(value) or by_graph(value)
     return lambda value: by_graph(value) or exactly(value)
 
@@ -263,7 +264,7 @@ def _pole(line: AxisScan, mark: Mark) -> Unresolved:
 
 
 def _scanned(line: AxisScan, grid: Floats) -> Boundaries:
-    """Changes between the points of a scan, and everything that it cannot exclude."""
+    """Changes between the points of a scan, and the pieces on which it excludes none."""
     values = [float(v) for v in grid]
     signs, left = _signs(line, values)
     known = [i for i, s in enumerate(signs) if s]
@@ -295,7 +296,7 @@ def _scanned(line: AxisScan, grid: Floats) -> Boundaries:
 
 
 def _signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
-    """Proved verdicts at the points of a scan, and those at which there is no member."""
+    """Signs by `look` at the points of a scan, and the points without a member."""
     found: list[tuple[Verdict, bool]] = []
     left: list[Unresolved] = []
     errors: list[StabilityError] = []
@@ -308,7 +309,7 @@ def _signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unr
             left.append(Unresolved(value, value, f"no verdict there: {error}"))
     if len(errors) == len(values):
         raise errors[0]
-    # neutral next to stable is a point of a boundary; alone it is the good verdict
+    # among stable members a neutral one is on a boundary; without stable ones neutral is good
     line.neutral = all(verdict is not Verdict.STABLE for verdict, _ in found)
     return [line.sign_of(*pair) for pair in found], left
 
@@ -321,11 +322,11 @@ def _open(value: float) -> str:
 
 
 def _between(line: AxisScan, values: Sequence[float], *, changed: bool) -> BoundaryPoint | None:
-    """The change between two points of proved verdict, with points of none between them."""
+    """The change between two points with a verdict; points between the two have none."""
     if not changed:
         return None
     try:
         point = at_point(line, values[1]) if len(values) == 3 else None  # on the boundary itself
         return point or refine(line, values[0], values[-1])
-    except StabilityError:  # somewhere between there is no member
+    except StabilityError:  # there is no member somewhere between
         return None

@@ -1,9 +1,9 @@
-"""What vanishes where a verdict can change along an axis, and the verdict between.
+"""Polynomials that vanish where a verdict can change along an axis, and the verdicts between.
 
-For the disk these are the conditions over Q of `stability.bodies.thin_disk.disk_polynomials`, with
-everything but the axis put in as the exact ratio of its double.  For a user's family whose graph is
-rational in the axis they come from its characteristic polynomial: between neighbouring roots no
-eigenvalue meets the imaginary axis, so one exact verdict holds on all of each piece.
+For the disk these are the conditions over Q of `stability.bodies.thin_disk.disk_polynomials`, where
+every quantity but the axis is the exact ratio of its double.  For a user's family whose graph is
+rational in the axis they come from its characteristic polynomial.  Between neighbouring roots no
+eigenvalue meets the imaginary axis, so one exact verdict holds on each piece.
 
 Source: Orlando's formula (F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV § 7) for the
 resultant of even and odd part; tests/boundary/test_boundaries.py counts the roots by another route.
@@ -35,8 +35,8 @@ def frequency(polynomial: Sequence[Any], *, even: bool = False) -> float:
     polynomial
         Coefficients as balls, lowest first, of a polynomial with a pair near the axis.
     even
-        Whether it is q(λ²) with two squares that meet; every pair is on the axis then, and asked is
-        the one that meets another.
+        Whether the polynomial is q(λ²) with two roots in λ² that meet.  Every pair is then on the
+        axis, and the frequency is that of two pairs that meet.
 
     Returns
     -------
@@ -72,8 +72,8 @@ def _meeting(squares: Any) -> float:
 
 
 MOST_WORK = 300_000
-"""Degree of what has to be solved, times states, times bits of a coefficient, beyond which it is
-not: about ten seconds."""
+"""Most work on one polynomial, degree times states³/2 times bits of a coefficient: about ten
+seconds."""
 
 MOST_STATES = 12
 """States of the largest system whose characteristic polynomial is expanded."""
@@ -92,8 +92,8 @@ def characteristic_ratios(family: Family, a: Sequence[Any], q: Sequence[Any]) ->
     Returns
     -------
     coefficients, denominator
-        Of a positive multiple (up to sign) of det(λ - A) by powers of λ, lowest first, without
-        common factor; and the polynomial in x at whose zeros an entry of A has no value.  All are
+        Coefficients of a multiple of det(λ - A) by powers of λ, lowest first, without common
+        factor; and the polynomial in x at whose zeros an entry of A has no value.  All are
         `fmpq_poly` in x.
 
     Raises
@@ -140,7 +140,7 @@ class Conditions:
     polynomials
         (kind, polynomial in x and perhaps s).
     sine
-        The s to put in, at the working precision; None where there is none.
+        Function that gives s at the working precision; None where there is no s.
     dissipative
         Whether the good verdict is stable rather than neutral.
     """
@@ -167,12 +167,12 @@ class Conditions:
         return _together([sign_at(p, x, self.sine) for _, p in self.critical])
 
     def sign_of_angle(self, sine: Callable[[], Any]) -> int:
-        """The same where the variable is the sine of the axis.
+        """The same as `sign` where the variable is the sine of the axis.
 
         Parameters
         ----------
         sine
-            Its sine at the working precision; transcendental.
+            Function that gives the sine at the working precision; a transcendental number.
         """
         turned = [RING.from_dict({(j, i): c for (i, j), c in p.terms()}) for _, p in self.critical]
         return _together([sign_at(p, fmpq(0), sine) for p in turned])
@@ -183,12 +183,12 @@ def _together(signs: Sequence[int]) -> int:
 
 
 class Characteristic:
-    """A characteristic polynomial along an axis, as the product of some factors.
+    """A characteristic polynomial along an axis, as a product of factors.
 
     Parameters
     ----------
     factors
-        Each by powers of λ, lowest first: `fmpq_poly` in x without common factor.
+        Coefficients of each by powers of λ, lowest first: `fmpq_poly` in x without common factor.
     poles
         Polynomial at whose zeros there is no linearisation, or None.
     """
@@ -228,7 +228,7 @@ class Characteristic:
         Parameters
         ----------
         x
-            Rational next to the root.
+            A rational value next to the root.
         """
         best = (float("inf"), 0.0)
         for even, rest in self.parts:
@@ -249,7 +249,7 @@ class Characteristic:
 
 
 def _parts(factor: Sequence[Any]) -> tuple[Any, Any]:
-    """q(y) of the factor's even part q(λ²), and the rest without mirrored roots; no factor λ."""
+    """q(y) of the factor's even part q(λ²), and the rest without mirrored roots, neither with λ."""
     first = next(i for i, c in enumerate(factor) if not c.is_zero())
     kept = factor[first:]
     lam = RING.gens()[1]
@@ -264,7 +264,7 @@ def _parts(factor: Sequence[Any]) -> tuple[Any, Any]:
 
 
 def _critical(even: Any, rest: Any) -> list[tuple[str, Any]]:
-    """What vanishes where an eigenvalue of either part meets the imaginary axis or infinity."""
+    """Polynomials that vanish where an eigenvalue meets the imaginary axis or infinity."""
     out: list[tuple[str, Any]] = []
     degree = rest.degrees()[1]
     if degree >= 1:

@@ -1,4 +1,4 @@
-"""What a search for changes of verdict found, and what it could not exclude."""
+"""Result of a search for changes of verdict: the changes, and the pieces that stay unresolved."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..base.errors import StabilityWarning
 
 
 class Crossing(Sentences):
-    """What crosses at a boundary; the value of each member is the sentence a user reads."""
+    """Kind of crossing at a boundary; the value of each member is the sentence a user reads."""
 
     STATIC = "static boundary: a real eigenvalue (or λ² of a conservative law) passes through zero"
     FLUTTER = "flutter boundary: a pair of eigenvalues crosses the imaginary axis"
@@ -31,11 +31,11 @@ class BoundaryPoint:
     """One point at which the verdict changes along an axis."""
 
     value: float
-    """Where, in the user's unit of the axis."""
+    """Value of the axis, in the user's unit."""
     error: float
     """Half-width of the proved bracket, same unit: the verdicts at value ± error differ."""
     crossing: Crossing
-    """What crosses."""
+    """Kind of crossing."""
     frequency: float
     """|Im λ| of the crossing pair, in the user's unit of rate; 0 at a static boundary."""
     stable_below: bool
@@ -43,21 +43,21 @@ class BoundaryPoint:
 
 
 class Unresolved(NamedTuple):
-    """A piece of an axis on which a change of verdict could not be excluded or not be located."""
+    """A piece of an axis on which a change of verdict was not excluded, or not located."""
 
     low: float
-    """Its low end, in the user's unit."""
+    """Low end, in the user's unit."""
     high: float
-    """Its high end; the same where it is one point."""
+    """High end; equal to `low` for one point."""
     reason: str
-    """One sentence."""
+    """Reason, in one sentence."""
 
 
 @dataclass(frozen=True, eq=False)
 class Boundaries(Sequence[BoundaryPoint]):
-    """Every change of verdict that a search found, in increasing order, with what it left open.
+    """Every change of verdict that a search found, in increasing order, and the unresolved pieces.
 
-    A sequence that equals the list of its points, and is false where it has none.
+    A sequence that equals the list of its points, and is false if empty.
 
     Examples
     --------
@@ -72,16 +72,15 @@ class Boundaries(Sequence[BoundaryPoint]):
     points: tuple[BoundaryPoint, ...]
     """The changes."""
     unresolved: tuple[Unresolved, ...] = ()
-    """Where a change could not be excluded, or not be bracketed; each with a reason."""
+    """Pieces on which a change was not excluded, or not bracketed; each with a reason."""
     touching: tuple[float, ...] = ()
-    """Where the verdict is neutral at this value alone: stable on both sides, or unstable on
-    both."""
+    """Values at which alone the verdict is neutral: stable on both sides, or unstable on both."""
     how: str = ""
     """One sentence on how the axis was searched."""
 
     @property
     def complete(self) -> bool:
-        """Whether it is proved that these are all changes on the closed interval."""
+        """Whether the points are proved to be all changes on the closed interval."""
         return not self.unresolved
 
     def __len__(self) -> int:
@@ -118,7 +117,7 @@ class Boundaries(Sequence[BoundaryPoint]):
         return f"<{len(self.points)} boundaries{state}: {list(self.points)!r}>"
 
     def statement(self, axis: str) -> str:
-        """One sentence that says what was searched and what could not be excluded.
+        """One sentence on how the axis was searched and what was not excluded.
 
         Parameters
         ----------
@@ -143,7 +142,7 @@ class Boundaries(Sequence[BoundaryPoint]):
         axis
             Name of the axis.
         level
-            How many calls up the warning is shown.
+            Number of calls up at which the warning is shown.
         """
         if not self.complete:
             warnings.warn(self.statement(axis), StabilityWarning, stacklevel=level)

@@ -18,7 +18,7 @@ from .crossings import BoundaryPoint, Crossing
 KINDS = {crossing: code for code, crossing in enumerate(Crossing)}
 """Flag value of each crossing in files."""
 MOST_DOUBTFUL = 20_000
-"""Undecided cells that are settled in balls for the sake of the boundary; beyond, by their sign."""
+"""Most undecided cells that are settled in balls; with more, by the sign of the abscissa."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,15 +30,15 @@ class Curves:
     y: Floats
     """Along the y axis."""
     axis: NDArray[np.int8]
-    """0 or 1: the axis along which the point was refined and its error is meant."""
+    """0 for x or 1 for y: the axis along which the point was refined and has its error."""
     error: Floats
     """Half-width of the proved bracket along that axis."""
     kind: NDArray[np.int8]
-    """What crosses, as in `KINDS`."""
+    """Kind of crossing, as in `KINDS`."""
     frequency: Floats
     """|Im λ| of the crossing pair."""
     curve: NDArray[np.int32]
-    """Which polyline; points of one polyline stand in order."""
+    """Number of the polyline; points of one polyline are in order."""
     unresolved: int
     """Grid edges on which a change was seen but not proved."""
 
@@ -57,7 +57,7 @@ def trace(
     problem
         Family with values in the user's units.
     axes
-        x and y.
+        The x and y axes.
     codes, abscissa
         Verdict flags and abscissas of the cells, shape (y, x).
     progress
@@ -119,7 +119,7 @@ def _edge(
 def _signs(
     problem: Problem, axes: tuple[Axis, Axis], codes: NDArray[np.int8], abscissa: Floats
 ) -> Floats:
-    """+1 stable or neutral, -1 unstable; cells that double precision leaves open, in balls."""
+    """+1 stable or neutral, -1 unstable; balls settle cells that double precision leaves open."""
     sign = np.where(codes == CODES[Verdict.UNSTABLE], -1.0, 1.0)
     doubtful = np.argwhere(codes == CODES[Verdict.UNDECIDED])
     sign[codes == CODES[Verdict.UNDECIDED]] = -np.sign(abscissa[codes == CODES[Verdict.UNDECIDED]])

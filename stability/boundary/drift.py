@@ -1,11 +1,11 @@
-"""How long straight rolling lasts: the slow drift of tilt and spin to the linear threshold.
+"""Duration of straight rolling: the slow drift of tilt and spin to the linear threshold.
 
-Under viscous friction straight rolling with omega3² > g/(2kR) is spectrally stable, yet a disk that
-leans circles slowly with lateral slip, and that costs energy: on the centre manifold tilt and spin
-obey dα/dt = a α³, dω₃/dt = b α², the spin falls and the tilt grows, until the threshold is crossed.
-The coefficients, the first integral and the time below are derived from the graph by
+Under viscous friction straight rolling with omega3² > g/(2kR) is spectrally stable.  Yet a
+leaning disk circles slowly with lateral slip, which costs energy.  On the centre manifold tilt and
+spin obey dα/dt = a α³, dω₃/dt = b α².  The spin falls and the tilt grows until the threshold is
+crossed.  The coefficients, the first integral and the time below are derived from the graph by
 `stability.derivation.centre_manifold`; notebooks/rolling_drift.py and tests/boundary/test_drift.py
-show it.
+show this.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def drift(
     contact: Contact | None = None,
     launch: bool = True,
 ) -> Drift:
-    """How long spectrally stable rolling with a small tilt lasts under viscous friction.
+    """Duration of spectrally stable rolling with a small tilt under viscous friction.
 
     Parameters
     ----------
@@ -86,8 +86,8 @@ def drift(
     contact
         `Viscous` or `LinearViscous`.
     launch
-        Whether the start is a launch with that tilt, phi_dot = 0 and no slip, after which a fast
-        transient changes the tilt at first order; else it lies on the slow manifold.
+        Whether the start is a launch with this tilt, phi_dot = 0 and no slip, after which a fast
+        transient changes the tilt at first order.  Otherwise it lies on the slow manifold.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def drift(
     Raises
     ------
     ParameterError
-        If the law has no friction, the start is not spectrally stable, the tilt is zero, or it
+        If the law has no friction, the start is not spectrally stable, or the tilt is zero or
         would reach π/2 on the way, where the disk lies flat.
 
     Source: tests/boundary/test_drift.py derives every formula and compares it with simulations.
@@ -125,7 +125,7 @@ def drift(
         raise ParameterError("tilt is 0; exactly upright rolling stays as it is, give a tilt.")
     if (lean >= np.pi / 2).any():
         raise ParameterError(f"tilt is {lean.max():g}; a small angle is needed, in radians.")
-    with np.errstate(all="ignore"):  # what overflows is refused below
+    with np.errstate(all="ignore"):  # an overflow is refused below
         return _drift(w, k, mu, lean, rate, shape, launch)
 
 

@@ -1,15 +1,16 @@
 """Hopf bifurcation without parameters, where a line of steady motions loses stability by flutter.
 
 At a flutter boundary of spinning and tumbling under friction one eigenvalue is zero by structure,
-for the family is a line of steady motions, and a pair crosses the imaginary axis along that line.
-Energy falls while the contact slips, so no limit cycle is born: to leading order the distance y
+because the family is a line of steady motions.  A pair crosses the imaginary axis along that line.
+Energy falls while the contact slips, so no limit cycle is born.  To leading order the distance y
 along the line and the amplitude z of the pair obey
 
     dy/dt = c |z|²,   d|z|/dt = Re μ' y |z|,   so that  y² - (c / Re μ') |z|²  is constant.
 
 Elliptic (c Re μ' < 0): a motion that starts next to the unstable part of the line swings out and
-settles on the stable part, as far from the boundary as it began.  Hyperbolic (c Re μ' > 0): it
-leaves; and of the motions that start next to the stable part only those inside a cone settle.
+settles on the stable part, as far from the boundary as its start.  Hyperbolic (c Re μ' > 0): such a
+motion leaves, and of the motions that start next to the stable part only those inside a cone
+settle.
 
 Source: B. Fiedler, S. Liebscher & J. C. Alexander, J. Differential Equations 167 (2000) 16-35;
 tests/boundary/test_hopf.py compares with an independent derivation and with simulations.
@@ -53,13 +54,13 @@ Balls = list[Any]
 BITS = 256
 """Working precision of the first attempt."""
 MOST_BITS = 4096
-"""Where raising it ends: the point is then degenerate."""
+"""Highest precision; a sign that is still open there makes the point degenerate."""
 MOST_POINTS = 100_000
 """Most points of the search."""
 
 
 class HopfKind(Sentences):
-    """What a motion next to the boundary does; the value is the sentence a user reads."""
+    """Fate of a motion next to the boundary; the value is the sentence a user reads."""
 
     ELLIPTIC = (
         "elliptic: a motion near the unstable part of the line swings out and settles on the "
@@ -103,12 +104,12 @@ class HopfPoint:
     """One dimensionless unit of the family parameter in the user's unit."""
 
     def landing(self, distance: float, amplitude: float = 0.0) -> float | None:
-        """Where on the line a motion settles, to leading order.
+        """Place on the line where a motion settles, to leading order.
 
         Parameters
         ----------
         distance
-            Of the start from the boundary along the line, in the user's unit, signed.
+            Signed distance of the start from the boundary along the line, in the user's unit.
         amplitude
             |z| of the start: the disturbance is 2 Re(z mode).
 
@@ -143,20 +144,20 @@ def hopf(
     """Every flutter boundary along a line of steady motions, with its type.
 
     The search is complete: every real root of the conditions over Q is isolated, along all of the
-    line (phi_dot > 0; theta between 0 and upright, beyond which it is mirrored).  For a law of a
-    user's, whose conditions are not stored, part of the line is scanned where its graph is not
-    rational; a `StabilityWarning` then says which.
+    line (phi_dot > 0; theta between 0 and upright, beyond which it is mirrored).  A user's law has
+    no stored conditions.  Where its graph is not rational, part of the line is scanned, and a
+    `StabilityWarning` says which part.
 
     Parameters
     ----------
     family
-        spinning, tumbling, or another with `DiskFamily.flutter`.
+        `spinning`, `tumbling`, or another family with `DiskFamily.flutter`.
     contact
-        A law with friction; one number.
+        A law with friction; each parameter is one number.
     disk
         The body, one number each; the uniform disk with m = R = g = 1 when left out.
     points
-        Of the scan, where there is one.
+        Number of points of the scan, where one is needed.
 
     Returns
     -------
@@ -166,8 +167,8 @@ def hopf(
     Raises
     ------
     ParameterError
-        If the family is no such line (rolling's boundary has two zeros and a pair, and is
-        passed slowly instead: see `stability.drift`), or the law has no friction.
+        If the family is no such line, or the law has no friction.  (Rolling's boundary has two
+        zeros and a pair, and is passed slowly instead: see `stability.drift`.)
 
     Source: tests/boundary/test_hopf.py.
 
@@ -195,7 +196,7 @@ def hopf(
             raise ParameterError(f"{name} is an array; give one number.")
     unit = record.unit(float(np.asarray(body.rate)))
     bits = BITS
-    while True:  # until the signs that make the type are proved
+    while True:  # until the signs that decide the type are proved
         last = bits >= MOST_BITS
         try:
             with precision(bits):
@@ -229,7 +230,7 @@ def _flutter(
 
 @lru_cache(maxsize=1)
 def _scanned(problem: Problem, record: DiskFamily, unit: float, points: int) -> list[Mark]:
-    """Those along part of the line, bracketed between the points of a scan."""
+    """The flutter boundaries along part of the line, bracketed between the points of a scan."""
     low, high = (v * unit for v in record.flutter or ())
     found = along(problem, "at", low, high, points=points)
     name = problem.family.name
@@ -269,7 +270,7 @@ def _second(family: Family) -> Program:
 
 
 class NormalForm(NamedTuple):
-    """Coefficients of a Hopf bifurcation without parameters, in balls that hold the exact ones."""
+    """Coefficients of a Hopf bifurcation without parameters, in balls around the exact ones."""
 
     crossing: Any
     """Re μ' per unit of the family parameter."""
@@ -299,7 +300,7 @@ def normal_form(family: Family, a: Sequence[Any], q: Sequence[Any]) -> NormalFor
     Raises
     ------
     StabilityError
-        If two eigenvalues there coincide, as far as the working precision sees.
+        If two eigenvalues there coincide at the working precision.
     """
     program = _second(family)
     a, q = ([arb(v) for v in values] for values in (a, q))
@@ -321,7 +322,7 @@ def normal_form(family: Family, a: Sequence[Any], q: Sequence[Any]) -> NormalFor
 
     def second(x: Balls, y: Balls) -> Balls:
         out = []
-        for p, r in ((x, y), (x, [-acb(0, 1) * v for v in y])):  # its real part twice
+        for p, r in ((x, y), (x, [-acb(0, 1) * v for v in y])):  # real, then imaginary part
             parts = [
                 program.run(balls(), [state, q, [v.real for v in s], [v.real for v in t]])[0]
                 for s, t in ((p, r), ([acb(0, 1) * v for v in p], [acb(0, 1) * v for v in r]))
@@ -360,15 +361,15 @@ def _tangent(family: Family, a: Balls, u: Balls, q: Balls) -> Balls:
 
 
 def exact_side(family: str, law: str) -> Any:
-    """The flutter polynomial and its derivative along the line, by which the type is exact.
+    """The flutter polynomial and its derivative along the line, which decide the type exactly.
 
     Energy rises with the family parameter along both lines and falls while the contact slips, so c
-    is negative; the sign of Re μ' is minus that of the derivative of the condition.
+    is negative.  The sign of Re μ' is minus that of the derivative of the condition.
 
     Parameters
     ----------
     family, law
-        Names.
+        Names of the family and of the contact law.
 
     Returns
     -------

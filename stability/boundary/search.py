@@ -33,7 +33,7 @@ X, S = (Ratio(g) for g in RING.gens())
 
 @dataclass(frozen=True)
 class Mark:
-    """A value of the axis at which the verdict may be another than next to it."""
+    """A value of the axis at which the verdict may differ from the verdicts around it."""
 
     value: Any
     """Ball in the unit of the axis."""
@@ -42,19 +42,19 @@ class Mark:
     below: int
     """Verdict just below: 1 stable or neutral, -1 unstable."""
     above: int
-    """Just above."""
+    """Verdict just above."""
     root: Any
     """Ball of the polynomials' variable there."""
 
 
 @dataclass(frozen=True)
 class Search:
-    """Everything that can happen along an axis."""
+    """Every possible change of verdict along an axis."""
 
     marks: tuple[Mark, ...]
-    """In increasing order, both ends of the interval included."""
+    """Marks in increasing order, both ends of the interval included."""
     source: Conditions | Characteristic
-    """What was searched."""
+    """Polynomials that were searched."""
     angle: str = ""
     """theta or lean where the variable is the sine of that angle."""
     gaps: tuple[float, ...] = field(default=())
@@ -69,11 +69,11 @@ def search(
     Parameters
     ----------
     problem
-        Family with one number for everything but the axis.
+        Family with one number for every quantity but the axis.
     axis
-        Its name.
+        Name of the axis.
     low, high
-        Ends of the interval, which belong to it; None for all that the axis can be.
+        Ends of the interval, both included; None for no end.
     bits
         Working precision of the first attempt.
 
@@ -133,7 +133,7 @@ def _source(
         if all(not p.is_zero() for _, p in cleared):
             dissipative = not problem.family.conservative
             return Conditions(cleared, sine, dissipative=dissipative), angle, edge and bool(angle)
-    # a condition vanishes all along the axis: what is left is seen from the polynomial itself
+    # a condition vanishes all along the axis, so that the polynomial itself is searched
     factors, below = zip(*map(_whole, exact.coefficients(axes, over)), strict=True)
     # a table's denominators are powers of positive axes
     poles = None if isinstance(exact, TabulatedPolynomial) else reduce(mul, below)
@@ -143,7 +143,7 @@ def _source(
 def _tabulated(
     exact: TabulatedPolynomial, axes: Mapping[str, Any], angle: str
 ) -> tuple[Algebra, Callable[[], Any] | None]:
-    """Sines along an axis: of the axis itself, exact, or a variable with its value in balls."""
+    """Sines along an axis: the variable itself for an angle; otherwise exact, or s in balls."""
     if angle:
         return _sines(X), None
     try:
@@ -158,7 +158,7 @@ def _sines(value: Ratio) -> Algebra:
 
 
 def _whole(factor: Sequence[Any]) -> tuple[list[Any], Any]:
-    """Polynomials in proportion to a factor, without common factor; at which zeros it has none."""
+    """Coefficients of a factor as polynomials without common factor, and their denominator."""
     ratios = [Ratio.of(c) for c in factor]
     common = RING.constant(1)
     for r in ratios:
@@ -216,7 +216,7 @@ def _marks(
 
 
 def _clip(roots: list[Any], polynomials: Sequence[Any], top: int | None) -> list[Any]:
-    """Roots inside (0, top); those exactly at its ends are none of the open interval."""
+    """Roots inside the open interval (0, top), without those exactly at its ends."""
     out = []
     for root in roots:
         for end in (0, top):
@@ -249,7 +249,7 @@ def _samples(roots: list[Any], angle: str, positive: bool) -> list[Any]:
 
 
 def _kind(source: Conditions | Characteristic, low: Any, high: Any, pole: Any) -> str:
-    """What vanishes between two neighbouring samples."""
+    """Kind of the condition that vanishes between two neighbouring samples."""
     if pole is not None and _vanishes(multivariate(pole), low, high, source.sine):
         return "pole"
     for test in (_flips, _vanishes):

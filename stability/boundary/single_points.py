@@ -1,8 +1,8 @@
-"""Values of an axis at which alone the verdict is another than on both sides.
+"""Single values of an axis at which the verdict differs from that on both sides.
 
-Where an eigenvalue reaches the imaginary axis while others keep the motion unstable, nothing
-changes.  Where all unstable ones reach it together, as undamped motions do between damping and
-driving, the member is neutral there and unstable on both sides.
+Where an eigenvalue reaches the imaginary axis while others keep the motion unstable, the verdict
+stays.  Where all unstable eigenvalues reach the axis together, as for undamped motions between
+damping and driving, the member is neutral there and unstable on both sides.
 
 Source: a polynomial p of degree n has, for every j, a zero within (C(n, j) |p(z) j!/p⁽ʲ⁾(z)|)^(1/j)
 of z: the j-th elementary symmetric function of 1/(z - zeros) has C(n, j) terms;
@@ -35,17 +35,17 @@ def single(found: Search, mark: Mark, proved: Callable[[float], Verdict]) -> Ver
     Parameters
     ----------
     found
-        From `search`.
+        Result of `search`.
     mark
-        One of its marks, no pole.
+        One of its marks, not a pole.
     proved
         The proved verdict at a double.
 
     Returns
     -------
     Verdict
-        That of both sides where it is proved to hold there too; neutral where that is proved;
-        else undecided.
+        The verdict of both sides where it is proved to hold there too; neutral where neutral is
+        proved; otherwise undecided.
     """
     if mark.below > 0:
         # the limit of stable motions with an eigenvalue on the axis
@@ -55,7 +55,7 @@ def single(found: Search, mark: Mark, proved: Callable[[float], Verdict]) -> Ver
         if _unstable(found.source, mark.root):
             return Verdict.UNSTABLE
     if isinstance(found.source, Conditions):
-        # none is negative there; those that were left out follow from positive ones alone
+        # no condition is proved negative; omitted ones follow only where the others are positive
         neutral = proved(float(mark.value.mid())) is Verdict.NEUTRAL
         return Verdict.NEUTRAL if neutral else Verdict.UNDECIDED
     exact = _rational(found.source, mark.root)

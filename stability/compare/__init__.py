@@ -1,9 +1,9 @@
 """Cost against error; hard cases.
 
-Routes to one answer, compared on this machine, and where methods fail.
+Compares routes to one answer on this machine, and shows where methods fail.
 May import `figures`, `tables` and the floors below.
-To add a route, a driver or a hard case: one class, as `docs/compare.md` shows; the names needed are
-listed here, and each loads its module when it is first used.
+To add a route, a driver or a hard case: one class, as `docs/compare.md` shows.
+The names for it are listed here.  Each name loads its module at first use.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The cells of the charts as CSV: one line for each, every raw timing in it."""
+"""Cells of the charts as CSV, with every raw timing."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     Parameters
     ----------
     columns
-        Their names.
+        Names of the columns.
     rows
-        Their values.
+        Values of each row, in the order of the columns.
 
     Returns
     -------
@@ -52,12 +52,12 @@ def _known(value: Any) -> Any:
 
 
 def spectrum_csv(cells: Mapping[str, Cell]) -> str:
-    """One line for each route and hardness class.
+    """CSV of the spectra: one line for each route and hardness class.
 
     Parameters
     ----------
     cells
-        By key.
+        Cells of any chart by key.
 
     Returns
     -------
@@ -87,12 +87,12 @@ def spectrum_csv(cells: Mapping[str, Cell]) -> str:
 
 
 def boundary_csv(cells: Mapping[str, Cell]) -> str:
-    """One line for each route and boundary.
+    """CSV of the boundaries: one line for each route and each boundary that it is asked.
 
     Parameters
     ----------
     cells
-        By key.
+        Cells of any chart by key.
 
     Returns
     -------
@@ -117,12 +117,12 @@ def boundary_csv(cells: Mapping[str, Cell]) -> str:
 
 
 def motion_csv(cells: Mapping[str, Cell]) -> str:
-    """One line for each scene, driver and tolerance.
+    """CSV of the motions: one line for each scene, driver and tolerance.
 
     Parameters
     ----------
     cells
-        By key.
+        Cells of any chart by key.
 
     Returns
     -------

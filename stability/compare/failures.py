@@ -22,7 +22,7 @@ _FIRST = (
     "mpmath-100",
 )  # fmt: skip
 ROUTE_NAMES = (*_FIRST, *(name for name in ROUTES if name not in _FIRST))
-"""Columns of the linear part: what people take, then the package's own."""
+"""Columns of the linear part: routes that people use, then those of the package."""
 _LEADING = (
     "rk4", "rk45-default", "rk45", "rough-model", "smooth-model", "regularised", "dop853", "lsoda",
     "radau", "bdf", "cvodes", "idas", "heyoka", "unchecked", "simulate", "simulate-fine",
@@ -30,7 +30,7 @@ _LEADING = (
 DRIVER_NAMES = (*_LEADING, *(name for name in drivers.DRIVERS if name not in _LEADING))
 """Columns of the part on motion."""
 LIMIT = 4.0
-"""Seconds that a cell may take."""
+"""Time limit of a cell [s]."""
 LINEAR, MOTION = "linear", "motion"
 
 
@@ -39,23 +39,23 @@ class Entry:
     """One cell of the catalogue."""
 
     part: str
-    """linear or motion."""
+    """Part of the catalogue: `linear` or `motion`."""
     group: str
     """Heading of the case."""
     case: str
-    """Its name."""
+    """Name of the case."""
     method: str
     """Name of the route or driver."""
     mark: Mark | None
-    """The mark; None where the question is not one for the method."""
+    """The mark; None where the case does not apply to the method."""
     digits: float
-    """Digits or decades left; NaN if none."""
+    """Digits, or decades of distance, that are left; NaN if none."""
     note: str
-    """What was seen."""
+    """Short remark on the answer, or the message of a failure."""
 
 
 def tasks() -> list[list[Task]]:
-    """The cells: one process for each method."""
+    """Tasks of the catalogue, grouped by method: one process for each group."""
     linear = [
         [Task(f"failure/{LINEAR}/{case}/{name}", weigh, (case, name), LIMIT) for case in CASES]
         for name in ROUTE_NAMES
@@ -69,29 +69,29 @@ def tasks() -> list[list[Task]]:
 
 
 def _slow(group: list[Task]) -> bool:
-    """Whether a group takes long, and so is begun first."""
+    """Whether a group takes long, so that it starts first."""
     method = group[0].arguments[1]
     return method.startswith(("mpmath", "rk45")) or method in ("bdf", "radau")
 
 
 def weigh(case: str, method: str) -> dict[str, Any] | None:
-    """One cell of the linear part, as JSON holds it.
+    """Judge one cell of the linear part; the result fits JSON.
 
     Parameters
     ----------
     case, method
-        Names.
+        Names of the case and of the route.
     """
     return _kept(CASES[case]().judge(ROUTES[method]()))
 
 
 def weigh_motion(case: str, method: str) -> dict[str, Any] | None:
-    """One cell of the part on motion.
+    """Judge one cell of the part on motion; the result fits JSON.
 
     Parameters
     ----------
     case, method
-        Names.
+        Names of the case and of the driver.
     """
     return _kept(MOTION_CASES[case]().judge(drivers.driver(method)))
 
@@ -104,12 +104,12 @@ def _kept(judgement: Judgement | None) -> dict[str, Any] | None:
 
 
 def attempt(judge: Callable[[], Judgement | None]) -> Judgement | None:
-    """A judgement made in this process: an exception is a mark too.
+    """A judgement in this process; an exception becomes a mark.
 
     Parameters
     ----------
     judge
-        Makes the judgement.
+        Function that returns the judgement.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def entries(cells: Mapping[str, Cell]) -> list[Entry]:
     Parameters
     ----------
     cells
-        By key, as `tasks` names them.
+        Cells by key, as in `tasks`.
 
     Returns
     -------
@@ -163,17 +163,18 @@ def _read(cell: Cell) -> tuple[Mark | None, float, str]:
 
 
 def ladder(cells: Mapping[str, Cell]) -> dict[str, list[dict[str, int]]]:
-    """For each route and distance from a boundary, how many boundaries have which mark.
+    """Number of boundaries with each mark, by route and distance from the boundary.
 
     Parameters
     ----------
     cells
-        By key.
+        Cells by key.
 
     Returns
     -------
     dict
-        Lists along `DECADES` of counts by word; boundaries without an answer are not counted.
+        By route: a list along `DECADES` of counts by word.  Boundaries without an answer are not
+        counted.
     """
     found = {}
     for method in ROUTE_NAMES:
@@ -187,19 +188,19 @@ def ladder(cells: Mapping[str, Cell]) -> dict[str, list[dict[str, int]]]:
 
 
 def own_methods() -> dict[str, bool]:
-    """Whether each method is one that the package takes by default.
+    """The package's methods, and whether each is a default.
 
     Returns
     -------
     dict
-        Of the package's methods alone.
+        Flag by name, for the package's methods alone.
     """
     routes = {r.name: r.default for r in ROUTES.values() if r.own}
     return routes | {d.name: d.default for d in drivers.DRIVERS.values() if d.own}
 
 
 def misleading(found: Sequence[Entry]) -> list[Entry]:
-    """The cells in which a route that the package takes by default is not honest.
+    """Cells in which a default method of the package has a misleading mark.
 
     Parameters
     ----------
@@ -209,7 +210,7 @@ def misleading(found: Sequence[Entry]) -> list[Entry]:
     Returns
     -------
     list of Entry
-        Empty, as it must be.
+        Empty unless a default method misleads.
     """
     defaults = {name for name, default in own_methods().items() if default}
     return [e for e in found if e.method in defaults and e.mark and e.mark not in HONEST]
@@ -219,7 +220,7 @@ def misleading(found: Sequence[Entry]) -> list[Entry]:
 
 
 def as_csv(found: Sequence[Entry]) -> str:
-    """The catalogue as CSV: one line a cell.
+    """The catalogue as CSV: one line for each cell.
 
     Parameters
     ----------
@@ -239,7 +240,7 @@ def as_csv(found: Sequence[Entry]) -> str:
 
 
 def as_markdown(found: Sequence[Entry]) -> str:
-    """The catalogue as Markdown: a table for each part, then what each case is.
+    """The catalogue as Markdown: for each part a table of marks, then one of its cases.
 
     Parameters
     ----------
@@ -272,17 +273,17 @@ def as_markdown(found: Sequence[Entry]) -> str:
 
 
 def texts(part: str) -> dict[str, tuple[str, str]]:
-    """What happens in each case, and how its truth is known.
+    """Physics of each case, and how its truth is known.
 
     Parameters
     ----------
     part
-        linear or motion.
+        `linear` or `motion`.
 
     Returns
     -------
     dict
-        By name of the case.
+        (physics, source of the truth) by name of the case.
 
     Examples
     --------

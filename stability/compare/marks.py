@@ -1,4 +1,4 @@
-"""How a method did on a hard case: a mark, the digits that are left, and a note."""
+"""Result of a method on a hard case: a mark, the digits that are left, and a note."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Mark(Enum):
 
 
 ROUNDING = 1e-13
-"""An error up to this is not held against what a method states."""
+"""Errors up to this never contradict the error that a method states."""
 BY_WORD = {mark.word: mark for mark in Mark}
 """Mark by its word."""
 HONEST = (Mark.RIGHT, Mark.DEGRADED, Mark.UNDECIDED, Mark.REFUSED)
@@ -40,16 +40,16 @@ HONEST = (Mark.RIGHT, Mark.DEGRADED, Mark.UNDECIDED, Mark.REFUSED)
 
 @dataclass(frozen=True)
 class Judgement:
-    """A mark with what it rests on."""
+    """A mark with its evidence."""
 
     mark: Mark
     """The mark."""
     digits: float = math.nan
     """Digits that are right, or decades of distance down to which the answers hold; NaN if none."""
     note: str = ""
-    """What was seen, in a few words."""
+    """Remark on the answer, in a few words."""
     steps: tuple[str, ...] = ()
-    """Of a ladder: the mark at each distance from the boundary, from far to near."""
+    """Marks of a ladder: one word for each distance from the boundary, from far to near."""
 
 
 def by_error(
@@ -62,17 +62,17 @@ def by_error(
     error
         The relative error.
     asked
-        The error that was asked for.
+        Required relative error.
     stated
-        The error that the method itself states, if it does.
+        Relative error that the method states; None if it states none.
     worst
-        Error from which nothing is left.
+        Error beyond which no digit is left.
 
     Returns
     -------
     Judgement
-        Undecided where the method itself says that nothing is left; wrong where nothing is, or
-        where fewer digits are left than it states.
+        Crashed for a number that is not finite; undecided where the stated error reaches `worst`;
+        wrong where the error exceeds `worst`, or three times the stated error.
 
     Examples
     --------

@@ -31,7 +31,7 @@ WHY = {
     "simulate": "it runs every launch three times, which tells its error, and watches for the ends "
     "of the motion; simulate(check=False) is charted as “unchecked”",
 }
-"""Why a default route is not the fastest where it is not."""
+"""Reason why a default route may not be the fastest, by route."""
 ANOTHER = {
     ("spectrum", "verdict"): "it finds the eigenvalues too",
     ("map", "verdict"): "it finds the eigenvalues too",
@@ -71,9 +71,9 @@ def write(folder: Path, parts: Sequence[Part]) -> Path:
     Parameters
     ----------
     folder
-        Where figures and data lie.
+        Folder with the figures and data.
     parts
-        The parts that are whole.
+        Complete parts of the report.
 
     Returns
     -------
@@ -144,12 +144,12 @@ def _section(one: Part) -> list[str]:
 
 
 def reason(standing: Standing) -> str:
-    """Why a route is not on the front.
+    """Reason why a route is not on the front.
 
     Parameters
     ----------
     standing
-        Where it stands.
+        Standing of the route in a panel.
 
     Returns
     -------
@@ -162,7 +162,7 @@ def reason(standing: Standing) -> str:
 
 
 def _standings(one: Part) -> tuple[str, list[str]]:
-    """A paragraph on where the package's default routes stand, and the table of it."""
+    """A paragraph on the standing of the package's default routes, and their table."""
     from .parts import nearest, standings
 
     found = standings(one)

@@ -1,4 +1,4 @@
-"""Cost against error as numbers: which routes nothing beats, and by how much the others lose."""
+"""Cost against error as numbers: the Pareto front, and how far other routes are from it."""
 
 from __future__ import annotations
 
@@ -8,32 +8,32 @@ from dataclasses import dataclass
 import numpy as np
 
 FLOOR = 1e-16
-"""Errors below the rounding of a double count as this."""
+"""Smallest error that counts: errors below it are less than the rounding of a double."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a route stands in a panel."""
+    """Standing of a route in a panel."""
 
     time: float
-    """Seconds."""
+    """Time of the route [s]."""
     error: float
-    """Its error."""
+    """Error of the route."""
     on_front: bool
-    """Whether no other route is both faster and no less accurate, or as fast and more accurate."""
+    """Whether no route that is at least as accurate is faster."""
     factor: float
-    """Its time over that of the fastest route that is no less accurate; 1 on the front."""
+    """Time over that of the fastest route that is at least as accurate; 1 on the front."""
     rival: str
-    """That route; its own name on the front."""
+    """Name of that fastest route; on the front the route itself, or one that is as fast."""
 
 
 def places(panel: Mapping[str, tuple[float, float]]) -> dict[str, Place]:
-    """The standing of every route that answered, none of them wrongly.
+    """Standing of every route in a panel.
 
     Parameters
     ----------
     panel
-        (seconds, error) by name.
+        (seconds, error) by name, for the routes without a wrong answer.
 
     Returns
     -------

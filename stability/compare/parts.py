@@ -29,7 +29,7 @@ QUANTITIES = {
     "eigenvalues": "eigenvalues", "abscissa": "the abscissa", "verdict": "verdicts",
     "boundary": "places of boundaries",
 }  # fmt: skip
-"""What is charted of spectra, in words."""
+"""Quantities of the spectrum chart, in words."""
 
 
 @dataclass(frozen=True)
@@ -39,23 +39,23 @@ class Plate:
     stem: str
     """File name without suffix."""
     caption: str
-    """What was computed."""
+    """Caption under the figure."""
     draw: Callable[[], Figure]
-    """Draws it."""
+    """Function that draws the figure."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """One part of a report that is whole."""
+    """One complete part of a report."""
 
     name: str
-    """spectrum, motion or failures."""
+    """`spectrum`, `motion` or `failures`."""
     plates: tuple[Plate, ...]
-    """Its figures."""
+    """Figures of the part."""
     data: tuple[str, ...]
-    """Names of its files of numbers."""
+    """Names of the files with its numbers."""
     chart: Any
-    """Its dataset, or the entries of the catalogue."""
+    """Dataset of a chart, or entries of the catalogue."""
 
 
 # --- what the charts say ---
@@ -63,22 +63,22 @@ class Part:
 
 @dataclass(frozen=True)
 class Standing:
-    """Where one of the package's default routes stands in a panel."""
+    """Standing of a default route of the package in a panel."""
 
     panel: str
-    """What is asked, and where."""
+    """Quantity and hardness class, or error and scene."""
     route: str
-    """The route."""
+    """Name of the route."""
     on_front: bool
     """Whether it is on the Pareto front."""
     factor: float
-    """Its time over that of the fastest route that is as accurate."""
+    """Time over that of the fastest route that is at least as accurate."""
     rival: str
-    """That route."""
+    """Name of that fastest route."""
 
 
 def standings(one: Part) -> list[Standing]:
-    """The standing of the package's default routes in every panel of a chart.
+    """Standing of the package's default routes in every panel of a chart.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def standings(one: Part) -> list[Standing]:
 
 
 def nearest(found: Sequence[Standing]) -> dict[str, Standing]:
-    """Of the default routes in each panel the one on the front, or nearest to it.
+    """The default route in each panel that is on the front, or nearest to it.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """The report: both charts and the catalogue in one folder, with the numbers behind them and a page.
 
-Cells are kept in the folder as they are finished, so a run that was stopped goes on where it was;
-figures, tables and page are written when a part is whole.
+The folder keeps every finished cell, so a stopped run continues where it was.  Figures, tables and
+page are written when a part is complete.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from .parts import FAILURES, METRICS, MOTION, QUANTITIES, SPECTRUM, Part, Plate
 PARTS: dict[str, Callable[[], list[list[Task]]]] = {
     SPECTRUM: spectral.tasks, MOTION: works.tasks, FAILURES: catalogue.tasks,
 }  # fmt: skip
-"""The parts of a report, each with its cells."""
+"""Parts of a report, each with the function that returns its tasks."""
 ALONE = (SPECTRUM, MOTION)
-"""Parts that are timed, and so have the machine to themselves."""
+"""Timed parts: their cells run one at a time, so that none disturbs a timing."""
 
 
 def report(
@@ -48,20 +48,20 @@ def report(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Make a report, or go on with one that was stopped.
+    """Make a report, or resume one that was stopped.
 
     Parameters
     ----------
     out
-        Folder to make; one with a journal is resumed while the package, the libraries
-        and the machine are those it was begun with.
+        Folder of the report.  A folder with a journal is resumed if package, libraries and machine
+        are the same as at its start.
     parts
-        `spectrum`, `motion`, `failures`: which of them to make; the page shows the others too
-        where the folder holds all of their cells.
+        Parts to make: `spectrum`, `motion`, `failures`.  The page also shows other parts whose
+        cells are all in the folder.
     force
         Whether a folder that holds other files may be written into.
     workers
-        Processes for the catalogue; all cores when left out.  Charts take one: they are timed.
+        Processes for the catalogue; all cores when left out.  Timed charts take one.
     progress
         Called with (cells done, cells in all).
 
@@ -77,7 +77,7 @@ def report(
     NameUnknownError
         If there is no such part.
     KeyboardInterrupt
-        On Ctrl-C; finished cells are kept.
+        On Ctrl-C; the folder keeps finished cells.
 
     Source: the truth of spectra is proved in balls, that of motions rests on two integrations in
     many digits (benchmarks/truths.py); tests/compare/test_compare.py.
@@ -147,14 +147,14 @@ def _whole(name: str, journal: Journal) -> bool:
 
 
 def part(name: str, cells: Mapping[str, Cell]) -> Part:
-    """A part from its cells.
+    """Build a part from its cells.
 
     Parameters
     ----------
     name
-        Which.
+        `spectrum`, `motion` or `failures`.
     cells
-        All of its cells by key.
+        All cells of the part by key.
 
     Returns
     -------

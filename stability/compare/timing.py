@@ -10,16 +10,16 @@ from typing import Any
 def timed(
     call: Callable[[], Any], *, least: int = 5, most: int = 200, budget: float = 0.4
 ) -> list[float]:
-    """Seconds of each of several calls, all of them.
+    """Time of each of several calls [s].
 
     Parameters
     ----------
     call
-        What is timed.
+        Function to time.
     least, most
-        Number of calls.
+        Smallest and largest number of calls.
     budget
-        Seconds after which no further call is made beyond the least.
+        Time after which no call beyond the least starts [s].
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What integrators read: a model's graph as functions of one state or many, with its guards."""
+"""Input of integrators: a model's graph as functions of one state or many, with its guards."""
 
 from __future__ import annotations
 
@@ -74,12 +74,12 @@ class Flow:
 
     @cached_property
     def friction(self) -> str:
-        """The parameter in proportion to which slip decays, if there is one."""
+        """Name of the parameter that the decay rate of slip is proportional to; empty for none."""
         return self.model.friction
 
     @cached_property
     def compared(self) -> int:
-        """Entries of y in which two runs are compared."""
+        """Number of entries of y, from the first, in which two runs are compared."""
         return min(len(self.names), len(self.model.states))
 
     def having(self, **fields: Any) -> Flow:
@@ -87,7 +87,7 @@ class Flow:
         return Flow(replace(self.model, **fields))
 
     def paces(self, points: Floats, p: Floats, spans: Floats) -> Floats:
-        """How fast motions change: the unit in which stiffness and looks at guards are counted.
+        """Rates at which motions change: the unit of stiffness and of looks at guards.
 
         Parameters
         ----------
@@ -99,9 +99,9 @@ class Flow:
         Returns
         -------
         ndarray
-            Largest angular velocity, and at least 1, where the model names some.  Else the largest
-            of the relative rates of the states, the frequencies of the linearised motion and one
-            over the length of the run; shape (N,).
+            Largest angular velocity, and at least 1, where the model names some.  Otherwise the
+            largest of the relative rates of the states, the frequencies of the linearised motion
+            and one over the length of the run; shape (N,).
         """
         turning = list(self.model.turning)
         if turning:
@@ -231,7 +231,7 @@ class Flow:
         Parameters
         ----------
         y
-            Shape (…, n).
+            Entries of y, shape (…, n).
 
         Returns
         -------
@@ -245,7 +245,7 @@ class Flow:
 
 
 class Quick:
-    """A flow as fast functions of one point, without a conversion on the way; for one thread.
+    """A flow as fast functions of one point, without conversions; for one thread.
 
     Parameters
     ----------
@@ -292,7 +292,7 @@ class Quick:
 
 
 class Evaluator:
-    """One launch's equations as an integrator wants them: functions of (t, y).
+    """One launch's equations as an integrator needs them: functions of (t, y).
 
     Parameters
     ----------
@@ -311,7 +311,7 @@ class Evaluator:
 
     def __init__(self, flow: Flow, p: Floats) -> None:
         self.flow, self.p, self._quick = flow, p, flow.quick
-        # stretched time has a pace of its own
+        # stretched time has another pace
         self.turning = [] if flow.names[-1] == "time" else list(flow.model.turning)
         self.looks = 1 if flow.model.turning else LOOKS
 
@@ -329,17 +329,16 @@ class Evaluator:
 
 
 LOOKS = 12
-"""Looks at the guards within a step, where no angular velocity says how many it takes."""
+"""Looks at the guards within a step, where the model names no angular velocities."""
 _THREAD = threading.local()
 CASADI = threading.RLock()
-"""Held while a motion is made: CasADi's objects are not for several threads at once."""
+"""Lock for one motion at a time: CasADi's objects are not for several threads at once."""
 ASKING = threading.Lock()
-"""Held by the worker of a motion that asks CasADi something: the solvers of a process share its
-standard error."""
+"""Lock for a worker that calls CasADi: the solvers of a process share its standard error."""
 
 
 def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> Any:
-    """A CasADi function of (y, p) bound to memory of its own."""
+    """A CasADi function of (y, p) bound to its own memory."""
     buffer: Any
     buffer, evaluate = function.buffer()
     y: Any = np.zeros(n)
@@ -379,7 +378,7 @@ def flow_of(model: Model) -> Flow:
     Parameters
     ----------
     model
-        Of a body, or of a user's system.
+        Model of a body, or of a user's system.
 
     Returns
     -------

@@ -3,8 +3,9 @@
 At rest every continuation is listed: sticking, if the force lies in the friction cone, and each
 direction with h = 0, f > 0, gn > 0 in which a slip can set in (f and h: the slip's acceleration
 along and across its direction).  h times the determinant D is a trigonometric polynomial of degree
-two, so there are at most four.  docs/dry-friction.md proves that exactly one is left below
-mu = 2√(k(k+1)); tests/integrators/test_coulomb.py holds all this against closed formulas.
+two, so there are at most four directions.  docs/dry-friction.md proves that exactly one
+continuation exists below mu = 2√(k(k+1)).  tests/integrators/test_coulomb.py compares this module
+with closed formulas.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from ..bodies.thin_disk.disk_equations import disk_system
 
 @dataclass(frozen=True, eq=False)
 class Continuations:
-    """What can follow from rest."""
+    """Continuations of a motion from rest."""
 
     sticks: bool
     """Whether the force of sticking lies inside the friction cone, with gn > 0."""
@@ -36,18 +37,18 @@ class Continuations:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of continuations."""
         return self.sticks + self.lifts + len(self.directions)
 
     @property
     def pressed(self) -> bool:
-        """Whether one of them keeps the contact."""
+        """Whether a continuation keeps the contact."""
         return self.sticks or bool(self.directions)
 
 
 @lru_cache(maxsize=1)
 def _at_rest() -> tuple[Program, Program]:
-    """At rest: the slip's acceleration, gn and D in a direction; gn and the force of sticking."""
+    """Programs at rest: slip acceleration, gn and D in a direction; gn and force of sticking."""
     along = disk_system("coulomb", direction=True)
     seen = along.observables
     rough = disk_system("rough")
@@ -63,7 +64,7 @@ def _at_rest() -> tuple[Program, Program]:
 def slip_acceleration(
     four: Floats, k: float, mu: float, angles: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """The slip's acceleration at rest, should it set in in a direction.
+    """The slip's acceleration at rest, for an onset in a direction.
 
     Parameters
     ----------
@@ -137,19 +138,19 @@ def directions(four: Floats, k: float, mu: float) -> Floats:
 
 
 def polish(four: Floats, k: float, mu: float, angle: float) -> float:
-    """A direction with h = 0 from one nearby, by Newton's rule with a difference for the slope.
+    """A direction with h = 0 near a given one, by Newton's rule with a difference for the slope.
 
     Parameters
     ----------
     four, k, mu
         As for `slip_acceleration`.
     angle
-        Near it [rad].
+        Angle near that direction [rad].
 
     Returns
     -------
     float
-        The angle; the given one where h has no simple zero nearby.
+        The angle [rad]; near the given one where h has no simple zero nearby.
     """
     step = 1e-6
     for _ in range(3):

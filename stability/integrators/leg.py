@@ -1,4 +1,4 @@
-"""One leg of a motion and its path: what every integrator is asked, and what it answers."""
+"""One leg of a motion and its path: the input and the output of every integrator."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from .flow import Flow
 LARGE = 1e3
 """Friction from which the slip is resolved more finely."""
 BRIEF = 0.01
-"""Share of the computing time that a run may take, up to which the wall's clock tells it."""
+"""Share of a run's computing time up to which the wall clock measures it."""
 RESOLVED = 0.01
 """mu times the slip that is always resolved."""
 LOOSE = 1e-2
-"""Tolerance at which that is so; it falls with its fourth root."""
+"""Tolerance down to which `RESOLVED` holds; below, that slip falls like tolerance^(1/4)."""
 HALVINGS = 1000
-"""Iterations of a search for a guard's zero, which at a multiple one takes long."""
+"""Most iterations of a search for a guard's zero; a multiple zero takes many."""
 UNRESOLVED = "unresolved"
-"""The kind of an end at which an integrator gave up."""
+"""Kind of the end at which an integrator gave up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,19 +39,19 @@ class Leg:
     start: Floats
     """y at times[0], shape (n,)."""
     times: Floats
-    """Times at which y is asked, rising, the first that of the start, shape (t,)."""
+    """Rising times at which y is reported, the first that of the start, shape (t,)."""
     tolerance: float
     """Local error allowed in a step, relative and absolute."""
     max_steps: int
     """Steps after which the run gives up."""
     seconds: float = math.inf
-    """Computing time of the thread after which it gives up [s]."""
+    """Computing time of the thread after which the run gives up [s]."""
     dense: bool = False
     """Whether the times are so close that guards need no look between them."""
 
     @property
     def numbers(self) -> tuple[Any, ...]:
-        """All but the flow, of which a worker has a copy of its own."""
+        """All fields but the flow, of which a worker has its own copy."""
         return (
             self.p, self.start, self.times, self.tolerance, self.max_steps, self.seconds,
             self.dense,
@@ -63,63 +63,63 @@ class Leg:
         mu = 0.0
         if self.flow.friction:
             mu = float(self.p[self.flow.system.parameters.index(self.flow.friction)])
-        # where D vanishes mu times the slip is of order one: an error that large is no motion
+        # where D vanishes mu times the slip is of order one: an error must be far smaller
         share = math.sqrt(
             math.sqrt(min(1.0, self.tolerance / LOOSE))
-        )  # a finer neighbour has a finer one too
+        )  # so a finer neighbour has a finer bound too
         bound = RESOLVED * share / max(mu, 1.0)
         return min(self.tolerance * min(1.0, LARGE / max(mu, LARGE)), bound)
 
 
 @dataclass(frozen=True, eq=False)
 class End:
-    """Where a leg ended before its last time."""
+    """End of a leg before its last time."""
 
     kind: str
     """Name of the guard that reached zero, or `unresolved`."""
     time: float
-    """When."""
+    """Time of the end."""
     state: Floats
-    """y there, shape (n,); for `unresolved` the last state that passed its error test."""
+    """y at the end, shape (n,); for `unresolved` the last state that passed its error test."""
     message: str = ""
     """The integrator's own words, for `unresolved`."""
     lags: Floats | None = None
-    """Most by which a change of each entry of the state moves the guard's zero in time."""
+    """Most by which a unit change of each entry of the state moves the guard's zero in time."""
     early: float = 0.0
-    """How long before the guard's zero the run was stopped, where that is singular."""
+    """Time from the end of the run to the guard's zero, where that zero is singular."""
     short: float = 0.0
-    """How far the state may be from that at the zero, over 1 or its own size."""
+    """Distance of the state from that at the singular zero, over 1 or its own size."""
 
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """The answer: y at the asked times as far as the run went."""
+    """Path of a leg: y at its times, as far as the run went."""
 
     states: Floats
     """y at `times[:len(states)]`, shape (≤ t, n)."""
     end: End | None
-    """Where it ended early, or None."""
+    """The early end, or None."""
     steps: int
     """Steps taken, or evaluations where the library counts no steps."""
     seconds: float = 0.0
-    """Computing time of the thread that it took [s]; 0 where it was run among others."""
+    """Computing time of the thread [s]; 0 for a run in a batch."""
 
 
 _READ = threading.local()
-"""Wall's and thread's clock when a thread last read its own."""
+"""Wall clock and thread clock when a thread last read its own clock."""
 
 
 class Budget:
     """The computing time that a run has left, counted for the thread that made the budget.
 
-    Other work on the machine takes nothing from it.  The thread's own clock may take a millisecond
-    to read: a reading serves for as long as `BRIEF` of the time, to which the budget is exact.  As
-    a callback it is asked at every step, and is false once the time is spent.
+    Other work on the machine does not count.  A reading of the thread's clock may take a
+    millisecond, so one reading serves for `BRIEF` of the time.  The budget is exact to this share.
+    As a callback it is called at every step, and is false once the time is spent.
 
     Parameters
     ----------
     seconds
-        What the run may take [s].
+        Computing time of the run [s].
 
     Examples
     --------
@@ -136,7 +136,7 @@ class Budget:
 
     @property
     def used(self) -> float:
-        """Seconds since it was made; by the wall's clock, which is never behind, while few."""
+        """Seconds since the start; the wall clock, which is never behind, measures short times."""
         now = time.perf_counter()
         if now - self._began < BRIEF * self.seconds:
             return now - self._began
@@ -156,13 +156,13 @@ class Budget:
 
     @property
     def message(self) -> str:
-        """What ended the run."""
+        """Reason for the end of the run."""
         if self.seconds <= 0:
             return "no computing time is left of max_seconds"
         return f"more than {self.seconds:.3g} s of computing"
 
     def __call__(self, _integrator: object) -> bool:
-        """Whether to go on."""
+        """Whether to continue."""
         return not self.spent
 
 
@@ -171,7 +171,7 @@ Integrate = Callable[[Leg], Path]
 
 
 def guard_at(flow: Flow, p: Floats, state: Floats) -> str:
-    """The guard that is zero at an event: the one nearest to it.
+    """The guard that is zero at an event: the guard of least absolute value.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ and near D = N = 0 it obeys
     D' = d₀ D + β N,   N' = n₀ D + n₁ N
 
 (for the viscous law β = mu (k + 1)).  Two real negative eigenvalues ρ₂ < ρ₁ with the direction of
-ρ₁ inside the quadrant D, N > 0 attract an open set of motions: both reach zero after a finite
+ρ₁ inside the quadrant D, N > 0 attract an open set of motions: D and N reach zero after a finite
 time, and gn tends to (ρ₁ - d₀)/β > 0.  Contact then ends with a positive normal force: no lift-off.
 (F. Génot & B. Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653-677, for the planar rod;
 tests/integrators/test_painleve.py derives it for the disk.)
@@ -32,9 +32,9 @@ from .scipy_methods import FINEST
 from .scipy_methods import integrate as integrate_scipy
 
 SMALL = 0.1
-"""D over k + cos²θ below which an end is looked at again."""
+"""D over k + cos²θ below which an end is examined again."""
 NARROW = 1e-10
-"""D at which the linear equations in stretched time decide; what they leave out is of that size."""
+"""D at which the linear equations in stretched time decide; their error is of that size."""
 STRETCHED = 1e12
 """Longest stretched time."""
 OPEN_END = "open end"
@@ -48,9 +48,9 @@ class Approach:
     """A motion near D = N = 0, by its linear equations in stretched time."""
 
     rates: tuple[complex, complex]
-    """Eigenvalues, the one with the larger real part first."""
+    """Eigenvalues, the larger real part first."""
     normal: float
-    """The normal force to which gn tends, if D and N run to zero together; else 0."""
+    """The normal force to which gn tends, if D and N run to zero together; otherwise 0."""
     state: tuple[float, float]
     """D and gn at the point."""
 
@@ -82,9 +82,9 @@ def stretched_flow(flow: Flow, least: float = NARROW) -> Flow:
     Parameters
     ----------
     flow
-        Of a law whose force is in proportion to gn.
+        Sliding flow of a law whose force is proportional to gn.
     least
-        D at which it ends.
+        D at which the motion ends.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def _slopes(flow: Flow) -> ca.Function:
 
 
 def approach(flow: Flow, y: Floats, p: Floats) -> Approach:
-    """What becomes of a motion that is close to D = N = 0.
+    """Linear equations of a motion that is close to D = N = 0, and its limit.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def approach(flow: Flow, y: Floats, p: Floats) -> Approach:
 
 
 def small(flow: Flow, y: Floats, p: Floats) -> float | None:
-    """D over k + cos²θ where the law lets it vanish, else None.
+    """D over k + cos²θ; None for laws without mu and for `linear-viscous`.
 
     Parameters
     ----------
@@ -165,16 +165,16 @@ def closer(leg: Leg, path: Path) -> tuple[Path, str] | None:
     Parameters
     ----------
     leg
-        What was asked.
+        Leg of the path.
     path
-        With an end.
+        Path with an end.
 
     Returns
     -------
     path, evidence
-        The end is of kind `OPEN_END` where the motion in stretched time contradicts the integrator;
-        the evidence is empty where the guard's value says all.  None where D is not small at the
-        end, or stretched time finds none either, so that the integrator's end stands.
+        The end is of kind `OPEN_END` where the motion in stretched time contradicts the integrator.
+        The evidence is empty where the guard's value is enough.  None where D is not small at the
+        end, or stretched time decides nothing, so that the integrator's end is kept.
     """
     assert path.end is not None
     share = small(leg.flow, path.end.state, leg.p)
@@ -228,5 +228,5 @@ def _stretched(leg: Leg, which: Flow, start: Floats, times: Floats) -> Path:
 
 
 def _extended(path: Path, found: Path, end: End) -> Path:
-    """The path with the samples that lie before its end after all."""
+    """The path to a new end, with the samples that the run in stretched time added."""
     return Path(np.vstack([path.states, found.states[:, :-1]]), end, path.steps + found.steps)

@@ -1,4 +1,4 @@
-"""The SciPy routes: DOP853, LSODA, Radau and BDF on the CasADi graph, watched step by step."""
+"""The SciPy routes: DOP853, LSODA, Radau and BDF on the CasADi graph, checked step by step."""
 
 from __future__ import annotations
 
@@ -23,30 +23,29 @@ ULPS = 4 * np.finfo(float).eps
 LARGEST = 1e120
 """Entries of a state up to which the norms of SciPy's step control are finite."""
 STIFF = ("lsoda", "radau", "bdf")
-"""Those that use the Jacobian, which is automatic."""
+"""Methods that use the Jacobian, by automatic differentiation."""
 LOOKS = 1.0
-"""Looks at the guards in a unit of time, over the fastest angular velocity: a longer step has some
-within."""
+"""Looks at the guards per radian of the fastest turn; a longer step has looks within."""
 MOST_LOOKS = 1000
-"""And at most."""
+"""Most looks within one step."""
 
 
 def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
     """Run one leg with a SciPy solver and locate the first guard that reaches zero.
 
-    After each step the guards and their rates are evaluated at its end, and within it where it is
+    After each step the guards and their rates are evaluated at its end, and within a step that is
     long for the motion's pace.  A sign change, or a lowest point, is resolved on the solver's dense
     output.
 
     Parameters
     ----------
     leg
-        What is asked.
+        Leg to run.
     method
         A key of `NAMES`.
     clock
-        Values of the last state variable, which must rise, at which to sample in place of times;
-        the run ends when all of them are reached, and the path begins at the first of them.
+        Values of the last state variable, which must rise, at which to sample in place of times.
+        The run ends when all of them are reached, and the path begins at the first of them.
 
     Returns
     -------
@@ -63,7 +62,7 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
     if len(leg.times) == 1:
         return Path(leg.start[None], None, 0)
     with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")  # a solver's trouble is reported by its status
+        warnings.simplefilter("ignore")  # the solver's status reports a failure
         solver = getattr(scipy_integrate, NAMES[method])(
             run.rates, float(leg.times[0]), leg.start, last, **options
         )
@@ -72,7 +71,7 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
         while solver.status == "running" and not samples.done:
             try:
                 message = solver.step() if steps < leg.max_steps else None
-            except (ValueError, np.linalg.LinAlgError):  # of a Jacobian that is not finite
+            except (ValueError, np.linalg.LinAlgError):  # a Jacobian that is not finite
                 end = End(UNRESOLVED, time, good, "the equations have no value at the next step")
                 return Path(samples.kept, end, steps)
             steps += 1
@@ -92,7 +91,7 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
 
 
 class _Samples:
-    """What is kept of a run: the states at given times, or at given values of a clock."""
+    """Samples of a run: the states at given times, or at given values of a clock."""
 
     def __init__(self, leg: Leg, clock: Floats | None) -> None:
         self.clock = clock
@@ -108,11 +107,11 @@ class _Samples:
 
     @property
     def done(self) -> bool:
-        """Whether a clock has nothing more to ask; times are asked to the end anyway."""
+        """Whether all values of a clock are sampled; false for times, which last to the end."""
         return self.clock is not None and self.filled == len(self.wanted)
 
     def take(self, solver: Any, until: float | None) -> None:
-        """Keep what was asked within the last step, up to an event in it."""
+        """Keep the samples within the last step, up to an event in it."""
         reached = solver.t if until is None else until
         value = reached
         if self.clock is not None:
@@ -130,7 +129,7 @@ class _Samples:
 
 
 def _when(dense: Any, value: float, low: float, high: float) -> float:
-    """The time within a step at which its clock shows a value."""
+    """The time within a step at which the clock has a value."""
     from scipy.optimize import brentq
 
     ends = [float(dense(t)[-1]) - value for t in (low, high)]
@@ -176,7 +175,7 @@ def _first_zero(
 
 
 def _value(run: Evaluator, dense: Any, i: int, t: float) -> float:
-    """Guard i on the dense output."""
+    """Value of guard i on the dense output."""
     value = float(run.watch(dense(t))[0][i])
     # a user's condition may have no value beyond its zero
     return -1.0 if math.isnan(value) and not run.flow.model.turning else value

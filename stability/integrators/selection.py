@@ -1,4 +1,4 @@
-"""The integrators by name, and which of them `auto` takes: the cheaper by a model of both costs."""
+"""The integrators by name, and the choice of `auto`: the cheaper one by a model of both costs."""
 
 from __future__ import annotations
 
@@ -26,31 +26,31 @@ HEYOKA = "heyoka"
 METHODS: dict[str, Integrate] = {
     HEYOKA: taylor.integrate, **stepping.METHODS, **sundials.METHODS,
 }  # fmt: skip
-"""Every integrator by name; heyoka is there where it is installed."""
+"""Every integrator by name; heyoka is optional."""
 FINEST = {
     HEYOKA: taylor.FINEST, **dict.fromkeys(stepping.METHODS, stepping.FINEST),
     **dict.fromkeys(sundials.METHODS, sundials.FINEST),
 }  # fmt: skip
-"""The smallest tolerance that each passes on to its library."""
+"""Smallest tolerance that each integrator passes to its library."""
 TURN, TURN_POWER = {HEYOKA: 500.0, "dop853": 190.0}, 0.12
-"""An explicit method costs more where stiffness exceeds TURN (tolerance / 1e-6)^-TURN_POWER: more
-for the error that it ends with, which for Taylor's is far below that of CVODES at one tolerance."""
+"""An explicit method costs more where stiffness exceeds TURN (tolerance / 1e-6)^-TURN_POWER.  Costs
+are for equal errors at the end: at one tolerance Taylor's error is far below that of CVODES."""
 PATIENCE = 4.0
-"""Steps of an explicit method per TURN and unit of time after which `auto` takes it for stiff."""
+"""Steps of an explicit method per TURN and unit of time after which `auto` calls a leg stiff."""
 COMPILED = 250
 """Operations of a graph that heyoka compiles within some seconds; its time rises faster."""
 EXPLICIT_TIGHT = 1e-10
-"""Without heyoka: tolerance from which DOP853 takes over from CVODES, which is of order 5."""
+"""Without heyoka: largest tolerance at which DOP853 replaces CVODES, which is of order 5."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The integrator of a leg and why."""
+    """The integrator of a leg and the reason for it."""
 
     method: str
-    """Its name."""
+    """Name of the integrator."""
     reason: str
-    """One sentence."""
+    """Reason, in one sentence."""
 
 
 def check_method(method: str) -> str:
@@ -59,7 +59,7 @@ def check_method(method: str) -> str:
     Parameters
     ----------
     method
-        What the user asked for.
+        Name from the user.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def check_method(method: str) -> str:
     NameUnknownError
         If there is no such integrator.
     ParameterError
-        If it is not installed.
+        If the integrator is not installed.
 
     Examples
     --------
@@ -96,12 +96,12 @@ def check_flow(method: str, flow: Flow) -> None:
     method
         A key of `METHODS`, or `auto`.
     flow
-        What it would integrate.
+        Flow to integrate.
 
     Raises
     ------
     ParameterError
-        If it cannot.
+        If the integrator cannot read the flow.
     """
     if method == "idas" and flow.system.mass is None:
         raise ParameterError(
@@ -115,15 +115,15 @@ def check_flow(method: str, flow: Flow) -> None:
 def stiffness(legs: Sequence[Leg], enough: Floats | float = 0.0) -> Floats:
     """Fastest rate of the linearised motion over the rate of the motion itself.
 
-    The Jacobian is taken at the start, and there without slip, which is where a stiff motion soon
-    is: while a disk slides fast its normal force, and with it the stiffness, can be small.
+    The Jacobian is taken at the start, and there without slip, where a stiff motion soon is.  While
+    a disk slides fast its normal force, and with it the stiffness, can be small.
 
     Parameters
     ----------
     legs
-        What is asked; they share their flow.
+        Legs of one flow.
     enough
-        Below this a bound will do.
+        Stiffness below which an upper bound is enough.
 
     Returns
     -------
@@ -151,7 +151,7 @@ def stiffness(legs: Sequence[Leg], enough: Floats | float = 0.0) -> Floats:
 
 
 def _fastest(matrices: Floats) -> Floats:
-    """The spectral radius of each matrix; infinite where it is not finite."""
+    """The spectral radius of each matrix; infinite for a matrix that is not finite."""
     finite = np.isfinite(matrices).all(axis=(1, 2))
     radius = np.full(len(matrices), np.inf)
     radius[finite] = np.abs(eigenvalues_alone(matrices[finite])).max(axis=1)
@@ -164,7 +164,7 @@ def explicit(flow: Flow | None = None) -> str:
     Parameters
     ----------
     flow
-        What it integrates; the disk's where left out.
+        Flow to integrate; None for the disk's.
 
     Returns
     -------
@@ -184,16 +184,16 @@ def explicit(flow: Flow | None = None) -> str:
 
 
 def choose(legs: Sequence[Leg]) -> list[Choice]:
-    """What `auto` takes for each leg.
+    """The choice of `auto` for each leg.
 
     An explicit method's steps are bounded by its stability, so their number grows in proportion to
-    the stiffness; an implicit one's do not, but grow faster as the tolerance falls.
-    `benchmarks/motion.py` draws both curves.
+    the stiffness.  The number of an implicit method's steps does not, but grows faster as the
+    tolerance falls.  `benchmarks/motion.py` draws both curves.
 
     Parameters
     ----------
     legs
-        What is asked; they share their flow.
+        Legs of one flow.
 
     Returns
     -------
@@ -224,7 +224,7 @@ def _turn(leg: Leg) -> float:
 
 
 def _patient(leg: Leg) -> Leg:
-    """The leg with no more steps than an explicit method takes where it is the cheaper one."""
+    """The leg with at most the steps of an explicit method where that is the cheaper one."""
     length = leg.times[-1:] - leg.times[:1]
     span = float((length * leg.flow.paces(leg.start[None], leg.p[None], length))[0])
     most = 20_000 + PATIENCE * _turn(leg) * span
@@ -239,26 +239,25 @@ def run(
     progress: Progress | None = None,
     executor: Executor | None = None,
 ) -> tuple[list[Path], list[Choice]]:
-    """Run legs of one flow and number of times.
+    """Run legs of one flow and one number of times.
 
     Parameters
     ----------
     legs
-        What is asked.
+        Legs to run.
     method
-        A key of `METHODS`, or `auto`: then a leg on which its integrator gives up is tried with
-        another.
+        A key of `METHODS`, or `auto`: then a leg whose integrator gives up is run with another.
     workers
         Threads for heyoka's batches.
     progress
         Called with (done, total).
     executor
-        Does every leg, or None: heyoka's batches in threads then, the others in this one.
+        Executor of every leg; None for heyoka's batches in threads and the others in this one.
 
     Returns
     -------
     paths, choices
-        One each for every leg.
+        Path and choice of each leg.
     """
     auto = method == "auto"
     choices = choose(legs) if auto else [Choice(method, "asked for")] * len(legs)
@@ -308,7 +307,7 @@ def _alone(
     flow: Callable[[], Flow], numbers: tuple[Any, ...], most: int, path: Path | None,
     choice: Choice, auto: bool,
 ) -> tuple[Path, Choice]:  # fmt: skip
-    """One leg, by a worker: its first path if there is none, and another where that gave up."""
+    """One leg, in a worker: a first path if there is none, and another where that gave up."""
     with ASKING:
         leg = Leg(flow(), *numbers)
         if path is None:
@@ -325,7 +324,7 @@ def _timed(method: str, leg: Leg) -> Path:
 
 
 def _second(leg: Leg, first: Path, choice: Choice) -> tuple[Path, Choice]:
-    """Another integrator where the chosen one gave up; the first answer if it does no better."""
+    """Path by another integrator where the chosen one gave up; the first if both give up."""
     assert first.end is not None
     if first.seconds >= leg.seconds:
         return first, choice

@@ -7,12 +7,12 @@ vA = e^ℓ (cos α, sin α), and time is stretched by dt = |vA| dτ.  Then
     dℓ/dτ = f(α, …),   dα/dτ = h(α, …)
 
 is smooth up to |vA| = 0 (f and h are the slip's acceleration along and across its direction), and
-a motion that comes to rest tends to a direction with h = 0, f < 0.  It has landed when |vA| has
-fallen below `REST`; what is left of the time, |vA|/|f|, is below rounding.
+a motion that comes to rest tends to a direction with h = 0, f < 0.  A motion has landed when |vA|
+has fallen below `REST`; the remaining time, |vA|/|f|, is below rounding.
 
-At rest `stability.integrators.friction_at_rest` lists every continuation.  Exactly one must be
-left; none or several end the run with an outcome that says so.  tests/integrators/test_coulomb.py
-holds all this against an inertial formulation and against the limit of regularised friction.
+At rest `stability.integrators.friction_at_rest` lists every continuation.  If none or several
+exist, the run ends with an outcome that says this.  tests/integrators/test_coulomb.py compares this
+module with an inertial formulation and with the limit of regularised friction.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ from .selection import METHODS, explicit
 NEAR = 1e-3
 """Slip speed below which the polar form takes over [√(gR)]."""
 AWAY = 2e-3
-"""Slip speed at which it hands back."""
+"""Slip speed at which the plain equations take over again [√(gR)]."""
 REST = 1e-15
-"""Slip speed that counts as rest: what is left of the landing is below rounding."""
+"""Slip speed that counts as rest: the remaining time of the landing is below rounding."""
 ONSET = 1e-4
 """Time over which an onset of slip is a series, times the fastest angular velocity or √(g/R); its
 error is of the order of its cube."""
@@ -74,9 +74,9 @@ class Transition:
     kind: str
     """`stick`, `slip`, or `reverse`: the slip passes through zero and sets in again at once."""
     time: float
-    """When."""
+    """Time of the passage."""
     state: Floats
-    """y there (that of sliding, with no slip)."""
+    """y at that time, as for sliding, with zero slip."""
     direction: float
     """Direction of the slip before sticking, or of the slip that sets in: angle from x̂ [rad]."""
 
@@ -86,13 +86,13 @@ class DryPath:
     """A motion with dry friction."""
 
     path: Path
-    """y of sliding at the asked times, and the end."""
+    """y as for sliding at the times of the leg, and the end."""
     modes: Floats
     """`SLIDING` or `STICKING` at each sample."""
     transitions: list[Transition]
-    """In order of time."""
+    """Transitions in order of time."""
     mode: int
-    """The mode in which it ended."""
+    """The mode at the end."""
 
 
 @lru_cache(maxsize=4)
@@ -174,7 +174,7 @@ def held_flow(*, pose: bool) -> Flow:
 
 
 class _Dry:
-    """One run through its modes; y is that of sliding (with slip) in every mode."""
+    """One run through its modes; y is as for sliding (with slip) in every mode."""
 
     def __init__(self, leg: Leg, method: str, pose: bool) -> None:
         self.leg, self.method, self.pose = leg, method, pose
@@ -186,7 +186,7 @@ class _Dry:
         self.transitions: list[Transition] = []
         self.steps = 0
         self.budget = Budget(leg.seconds)
-        self.onset = 0.0  # stretched time for which the slip has hardly begun, and is stiff
+        self.onset = 0.0  # stretched time of the first part of an onset, which is stiff
         self.end: End | None = None
 
     def run(self) -> DryPath:
@@ -210,7 +210,7 @@ class _Dry:
         path = Path(np.array(self.rows), self.end, self.steps, self.budget.used)
         return DryPath(path, np.array(self.modes, dtype=float), self.transitions, mode)
 
-    # --- one mode each: run to its end, and say the next ---
+    # --- one mode each: run to its end, and return the next ---
 
     def _slide(self) -> int:
         kind = self._advance(sliding_flow(pose=self.pose), self.y, SLIDING, lambda y: y)
@@ -235,8 +235,8 @@ class _Dry:
     def _ambiguous(self, first: int) -> bool:
         """Whether slip could also have set in at a sample of sticking: then the run ends there.
 
-        Below mu = 2√(k(k+1)) the continuation is unique (docs/dry-friction.md), and nothing is
-        looked for.
+        Below mu = 2√(k(k+1)) the continuation is unique (docs/dry-friction.md), so there is no
+        search.
         """
         if self.mu < 2 * math.sqrt(self.k * (self.k + 1)):
             return False
@@ -252,7 +252,7 @@ class _Dry:
         return False
 
     def _near(self) -> int:
-        """Polar form: to rest, back to plain sliding, or to an end."""
+        """Run in polar form: to rest, back to plain sliding, or to an end."""
         state = np.append(self.y, self.time)
         state[4] = math.log(math.hypot(self.y[4], self.y[5]))
         state[5] = math.atan2(self.y[5], self.y[4])
@@ -297,7 +297,7 @@ class _Dry:
 
         # even in the logarithm of time: t from the first instant to a hundred times it
         grid = (1 - 1 / np.geomspace(1.0, 100.0, ONSET_GRID)) * (self.onset / 0.99)
-        # an even grid in stretched time would be as fine as the onset is slow: 50 000 looks
+        # a slow onset would need a very fine even grid in stretched time: 50 000 looks
         leg = dataclasses.replace(self._polar_leg(state, grid), dense=True)
         path = METHODS["cvodes"](leg)
         self.steps += path.steps
@@ -323,7 +323,7 @@ class _Dry:
         return y
 
     def _rest(self, arrival: float | None) -> int:
-        """At rest: the one continuation, or an end."""
+        """Take the one continuation from rest, or end the run."""
         ways = continuations(self.y[:4], self.k, self.mu)
         if ways.count == 1 and ways.sticks:
             if arrival is not None:
@@ -359,7 +359,7 @@ class _Dry:
         return SLIDING
 
     def _before_a_guard(self, plain: Flow, step: float, rates: Floats) -> float:
-        """A step that is short enough for no guard to be passed."""
+        """A step that is short enough to pass no guard."""
         for _ in range(60):
             there = self.y + step * rates
             if (plain.margins(there, self.leg.p)[0] > 0).all():
@@ -404,7 +404,7 @@ class _Dry:
             self.y = after
             return STICKING
         self.transitions.append(Transition(SLIP, when, before, angle))
-        # with |vA| = c t²/2 the stretched time from t to ever is 2/(c t), and f = c t
+        # with |vA| = c t²/2 the stretched time from t to infinity is 2/(c t), and f = c t
         self.y, self.onset = self._excess(after, angle, span), 0.99 * 2 / f
         return SLIDING
 
@@ -415,8 +415,8 @@ class _Dry:
     def _excess(self, stuck: Floats, angle: float, span: float) -> Floats:
         """The state after a brief time of slip, from that of sticking.
 
-        The excess acceleration has grown in proportion to time, so that velocities gain a half of
-        it and angles a sixth.
+        The excess acceleration grows in proportion to time t, so that velocities gain t/2 times it
+        and angles t²/6 times it.
         """
         slipping = disk_system("coulomb", direction=True).rates(stuck[:6], [self.k, self.mu, angle])
         held = disk_system("rough").rates(stuck[:4], [self.k])
@@ -431,7 +431,7 @@ class _Dry:
     def _advance(
         self, which: Flow, start: Floats, mode: int, back: Callable[[Floats], Floats],
     ) -> str | None:  # fmt: skip
-        """Run a flow over the samples that are left; the guard that ended it, or None."""
+        """Run a flow over the remaining samples; the guard that ended the run, or None."""
         rest = self.times[len(self.rows) :]
         times = np.concatenate([[self.time], rest])
         leg = self._leg(which, start, times, self.leg.tolerance)
@@ -468,9 +468,9 @@ def integrate(leg: Leg, method: str = "auto", *, pose: bool = False) -> DryPath:
     Parameters
     ----------
     leg
-        With the flow `flow("coulomb", pose=pose)`, parameters (k, mu, flat).
+        Leg with the flow `flow("coulomb", pose=pose)`, parameters (k, mu, flat).
     method
-        The integrator of sliding and sticking; landings and onsets take LSODA.
+        Integrator of sliding and sticking; landings use LSODA, onsets CVODES.
     pose
         Whether y holds the pose.
 

@@ -1,8 +1,8 @@
 """The CasADi routes: CVODES on the explicit graph, IDAS on the implicit one; good where stiff.
 
 A CasADi integrator runs through its whole grid in one call and cannot be stopped on the way.  So a
-leg is first run as a whole; the guards are then checked on the grid, and only where one of them
-falls, or where the library gave up, the interval is taken again in small pieces.
+leg is first run as a whole, and the guards are then checked on the grid.  Only an interval where a
+guard falls, or where the library gave up, is run again in small pieces.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from .flow import Flow
 from .leg import HALVINGS, UNRESOLVED, Budget, End, Leg, Path
 
 FILL, FILL_OWN = 200, 2000
-"""Intervals at which the guards are checked at least: of a body, of a user's system."""
+"""Least number of intervals at which the guards are checked: of a body, of a user's system."""
 LOOKS, MOST_LOOKS = 10.0, 50_000
-"""How often in a unit of time, over the fastest angular velocity at the start, and at most."""
+"""Intervals in a unit of time over the motion's pace at the start, and most intervals."""
 EARLY, EARLY_LOOKS = 1e-6, 25
-"""Looks within the first of these intervals: from this part of it on, evenly in the logarithm."""
+"""Looks within the first of these intervals: the first, as a share of it, and their number."""
 FINEST = 1e-15
-"""Smallest tolerance that is passed on."""
+"""Smallest tolerance that is passed to the library."""
 STEPS = 5_000
 """Steps within one interval of the grid after which the library gives up."""
 ZERO = 1e-6
-"""What a guard may be off zero at an event."""
+"""Most that a guard may differ from zero at an event, over 1 or its size just before."""
 SHORTEST = 1e-10
 """Length of an interval, relative to the whole, below which a failure is final."""
 
@@ -67,7 +67,7 @@ def _integrator(
 
 
 def _run(leg: Leg, plugin: str, start: Floats, times: Floats) -> tuple[Floats, int] | None:
-    """States at times[1:], from times[0]; None where the library gave up or left finite numbers."""
+    """States at times[1:] and steps; None where the library gave up or a number is not finite."""
     span = float(times[-1] - times[0])
     fractions = (times[1:] - times[0]) / span
     fractions[-1] = 1.0
@@ -79,7 +79,7 @@ def _run(leg: Leg, plugin: str, start: Floats, times: Floats) -> tuple[Floats, i
         given["z0"] = guess(start, leg.p)
     said = io.StringIO()
     try:
-        with redirect_stderr(said):  # the library prints what the return value says
+        with redirect_stderr(said):  # the library prints errors that it returns too
             found = np.array(run(**given)["xf"]).T
     except RuntimeError:
         if "KeyboardInterrupt" in said.getvalue():  # CasADi takes it for a failure of the graph
@@ -95,7 +95,7 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
     Parameters
     ----------
     leg
-        What is asked.
+        Leg to run.
     plugin
         `cvodes` or `idas`.
 
@@ -117,7 +117,7 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
     if steps > leg.max_steps:
         end = End(UNRESOLVED, float(times[0]), leg.start, f"more than {leg.max_steps} steps")
         return Path(leg.start[None], end, leg.max_steps)
-    for i in _suspects(leg, grid, known):  # nearly always a low that stays above zero
+    for i in _suspects(leg, grid, known):  # nearly always a minimum that stays above zero
         _, end, more = _march(leg, plugin, grid[i : i + 2], known[i])
         steps += more
         if end is not None:
@@ -127,9 +127,9 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
 
 
 def _grid(leg: Leg) -> Floats:
-    """Times at which guards are looked at: those asked, and as many as the motion's pace needs.
+    """Times at which guards are checked: those of the leg, and as many as the motion's pace needs.
 
-    A stiff motion first has its slip decay, over a time that the eye of an even grid would miss.
+    In a stiff motion slip first decays, over a time that an even grid would miss.
     """
     times = leg.times
     if leg.dense or not leg.flow.guards:
@@ -192,11 +192,11 @@ def _suspects(leg: Leg, grid: Floats, states: Floats) -> list[int]:
 
 
 def _march(leg: Leg, plugin: str, grid: Floats, start: Floats) -> tuple[Floats, End | None, int]:
-    """Interval by interval, each checked, with pieces as short as it takes."""
+    """Run interval by interval, each checked, in pieces as short as needed."""
     rows: list[Floats] = []
     end: End | None = None
     state, time, steps = start, float(grid[0]), 0
-    # the library cannot be stopped on the way: the time is looked at between the pieces
+    # the library cannot be stopped on the way: the time is checked between the pieces
     shortest, budget = SHORTEST * float(leg.times[-1] - leg.times[0]), Budget(leg.seconds)
     for target in grid[1:]:
         piece = float(target) - time

@@ -28,16 +28,16 @@ from .flow import ASKING, Flow
 from .leg import UNRESOLVED, Budget, End, Leg, Path, guard_at
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-"""Threads that a batch takes when none are stated."""
+"""Default number of threads for batches."""
 FINEST = 1e-16
-"""Smallest tolerance that is passed on."""
+"""Smallest tolerance that is passed to the library."""
 NEWTON, SHIFT = 3, 1e-3
-"""Steps by which an event is put on its guard's zero, and the longest of them [√(R/g)]."""
+"""Steps that move an event to its guard's zero, and the longest of them [√(R/g)]."""
 PIECES = 1000
-"""Steps at least, where no angular velocity says how fast a motion changes: a series sees nothing
-of a pulse that is flat at its centre, and would step over it, as all neighbours would."""
+"""Least number of steps where the model names no angular velocities.  A series does not see a pulse
+that is flat at the series' centre: its step and those of all neighbours would pass over it."""
 QUIET = 20_000
-"""Steps before the computing time is looked at: to ask at each step costs a tenth."""
+"""Steps before the computing time is checked: a check at each step costs a tenth."""
 
 
 @cache
@@ -70,12 +70,12 @@ def heyoka_algebra() -> Algebra:
 
 @lru_cache(maxsize=64)
 def unread(flow: Flow) -> str:
-    """Why heyoka cannot integrate a flow; empty where it can.
+    """Reason why heyoka cannot integrate a flow; empty where it can.
 
     Parameters
     ----------
     flow
-        Of a body or of a user's system.
+        Flow of a body or of a user's system.
 
     Returns
     -------
@@ -114,11 +114,11 @@ class _Held:
     """A compiled integrator, lent to one thread at a time."""
 
     spare: list[Any]
-    """Copies that nobody uses now."""
+    """Copies that are not in use."""
     build: Callable[[], Any]
-    """Makes the first."""
+    """Function that makes the first copy."""
     lock: Any
-    """Guards the list."""
+    """Lock of the list."""
 
     def take(self) -> Any:
         with self.lock:
@@ -156,7 +156,7 @@ def integrate(leg: Leg) -> Path:
     Parameters
     ----------
     leg
-        What is asked.
+        Leg to run.
 
     Returns
     -------
@@ -202,9 +202,9 @@ def _longest(leg: Leg) -> float:
 
 
 def _sound(leg: Leg, path: Path) -> Path:
-    """The path, or an unresolved one where an event was lost: a guard is negative at the end.
+    """The path, or an unresolved one where an event was lost: a guard is not positive at a sample.
 
-    heyoka says so in its log when it could not isolate a root, and goes on.
+    heyoka logs a root that it could not isolate, and continues.
     """
     if path.end is not None:
         return path
@@ -235,13 +235,13 @@ def _on_guard(leg: Leg, time: float, state: Floats) -> End:
     kind = guard_at(leg.flow, leg.p, state)
     index = list(leg.flow.guards).index(kind)
     rates, most = leg.flow.quick.rates, SHIFT
-    if not leg.flow.model.turning:  # its unit of time is any
+    if not leg.flow.model.turning:  # a user's unit of time is arbitrary
         most *= min(1.0, float(leg.times[-1] - leg.times[0]))
     for _ in range(NEWTON):
         value, rate = (float(part[index]) for part in leg.flow.margins(state, leg.p))
         step = -value / rate if rate < 0 else 0.0
         moving = rates(leg.p, state)
-        # not a crossing that straightens out, or one at which the force has no value
+        # no step at a crossing that flattens, or where the force has no value
         if not abs(step) < most or not np.isfinite(moving).all():
             break
         time, state = time + step, state + step * moving
@@ -249,9 +249,9 @@ def _on_guard(leg: Leg, time: float, state: Floats) -> End:
 
 
 class _Stop:
-    """Notes the end of a lane of a batch, and parks the lane where it can do no harm.
+    """Records the end of a lane of a batch, and parks the lane.
 
-    The other lanes go on, so the ended one has to follow some motion: that of the model's parking.
+    The other lanes continue, so the ended lane must follow a motion: that of the model's parking.
     """
 
     def __init__(self, parking: Callable[[Any, Any, int], None]) -> None:
@@ -295,13 +295,13 @@ def integrate_many(
     Parameters
     ----------
     legs
-        What is asked; they share flow, number of times and tolerance.
+        Legs that share flow, number of times and tolerance.
     workers
-        Threads; as many as there are cores when left out.  Each has an integrator of its own.
+        Number of threads; by default that of the cores.  Each has its own integrator.
     progress
-        Told of the legs of a batch when it has been finished.
+        Counts the legs of each batch when the batch is finished.
     executor
-        In place of the threads, or None.
+        Executor in place of the threads, or None.
 
     Returns
     -------
@@ -322,7 +322,7 @@ def integrate_many(
 
 
 def _together(flow: Callable[[], Flow], width: int, numbers: list[tuple[Any, ...]]) -> list[Path]:
-    """One batch, by a worker."""
+    """One batch, in a worker."""
     legs = [Leg(flow(), *some) for some in numbers]
     held = _batch(legs[0].flow, max(legs[0].tolerance, FINEST), width)
     ta = held.take()
@@ -355,7 +355,7 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     most = max(leg.max_steps for leg in legs)
     states = propagate(max_steps=min(QUIET, most))
     limited = any(r[0] == hy.taylor_outcome.step_limit for r in ta.propagate_res)
-    if limited and most > QUIET:  # begun again, now with an eye on the time
+    if limited and most > QUIET:  # run again, now with a check of the time
         states = propagate(max_steps=most, callback=Budget(sum(g.seconds for g in legs)))
     with ASKING:
         return _read(ta, legs, states, ends)
@@ -364,14 +364,14 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
 def _read(
     ta: Any, legs: list[Leg], states: Floats, ends: Mapping[int, tuple[float, Floats]]
 ) -> list[Path]:
-    """The paths of a batch that has run; asks the graph for its guards."""
+    """The paths of a batch that has run; evaluates the guards."""
     import heyoka as hy
 
     paths = []
     for lane, leg in enumerate(legs):
         outcome, _, _, steps = ta.propagate_res[lane]
         if outcome != hy.taylor_outcome.time_limit:
-            paths.append(integrate(leg))  # one lane failed and stopped all: each for itself
+            paths.append(integrate(leg))  # one lane failed and stopped all: each runs alone
             continue
         mine, end = states[:, :, lane], None
         if lane in ends:

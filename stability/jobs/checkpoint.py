@@ -1,4 +1,4 @@
-"""Checkpoints: finished pieces of a job, kept in a folder until the job is done."""
+"""Checkpoints: a folder with the finished pieces of a job, until the job is done."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class Checkpoint:
     Parameters
     ----------
     folder
-        Where they are kept; made if it is missing.
+        Folder of the chunks; created if it is missing.
     key
-        What the map is of; a folder that holds the parts of another map is refused.
+        Description of the map; a folder with the parts of another map is refused.
     fits
-        Whether a chunk is one of the map's, from its first cell and its arrays.
+        Whether a chunk belongs to the map, from its first cell and its arrays.
 
     Raises
     ------
@@ -71,12 +71,12 @@ class Checkpoint:
                     draft.write_text(wanted, encoding="utf-8")
 
     def done(self, key: int) -> bool:
-        """Whether a chunk is there, though it may prove damaged.
+        """Whether a chunk is there; it may still be damaged.
 
         Parameters
         ----------
         key
-            Its first cell.
+            First cell of the chunk.
 
         Returns
         -------
@@ -85,12 +85,12 @@ class Checkpoint:
         return self._path(key).is_file()
 
     def get(self, key: int) -> Chunk | None:
-        """A finished chunk, or None; a damaged one, or one of another map, counts as not there.
+        """A finished chunk, or None where it is missing, damaged or of another map.
 
         Parameters
         ----------
         key
-            Its first cell.
+            First cell of the chunk.
 
         Returns
         -------
@@ -105,14 +105,14 @@ class Checkpoint:
         return None
 
     def add(self, key: int, value: Chunk) -> None:
-        """Keep a finished chunk with its checksum.
+        """Write a finished chunk with its checksum.
 
         Parameters
         ----------
         key
-            Its first cell.
+            First cell of the chunk.
         value
-            Its arrays by name.
+            Arrays of the chunk by name.
         """
         content = io.BytesIO()
         np.savez(content, allow_pickle=False, **value)

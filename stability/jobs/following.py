@@ -1,4 +1,4 @@
-"""Worker processes: they end when the process that started them ends, by SIGKILL too."""
+"""Worker processes that end when the process that started them ends, even by SIGKILL."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ PR_SET_PDEATHSIG = 1
 def follow(parent: int) -> None:
     """End this process as soon as its parent has ended; called first in a worker.
 
-    On Linux the kernel sends the signal, in the middle of a long call too; elsewhere, and where
-    that fails, a thread looks twice a second.
+    On Linux the kernel sends the signal, even in the middle of a long call.  On every system a
+    thread also looks twice a second.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def follow(parent: int) -> None:
     if sys.platform.startswith("linux"):
         with suppress(OSError, AttributeError):
             ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
-    if os.getppid() != parent:  # it ended before
+    if os.getppid() != parent:  # the parent ended before
         os._exit(1)
     threading.Thread(target=_watch, args=(parent,), daemon=True).start()
 
@@ -53,8 +53,8 @@ def _watch(parent: int) -> None:
 def follow_starter() -> None:
     """End this process when the one that started it by `multiprocessing` has ended.
 
-    For a worker of an executor that is not ours.  The kernel's signal would come with the end of
-    the thread that started the worker, which the rest of the program may outlive.
+    For a worker of an executor that a user gives.  The kernel's signal would come with the end of
+    the thread that started the worker; the rest of the program may run longer than that thread.
     """
     starter = multiprocessing.parent_process()
     if starter is not None:
@@ -67,21 +67,21 @@ def _outlived(starter: Any) -> None:
 
 
 class _Processes(ProcessPoolExecutor):
-    """Fresh processes that leave signals to stop to this one."""
+    """Fresh processes that block signals to stop, which this process handles."""
 
     def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
-        with ignoring_signals():  # processes start here
+        with ignoring_signals():  # a process starts here
             return super().submit(fn, *args, **kwargs)
 
 
 @contextmanager
 def processes(workers: int) -> Iterator[Executor]:
-    """Processes of our own, killed where the work fails: they have nothing to put in order.
+    """Processes of this package, killed where the work fails: they need no clean-up.
 
     Parameters
     ----------
     workers
-        How many.
+        Number of processes.
     """
     context = multiprocessing.get_context("spawn")
     others = set(multiprocessing.active_children())

@@ -1,4 +1,4 @@
-"""The journal of a comparison: finished cells, kept in its folder, and what they depend on."""
+"""The journal of a comparison: a file of its finished cells, and of what they depend on."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..storage.targets import path_text, refusing
 MARK = "fingerprint"
 """The first word of a journal."""
 DONE, REFUSED, CRASHED, LATE = "done", "refused", "crashed", "time-out"
-"""How a cell can end."""
+"""Ways in which a cell can end."""
 ENDS = (DONE, REFUSED, CRASHED, LATE)
 JOURNAL = "cells.jsonl"
 """Name of the journal in its folder."""
@@ -27,7 +27,7 @@ SHOWN = (
     "figures", "tables", "atlas", "cli", "compare/figures", "compare/report.py", "compare/page.py",
     "compare/csv_files.py",
 )  # fmt: skip
-"""Folders and files that show results and make none: their changes leave cells as they are."""
+"""Folders and files that only show results: a change in them leaves cells valid."""
 
 
 @dataclass(frozen=True)
@@ -35,29 +35,29 @@ class Cell:
     """One cell that has ended."""
 
     key: str
-    """Name of its task."""
+    """Name of the cell's task."""
     status: str
     """done, refused, crashed or time-out."""
     value: Any
-    """What the task returned; None unless done."""
+    """Result of the task; None unless done."""
     message: str
-    """Why it was refused or crashed, in the words of the one who did."""
+    """Message of the error or of the time limit; empty if done."""
     seconds: float
-    """How long it took, the start of its process apart."""
+    """Time of the task [s], without the start of its process."""
 
 
 class Journal:
-    """Finished cells, kept in a folder.
+    """Finished cells in a file of a folder.
 
     Parameters
     ----------
     folder
-        Made if it is not there.
+        Folder of the journal; created if it is missing.
 
     Raises
     ------
     FileError
-        If it cannot be made or read.
+        If the folder or its journal cannot be used.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -74,10 +74,10 @@ class Journal:
                 )
             text = self.path.read_text(encoding="utf-8", errors="replace") if there else ""
             lines = text.splitlines()
-            if lines and lines[0] == head:  # otherwise other sources, versions or machine
+            if lines and lines[0] == head:  # otherwise sources, versions or machine have changed
                 self._read(lines[1:])
             kept = "".join(_line(cell) for cell in self.cells.values())
-            if text != f"{head}\n{kept}":  # a line cut short, or cells that no longer hold
+            if text != f"{head}\n{kept}":  # a line is cut short, or cells are no longer valid
                 with atomic_write(self.path, overwrite=True, result=False) as draft:
                     draft.write_text(f"{head}\n{kept}", encoding="utf-8")
         except OSError as error:
@@ -88,7 +88,7 @@ class Journal:
     def _read(self, lines: list[str]) -> None:
         for line in lines:
             body, _, digest = line.rpartition("\t")
-            if digest != _digest(body):  # cut short or damaged: the cell is done again
+            if digest != _digest(body):  # cut short or damaged: the cell is computed again
                 continue
             with contextlib.suppress(ValueError, TypeError, RecursionError):
                 cell = Cell(**json.loads(body, object_hook=unmarked))
@@ -96,7 +96,7 @@ class Journal:
                     self.cells[cell.key] = cell
 
     def done(self, key: str) -> bool:
-        """Whether a cell is there."""
+        """Whether a cell has ended."""
         return key in self.cells
 
     def get(self, key: str) -> Cell | None:
@@ -104,14 +104,14 @@ class Journal:
         return self.cells.get(key)
 
     def add(self, key: str, value: Cell) -> None:
-        """Keep a cell, at once."""
+        """Write a cell at once."""
         self.cells[key] = value
         with refusing(self.path), self.path.open("a", encoding="utf-8") as handle:
             handle.write(_line(value))
 
 
 def _line(cell: Cell) -> str:
-    """A cell as JSON, a tab, and the beginning of the checksum of that."""
+    """A cell as JSON, a tab, and the beginning of the checksum of the JSON."""
     body = json.dumps(marked(vars(cell)), allow_nan=False)
     return f"{body}\t{_digest(body)}\n"
 
@@ -126,7 +126,7 @@ def is_journal(path: Path) -> bool:
     Parameters
     ----------
     path
-        The file, which need not be there.
+        The file, which may be missing.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def is_journal(path: Path) -> bool:
 
 
 def fingerprint() -> str:
-    """What the cells of a journal depend on: sources of the package, versions and the machine.
+    """Checksum of what cells depend on: sources of the package, versions and the machine.
 
     Returns
     -------

@@ -36,13 +36,12 @@ K = TypeVar("K")
 T = TypeVar("T")
 Key = TypeVar("Key", contravariant=True)
 Pool = Callable[[int], AbstractContextManager[Executor | None]]
-"""Makes workers of our own, so many; None where the work is done in this thread."""
+"""Starts a number of workers; gives None where this thread does the work."""
 
 LOOK = 0.05
 """Longest time that a signal waits [s]."""
 AHEAD = 4
-"""Pieces in flight for each worker: those that run, those that wait, and those that wait for an
-earlier one."""
+"""Pieces in flight for each worker: running, waiting to run, or waiting for an earlier result."""
 ENDED = (
     "a worker was ended from outside, or did not start; if the memory is short, take a smaller "
     "task or fewer workers, and in a script make the call under `if __name__ == '__main__':`."
@@ -50,19 +49,19 @@ ENDED = (
 
 
 class Keep(Protocol[Key, T]):
-    """Finished pieces of a job by key, kept in a folder."""
+    """Store of the finished pieces of a job in a folder, by key."""
 
     folder: Path
-    """Where they are."""
+    """Folder of the pieces."""
 
     def done(self, key: Key) -> bool:
-        """Whether a piece is there, though it may prove damaged."""
+        """Whether a piece is there; it may still be damaged."""
 
     def get(self, key: Key) -> T | None:
-        """A finished piece; None where it is not there, or damaged."""
+        """A finished piece; None where it is missing or damaged."""
 
     def add(self, key: Key, value: T) -> None:
-        """Keep a finished piece, at once."""
+        """Write a finished piece at once."""
 
 
 class Counted:
@@ -86,14 +85,14 @@ class Counted:
         self.progress, self.total, self.done = progress, total, 0
 
     def add(self, count: int) -> None:
-        """So many more are done."""
+        """Add pieces to the count, and call the progress function."""
         self.done += count
         if self.progress is not None:
             self.progress(self.done, self.total)
 
 
 def check_run(workers: Any, progress: Any, executor: Any = None) -> None:
-    """Refuse a number of workers, a progress function or an executor that cannot be.
+    """Refuse an invalid number of workers, progress function or executor.
 
     Parameters
     ----------
@@ -121,16 +120,16 @@ def resumable(
     folder: str | PathLike[str], count: Counted | None = None, *,
     said: str = "finished cells are kept in", then: str = "go on",
 ) -> Iterator[None]:  # fmt: skip
-    """Say where finished work is, and how to continue, when a job is interrupted.
+    """Say where the finished work is, and how to continue, when a job is interrupted.
 
     Parameters
     ----------
     folder
-        Where it is kept.
+        Folder of the finished work.
     count
-        How much of it is done, or None.
+        Count of the finished work, or None.
     said, then
-        Words before the folder, and at the end.
+        Words before the folder, and at the end of the sentence.
 
     Raises
     ------
@@ -147,7 +146,7 @@ def resumable(
 
 
 def threads(workers: int) -> AbstractContextManager[Executor]:
-    """Threads of our own."""
+    """Threads that this package starts."""
     return ThreadPoolExecutor(workers)
 
 
@@ -167,33 +166,33 @@ def ordered(
     progress: Counted | None = None,
     size: Callable[[K], int] = lambda _: 1,
 ) -> Generator[tuple[K, T], None, None]:
-    """Do pieces of work, a bounded number at once, and yield their results in order.
+    """Do pieces of work, a limited number at once, and yield their results in order.
 
     Parameters
     ----------
     keys
         Names of the pieces, in order.
     task
-        The work of a piece: a function without arguments, made in this thread when its turn comes.
-        A process can do what can be pickled; what all pieces need is best `shared`.
+        Makes the work of a piece in this thread when its turn comes: a function without arguments.
+        For processes it must be picklable.  Data that all pieces need are best `shared`.
     executor
         Any executor of the protocol of `concurrent.futures`; it is not shut down.
     workers
-        How many workers there are; at most `AHEAD` pieces for each are in flight.
+        Number of workers; at most `AHEAD` pieces for each are in flight.
     own
-        Makes the workers where there is no executor.
+        Starts the workers where there is no executor.
     keep
-        Finished pieces: those there are not done again, the others are added.
+        Store of finished pieces: pieces in it are not done again, others are added.
     progress
-        Told of each piece when it has been finished, in any order.
+        Count that grows with each finished piece, in any order.
     size
-        What a piece counts there.
+        Size of a piece in that count.
 
     Yields
     ------
     tuple
-        Key and result.  When the iterator is closed, or fails, pieces that wait are cancelled, and
-        workers of our own end.
+        Key and result.  When the iterator is closed, or fails, waiting pieces are cancelled, and
+        workers started here end.
 
     Raises
     ------
@@ -232,7 +231,7 @@ def ordered(
 
 
 class _Work(Generic[K, T]):
-    """Pieces in flight, each with a list that holds its result once it is there."""
+    """Pieces in flight, each with a list for its result."""
 
     def __init__(
         self, pool: Executor | None, task: Callable[[K], Callable[[], T]],
@@ -244,7 +243,7 @@ class _Work(Generic[K, T]):
         self.unfinished: dict[Future[T], tuple[K, list[T]]] = {}
 
     def begin(self, key: K) -> None:
-        """Fetch a piece that is kept, or send its work."""
+        """Fetch a stored piece, or send its work."""
         piece: tuple[K, list[T]] = (key, [])
         kept = self.keep.get(key) if self.keep is not None and self.keep.done(key) else None
         if kept is not None:
@@ -258,7 +257,7 @@ class _Work(Generic[K, T]):
         self.flight.append(piece)
 
     def first(self) -> tuple[K, T]:
-        """The earliest piece and its result, once it is there."""
+        """Wait for the earliest piece, and return its key and result."""
         key, found = self.flight[0]
         while not found:
             with postponed():
@@ -291,7 +290,7 @@ def _sent(pool: Executor, work: Callable[[], T]) -> Future[T]:
 
 @dataclass(frozen=True)
 class _Piece(Generic[T]):
-    """One piece of work, wherever it is done."""
+    """One piece of work, for any thread or process."""
 
     work: Callable[[], T]
     """The work."""

@@ -1,14 +1,14 @@
-"""Cells of a comparison: each done in a process that may fail, and kept as soon as it is done.
+"""Cells of a comparison: each runs in a process that may fail, and is stored as soon as it ends.
 
-A group of tasks shares one fresh process, in order; several groups may run side by side.  A task
-that raises, exceeds its limit of time or takes its process down is recorded as that, and the rest
-of its group goes on in another process.  Finished cells are lines of a journal in the folder of the
-comparison, so that a run that was stopped goes on where it was.
+A group of tasks shares one fresh process, in order.  Several groups may run at the same time.  If a
+task raises, exceeds its time limit or ends its process, its cell records that.  The rest of the
+group continues, after a time limit or a dead process in another process.  Finished cells are lines
+of a journal in the folder of the comparison, so that a stopped run continues where it was.
 
-No `concurrent.futures.Executor` can do this: a task that hangs in a library cannot be ended
-(`Future.cancel` stops no running work), and a worker that dies breaks the whole pool and with it
-every other task.  So these processes are started here; progress, interruption and the protocol of
-what is kept are those of `pipeline`.
+No `concurrent.futures.Executor` can do this.  A task that hangs in a library cannot be ended
+(`Future.cancel` stops no running work).  A worker that dies breaks the whole pool, and with it
+every other task.  So this module starts the processes.  Progress, interruption and the protocol of
+the store are those of `pipeline`.
 """
 
 from __future__ import annotations
@@ -31,23 +31,23 @@ from .journal import CRASHED, DONE, LATE, REFUSED, Cell
 from .pipeline import Counted, Keep, resumable
 
 START = 120.0
-"""Seconds that a process may take to start."""
+"""Time in which a process must start [s]."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Set to 1 in the processes: small matrices are no work for several threads."""
+"""Variables set to 1 in the processes: several threads do not help with small matrices."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """One cell to be done."""
+    """One cell to compute."""
 
     key: str
-    """Its name, unique in the comparison."""
+    """Name of the cell, unique in the comparison."""
     function: Callable[..., Any]
-    """Of a module, so that a process finds it; returns what JSON can hold."""
+    """Function of a module, so that a process finds it; its result must fit JSON."""
     arguments: tuple[Any, ...]
-    """Its arguments."""
+    """Arguments of the function."""
     limit: float = 60.0
-    """Seconds after which it is given up."""
+    """Time limit [s]."""
 
 
 # --- running ---
@@ -60,16 +60,16 @@ def run(
     workers: int = 1,
     progress: Progress | None = None,
 ) -> dict[str, Cell]:
-    """Do what is not kept yet.
+    """Compute the cells that are not stored yet.
 
     Parameters
     ----------
     groups
-        Tasks that share a process, in order; each group starts in a fresh one.
+        Groups of tasks, in order; each group starts in a fresh process.
     keep
-        Where finished cells are, and go: a `Journal`.
+        Store of finished cells: a `Journal`.
     workers
-        Groups at a time.
+        Number of groups at a time, at most the number of cores.
     progress
         Called with (cells done, cells in all).
 
@@ -81,7 +81,7 @@ def run(
     Raises
     ------
     KeyboardInterrupt
-        On Ctrl-C, with a sentence that says that finished cells are kept.
+        On Ctrl-C, with a sentence on where the finished cells are.
     """
     lanes_at_most = min(workers, os.cpu_count() or 1)
     keys = [task.key for group in groups for task in group]
@@ -122,7 +122,7 @@ class _Lane:
             with (
                 _single_threads(),
                 ignoring_signals(),
-            ):  # a signal to stop is for this process to handle
+            ):  # this process handles signals to stop
                 self.process.start()
             theirs.close()
             if not self.pipe.poll(START):
@@ -142,13 +142,13 @@ class _Lane:
     def _next(self) -> None:
         task = self.left[0]
         self.since = time.monotonic()
-        # the start of the process is not the task's
+        # time counts from here, after the start of the process
         self.deadline = self.since + 1.5 * task.limit + 10.0
         with contextlib.suppress(OSError):
             self.pipe.send((task.function, task.arguments, task.limit))
 
     def outcome(self) -> Cell | None:
-        """The cell that has ended just now, if one has."""
+        """The cell that has just ended, or None."""
         task = self.left[0]
         found: Cell | None = None
         dead = False
@@ -211,7 +211,7 @@ def _single_threads() -> Iterator[None]:
 def _context() -> Any:
     """A server that forks processes with the libraries imported, where the system has one.
 
-    Each process is fresh as far as graphs and compiled code go, which is what a first call pays.
+    Each process has no graphs and no compiled code yet: their cost is that of a first call.
     """
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
@@ -225,7 +225,7 @@ def _context() -> Any:
 
 
 class Late(BaseException):
-    """The limit of time, from within a task; one that has part of an answer may catch it."""
+    """Raised in a task at its time limit; a task with part of an answer may catch it."""
 
 
 def _work(pipe: Connection) -> None:
@@ -233,7 +233,7 @@ def _work(pipe: Connection) -> None:
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(signal, "pthread_sigmask"):  # SIGTERM ends it, blocked as it was at its birth
+    if hasattr(signal, "pthread_sigmask"):  # SIGTERM, blocked at the start, must end it
         signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
     follow(os.getppid())
     with contextlib.suppress(OSError):  # the parent has ended
@@ -245,7 +245,7 @@ def _answer(pipe: Connection) -> None:
     import warnings
 
     pipe.send("ready")
-    warnings.simplefilter("ignore")  # what a route warns of is counted as its error
+    warnings.simplefilter("ignore")  # an error in the answer counts, not a warning
 
     def late(*_: Any) -> None:
         raise Late

@@ -1,6 +1,7 @@
-"""What all pieces of a job need, of which each worker reads a copy of its own.
+"""Data that all pieces of a job need; each worker reads its own copy.
 
-CasADi's objects are not for several threads at once, and a process has none of its parent's.
+CasADi's objects must not be used by several threads at once.  A process has none of its parent's
+objects.
 """
 
 from __future__ import annotations
@@ -18,22 +19,22 @@ from ..base.errors import ParameterError, StabilityError, one_line
 
 T = TypeVar("T")
 MOST_COPIES = 8
-"""Copies that a thread keeps; the oldest goes first."""
+"""Largest number of copies in a thread; the oldest is dropped first."""
 SHORT = 120
-"""Characters of an error that are shown."""
+"""Largest number of characters of an error in a message."""
 _THREAD = threading.local()
 
 
 def shared(value: T, executor: Executor | None) -> Callable[[], T]:
-    """A function that gives a worker the value: for pieces of work, in place of the value.
+    """A function that gives the value to a worker; pieces of work use it in place of the value.
 
     Parameters
     ----------
     value
-        What every piece needs.
+        Data that every piece needs.
     executor
-        Whose workers ask for it: each thread and each process then has a copy of its own.  None
-        for threads of our own, which do not ask CasADi, or take turns.
+        Executor whose workers use the value: each thread or process then has its own copy.  None
+        for threads of this package, which share the value: they avoid CasADi or take turns.
 
     Returns
     -------
@@ -74,7 +75,7 @@ def _same(value: T) -> T:
 
 @dataclass(frozen=True)
 class _Copied(Generic[T]):
-    """A value in bytes."""
+    """A value as bytes, read once in each thread."""
 
     name: bytes
     """Checksum of the bytes."""

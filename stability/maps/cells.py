@@ -1,4 +1,4 @@
-"""The cells of a map, worked through in chunks by threads, and kept on the way if asked."""
+"""The cells of a map: workers compute them in chunks, which a checkpoint may store."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ from .growth_rates import GrowthKernel, steady_memory
 from .verdict_tiles import GridVerdicts
 
 CHUNK = 16384
-"""Cells that are worked on at once: small enough for the cache, large enough for NumPy."""
+"""Cells of a chunk: few enough for the cache, many enough for NumPy."""
 BAND = 262144
-"""The same for the exact route, in whole rows: large enough that threads do not wait for Python."""
+"""Cells of a chunk of whole rows on the exact route: many, so that no thread waits for Python."""
 
 
 LEFT = "left"
-"""In a chunk, in addition to its arrays: how many of its cells the exact route took over."""
+"""Key in a chunk, in addition to its arrays: number of cells sent to exact arithmetic."""
 MOST_CELLS = 10**9
-"""Largest map; its arrays take 33 bytes a cell."""
+"""Largest map [cells]; without `modes` its arrays take 25 bytes a cell."""
 
 
 class Cells:
@@ -54,7 +54,7 @@ class Cells:
     axes
         x and y.
     modes
-        Whether all eigenvalues are kept.
+        Whether to store all eigenvalues.
     """
 
     def __init__(self, problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> None:
@@ -91,7 +91,7 @@ class Cells:
 
     @property
     def route(self) -> str:
-        """How the cells were worked out, in words."""
+        """Method of computation of the cells, in words."""
         if not self.exact:
             route = self._graph
             if self.problem.exact is None:
@@ -101,7 +101,7 @@ class Cells:
         return f"{route} ({self.handed_on} of {math.prod(self.shape)} cells there)"
 
     def key(self) -> dict[str, Any]:
-        """What the map is of, for a checkpoint; with all digits, so that maps are distinguished.
+        """Description of the map for a checkpoint, with all digits, so that maps are distinguished.
 
         Returns
         -------
@@ -122,7 +122,7 @@ class Cells:
         }
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the arrays, which no worker fills."""
+        """The state without the arrays, which no worker fills."""
         filled = ("abscissa", "error", "frequency", "codes", "values")
         return {name: value for name, value in vars(self).items() if name not in filled}
 
@@ -130,18 +130,18 @@ class Cells:
         self, workers: int, progress: Progress | None, keep: Keep[int, Chunk] | None = None,
         executor: Executor | None = None,
     ) -> None:  # fmt: skip
-        """Work through the chunks: members here, since CasADi is not shared; spectra by workers.
+        """Compute the chunks: members here, since CasADi is not shared; spectra by workers.
 
         Parameters
         ----------
         workers
-            How many; threads where there is no executor.
+            Number of workers; threads where there is no executor.
         progress
             Called with (cells done, cells in all), or None.
         keep
-            Where finished chunks are kept, or None.
+            Store of finished chunks, or None.
         executor
-            What does the work, or None.
+            Executor that does the work, or None.
         """
         total, cells = math.prod(self.shape), shared(self, executor)
 
@@ -167,7 +167,7 @@ class Cells:
             self.handed_on += 1
 
     def _band(self, start: int, total: int) -> Chunk:
-        """Whole rows by the exact route, which no CasADi function takes part in."""
+        """Compute whole rows by the exact route, which uses no CasADi function."""
         rows = slice(start // self.shape[1], min(start + self.chunk, total) // self.shape[1])
         x, y = self.axes
         values = dict(self.problem.values)
@@ -217,7 +217,7 @@ class Cells:
         self, values: Any, radius: Floats, codes: NDArray[np.int8],
         place: tuple[Floats, Floats, Floats], supported: NDArray[np.intp],
     ) -> None:  # fmt: skip
-        """Put back the leading eigenvalue of members that have fewer zeros than typical ones."""
+        """Restore the leading eigenvalue of members that have fewer zeros than typical ones."""
         usual = structure(self.problem.family).zeros
         for count in range(usual):
             rows = np.flatnonzero(supported == count)
@@ -251,7 +251,7 @@ class Cells:
     def _place(self, start: int, chunk: Chunk) -> None:
         count = len(chunk["codes"])
         for name, array in chunk.items():
-            if name == LEFT:  # counted here, and so in a map that is resumed too
+            if name == LEFT:  # counted here, so that a resumed map counts them too
                 self.handed_on += int(array[0])
                 continue
             whole_array = getattr(self, name)
@@ -267,5 +267,5 @@ def _band(cells: Callable[[], Cells], start: int, total: int) -> Chunk:
 
 def _work(cells: Callable[[], Cells], *members: Floats) -> Chunk:
     own = cells()
-    with eigensolver(own.solver):  # a thread has a context of its own
+    with eigensolver(own.solver):  # each thread has its own context
         return own._work(*members)

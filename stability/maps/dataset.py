@@ -38,26 +38,26 @@ GRAPH = (
 )
 
 OWN = "; verdicts that these leave open from the family's polynomial, exactly or in balls"
-"""Added to `GRAPH` where a family has a polynomial of its own."""
+"""Added to `GRAPH` where a user's family has an exact polynomial."""
 
 FORMAT = "stability map 1"
-"""Marks a file as one of ours."""
+"""Attribute `format` of a file of a map."""
 LIBRARIES = ("casadi", "numpy", "scipy", "python-flint", "xarray")
 
 
 def provenance(
     problem: Problem, axes: tuple[Axis, Axis] | None = None, route: str = GRAPH
 ) -> dict[str, Any]:
-    """How a result came about: versions, parameters, method, tolerances.
+    """Origin of a result: versions, parameters, method, tolerances.
 
     Parameters
     ----------
     problem
         Family with values in the user's units.
     axes
-        The axes of a map, which are not fixed parameters.
+        Axes of a map, whose names are not fixed parameters; None without a map.
     route
-        How the numbers were worked out.
+        Method of computation of the numbers, in words.
 
     Returns
     -------
@@ -114,9 +114,9 @@ def assemble(
     Parameters
     ----------
     problem, axes
-        What was asked.
+        Family with values in the user's units; x and y.
     cells
-        Filled arrays.
+        `Cells` with filled arrays.
     curves
         Boundary curves, or None.
     boxes

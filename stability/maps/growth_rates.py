@@ -1,8 +1,8 @@
 """Eigenvalues over arrays from the exact polynomials, nearly without an eigensolver.
 
-A tile of a map is worked through from coarse to fine: an eigensolver finds a few cells' roots, and
-every other cell starts from its neighbour's factors.  What double precision leaves too uncertain is
-done again in extended precision where the machine has it, and then exactly.
+A tile of a map is computed from coarse to fine: an eigensolver finds the roots of a few cells, and
+every other cell starts from its neighbours' factors.  Cells that double precision leaves too
+uncertain are computed again in extended precision where the machine has it, and then exactly.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from ..spectra.problem import Problem
 from .verdict_filter import point, tabulated
 
 STRIDE = 16
-"""Distance of the cells of a tile at which the eigensolver starts."""
+"""Distance between the cells of a tile at which the eigensolver starts."""
 STEPS = 2
-"""Corrections of a cell that starts between its neighbours, before the change is looked at."""
+"""Corrections of a cell that starts between its neighbours, before the change is checked."""
 WANTED = 1e-13
-"""Error of the abscissa, relative to the largest modulus, beyond which a cell is done again."""
+"""Error of the abscissa, relative to the largest modulus, beyond which a cell is computed again."""
 LONG = np.longdouble
 HAS_LONG = np.finfo(LONG).eps < 1e-18
 """Whether the machine's long double is longer than double."""
@@ -34,8 +34,8 @@ HAS_LONG = np.finfo(LONG).eps < 1e-18
 def steady_memory() -> None:
     """Let freed arrays of megabytes stay with the process, where the C library is glibc.
 
-    One allocation of 31 MiB raises its threshold for giving memory back; without it the arrays of
-    a map are fetched from the system again and again.  Elsewhere this does nothing.
+    One allocation of 31 MiB raises the threshold at which glibc gives memory back.  Without this,
+    the arrays of a map are fetched from the system again and again.  Elsewhere nothing changes.
     """
     np.empty(31 * 2**20, dtype=np.uint8)
 
@@ -91,9 +91,9 @@ class GrowthKernel:
     Parameters
     ----------
     problem
-        About a family with a tabulated polynomial.
+        Problem of a family with a tabulated polynomial.
     modes
-        Whether all eigenvalues are kept.
+        Whether to return all eigenvalues.
     """
 
     def __init__(self, problem: Problem, *, modes: bool = False) -> None:
@@ -113,8 +113,7 @@ class GrowthKernel:
         values
             Float or array by name, broadcasting to two dimensions (rows, columns), or one.
         scattered
-            Whether neighbours have nothing to do with each other, so that every cell starts from
-            the eigensolver.
+            Whether neighbours are unrelated, so that every cell starts from the eigensolver.
 
         Returns
         -------
@@ -160,7 +159,7 @@ class GrowthKernel:
                 out.append(Roots([-a[0]], [zero], [error[0]]))
                 kept.append(None)
                 continue
-            near = known[place] if known else None  # [] for scattered points
+            near = known[place] if known else None  # `known` is [] for scattered points
             if near is not None:
                 factors = settle(a, near, 2)
             elif known is not None:
@@ -185,7 +184,7 @@ class GrowthKernel:
         return Roots([real, -real], [imag, -imag], [off, off])
 
     def _rated(self, values: Mapping[str, Any], shape: tuple[int, ...], roots: list[Roots]) -> _All:
-        """What is wanted of the roots, in the user's unit of rate, as doubles."""
+        """Quantities of the eigenvalues, in the user's unit of rate, as doubles."""
         scale, square = self.exact.scale(values)
         unit: Any = np.sqrt(square) if scale is None else scale
         unit = np.broadcast_to(unit, shape).reshape(-1) if np.ndim(unit) else unit
@@ -198,7 +197,7 @@ class GrowthKernel:
         largest: Any = 0.0
         seen: set[tuple[int, int]] = set()
         for x, y, r in zip(real, imag, radius, strict=True):
-            if (id(x), id(r)) in seen:  # the conjugate of one that was here
+            if (id(x), id(r)) in seen:  # the conjugate of an earlier root
                 continue
             seen.add((id(x), id(r)))
             first = x == top
@@ -210,7 +209,7 @@ class GrowthKernel:
         error = np.maximum(high - top, own)
         if self.even:  # neutral where λ² is negative beyond doubt
             error = np.where((top == 0) & (turn > radius[0]), 0.0, error)
-        # the product with the unit, its own rounding, and that of the sums above
+        # roundings of the unit, of the product with it, and of the sums above
         error = error + np.where(error == 0, 0.0, 6e-16 * np.abs(top) + 1e-18 * largest)
         some = None
         if self.modes:
@@ -223,14 +222,14 @@ class GrowthKernel:
 
 
 class _All(NamedTuple):
-    """What is wanted of the eigenvalues of many cells."""
+    """Quantities of the eigenvalues of many cells."""
 
     top: Floats
     error: Floats
     turn: Floats
     largest: Floats
     values: Any
-    """All of them with the mode as first axis, or None."""
+    """All eigenvalues, with the mode as first axis, or None."""
 
     def put(self, index: Any, other: _All) -> None:
         for mine, theirs in zip(self, other, strict=True):
@@ -251,7 +250,7 @@ class _All(NamedTuple):
 
 
 def _poor(found: _All) -> Any:
-    """Where the error is beyond what is wanted, or the sign of the abscissa is open."""
+    """Where the error is beyond `WANTED`, or the sign of the abscissa is open."""
     sure = found.error <= WANTED * found.largest
     return ~(sure & ((np.abs(found.top) > found.error) | (found.error == 0)))
 
@@ -278,7 +277,7 @@ def _coarse_to_fine(a: list[Any], shape: tuple[int, int]) -> Factors:
         even, odd, every = (slice(None, None, step), slice(half, None, step),
                             slice(None, None, half))  # fmt: skip
         steps = STEPS if half > 1 else 1
-        # first the rows in between, then all columns in between
+        # first the rows between known ones, then all columns between known ones
         for rows, columns, axis in ((odd, even, 1), (every, odd, 2)):
             known = whole[:, even, even] if axis == 1 else whole[:, every, even]
             target = whole[:, rows, columns]
@@ -299,5 +298,5 @@ def _between(known: Any, axis: int, count: int) -> Any:
     out[:pairs] = 0.5 * (v[:-1] + v[1:])
     if pairs > 2:
         out[1 : pairs - 1] = 0.5625 * (v[1:-2] + v[2:-1]) - 0.0625 * (v[:-3] + v[3:])
-    out[pairs:] = v[-1]  # beyond the last known one
+    out[pairs:] = v[-1]  # beyond the last known value
     return np.ascontiguousarray(np.moveaxis(out, 0, axis))

@@ -69,7 +69,7 @@ def write_map(
     compress: dict[Any, dict[str, Any]] = {
         str(n): {"zlib": True, "complevel": 4} for n, v in encoded.data_vars.items() if v.ndim > 1
     }
-    # into memory first: a disk that fills up while HDF5 writes to it takes the process down
+    # into memory first: a disk that fills up while HDF5 writes to it ends the process
     with atomic_write(path, overwrite=overwrite) as draft:
         draft.write_bytes(packed(encoded, compress))
     return Path(path)
@@ -78,7 +78,7 @@ def write_map(
 def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:
     """Read a map that `write_map` or `stream_map` wrote, its checksum first.
 
-    Files of version 0.4.0 and before have none: damage to their numbers may go unnoticed.
+    Files of version 0.4.0 and before have no checksum: damage to numbers may go unnoticed.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     Raises
     ------
     FileError
-        If there is no such file, or it is damaged, not a NetCDF file, or not one of ours.
+        If there is no such file, or it is damaged, not a NetCDF file, or no map of this package.
     """
     import xarray
 

@@ -1,9 +1,9 @@
 """Whole rectangles of parameters with one proved verdict, and the strip that encloses a boundary.
 
 A rectangle is halved in both directions until the conditions of its family keep their signs on all
-of it, or it is as narrow as was asked.  For the disk the conditions are the polynomials of
-`stability.bodies.thin_disk.disk_polynomials`, bounded over many boxes at once by the mean value
-form; a user's family goes through Routh's array in wide balls.
+of it, or until it is as narrow as the levels allow.  For the disk the conditions are the
+polynomials of `stability.bodies.thin_disk.disk_polynomials`, bounded over many boxes at once by the
+mean value form.  For a user's family they are Routh's array in wide balls.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from ..spectra.problem import Problem
 from .verdict_filter import tabulated
 
 MOST_LEVELS = 16
-"""Deepest bisection; an axis is then cut into 65 536."""
+"""Largest number of halvings; an axis is then cut into 65 536 parts."""
 SLACK = 64 * UNIT
 """Relative slack of every product of bounds, more than its few roundings."""
 
@@ -44,11 +44,11 @@ class Boxes:
     codes: NDArray[np.int8]
     """Flag of the verdict that is proved everywhere in the box, 0 in the strip, shape (N,)."""
     levels: int
-    """How often the map was halved; boxes of the strip are 2^-levels of each axis wide."""
+    """Number of halvings of the map; boxes of the strip are 2^-levels of each axis wide."""
 
     @property
     def proved(self) -> float:
-        """Share of the map's area that is proved."""
+        """Share of the map's area that is proved; in logarithms where all values are positive."""
         size = np.log if (self.x > 0).all() and (self.y > 0).all() else np.asarray
         area = np.diff(size(self.x), axis=1)[:, 0] * np.diff(size(self.y), axis=1)[:, 0]
         return float(area[self.codes != 0].sum() / area.sum())
@@ -79,9 +79,9 @@ def prove_boxes(
     axes
         x and y.
     levels
-        How often the map may be halved in both directions.
+        Largest number of halvings of the map in both directions.
     progress
-        Called with (boxes looked at, a bound on them).
+        Called with (boxes examined, a bound on their number).
 
     Returns
     -------
@@ -141,7 +141,7 @@ class BoxConditions:
     Parameters
     ----------
     problem
-        About a family with a tabulated polynomial.
+        Problem of a family with a tabulated polynomial.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -172,7 +172,7 @@ class BoxConditions:
                 values[name] = (name, low, high)
             else:
                 inside = (low <= 0) & (high >= 0)
-                if name == "phi_dot":  # circling and precession, which have no member there
+                if name == "phi_dot":  # circling and precession, which have no member at zero
                     upright |= inside
                 least = np.where(inside, 0.0, np.minimum(np.abs(low), np.abs(high)))
                 values[name] = Interval(least, np.maximum(np.abs(low), np.abs(high)))
@@ -187,7 +187,7 @@ class BoxConditions:
         codes = np.zeros(count, dtype=np.int8)
         codes[good] = CODES[best(even=self.exact.known.even)]
         codes[bad] = CODES[Verdict.UNSTABLE]
-        codes[upright] = 0  # there the static boundary itself runs through the box
+        codes[upright] = 0  # the static boundary itself runs through such a box
         return codes
 
 
@@ -206,7 +206,7 @@ def _sine(angle: tuple[str, Floats, Floats]) -> Interval:
 
 
 INTERVALS = Algebra("intervals", float, {"sin": _sine, "cos": _sine})
-"""Sines over boxes; the cosine is met as that of a lean."""
+"""Sines over boxes; the sine of theta is the cosine of a lean."""
 
 
 class _Range:

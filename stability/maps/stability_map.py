@@ -59,27 +59,28 @@ def stability_map(
         `mass`, `radius`, `gravity`; `lean` for tumbling, `theta`, `phi_dot` for circling and
         precession; for a `Family`, its own names.
     disk, contact, at
-        The rest, as for `spectrum`.  An axis takes the place of the value given here; where `mu` is
-        an axis, contact may be left out (viscous) or be the class of a law.
+        Fixed values, as for `spectrum`.  An axis replaces the value given here.  Where `mu` is an
+        axis, contact may be left out (viscous) or be the class of a law.
     certify
-        Whether whole boxes of the map are proved too, with the boundary enclosed in a strip of
-        narrow ones, and every cell that double precision leaves open is decided in balls.
+        Whether to prove whole boxes of the map too, to enclose the boundary in a strip of narrow
+        boxes, and to decide in balls every cell that double precision leaves open.
     levels
-        How often the map may be halved for that; as fine as the cells when left out.
+        Number of halvings of the map for the boxes; as fine as the cells, but at most 12, when left
+        out.
     boundaries
         Whether to find the boundary curves.
     modes
         Whether to keep all eigenvalues (complex, dimension `mode`).
     workers
-        Threads; all processors when left out.
+        Number of threads; the number of processors when left out.
     executor
-        Any `concurrent.futures.Executor` in place of the threads, of processes or of another
-        machine; `workers` is then how many workers it has.
+        Any `concurrent.futures.Executor` in place of the threads, for processes or another machine.
+        `workers` is then the number of its workers.
     progress
         Called with (cells done, cells in all) now and then.
     checkpoint
-        Folder in which finished cells are kept, so that the same call goes on where an interrupted
-        one stopped; it may be removed afterwards.
+        Folder for finished cells, so that the same call continues where an interrupted one stopped.
+        The folder may be removed afterwards.
     **parameters
         For a `Family`: its fixed parameters by name.
 

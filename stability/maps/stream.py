@@ -1,4 +1,4 @@
-"""Verdict maps too large for memory: worked out band by band, straight into their file."""
+"""Verdict maps too large for memory: computed band by band, straight into their file."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def stream_map(
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
-    """Proved verdicts over two parameters, written to a file in bands, however large the map.
+    """Proved verdicts over two parameters, written to a file in bands, for very large maps.
 
     Parameters
     ----------
@@ -74,8 +74,8 @@ def stream_map(
     workers
         Threads in addition to the one that writes; one when left out, since bands are short.
     executor
-        Any `concurrent.futures.Executor` in place of the threads, of processes or of another
-        machine; `workers` is then how many workers it has.
+        Any `concurrent.futures.Executor` in place of the threads, for processes or another machine.
+        `workers` is then the number of its workers; the number of processors when left out.
     overwrite
         Whether an existing file may be replaced.
     progress
@@ -84,7 +84,7 @@ def stream_map(
     Returns
     -------
     Path
-        The file.  It is whole or not there.
+        The file, which is complete or absent.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def stream_map(
     verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
     with atomic_write(target, overwrite=overwrite) as draft:
         with _Sink(draft) as sink:
-            # an exception within HDF5's own calls of the sink, Ctrl-C too, takes the process down
+            # an exception within HDF5's calls of the sink, even Ctrl-C, would end the process
             file = None
             try:
                 with postponed():
@@ -151,9 +151,9 @@ def stream_map(
 
 
 class _Sink(io.RawIOBase):
-    """A file that HDF5 writes to and that never fails: a failure is told by `check`.
+    """A file for HDF5 that never fails: `check` raises the first error afterwards.
 
-    HDF5 takes the process down when it closes a file that it could not write.
+    HDF5 ends the process when it closes a file that it could not write.
     """
 
     def __init__(self, path: Path) -> None:
@@ -161,7 +161,7 @@ class _Sink(io.RawIOBase):
         self._error: OSError | None = None
 
     def check(self) -> None:
-        """Raise what went wrong, if something has."""
+        """Raise the first error, if there is one."""
         if self._error is not None:
             raise self._error
 
@@ -188,7 +188,7 @@ class _Sink(io.RawIOBase):
     def readinto(self, buffer: Any) -> int:
         view = memoryview(buffer).cast("B")
         got = self._file.readinto(view) or 0
-        view[got:] = bytes(len(view) - got)  # what could not be written
+        view[got:] = bytes(len(view) - got)  # zeros for bytes that could not be written
         return len(view)
 
     def write(self, data: Any) -> int:
@@ -242,7 +242,7 @@ def _fill(
     variable: Any, sink: _Sink, verdicts: GridVerdicts, axes: tuple[Axis, Axis], workers: int,
     progress: Progress | None, executor: Executor | None,
 ) -> int:  # fmt: skip
-    """Bands in order, a few in flight; returns how many cells went to exact arithmetic."""
+    """Write the bands in order; return the number of cells that went to exact arithmetic."""
     xs, ys = axes[0].values, axes[1].values
     step, total = _rows(axes), math.prod(g.count for g in axes)
     left, judge = 0, shared(verdicts, executor)

@@ -1,8 +1,8 @@
 """Verdicts over arrays from the exact conditions: a floating-point filter with a proved bound.
 
 Each condition P is split as P⁺ - P⁻ with positive coefficients in positive variables, so that each
-part is computed with a relative error of at most N roundings.  If P⁺ > ρ P⁻ with ρ just above one,
-the sign of P is proved; if P⁻ > ρ P⁺, too; what is left goes to exact arithmetic.
+part is computed with a relative error of at most N roundings.  If P⁺ > ρ P⁻ or P⁻ > ρ P⁺ with ρ
+just above one, the sign of P is proved.  Other points go to exact arithmetic.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class VerdictKernel:
     exact
         Polynomial and conditions of a family and law.
     behind
-        Roundings behind each of its variables; those of the disk's when left out.
+        Number of roundings in each variable, by name; those of the disk when left out.
 
     Examples
     --------
@@ -85,12 +85,12 @@ class VerdictKernel:
         return codes
 
     def in_range(self, point: list[Any]) -> Any:
-        """True, or where, no monomial can over- or underflow.
+        """Where no monomial can over- or underflow; True for everywhere.
 
         Parameters
         ----------
         point
-            As in the call.
+            Arrays or floats, as for a call.
         """
         powers = [max(p.degrees[i] for p in self._parts) if self._parts else 0
                   for i in range(len(point))]  # fmt: skip
@@ -129,7 +129,7 @@ class FilteredVerdicts:
     Parameters
     ----------
     problem
-        About a family with an exact polynomial.
+        Problem of a family with a tabulated polynomial.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -170,7 +170,7 @@ class FilteredVerdicts:
 
 
 def tabulated(problem: Problem) -> TabulatedPolynomial:
-    """The polynomials that a map's kernels are made of."""
+    """The tabulated polynomials of a problem, on which a map's kernels rest."""
     assert isinstance(problem.exact, TabulatedPolynomial)
     return problem.exact
 
@@ -180,7 +180,7 @@ def _at(value: Any, shape: tuple[int, ...], where: tuple[Any, ...]) -> Any:
 
 
 def point(problem: Problem, values: Mapping[str, Any]) -> list[Any]:
-    """What the exact polynomial depends on, in double precision, for broadcast values.
+    """Variables of the exact polynomial in double precision, for broadcast values.
 
     Parameters
     ----------
@@ -192,8 +192,8 @@ def point(problem: Problem, values: Mapping[str, Any]) -> list[Any]:
     Returns
     -------
     list
-        As `exact.variables`.
+        Arrays or floats in the order of `exact.variables`.
     """
-    with np.errstate(all="ignore"):  # what overflows is left open by the filter
+    with np.errstate(all="ignore"):  # the filter leaves open what overflows
         found = tabulated(problem).point(values, NUMPY)
     return [v if np.ndim(v) else float(v) for v in found]

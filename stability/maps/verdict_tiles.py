@@ -1,8 +1,8 @@
 """Verdicts over the grid of a map: whole tiles proved at once, cells only along the boundary.
 
-A tile of cells lies in a box, and the signs of the conditions over that box are bounded as in
-`stability.maps.proved_boxes`; where they are proved all its cells have one verdict.  The rest is
-cut into smaller tiles, and what is left of these goes cell by cell through the filter of
+A tile of cells lies in a box.  The conditions are bounded over that box as in
+`stability.maps.proved_boxes`; where their signs are proved, all cells have one verdict.  Other
+tiles are cut into smaller ones.  Cells of tiles that remain open go through the filter of
 `stability.maps.verdict_filter`, and from there to exact arithmetic.
 """
 
@@ -30,7 +30,7 @@ class GridVerdicts:
     Parameters
     ----------
     problem
-        About a family with an exact polynomial.
+        Problem of a family with a tabulated polynomial.
     x, y
         Names of the axes.
 
@@ -67,7 +67,7 @@ class GridVerdicts:
         shape = len(ys), len(xs)
         side = SIDES[0]
         tall, wide = (-(-n // side) for n in shape)
-        # whole tiles, so that each is written at once; what is beyond the grid is cut off below
+        # whole tiles, so that each is written at once; cells beyond the grid are cut off below
         padded = np.empty((tall * side, wide * side), dtype=np.int8)
         i, j = (v.ravel() for v in np.indices((tall, wide)))
         found = self._judge(i * side, j * side, side, xs, ys)

@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 from .observables import ENERGY_ERROR, account, observe
 
 FORMAT = "stability trajectory 1"
-"""Marks a file as one of ours."""
+"""Mark of the motion files that this package writes."""
 ACCOUNT = 1e-2
-"""Share of the initial energy by which the account may fail before no outcome is given."""
+"""Largest `energy_error` of a run with an outcome."""
 LIBRARIES = ("casadi", "numpy", "scipy", "heyoka", "xarray")
 
 
@@ -56,11 +56,11 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
     Parameters
     ----------
     launches
-        What was asked.
+        The launches.
     settings
-        How.
+        Settings of the runs.
     results
-        One for each launch.
+        Result of each launch.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
     for name, value in launches.given.items():
         kept = ((), value) if value.ndim == 0 else (dims, value.reshape(launches.shape))
         coordinates[name] = fast(*kept, {} if launches.law else labels(name), fastpath=True)
-    if not single:  # a slice keeps it, and so tells its own events
+    if not single:  # a slice keeps it to find its own events
         numbers = np.arange(launches.count).reshape(launches.shape)
         coordinates["number"] = fast(dims, numbers, {"long_name": "launch, counted flat"},
                                      fastpath=True)  # fmt: skip
@@ -113,8 +113,8 @@ def _dataset(
 ) -> xarray.Dataset:
     """A dataset from variables that are known to fit.
 
-    xarray's constructor aligns and copies, which for a short run takes as long as integrating.
-    Where its direct constructor is not to be had, the public one gives the same
+    xarray's constructor aligns and copies, which for a short run takes as long as the integration.
+    Where its direct constructor is missing, the public one gives the same dataset
     (tests/motion/test_trajectory.py).
     """
     import xarray
@@ -143,7 +143,7 @@ def _dims(shape: tuple[int, ...]) -> tuple[str, ...]:
 def _samples(
     launches: Starts, results: list[Result], single: bool
 ) -> tuple[Floats, Any, Floats | None, Floats]:
-    """The state over (launch, time), where it was still running, the modes, and the times."""
+    """States over (launch, time), whether each was still running, the modes, and the times."""
     asked = launches.times
     skip = int(asked[0] != 0)  # the start was added in front
     dry = results[0].modes is not None
@@ -213,7 +213,7 @@ def _series(
 
 
 def _require_values(system: str, found: dict[str, Floats]) -> None:
-    """Refuse an observable that has no value on the way."""
+    """Refuse an observable that has no value at a sample."""
     for name, values in found.items():
         if not np.isfinite(values).all():
             raise DomainError(
@@ -289,10 +289,10 @@ def _nearest(launches: Starts, near: list[Nearest], variable: Any) -> dict[str, 
 def _errors(
     results: list[Result], clock: Floats, variable: Any, second: str
 ) -> dict[str, Any]:  # fmt: skip
-    """What shadows say of the final state and of the end's time; nothing if none were asked."""
+    """Estimated errors of the final state and of the end's time; empty without neighbours."""
     if all(r.doubt is None for r in results):
         return {}
-    # a run without an outcome has no shadow: its error is without bound
+    # a run without an outcome has no neighbours: its error has no bound
     state = [r.doubt.final_error if r.doubt else np.inf for r in results]
     late = [r.doubt.time_error if r.doubt and r.path.end else 0.0 for r in results]
     return {

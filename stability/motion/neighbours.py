@@ -1,17 +1,19 @@
-"""How far a motion is determined: each launch is run again, more finely and a little off.
+"""Error of a motion: each launch is run again, at other tolerances and from changed starts.
 
-The first neighbour is finer than the launch, by a factor that depends on the method: its distance
-is the launch's own error, measured.  It starts off by the tolerance on one side (zeros stay, so
-that a motion in a plane of symmetry keeps its plane).  The second is a thousand times looser, and
-off on the other side by as much: its distance, scaled down, shows how errors grow, and whether a
-border between outcomes is near.  The stated error is the larger of the two, with a factor on each,
-and the unit roundoff of every step, times the largest growth between any two times.
+The first neighbour is finer than the launch, by a factor that depends on the method.  Its distance
+measures the launch's own error.  Its start is changed by the tolerance to one side (zeros stay, so
+that a motion in a plane of symmetry keeps its plane).  The second neighbour is a thousand times
+looser, and its start is changed by its own tolerance to the other side.  Its distance, scaled down,
+shows how errors grow, and whether a border between outcomes is near.  The stated error is the
+larger of the two distances, with a factor on each, plus the unit roundoff of every step times the
+largest growth from any time to the end.
 
-Where the launch's error is larger than the looser neighbour's explains, finer ones follow until two
-agree.  Where neighbours part or end otherwise, one more is as fine as the first, on the other side;
-if one of these ends otherwise, the launch's outcome is not determined at its tolerance, and is not
-given.  This is evidence, not proof: a border between outcomes that runs along the line of the
-starts, within the error of the finer neighbour, is not seen.
+Where the launch's error is larger than the looser neighbour's distance explains, finer neighbours
+follow until two agree.  Where neighbours part or end differently, one more neighbour is as fine as
+the first, on the other side.  If one of these ends differently, the launch's outcome is not
+determined at its tolerance, and is not given.  This is evidence, not proof: a border between
+outcomes that runs along the line of the starts, within the error of the finer neighbour, is not
+seen.
 """
 
 from __future__ import annotations
@@ -34,49 +36,49 @@ if TYPE_CHECKING:
 from .result import ErrorEstimate
 
 FINER = {"heyoka": 1e-2, "cvodes": 1e-2, "idas": 1e-2}
-"""The finer neighbour's tolerance over that of the launch, by method; others `FINE`.
+"""The finer neighbour's tolerance over that of the launch, by method; other methods have `FINE`.
 
 Heyoka's cost hardly rises; the errors of CVODES at two neighbouring decades can be equal by chance.
 """
 FINE = 1e-1
-"""That of a method whose cost rises faster as the tolerance falls."""
+"""The same ratio for a method whose cost rises faster as the tolerance falls."""
 COARSE = 1e-2
 """The neighbours' tolerance over that of a launch that is itself coarse."""
 LOOSER = 1e3
 """The looser neighbour's tolerance over that of the launch, up to `LOOSEST`."""
 LOOSEST = 1e-6
-"""Where no scaling holds any more, and a stiff motion is lost: a launch that is asked less than ten
-times as finely is coarse, and has three finer neighbours instead."""
+"""Tolerance above which no scaling holds and a stiff motion is lost.  A launch with more than a
+tenth of it is coarse, and has three finer neighbours instead."""
 ROUNDING = 1e-15
 """Relative change of a start below which it is lost in rounding."""
 MEASURED = 5.0
-"""Factor on the distance from the finer neighbour, which has an error of its own."""
+"""Factor on the distance from the finer neighbour, which has an error too."""
 MARGIN = 10.0
-"""Factor on a scaled distance, since an error falls a little more slowly than the tolerance."""
+"""Factor on a scaled distance, because an error falls a little more slowly than the tolerance."""
 PER_STEP = 2.0 * np.finfo(float).eps
 """Rounding of one step, relative to 1 or the state's size."""
 CLOSE = 0.03
 """Distance of states up to which the scaling is trusted."""
 NOTHING = 0.3
-"""Estimate from which on nothing is known of the final state: its error is without bound then."""
+"""Estimate from which the final state is unknown: its error then has no bound."""
 APART = 1e-2
-"""Relative difference of the times of an early end that makes it another end."""
+"""Relative difference of the times of two early ends above which the ends are different."""
 AGREED = 1 / 3
 """Distance of two finer neighbours, over the launch's from the finest, at which they agree."""
 TURNS = 4
-"""Finer neighbours that follow at most where two do not agree."""
+"""Most finer neighbours that follow where two do not agree."""
 LASTING = (Outcome.MOVING, Outcome.SETTLED)
 SIGNS = np.array([1.0, -0.83, 0.71, -0.91, 0.77, 0.87])
-"""Direction of the start's change: fixed, and of no symmetry."""
+"""Direction of the start's change: fixed, and without symmetry."""
 GOLDEN = (5**0.5 - 1) / 2
-"""Its multiples, less the whole part, repeat nowhere: sizes of the change of further states."""
+"""Number whose multiples modulo 1 never repeat, for the change of further states."""
 COMPARED = 17
 """Times at which two neighbours are compared."""
 
 
 @cache
 def signs(count: int) -> Floats:
-    """The direction of the change of a start with so many states.
+    """The direction of the change of a start.
 
     Parameters
     ----------
@@ -99,7 +101,7 @@ def signs(count: int) -> Floats:
 
 
 Rerun = Callable[[Sequence[int], Floats, Floats], "list[Result]"]
-"""Runs launches (by number) again from starts off by a relative size, at tolerances."""
+"""(launches by number, tolerances, relative changes of the starts) → their results."""
 
 
 Pair = tuple["Result", "Result"]
@@ -118,7 +120,7 @@ def estimate_errors(
     finest
         The smallest tolerance that the integrator of each accepts.
     rerun
-        Runs some of them again.
+        Function that runs some launches again.
 
     Returns
     -------
@@ -140,7 +142,7 @@ def estimate_errors(
         ]  # fmt: skip
         if which:
             limits = np.array([finest[i] for i in which])
-            with np.errstate(all="ignore"):  # a ratio without bound is one
+            with np.errstate(all="ignore"):  # a ratio may be infinite
                 judged = judge([found[i] for i in which], limits, _of(which, rerun))
             for i, doubt in zip(which, judged, strict=True):
                 out[i] = _at_end(doubt, found[i])
@@ -148,7 +150,7 @@ def estimate_errors(
 
 
 def _at_end(doubt: ErrorEstimate, one: Result) -> ErrorEstimate:
-    """With what a singular end leaves out."""
+    """The estimate with the error of a singular end added."""
     end = one.path.end
     if end is None or not end.early:
         return doubt
@@ -157,7 +159,7 @@ def _at_end(doubt: ErrorEstimate, one: Result) -> ErrorEstimate:
 
 
 def _in_time(one: Result, final: float, others: Sequence[Result]) -> float:
-    """What an error of the final state is in the time of the end, in the neighbours' directions.
+    """Error of the end's time from an error of the final state, in the neighbours' directions.
 
     A neighbour's end may be close in time by chance, where its state is not.
     """
@@ -169,13 +171,13 @@ def _in_time(one: Result, final: float, others: Sequence[Result]) -> float:
         far = _distance(one, other)
         if 0 < far < np.inf and np.isfinite(final):
             moved = np.abs(one.final - other.final)
-            known = moved > 0  # no share of an infinite lag
+            known = moved > 0  # zero times an infinite lag has no value
             late = max(late, float(lags[known] @ moved[known]) * final / far)
     return late
 
 
 def _of(which: Sequence[int], rerun: Rerun) -> Rerun:
-    """Rerun for some launches, counted among themselves."""
+    """Rerun for some launches, numbered among themselves."""
 
     def call(some: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
         return rerun([which[j] for j in some], tolerances, off) if len(some) else []
@@ -189,7 +191,7 @@ def _of_fine(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Error
     asked = np.array([r.tolerance for r in ones])
     own, loose = np.maximum(asked, ROUNDING), np.minimum(LOOSER * asked, LOOSEST)
     tight = np.maximum(asked * [FINER.get(r.choice.method, FINE) for r in ones], limits)
-    # where nothing finer is to be had, the distance of a looser one is above the launch's own error
+    # without a finer neighbour, the distance of a looser one is above the launch's own error
     tight = np.where(tight < asked / 2, tight, 10 * asked)
     finer = rerun(every, tight, own)
     failed = [j for j in every if finer[j].outcome is Outcome.UNRESOLVED and tight[j] < asked[j]]
@@ -214,7 +216,7 @@ def _of_fine(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Error
 
 
 def _of_coarse(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[ErrorEstimate]:
-    """Three finer neighbours: the launch itself, and one on each side."""
+    """Three finer neighbours: one from the same start, and one on each side."""
     every = range(len(ones))
     asked = np.array([r.tolerance for r in ones])
     tight = np.maximum(COARSE * asked, limits)
@@ -233,12 +235,12 @@ def _estimate(one: Result, pair: Pair, off: float, scale: float) -> ErrorEstimat
 
 
 def _pinched(one: Result, others: Sequence[Result]) -> ErrorEstimate:
-    """The error from neighbours that are all finer, wherever they lie."""
+    """The error from neighbours that are all finer, on any side."""
     contrary = _contrary(one, others)
     if any(other.outcome is Outcome.UNRESOLVED for other in others):
         return ErrorEstimate(np.inf, np.inf, contrary)
     final, late = np.max([_distances(one, other) for other in others], axis=0)
-    # where neighbours part on the way, that they meet at the end is chance
+    # neighbours that part on the way meet at the end by chance only
     apart = _spread(others[-2], others[-1])
     size = MEASURED * max(final, apart if apart > CLOSE else 0.0)
     size += PER_STEP * one.path.steps * _growth(others[-2], others[-1])
@@ -285,7 +287,7 @@ def _settled(
             if any(b > AGREED * n for b, n in zip(between, new, strict=True)):
                 left.append(j)
         unsure = left
-    for j in unsure:  # no two agree: all that is known is how far they scatter
+    for j in unsure:  # no two agree: only their scatter is known
         out[j] = ErrorEstimate(
             MEASURED * out[j].final_error, MEASURED * out[j].time_error, out[j].contrary
         )
@@ -326,7 +328,7 @@ def _each(a: Floats, b: Floats, count: int) -> Floats:
 
 
 def _distance(one: Result, other: Result) -> float:
-    """Distance of the final states, as `_each`; six numbers are sooner compared one by one."""
+    """Distance of the final states, as `_each`; one by one is faster for six numbers."""
     pairs = zip(one.final.tolist(), other.final.tolist(), strict=True)
     apart = [abs(a - b) / max(1.0, abs(a)) for a, b in islice(pairs, one.compared)]
     return math.nan if any(map(math.isnan, apart)) else max(apart)
@@ -340,10 +342,10 @@ def _alike(one: Result, other: Result) -> bool:
 
 
 def _contrary(one: Result, others: Sequence[Result]) -> str:
-    """How a neighbour ends that ends otherwise; empty where none does."""
+    """End of a neighbour that ends differently, in words; empty where none does."""
     unlike = [other for other in others if not _alike(one, other)]
     lost = [other for other in unlike if other.outcome is Outcome.UNRESOLVED]
-    # a neighbour that gives up has met something that a launch that lasted has not
+    # a neighbour that gives up contradicts a launch that lasted, and no other
     if not unlike or (lost and one.outcome not in LASTING):
         return ""
     if lost:

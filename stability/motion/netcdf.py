@@ -1,4 +1,4 @@
-"""Motions as NetCDF files, and what is asked of a motion."""
+"""Motions as NetCDF files; outcome and finiteness of a motion."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def write_motion(
     Parameters
     ----------
     dataset
-        From `simulate`.
+        Dataset from `simulate`.
     path
         File to write.
     overwrite
@@ -39,7 +39,7 @@ def write_motion(
     Raises
     ------
     FileError
-        If it cannot be written; nothing is left half-written.
+        If the file cannot be written; no part of a file is left.
 
     Examples
     --------
@@ -75,12 +75,12 @@ def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
     Returns
     -------
     xarray.Dataset
-        In memory; the file is closed.
+        Dataset in memory; the file is closed.
 
     Raises
     ------
     FileError
-        If there is no such file, or it is damaged, not a NetCDF file, or not one of ours.
+        If there is no such file, or it is damaged, not a NetCDF file, or not a motion.
     """
     from ..storage.reading import opened
 
@@ -93,7 +93,7 @@ def outcome_of(dataset: xarray.Dataset) -> Outcome:
     Parameters
     ----------
     dataset
-        From `simulate`, one launch.
+        Dataset from `simulate`, of one launch.
 
     Returns
     -------
@@ -111,12 +111,12 @@ def outcome_of(dataset: xarray.Dataset) -> Outcome:
 def is_finite(dataset: xarray.Dataset) -> bool:
     """Whether every number of a motion is finite, which `simulate` promises.
 
-    Estimates of errors may be infinite: nothing is known then.
+    Estimates of errors are left out: they are infinite where the final state is unknown.
 
     Parameters
     ----------
     dataset
-        From `simulate`.
+        Dataset from `simulate`.
 
     Returns
     -------

@@ -18,12 +18,12 @@ ENERGY_ERROR = (
     "largest |audit| over the energy at the start",
     "largest |audit| over the largest sum of |x dE/dx| of the states, or the energy lost",
 )
-"""What the energy account is measured against: of a disk, of a user's system."""
+"""Definition of the energy error: of a disk, of a user's system."""
 
 
 @lru_cache(maxsize=64)
 def _observer(model: Model) -> Program:
-    """Every series of states and parameters."""
+    """Program of every series from states and parameters."""
     system, values = model.system, list(model.series.values())
     return Program(ca.Function("observer", [system.x, system.p], [ca.densify(ca.vertcat(*values))]))
 
@@ -50,7 +50,7 @@ def observe(
     Parameters
     ----------
     model
-        Of the body or system.
+        Model of the body or system.
     states
         Reported states, shape (…, s).
     p
@@ -85,19 +85,19 @@ def observe(
 
 
 def account(launches: Starts, y: Floats, series: dict[str, Floats]) -> Floats:
-    """How far the energy account fails in each launch.
+    """Error of the energy account of each launch, over a measure of the energy.
 
-    The disk's energy at the start is positive.  A user's may be counted from anywhere: there the
-    measure is the most that the states have to do with it, Σ |x ∂E/∂x|, or what was lost.
+    For the disk the measure is the energy at the start, which is positive.  The energy of a user's
+    system may have any zero: there the measure is the largest Σ |x ∂E/∂x| or energy lost.
 
     Parameters
     ----------
     launches
-        With an account.
+        Launches with an energy account.
     y
-        Shape (N, t, n).
+        Entries of y, shape (N, t, n).
     series
-        In the user's units, shape (N, t).
+        Series by name in the user's units, shape (N, t).
 
     Returns
     -------

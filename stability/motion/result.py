@@ -20,37 +20,37 @@ class Result:
     """One launch after its run, dimensionless for a disk."""
 
     path: Path
-    """y at the asked times, and the end."""
+    """y at the times of the leg, and the end."""
     choice: Choice
-    """The integrator and why."""
+    """The integrator and the reason for it."""
     outcome: Outcome
-    """How it ended."""
+    """Outcome of the run."""
     time: float
-    """When: the last time, or that of the event."""
+    """Time of the end: the last time, or that of the event."""
     final: Floats
-    """y then."""
+    """y at the end."""
     near: Nearest
     """The nearest steady motion."""
     settled_at: float
-    """Time from which the distance stayed below the asked one; the end's where not settled."""
+    """Time from which the distance stayed within `settle`; that of the end where not settled."""
     modes: Floats | None
     """Sliding or sticking at each sample, for dry friction."""
     last_mode: int
     """The mode at the end."""
     transitions: tuple[Transition, ...]
-    """Between sliding and sticking."""
+    """Transitions between sliding and sticking."""
     evidence: str
-    """Why the outcome is what it is."""
+    """Reason for the outcome."""
     tolerance: float
-    """What the integrator was given: not below what it accepts."""
+    """Tolerance of the integrator, not below the smallest that it accepts."""
     compared: int
     """Entries of y, from the first, in which neighbours are compared."""
     doubt: ErrorEstimate | None = None
-    """What its shadow says; None where none was asked, or the run has no outcome."""
+    """Error from its neighbours; None without neighbours, or for a run without an outcome."""
 
 
 class Outcome(Sentences):
-    """How a run ended; exactly one of these, each with its time and evidence.
+    """End of a run: exactly one of these, with its time and evidence.
 
     Examples
     --------
@@ -127,14 +127,14 @@ PATIENT = 1e7
 
 @dataclass(frozen=True)
 class Settings:
-    """How a run is made; fields as the keywords of `simulate`."""
+    """Settings of a run; fields as the keywords of `simulate`."""
 
     method: str
-    """Integrator."""
+    """Name of the integrator."""
     tolerance: float
     """Error allowed in a step."""
     pose: bool
-    """Whether the pose is carried along."""
+    """Whether y holds the pose."""
     flat: float
     """Angle that counts as flat [rad]."""
     settle: float
@@ -142,16 +142,16 @@ class Settings:
     max_steps: int
     """Steps after which a run gives up."""
     workers: int | None
-    """Threads."""
+    """Number of threads; None for that of the cores."""
     check: bool = True
-    """Whether each launch has a shadow."""
+    """Whether each launch has neighbours, for its error."""
     max_seconds: float = 8.0
     """Computing time after which a run gives up [s]."""
     executor: Executor | None = None
-    """What does the launches; None for threads, and this one."""
+    """Executor of the launches; None for threads of this process."""
 
     def refuse(self) -> None:
-        """Refuse what is out of range, in one sentence."""
+        """Refuse values out of range, in one sentence."""
         for name in ("tolerance", "flat", "settle", "max_seconds"):
             object.__setattr__(self, name, one_number(name, getattr(self, name)))
         for name in ("pose", "check"):
@@ -177,11 +177,11 @@ class Settings:
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """What the neighbours say of a launch."""
+    """Error of a launch, estimated from its neighbours."""
 
     final_error: float
     """Estimated error of the final state: the largest, each over 1 or the state's own size."""
     time_error: float
     """Estimated error of the end's time, dimensionless; 0 where the run lasted to the last time."""
     contrary: str = ""
-    """How the launch's neighbour ends, where it ends otherwise; then the outcome is open."""
+    """End of a neighbour that ends differently, in words; the outcome is then undetermined."""

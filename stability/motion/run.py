@@ -27,7 +27,7 @@ from .result import OF_END, TIGHTEST, ErrorEstimate, Outcome, Result, Settings
 from .starts import Starts
 
 TOGETHER = 1e-6
-"""D at which a zero of gn D is taken for one of both."""
+"""D below which a zero of gn D counts as a zero of both gn D and D."""
 
 CHUNK = 4096
 """Launches that are run and checked together."""
@@ -41,9 +41,9 @@ def results(
     Parameters
     ----------
     launches
-        Checked.
+        Checked launches.
     settings
-        How.
+        Settings of the runs.
     progress
         As for `simulate`.
 
@@ -75,7 +75,7 @@ def _checked(
     if not settings.check:
         return found
 
-    left = [settings.max_seconds] * len(legs)  # what the neighbours of each have among them
+    left = [settings.max_seconds] * len(legs)  # seconds that the neighbours of each share
 
     def rerun(which: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
         shadows = [
@@ -112,7 +112,7 @@ def _legs(launches: Starts, settings: Settings) -> list[Leg]:
 
 
 def _shadow(leg: Leg, states: Floats, tolerance: float, off: float, seconds: float) -> Leg:
-    """The leg from a start off by a relative size, with times to compare at."""
+    """The leg from a start with a relative change, with the times of a comparison."""
     start = leg.flow.pack(states * (1.0 + off * signs(len(states))))
     times = np.linspace(leg.times[0], leg.times[-1], COMPARED)
     return replace(leg, start=start, times=times, tolerance=tolerance, seconds=seconds)
@@ -164,9 +164,10 @@ def _dry(flow: Callable[[], Flow], numbers: tuple[Any, ...], method: str, pose: 
 
 
 def _finer(tolerance: float, turning: Floats) -> float:
-    """The tolerance of a launch: finer by a decade for each in which it turns faster than 10.
+    """The tolerance of a launch: finer by a decade for each decade of angular velocity above 10.
 
-    The normal force holds products of angular velocities, whose error is theirs times the other.
+    The normal force holds products of angular velocities.  The error of a product is the error of
+    one factor times the other.
     """
     fast = float(np.abs(turning).max(initial=0.0)) / 10
     return tolerance if fast <= 1 else max(tolerance * 10.0 ** -np.ceil(np.log10(fast)), TIGHTEST)
@@ -207,7 +208,7 @@ def _judge(
 
 
 def _lags(leg: Leg, end: End) -> Floats:
-    """How much later the guard of an end vanishes for a change of each entry of the state."""
+    """Shift in time of the zero of an end's guard for a unit change of each entry of the state."""
     index = list(leg.flow.guards).index(end.kind)
     rate = abs(float(leg.flow.margins(end.state, leg.p)[1][index]))
     slope: Floats = np.abs(np.array(leg.flow.guard_slopes(end.state, leg.p))[index])
@@ -217,10 +218,10 @@ def _lags(leg: Leg, end: End) -> Floats:
 def _ending(leg: Leg, end: End) -> tuple[Outcome, str]:
     """The outcome of an early end, and its evidence, dimensionless.
 
-    Where dry friction makes D run to zero an integrator gives up: near t* then D goes like the
-    root of t* - t, so that D over twice its rate is what is left.  Or gn D and D reach zero
-    together, at a point that attracts sliding motions, where gn, their ratio, is still positive:
-    no lift-off (Génot & Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653-677, for the planar rod).
+    Where dry friction makes D run to zero an integrator gives up.  Near t* D falls like the root of
+    t* - t, so that D over twice its rate is the remaining time.  Or gn D and D reach zero together,
+    at a point that attracts sliding motions, where gn, their ratio, is still positive: no lift-off
+    (Génot & Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653-677, for the planar rod).
     """
     if end.kind == OPEN_END:
         return Outcome.UNDETERMINED, ""

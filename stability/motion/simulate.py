@@ -1,4 +1,4 @@
-"""Simulation: launch a disk, and say what becomes of it."""
+"""Simulation: the motion of a disk, or of a user's system, from a launch, and its outcome."""
 
 from __future__ import annotations
 
@@ -45,27 +45,28 @@ def simulate(
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xarray.Dataset:
-    """The motion of a disk, or of a user's system, from a start, and what becomes of it.
+    """The motion of a disk, or of a user's system, from a start, and its outcome.
 
     Parameters
     ----------
     disk
         The disk; its fields may be arrays.  With m = R = g = 1 every number is dimensionless,
-        otherwise SI.  Or a `System`, whose numbers are in its own units.
+        otherwise SI.  Alternatively a `System`, whose numbers are in its own units.
     contact
         `Smooth`, `Viscous`, `LinearViscous`, `Rough`, `Coulomb` (with true sticking) or
         `RegularisedCoulomb`.  For a system its parameters: values by name, or along the last axis;
         None where it has none.
     start
         theta, theta_dot, phi_dot, omega3, slip_x, slip_y along the last axis, shape (…, 6)
-        [rad, rad/s, m/s], or a mapping by these names (what is left out is 0).  Four values do for
-        smooth and rough.  For a system every state by name, or along the last axis.
+        [rad, rad/s, m/s], or a mapping by these names (theta is needed, missing ones are 0).  Four
+        values are enough for smooth and rough.  For a system every state by name, or along the last
+        axis.
     times
-        Times to report, rising [s], shape (t,), or a last time, which means 201 equal steps
+        Times to report, rising [s], shape (t,), or a last time, which means 201 evenly spaced times
         from 0.  The start is time 0.
     families
         Families of the user's system on which it may settle; the disk has its own.  Angles are
-        not wrapped: a member a whole turn away is another one.
+        not wrapped: a member a whole turn away is a different one.
     method
         `auto` (by stiffness and tolerance), or `heyoka`, `dop853`, `lsoda`, `radau`, `bdf`,
         `cvodes`, `idas` (a system needs a mass matrix for it).
@@ -81,16 +82,18 @@ def simulate(
     max_steps
         Steps after which a run gives up.
     max_seconds
-        Computing time of one launch after which its run gives up [s]; the same again for all its
-        neighbours, without which its error is not known.  Other work on the machine does not count.
+        Computing time of one launch after which its run gives up [s].  All its neighbours together
+        have the same time again, beyond which the error is not known.  Other work on the machine
+        does not count.
     check
-        Whether each launch is run a second time, a little off and less finely, which tells the
-        error of its final state; a launch whose neighbour ends otherwise is *undetermined*.
+        Whether each launch is compared with neighbours: runs at other tolerances and from slightly
+        changed starts.  They give the error of its final state.  A launch whose neighbour ends
+        differently is *undetermined*.
     workers
         Threads for many launches at once; one for each core when left out.
     executor
-        Any `concurrent.futures.Executor` that does the launches in place of the threads, of
-        processes or of another machine; `workers` is then how many workers it has.
+        Any `concurrent.futures.Executor` that runs the launches in place of the threads, in
+        processes or on another machine; `workers` is then its number of workers.
     progress
         Called with (launches done, launches in all).
 
@@ -101,10 +104,10 @@ def simulate(
         `end_time`, `energy_error`, `final_error` (estimated: the largest over the states, each over
         1 or its own size), `end_time_error` and the nearest steady motion for each launch; the
         event log along `event`; provenance in the attributes.  A single run that ended early has
-        its end as last sample.  Of several, each holds its last state after its end, where
-        `running` is 0.  A system has its own observables; the energy account where it observes an
-        `energy` and a `power` (the energy lost in a unit of time); the nearest steady motion where
-        families were given; and ends where one of its conditions reaches zero (*domain-end*).
+        its end as last sample.  Of several runs, each keeps its last state after its end, where
+        `running` is 0.  A system has its own observables; the energy account if `energy` and
+        `power` (the energy lost in a unit of time) are among them; the nearest steady motion if
+        families were given.  Its run ends where a condition reaches zero (*domain-end*).
 
     Raises
     ------
@@ -113,8 +116,8 @@ def simulate(
         that fails, numbers that are not finite, shapes that do not fit, times that do not rise.
 
     Source: Przybylska & Rauch-Wojciechowski 2016, Sections 2 and 5; tests/motion/test_motion.py
-    holds it against an inertial-frame formulation and closed forms;
-    tests/motion/test_system_motion.py systems with closed forms.
+    compares it with an inertial-frame formulation and closed forms;
+    tests/motion/test_system_motion.py compares systems with closed forms.
 
     Examples
     --------
@@ -125,7 +128,7 @@ def simulate(
     >>> bool(run.energy_error < 1e-9)
     True
 
-    A pendulum of one's own:
+    A user's pendulum:
 
     >>> import casadi as ca
     >>> x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
@@ -145,7 +148,7 @@ def simulate(
         executor,
     )  # fmt: skip
     settings.refuse()
-    with CASADI:  # calls from several threads take turns; a batch uses threads of its own
+    with CASADI:  # calls from several threads take turns; a batch uses its own threads
         if isinstance(disk, System):
             if pose:
                 raise ParameterError("pose is True, and only a disk has one; leave it out.")
@@ -161,7 +164,7 @@ def simulate(
 
 def _not_flat(launches: Starts, settings: Settings) -> None:
     theta = launches.starts[:, 0]
-    # a start within rounding of the border cannot be told from one on it
+    # a start within rounding of the border cannot be distinguished from one on it
     bad = np.flatnonzero(np.minimum(theta, np.pi - theta) <= settings.flat * (1 + 1e-6))
     if bad.size:
         raise ParameterError(

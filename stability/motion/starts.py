@@ -41,11 +41,11 @@ def launch(
     Parameters
     ----------
     family
-        A family of which one number names a member: rolling, spinning or tumbling.
+        A family whose members one number names: rolling, spinning or tumbling.
     at
         omega3, phi_dot or theta of the steady motion, shape (…) [rad/s or rad].
     tilt
-        Angle taken from theta, shape (…) [rad].
+        Angle subtracted from theta, shape (…) [rad].
     disk
         The body; needed for tumbling, whose rate depends on it.
 
@@ -59,7 +59,7 @@ def launch(
     NameUnknownError
         If there is no such family.
     ParameterError
-        If tumbling is asked without a disk, or an angle leaves (0, π).
+        If tumbling has no disk, or an angle leaves (0, π).
 
     Examples
     --------
@@ -84,7 +84,7 @@ def launch(
         ) from None
     if record.by_angle and ((where <= 0) | (where >= math.pi)).any():
         raise ParameterError(f"at of {family} is theta; it must lie strictly between 0 and π.")
-    with np.errstate(all="ignore"):  # what overflows is refused
+    with np.errstate(all="ignore"):  # an overflow is refused
         member = record.member(np, where, body.k, body.rate)
     six = np.zeros((*shape, 6))
     for column, name in enumerate(STATES):
@@ -118,14 +118,14 @@ ROUGHEST = 1e8
 LONGEST, BRIEFEST = 1e12, 1e-200
 """Range of the last time, dimensionless."""
 MOST_LAUNCHES, MOST_SAMPLES = 1_000_000, 20_000_000
-"""Launches of one call, and launches times the times asked, at most: all are held in memory."""
+"""Most launches of one call, and most samples (launches by times): all are held in memory."""
 POINTS = 201
 """Samples of a run for which only a last time is given."""
 
 
 @dataclass(frozen=True, eq=False)
 class Starts:
-    """N launches of one model, dimensionless for a disk, with the units they came in."""
+    """N launches of one model, dimensionless for a disk, with the user's units."""
 
     model: Model
     """The equations."""
@@ -136,7 +136,7 @@ class Starts:
     p: Floats
     """Parameters of the system, shape (N, m)."""
     times: Floats
-    """As the user gave them, shape (t,)."""
+    """Times as the user gave them, shape (t,)."""
     given: Mapping[str, Floats]
     """Parameters as the user gave them by name, shape (N,) or ()."""
     scales: Mapping[str, Floats]
@@ -146,13 +146,13 @@ class Starts:
     energies: Floats
     """Energy at the start, shape (N,); 0 where none is counted."""
     settling: Settling
-    """The steady motions that they may settle on."""
+    """The steady motions that the launches may settle on."""
     law: type[Contact] | None = None
     """The contact law; None for a user's system."""
 
     @property
     def count(self) -> int:
-        """N."""
+        """Number N of launches."""
         return len(self.starts)
 
     @property
@@ -161,14 +161,14 @@ class Starts:
         return self.law is not None and self.law.sticks
 
     def unit(self, name: str) -> str:
-        """The unit of a series or of time, as a file has it."""
+        """The unit of a series or of time, as in a file."""
         return self.model.attributes(name, dimensionless=self.dimensionless)["units"]
 
 
 def gather(
     disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool = False
 ) -> Starts:
-    """Check what `simulate` was given and make it dimensionless.
+    """Check the arguments of `simulate` and make them dimensionless.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def gather(
         raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
     if not isinstance(contact, Contact) or not contact.name:
         raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(MOTION_LAWS)}.")
-    with np.errstate(all="ignore"):  # what overflows is refused by _check
+    with np.errstate(all="ignore"):  # an overflow is refused by _check
         return _gathered(disk, contact, start, times, pose=pose)
 
 
@@ -230,7 +230,7 @@ def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pos
 
 
 def counted(shape: tuple[int, ...], when: Floats) -> int:
-    """The number of launches, refused where no memory would hold their samples."""
+    """The number of launches, refused where memory would not hold their samples."""
     count = math.prod(shape)
     if count == 0:
         raise ParameterError(
@@ -327,7 +327,7 @@ def _look(law: type[Contact], x: Floats, p: Floats) -> Floats:
 
 
 def _check(law: type[Contact], shape: tuple[int, ...], starts: Floats, p: Floats) -> Floats:
-    """Refuse starts at which there is no contact, with the reason; the energies of the others."""
+    """Energies of the starts; a start without contact is refused with the reason."""
     zeros = {one.place for one in law.parameters if one.zero}
     may = np.array([False, *(n in zeros for n in law.symbols())])
     finite = np.isfinite(starts).all() and np.isfinite(p).all() and ((p > 0) | may & (p == 0)).all()
@@ -349,7 +349,7 @@ def _check(law: type[Contact], shape: tuple[int, ...], starts: Floats, p: Floats
         if rest.any():
             seen[rest] = _look(Rough, starts[rest, :4], p[rest, :1])
         for i in np.flatnonzero(rest & (seen[:, :2] > 0).all(axis=1)):
-            # it may not stick and yet slip, or do neither although gn of sticking is positive
+            # without sticking the disk may slip, or do neither although gn of sticking is positive
             pressed = continuations(starts[i, :4], *p[i]).pressed
             seen[i, 3] = max(seen[i, 3], 1e-300) if pressed else min(seen[i, 3], 0.0)
     else:

@@ -19,13 +19,13 @@ from .starts import Starts, counted, times_of
 
 ONE = np.asarray(1.0)
 LARGEST = 1e100
-"""Largest state and rate of a start: the norms of step control overflow far beyond."""
+"""Largest state and rate of a start: the norms of step control overflow only far above."""
 
 
 def gather_system(
     system: System, parameters: Any, start: Any, times: ArrayLike, families: Any = ()
 ) -> Starts:
-    """Check what `simulate` was given for a user's system.
+    """Check the arguments of `simulate` for a user's system.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def gather_system(
     times
         As for `simulate`.
     families
-        Families of the system, on which it may settle.
+        Families on which the system may settle.
 
     Returns
     -------

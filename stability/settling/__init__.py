@@ -1,8 +1,8 @@
 """Convergence to steady motions.
 
 The steady motion nearest to a state, and the proof in ball arithmetic that a motion converges to
-it: `attraction.py` is the proof, `disk_settling.py` the disk's members, `system_settling.py` those
-of any `Family`.
+it: `attraction.py` has the proof, `disk_settling.py` the members of the disk, `system_settling.py`
+those of any `Family`.
 May import `spectra`, `derivation`, `integrators` and the floors below.
 To add a body: a class with the two methods of `Settling` in `nearest.py`.
 """

@@ -16,8 +16,8 @@ and β r > ρ, the box holds exactly one steady motion, within ρ/β of e = 0, a
 box converge to it (the contraction of all distances at the rate β).
 
 Every bound is taken in ball arithmetic from the graph, with π/2 as an exact symbol;
-tests/settling/test_settling.py derives the bound for the disk afresh,
-tests/motion/test_system_motion.py that of systems with known basins.
+tests/settling/test_settling.py derives the bound for the disk independently,
+tests/motion/test_system_motion.py checks systems with known basins.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ from ..algebra.upright import Upright
 from ..base.types import Floats
 
 BITS = 64
-"""Precision of the balls: what they are wide by is the box, not rounding."""
+"""Precision of the balls: their width comes from the box, not from rounding."""
 TURNS = 10
 """Widenings of the box after which the test gives up."""
 WIDEN = 1.1
-"""Factor on the half-width that was found to be needed."""
+"""Factor on the half-width that is found to be needed."""
 ROOM = 4
-"""How much wider than a remainder asks the box is made at first."""
+"""Extra room of the first box, over the size that a remainder needs."""
 
 
 @dataclass(frozen=True)
@@ -52,11 +52,11 @@ class Attraction:
     limit: tuple[float, ...]
     """Parameters y of a member near that steady motion."""
     error: float
-    """Bound on the distance between both parameters; without any, between both states."""
+    """Bound on the distance of the limit from that motion: of y, or of the states without y."""
     rate: float
-    """The deviation falls at this rate at least, in the norm of the basis."""
+    """Least rate at which the deviation falls, in the norm of the basis."""
     reach: float
-    """Length of the diagonal of the box across the family, halved."""
+    """Half the diagonal of the box across the family."""
 
 
 class Tilted(Upright):
@@ -76,7 +76,7 @@ class Tilted(Upright):
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """What surrounds a family: programs of (y, given, e)."""
+    """Surroundings of a family: programs of (y, given, e)."""
 
     along: int
     """Number of entries of y."""
@@ -87,7 +87,7 @@ class Surroundings:
     positive: Program
     """The guards."""
     remainder: Program | None = None
-    """G at e = 0, where it is not zero by structure: then the family has no y."""
+    """G at e = 0 for a family without y; None for a family with y, where G is zero by structure."""
 
 
 def attraction(
@@ -100,9 +100,9 @@ def attraction(
     around
         The family's surroundings.
     given
-        Its second argument.
+        Second argument of its programs.
     y, e
-        Parameters of the nearest member and deviation, as balls that hold the true ones.
+        Parameters of the nearest member and deviation, as balls that contain the true values.
 
     Returns
     -------

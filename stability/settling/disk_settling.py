@@ -1,11 +1,11 @@
-"""Settling of the disk: closed forms of its members, and what surrounds them.
+"""Settling of the disk: closed forms of its members, and their surroundings.
 
 Near a family member the deviation e is five numbers that vanish on the family.  A state counts as
-settled if its distance is below the asked one and `stability.settling.attraction` proves, in ball
-arithmetic, that the motion from there on converges to one member.  Passing slowly by an unstable
-member is not settling: nothing attracts there.  A stable rolling of a slipping disk drifts
-(`stability.drift`) and so is never settled on.  tests/settling/test_settling.py runs launches on
-from where they were called settled.
+settled if its distance is within the limit and `stability.settling.attraction` proves, in ball
+arithmetic, that the motion from there on converges to one member.  A slow passage near an unstable
+member is not settling: nothing attracts there.  Stable rolling of a slipping disk drifts
+(`stability.drift`), so no motion settles on it.  tests/settling/test_settling.py continues launches
+from the state that counts as settled.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
     k
         Inertia factor.
     family
-        One of the disk's, of which one number names a member.
+        Name of a family of the disk whose members one number names.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
     with np.errstate(divide="ignore", invalid="ignore"):
         at, parts = _parts(FAMILIES[family], np.moveaxis(six, -1, 0), k, np)
     e = np.stack(parts, axis=-1)
-    return at, np.where(np.isnan(e), np.inf, e)  # where there is no member it is infinitely far
+    return at, np.where(np.isnan(e), np.inf, e)  # the distance of a missing member is infinite
 
 
 def _parts(
@@ -98,8 +98,8 @@ def _parts(
 def _places(family: DiskFamily) -> tuple[int, list[tuple[int, float]], int, int]:
     """Index of the parameter among the states, and of the others with their values.
 
-    Then which of the others is solved for, and which is upright, or -1; kept, since each launch
-    asks several times.
+    Then the places among the others of the solved state and of the upright one, or -1.  Cached,
+    because each launch needs them several times.
     """
     known = AT_REST | dict(family.held) | dict(family.unknown)
     own = STATES.index(family.at[0])
@@ -117,25 +117,25 @@ def _closest(six: Floats, law: type[Contact], k: float) -> tuple[str, float, flo
         try:
             at, e = _parts(family, states, k, math)
             found.append((math.hypot(*e), family.name, at))
-        except (ValueError, ArithmeticError):  # there is no such member: it is infinitely far
+        except (ValueError, ArithmeticError):  # the distance of a missing member is infinite
             found.append((math.inf, family.name, math.nan))
     distance, name, at = min(found)
     return name, at, distance
 
 
 def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Nearest:
-    """The steady motion nearest to a state and whether it counts as settled on.
+    """The steady motion nearest to a state and whether the state counts as settled.
 
     Parameters
     ----------
     six
         The state, shape (6,), dimensionless.
     law
-        The law.
+        Class of the contact law.
     p
         Parameters of the law's system.
     within
-        Largest distance that counts.
+        Largest distance that counts as settled.
 
     Returns
     -------
@@ -171,7 +171,7 @@ def nearest(six: Floats, law: type[Contact], p: Floats, within: float) -> Neares
 
 
 def _balls(six: Floats, k: float, family: str, sign: float) -> tuple[Any, list[Any]]:
-    """The family's parameter and the deviation, as balls that hold what the doubles mean."""
+    """The family's parameter and the deviation, as balls; the doubles are taken as exact."""
     from flint import arb
 
     exact, functions = [arb(v) for v in six.tolist()], SimpleNamespace(**balls().functions)
@@ -193,7 +193,7 @@ def settled(
     sign
         Sign of φ̇.
     y, e
-        Parameter of the nearest member and deviation, as balls that hold the true ones.
+        Parameter of the nearest member and deviation, as balls that contain the true values.
 
     Returns
     -------
@@ -212,7 +212,7 @@ def surroundings(law: type[Contact], family: str) -> Surroundings:
     law
         A contact law with the slip in its state.
     family
-        Name of a family of which one number names a member.
+        Name of a family whose members one number names.
 
     Returns
     -------

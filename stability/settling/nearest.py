@@ -1,4 +1,4 @@
-"""The steady motion nearest to a state: the answer of every settling."""
+"""The steady motion nearest to a state: the result of every settling."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ class Nearest:
     """The steady motion nearest to a state, and whether the state has settled on it."""
 
     family: str
-    """Its family; empty where none was given, or none has a member there."""
+    """Name of its family; empty where no family was given, or none has a member there."""
     at: float
-    """The disk's parameter there: phi_dot, theta or omega3; 0 for a user's system."""
+    """Parameter of the disk's member: phi_dot, theta or omega3; 0 for a user's system."""
     distance: float
     """Norm of the deviation; infinite where there is no member."""
     settled: bool
@@ -23,13 +23,13 @@ class Nearest:
     reach: float
     """Size of the box across the family in which convergence is proved; 0 where it is not."""
     evidence: str
-    """One sentence."""
+    """Evidence, in one sentence."""
     member: Floats | None = None
     """The states of the steady motion, for a user's system."""
 
 
 class Settling(Protocol):
-    """What a launch asks about the steady motions of its body or system."""
+    """Steady motions of a body or system, as a launch needs them."""
 
     def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
         """The steady motion nearest to a state, and whether the state has settled on it."""

@@ -1,8 +1,8 @@
 """Settling of a user's system on the families that were given: members, distances, surroundings.
 
-Members along which a state changes are known where the held states say all, and their rates vanish
-by structure; members that stand alone need no proof of their own (`stability.settling.attraction`).
-For the others distances are told, and nothing is called settled.
+Along a family with a state in `at`, settling is proved where no root-finder is needed and the rates
+vanish by structure.  A member that stands alone needs neither (`stability.settling.attraction`).
+For other families only distances are given, and no state counts as settled.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class SystemSettling:
     """Settling of a user's system."""
 
     families: tuple[Family, ...]
-    """The families that it may settle on."""
+    """The families that the system may settle on."""
 
     def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
         """The nearest member of all families, and whether the state has settled on it."""
@@ -76,7 +76,7 @@ class SystemSettling:
 
 
 def _at(family: Family, states: Floats, p: Floats) -> Floats:
-    """Family parameters of the members with the states' own values of them, shape (t, at)."""
+    """Family parameters `at` from the values of states and parameters, shape (t, at)."""
     system, count = family.system, len(states)
     columns = [
         states[:, system.states.index(n)] if n in system.states
@@ -92,14 +92,14 @@ def members(family: Family, states: Floats, p: Floats) -> Floats | None:
     Parameters
     ----------
     family
-        Any.
+        Family of the system.
     states, p
         States, shape (t, n), and the system's parameters, shape (m,).
 
     Returns
     -------
     ndarray or None
-        Shape (t, n); None where one of them does not exist.
+        States of the members, shape (t, n); None where a member does not exist.
     """
     values = [p[family.system.parameters.index(n)] for n in family.parameters]
     a, q = _at(family, states, p), np.tile(np.array(values, dtype=float), (len(states), 1))
@@ -110,7 +110,7 @@ def members(family: Family, states: Floats, p: Floats) -> Floats | None:
 
 
 def _proved(family: Family, state: Floats, member: Floats, p: Floats) -> tuple[str, Any]:
-    """Why convergence is not proved, or its proof."""
+    """Reason why convergence is not proved, and the proof or None."""
     from flint import arb
 
     around = surroundings(family)
@@ -131,17 +131,17 @@ def _proved(family: Family, state: Floats, member: Floats, p: Floats) -> tuple[s
 
 @lru_cache(maxsize=32)
 def surroundings(family: Family) -> Surroundings | str:
-    """What surrounds a family, or why nothing is proved of it.
+    """Surroundings of a family, or the reason why nothing is proved about it.
 
     Parameters
     ----------
     family
-        Any.
+        Any family.
 
     Returns
     -------
     Surroundings or str
-        A sentence without its full stop.
+        The reason is a sentence without its full stop.
     """
     system = family.system
     along = [n for n in system.states if n in family.at]

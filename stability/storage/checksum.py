@@ -13,21 +13,21 @@ LENGTH = len(MARK) + 64 + 1
 ATTRIBUTE = "checksum"
 """Attribute of a NetCDF file that says that there must be such a line."""
 STATEMENT = "sha256 of what stands before the last line of the file"
-"""Its value."""
+"""Value of that attribute."""
 BLOCK = 2**20
 NEAR = 2**13
 """Bytes at the end of a file among which its last line is looked for."""
 
 
 def sealed(content: bytes | memoryview, label: str = "") -> bytes:
-    """Content with its checksum behind it.
+    """Content followed by a line with its checksum.
 
     Parameters
     ----------
     content
-        What is to be protected.
+        Bytes to protect.
     label
-        What it is of, which goes into the checksum: another file's content does not pass.
+        Name of the content, part of the checksum: content of another name does not pass.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def unsealed(content: bytes, label: str = "") -> bytes | None:
     content
         From `sealed`.
     label
-        As there.
+        Label that `sealed` was given.
 
     Returns
     -------
@@ -62,7 +62,7 @@ def unsealed(content: bytes, label: str = "") -> bytes | None:
 
 
 def seal(path: Path) -> None:
-    """Append its checksum to a file.
+    """Append a line with its checksum to a file.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def intact(path: Path) -> bool | None:
         line = handle.read(LENGTH)
         handle.seek(max(0, size - NEAR))
         end = handle.read(NEAR)
-    if not line.startswith(MARK):  # it may have been moved by what was appended, or cut short
+    if not line.startswith(MARK):  # the line may be cut short, or bytes may follow it
         cut = any(end.endswith(MARK[:n]) for n in range(5, len(MARK)))
         return False if cut or MARK in end else None
     return line == _line(_digest(path, size - LENGTH))
@@ -105,7 +105,7 @@ def _line(digest: str) -> bytes:
 
 
 def _digest(path: Path, size: int) -> str:
-    """Of the first bytes of a file, without a label."""
+    """Checksum of the first bytes of a file, without a label."""
     digest = hashlib.sha256(bytes(1))
     with path.open("rb") as handle:
         while size > 0 and (block := handle.read(min(size, BLOCK))):

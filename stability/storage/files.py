@@ -30,16 +30,16 @@ class _Ready:
     """A file that is whole under its temporary name."""
 
     temporary: Path
-    """Where it is."""
+    """Temporary path."""
     target: Path
-    """Where it is to be."""
+    """Final path."""
     overwrite: bool
     """Whether it may replace a file."""
     result: bool
-    """Whether it is a result, and not only kept for a later run."""
+    """Whether the file is a result, not only a help for a later run."""
 
     def keep(self) -> Path | None:
-        """A second name for the file that is replaced, until all are named."""
+        """Give the file that is replaced a second name, until all files are named."""
         if not self.overwrite or not self.target.exists():
             return None
         kept = self.target.parent / temporary()
@@ -50,7 +50,7 @@ class _Ready:
         return kept
 
     def name(self) -> None:
-        """Give the file its name unless another has taken it meanwhile."""
+        """Give the file its name, unless another file has taken that name meanwhile."""
         if self.overwrite:
             self.temporary.replace(self.target)
             return
@@ -92,7 +92,7 @@ def record(path: Path) -> None:
     Parameters
     ----------
     path
-        Its name.
+        Path of the file or folder.
     """
     _named.append(path)
 
@@ -103,7 +103,7 @@ def atomic_write(
 ) -> Iterator[Path]:
     """A temporary name in the target's folder; renamed if all goes well, removed otherwise.
 
-    Within `together` it is renamed with the others at the end.
+    Within `together` the file is renamed with the others at the end.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def atomic_write(
     overwrite
         Whether an existing file may be replaced.
     result
-        Whether it is a result, and not only kept for a later run.
+        Whether the file is a result, not only a help for a later run.
 
     Yields
     ------
@@ -156,13 +156,13 @@ def atomic_write(
 
 @contextmanager
 def together() -> Iterator[None]:
-    """Files that are all there or none: each `atomic_write` inside gets its name at the end.
+    """Write all files or none: each `atomic_write` inside gets its name at the end.
 
     Raises
     ------
     FileError
-        If a file cannot get its name; then those that had it lose it, and what they replaced is
-        back.
+        If a file cannot get its name.  Files named before then lose their names, and the files
+        that were replaced are restored.
 
     Examples
     --------
@@ -192,7 +192,7 @@ def together() -> Iterator[None]:
 
 
 def _name(group: list[_Ready]) -> None:
-    """Give every file its name, or none; a signal to stop waits until it is done."""
+    """Give all files their names, or none; signals to stop wait until the end."""
     done: list[tuple[_Ready, Path | None]] = []
     with postponed():
         try:
@@ -202,7 +202,7 @@ def _name(group: list[_Ready]) -> None:
                     with refusing(ready.target):
                         kept = ready.keep() if len(group) > 1 else None
                         ready.name()
-                except BaseException:  # it still is what it was
+                except BaseException:  # the target is unchanged
                     if kept is not None:
                         kept.unlink()
                     raise
@@ -242,7 +242,7 @@ def postponed() -> Iterator[None]:
 
 @contextmanager
 def ignoring_signals() -> Iterator[None]:
-    """Keep signals to stop from the processes started meanwhile; this one gets them afterwards."""
+    """Block signals to stop in processes started inside; this process gets them afterwards."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return

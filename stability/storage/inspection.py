@@ -1,6 +1,6 @@
-"""Files without a checksum: read first by another process, with bounds on its time and memory.
+"""Files without a checksum: another process, limited in time and memory, reads them first.
 
-HDF5 follows the links of a damaged file for ever, and allocates what it declares.
+HDF5 follows the links of a damaged file for ever, and allocates what the file declares.
 """
 
 from __future__ import annotations
@@ -16,35 +16,35 @@ from ..base.errors import FileError
 from .targets import path_text
 
 SECONDS = 5
-"""Processor time that reading may take, in addition to that in proportion to the size."""
+"""Processor time for reading [s], in addition to a time in proportion to the size."""
 RATE = 2e7
-"""Bytes of variables that are read in a second at least."""
+"""Lowest speed of reading [bytes of variables per second]."""
 WALL = 600.0
-"""Seconds after which the process is given up in any case, on a machine however busy."""
+"""Time after which the process is ended in any case, even on a busy machine [s]."""
 MEMORY = 2**30
-"""Bytes that reading may take, in addition to those of the variables."""
+"""Memory for reading [bytes], in addition to three times the size of the variables."""
 LONGEST = 300
-"""Characters of a sentence that are told."""
+"""Largest number of characters of the process's sentence in a message."""
 
 
 def inspect(source: Path, form: str, what: str, *, lazy: bool) -> None:
-    """Let a process of its own read a file, and refuse the file if the process fails.
+    """Let another process read a file, and refuse the file if the process fails.
 
     Parameters
     ----------
     source
         The file.
     form, what
-        What it must be, as for `stability.storage.reading.opened`.
+        Format and content, as for `stability.storage.reading.opened`.
     lazy
-        Whether only what opening needs is to be read.
+        Whether to read only what opening needs.
 
     Raises
     ------
     FileError
-        If the process says why not, or exceeds its time or memory.
+        If the process refuses the file, or exceeds its time or memory.
     """
-    if not sys.executable:  # embedded: there is no other process to be had
+    if not sys.executable:  # Python is embedded: no other process can be started
         return
     home = str(Path(__file__).resolve().parents[2])
     code = (
@@ -83,14 +83,14 @@ def _endless(source: Path) -> str:
 
 
 def main(path: str, form: str, what: str, how: str) -> None:
-    """Read a file within bounds; the process ends with code 2 and a sentence if it is refused.
+    """Read a file within bounds; for a refused file the process ends with code 2 and a sentence.
 
     Parameters
     ----------
     path
         The file.
     form, what
-        What it must be.
+        Format and content, as for `inspect`.
     how
         `lazy` or `all`.
     """
@@ -113,7 +113,7 @@ def main(path: str, form: str, what: str, how: str) -> None:
     except Exception as error:
         answer = f"{path_text(source)} cannot be read as NetCDF ({type(error).__name__})."
     os.write(1, answer.encode("utf-8", "replace"))
-    os._exit(2 if answer else 0)  # no clean-up of what HDF5 may have left in disorder
+    os._exit(2 if answer else 0)  # no clean-up, since HDF5 may be in disorder
 
 
 def bound(seconds: int, memory: int) -> None:
@@ -122,9 +122,9 @@ def bound(seconds: int, memory: int) -> None:
     Parameters
     ----------
     seconds
-        Processor time [s].
+        Further processor time [s].
     memory
-        Bytes beyond those it has.
+        Further memory [bytes].
     """
     try:
         import resource

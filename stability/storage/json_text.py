@@ -1,4 +1,4 @@
-"""JSON that any reader takes: one encoding of numbers without bound for every command."""
+"""JSON for any reader: every command encodes numbers without bound in the same way."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 HELP = "print one JSON object; null means a number without bound, or one that is not known"
-"""What --json does."""
+"""Help text of --json."""
 NUMBER = "number"
 """Only key of a marked number."""
 
@@ -49,7 +49,7 @@ def json_text(record: Any) -> str:
     Parameters
     ----------
     record
-        What is to be printed.
+        Record to print.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def marked(value: Any) -> Any:
 
 
 def unmarked(found: dict[str, Any]) -> Any:
-    """What `marked` encoded; for `object_hook` of `json.loads`.
+    """Decode an object of `marked`; for `object_hook` of `json.loads`.
 
     Parameters
     ----------

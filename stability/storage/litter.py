@@ -29,7 +29,7 @@ def temporary(suffix: str = "") -> str:
     Parameters
     ----------
     suffix
-        Its ending, which tells writers the format.
+        Ending of the name, which tells writers the format.
 
     Returns
     -------
@@ -46,14 +46,14 @@ def temporary(suffix: str = "") -> str:
 
 
 def clear(folder: Path, *, always: bool = False) -> None:
-    """Remove what ended processes left in a folder; files of live processes stay.
+    """Remove temporary files of ended processes from a folder; those of live processes stay.
 
     Parameters
     ----------
     folder
-        Where to look; folders inside are not searched.
+        Folder to search; folders inside are not searched.
     always
-        Whether to look even if this process looked a moment ago.
+        Whether to search even if this process searched the folder less than `AGAIN` ago.
     """
     here, now = str(folder), time.monotonic()
     if not always and now - _searched.get(here, -AGAIN) < AGAIN:
@@ -83,20 +83,20 @@ def _left(entry: os.DirEntry[str]) -> bool:
 
 
 def _lives(pid: int, start: int) -> bool:
-    """Whether the process that began at that moment still runs."""
+    """Whether the process with this number and start still runs."""
     if start and Path("/proc/self/stat").exists():
         return _start(pid) == start
     try:
         os.kill(pid, 0)
     except (ProcessLookupError, OverflowError):
         return False
-    except OSError:  # somebody else's process
+    except OSError:  # a process of another user
         return True
     return True
 
 
 def _start(pid: int) -> int | None:
-    """Start of a process in clock ticks since boot; None if it has ended, or the system is mute."""
+    """Start of a process in clock ticks since boot; None if ended or unknown."""
     try:
         text = Path(f"/proc/{pid}/stat").read_bytes()
     except OSError:

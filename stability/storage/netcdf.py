@@ -1,4 +1,4 @@
-"""NetCDF files of the package: packed with a checksum, opened after it has been checked."""
+"""NetCDF files of the package: packed with a checksum, loaded after a check of their sizes."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 ENGINE = "h5netcdf"
 DEFLATE = 1100
-"""Bytes that a byte of a compressed chunk may hold at most (zlib: 1032), with room for heads."""
+"""Most bytes that one byte of a compressed chunk can hold (zlib: 1032), with room for headers."""
 SMALL = 2**22
-"""Bytes of a variable that are not worth a question."""
+"""Size up to which a variable is not checked [bytes]."""
 
 
 def packed(dataset: xarray.Dataset, compress: Mapping[str, Any] | None = None) -> bytes:
@@ -43,12 +43,12 @@ def packed(dataset: xarray.Dataset, compress: Mapping[str, Any] | None = None) -
 
 
 def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
-    """A NetCDF file as a dataset, refused before its data are read where it declares too much.
+    """Load a NetCDF file; it is refused before its data are read where it declares too much.
 
     Parameters
     ----------
     source, form, what, lazy
-        As for `opened`.
+        As for `stability.storage.reading.opened`.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
     Raises
     ------
     FileError
-        If it cannot be read, or is not of that format.
+        If the file cannot be read, or is not of that format.
     """
     import xarray
 
@@ -101,7 +101,7 @@ def check_sizes(source: Path, *, lazy: bool) -> int:
     source
         The file.
     lazy
-        Whether the data stay in the file, so that memory is no matter.
+        Whether the data stay in the file, so that free memory does not matter.
 
     Returns
     -------
@@ -137,7 +137,7 @@ def check_sizes(source: Path, *, lazy: bool) -> int:
 
 
 def _variables(file: Any) -> Iterator[tuple[str, Any]]:
-    """The variables that lie in the file itself; none of ours has groups."""
+    """Names and variables of the file itself; the package's files have no groups."""
     import h5py
 
     for name in file:

@@ -1,4 +1,4 @@
-"""NetCDF files opened: the checksum first, files without one by another process."""
+"""Opening of NetCDF files: the checksum first; another process first reads a file without one."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 def opened(
     path: str | os.PathLike[str], form: str, what: str, *, lazy: bool = False
 ) -> xarray.Dataset:
-    """A NetCDF file of ours as a dataset, or a sentence why not.
+    """Open a NetCDF file of this package as a dataset.
 
     Parameters
     ----------
     path
         File to read.
     form
-        What its attribute `format` must be.
+        Required value of the attribute `format`.
     what
-        What it should hold, in words.
+        Expected content, in words.
     lazy
         Whether to leave the data in the file.
 
@@ -52,7 +52,7 @@ def opened(
             f"{path_text(source)} is damaged or was changed after it was written: its checksum is "
             "wrong."
         )
-    if right is None:  # nothing in it is to be trusted, the time that HDF5 takes for it included
+    if right is None:  # nothing in the file can be trusted, not even that HDF5 comes to an end
         from .inspection import inspect
 
         inspect(source, form, what, lazy=lazy)
@@ -68,7 +68,7 @@ def opened(
 
 
 def _check_head(source: Path) -> None:
-    """Refuse at once what is not HDF5, or shorter than its superblock says.
+    """Refuse at once a file that is not HDF5, or shorter than its superblock says.
 
     Source: HDF5 File Format Specification, version 3.0, II.A.
     """
@@ -85,7 +85,7 @@ def _check_head(source: Path) -> None:
 
 
 def _plausible(dataset: xarray.Dataset) -> bool:
-    """Whether every flag of a file without a checksum is one of those that it lists."""
+    """Whether every flag of a file without a checksum is one of those that the file lists."""
     import numpy as np
 
     return all(

@@ -12,7 +12,7 @@ from ..base.errors import FileError, one_line, shown
 from .litter import clear
 
 LONGEST = 120
-"""Characters of a path in a message at most."""
+"""Largest number of characters of a path in a message."""
 NETCDF = (".nc", ".nc4", ".netcdf", ".h5", ".hdf5")
 """Endings of a NetCDF-4 file."""
 DATASETS = NETCDF
@@ -22,7 +22,7 @@ PICTURES = (".png", ".pdf", ".svg")
 FILMS = (".gif", ".mp4", ".html")
 """Endings of a film."""
 OTHER = (".csv", ".json", ".txt", ".md", ".py", ".jpg", ".jpeg", ".webp", ".zip")
-"""Endings of formats that no command writes into a single file of its own."""
+"""Endings of other formats: no command writes such a file alone."""
 
 
 def path_text(path: Any) -> str:
@@ -46,7 +46,7 @@ def path_text(path: Any) -> str:
 
 
 def place(path: Any) -> Path:
-    """A path from what a user gives, refused where it cannot name a file.
+    """A path from a user's value, refused where it cannot name a file.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def place(path: Any) -> Path:
     Raises
     ------
     FileError
-        If it is neither, or holds NUL or a character that the system cannot write.
+        If it is no string or path, or holds NUL or a character that the system cannot write.
     """
     try:
         found = Path(path)
@@ -86,7 +86,7 @@ def refusing(path: Any, what: str = "written") -> Iterator[None]:
     path
         The path.
     what
-        What cannot be done with it.
+        The action that fails, as a participle: written, read or used.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def refusing(path: Any, what: str = "written") -> Iterator[None]:
 
 
 def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
-    """A path with an ending that fits what is written into it; none means NetCDF where that fits.
+    """A path with an ending that fits the content; NetCDF files may also have no ending.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
     endings
         Endings that are accepted, lower case, the usual one first.
     option
-        What the path is called on the command line.
+        Name of the path's option on the command line, or empty.
 
     Returns
     -------
@@ -119,7 +119,7 @@ def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
     Raises
     ------
     FileError
-        If it ends otherwise.
+        If the path has another ending.
 
     Examples
     --------
@@ -139,7 +139,7 @@ def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
 
 
 def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """A path that can be written, or a sentence why not; nothing is created.
+    """Check that a file can be written, and resolve links; nothing is created.
 
     Parameters
     ----------
@@ -191,14 +191,14 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
 
 
 def check_folder(path: str | os.PathLike[str], taken: str = "") -> Path:
-    """See that a folder can be made or written into; nothing is created, litter is removed.
+    """Check that a folder can be created or written into; nothing is created, litter is removed.
 
     Parameters
     ----------
     path
         The folder.
     taken
-        The sentence for a folder that holds something already; none where that is no matter.
+        Error message for a folder that is not empty; empty where such a folder is accepted.
 
     Returns
     -------

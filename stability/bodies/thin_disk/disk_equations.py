@@ -37,19 +37,19 @@ def disk_system(
     law
         A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law.
     slip_states
-        Whether the two slip velocities are states; the law's own choice when left out.  The smooth
-        disk may carry them (they follow the other four); without them its observables are those
-        of a disk whose centre has no horizontal velocity.
+        Whether the two slip velocities are states; None for the choice of the law.  Only the
+        smooth disk allows both (its slip follows the other four states).  Without them its
+        observables are those of a disk whose centre has no horizontal velocity.
     direction
-        For `coulomb`: whether the angle of the slip is a parameter of its own, so that the
-        equations keep a meaning where the slip is zero.
+        For `coulomb`: whether the angle of the slip is a separate parameter, so that the equations
+        keep a meaning where the slip is zero.
 
     Returns
     -------
     System
         States `STATES` (or the first four); parameters `k` and, for a law with a coefficient,
-        `mu` (for `linear-viscous` c* stands in its place; `coulomb-regularised` has `epsilon`
-        too).  Observables: `energy`, `normal_force`,
+        `mu` (its value is c* for `linear-viscous`; `coulomb-regularised` has `epsilon` too).
+        Observables: `energy`, `normal_force`,
         `contact_force` (horizontal, x̂ and ŷ), `slip`, `determinant` (D), `power` (dissipated).
 
     Examples
@@ -177,7 +177,7 @@ class _Body:
         """The force that the law states, which must be two expressions."""
         found = self.law.force(self.slip, self.normal, mu)
         if isinstance(found, (list, tuple)) and len(found) == 2:
-            with suppress(NotImplementedError, TypeError):  # CasADi's words for another type
+            with suppress(NotImplementedError, TypeError):  # CasADi's errors for another type
                 return [ca.SX(f) for f in found]
         raise ParameterError(
             f"the force of the {self.law.name} law is {shown(found)}; give a list of two "

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.errors import NameUnknownError, listed
 
-# the command line reads the records for its help: what is heavy is imported in functions
+# the command line reads the records for its help, so functions import the heavy modules
 if TYPE_CHECKING:
     from ...systems.family import Family
     from ..contact import Contact
@@ -21,11 +21,11 @@ Interval = tuple[float, float]
 
 @dataclass(frozen=True, eq=False)
 class DiskFamily:
-    """A family of steady motions of the disk: all that the package knows of it by itself.
+    """A family of steady motions of the disk: every fact about it that is not derived.
 
-    Every state is named in `at`, held, or solved for; theta_dot and the slip are zero throughout.
+    Every state is in `at`, `held` or `unknown`; theta_dot and the slip are zero throughout.
     Spectra, boundaries, maps and motions follow from the equations of motion.  Where
-    `disk_polynomials.json` has no polynomial of the family, they take its graph.
+    `disk_polynomials.json` has no polynomial of the family, they use its graph.
 
     Examples
     --------
@@ -34,9 +34,9 @@ class DiskFamily:
     """
 
     name: str
-    """The word in calls, tables and files."""
+    """Name in calls, tables and files."""
     at: tuple[str, ...]
-    """States that name a member; the last one is the one that formulas are solved for."""
+    """States that name a member; formulas are solved for the last one."""
     held: Mapping[str, float | Upright]
     """Values of the states that are the same along the family: angles, `UPRIGHT` for the exact
     π/2, or 0 for rates."""
@@ -51,12 +51,12 @@ class DiskFamily:
     positive: tuple[str, ...] = ()
     """Unknowns that come out positive; the mirror image has the same spectrum."""
     solution: Callable[[Any, Any, Any, Any], Any] | None = None
-    """The unknown as a function of (functions, at, k, unit), as for `member`; None where it is 0
-    throughout.  Without it no motion is launched near a family whose unknown is not 0."""
+    """The unknown as a function of (functions, at, k, unit), as for `member`; None where it is
+    always 0 or has no formula.  Without a formula no motion is launched near the family."""
     law: str = ""
     """The one contact law under which the family exists; empty if it exists under every law."""
     drifts: bool = False
-    """Whether slip carries a stable member slowly along the family, so that none is settled on."""
+    """Whether slip carries a stable member along the family, so that no motion settles on it."""
     searched: Interval | None = None
     """Dimensionless interval of `at` in `table conditions`; None where the table leaves it out."""
     drawn: Interval | None = None
@@ -72,7 +72,7 @@ class DiskFamily:
 
     @property
     def line(self) -> bool:
-        """Whether one number names a member and gives its states: motions may settle on these."""
+        """Whether one number names a member and gives its states: motions may settle there."""
         known = self.solution is not None or not any(self.unknown.values())
         return len(self.at) == 1 and known
 
@@ -93,11 +93,11 @@ class DiskFamily:
         functions
             sin, sqrt, … of the number type as attributes: `math`, `numpy`, `casadi`, `mpmath`.
         at
-            What names the member.
+            Value of the state that names the member.
         k
             Inertia factor.
         unit
-            Unit of rate, negative where phi_dot is.
+            Unit of rate, negative for a member with negative phi_dot.
 
         Returns
         -------
@@ -162,20 +162,21 @@ def families_under(law: str) -> list[DiskFamily]:
 
 
 def lines_under(law: str) -> list[DiskFamily]:
-    """Those of which a motion may be near a member, and settle on it."""
+    """The families under a law on which a motion may settle, by the name of the law."""
     return [f for f in families_under(law) if f.line]
 
 
 def leaning() -> str:
-    """The families of which a lean names a member, in words."""
+    """Names of the families whose members a lean names, in words."""
     return listed([f.name for f in FAMILIES.values() if f.by_angle])
 
 
 def disk_family(name: str, law: str | type[Contact]) -> Family:
     """One of the disk's families under a contact law; dimensionless, built once.
 
-    In each the rate of theta_dot is the equation to solve: for phi_dot (rolling, tumbling) or
-    omega3 (spinning, circling, precession).  Rolling and spinning turn out to solve it identically.
+    In each family the rate of theta_dot must vanish.  This equation is solved for phi_dot (rolling,
+    tumbling) or omega3 (spinning, circling, precession).  Rolling and spinning satisfy it
+    identically.
 
     Parameters
     ----------
@@ -193,8 +194,8 @@ def disk_family(name: str, law: str | type[Contact]) -> Family:
     NameUnknownError
         If there is no such family under this law.
 
-    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2; that the viscous law has no further
-    steady motions is proved in `stability.derivation.completeness`.
+    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2; `stability.derivation.completeness`
+    proves that the viscous law has no further steady motions.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The disk as a launch sees it: its motion with work and pose, and the guards that end a run."""
+"""The model of the disk for a launch: its motion with work and pose, and the guards of a run."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from .disk_quantities import QUANTITIES
 POSE = ("phi", "psi", "centre_x", "centre_y")
 """Precession angle, relative spin angle, horizontal place of the centre; x̂ = (cos φ, sin φ)."""
 POSE_UNIT = 1024.0
-"""What the pose is counted in while it is integrated: it grows without bound, and an integrator
-whose tolerance is relative to the largest entry of the state would grow careless with it."""
+"""Unit of the pose in the integration.  The pose grows without bound, and without this unit it
+would loosen a tolerance that is relative to the largest entry of the state."""
 LIFT_OFF, FLAT, NO_CONTACT, CONE = "lift-off", "flat", "no-contact", "slip"
 """Names of the guards."""
 WORDS = {
@@ -28,11 +28,11 @@ WORDS = {
     FLAT: "sine of theta less that of flat",
     NO_CONTACT: "D",
 }
-"""What each guard is, in words."""
+"""Each guard in words."""
 
 
 def moving_system(law: str | type[Contact]) -> System:
-    """The disk with every state that a motion has: the smooth disk's slip too.
+    """The disk with every state of a motion, so with the slip of the smooth disk too.
 
     Parameters
     ----------
@@ -58,13 +58,13 @@ def disk_model(law: str | type[Contact], *, pose: bool = False, sticking: bool =
     Parameters
     ----------
     law
-        A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law; one that
-        sticks is taken for its sliding.
+        A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law; for a law that
+        sticks, the model is of sliding.
     pose
-        Whether φ, ψ and the centre's place are carried along.
+        Whether y holds φ, ψ and the place of the centre.
     sticking
-        Whether this is the sticking of `coulomb`: the rough disk with a guard that keeps the force
-        inside the friction cone.
+        Whether the model is of sticking under `coulomb`: the rough disk with a guard that keeps the
+        force inside the friction cone.
 
     Returns
     -------
@@ -130,7 +130,7 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
 
 
 def _park(friction: list[int], states: Any, parameters: Any, lane: int) -> None:
-    """Spin a disk upright without friction, fast enough to be stable, which costs few steps."""
+    """Put a lane on a stable upright spin without friction, which needs few steps."""
     states[:, lane] = 0.0
     states[0, lane] = math.pi / 2
     states[2, lane] = 2.0 / math.sqrt(parameters[0, lane])

@@ -1,8 +1,8 @@
 """Characteristic polynomials of the disk's families over Q, kept as package data.
 
-They were derived from the graph (`stability.derivation.characteristic`,
-`stability.derivation.hurwitz`) and are read here without SymPy, to be evaluated over any number
-type: exact rationals, balls, intervals, arrays.
+They are derived from the graph (`stability.derivation.characteristic`,
+`stability.derivation.hurwitz`).  This module reads them without SymPy.  They are evaluated over any
+number type: exact rationals, balls, intervals, arrays.
 """
 
 from __future__ import annotations
@@ -26,11 +26,12 @@ from .disk_families import FAMILIES
 DATA = "disk_polynomials.json"
 """The file of derived polynomials, next to this module."""
 DIGEST = "d60731b19cd4d14caabd9d683c1229d5ee419c736590ce8994c1b54211caac27"
-"""SHA-256 of that file, written by `make derive`; another content is refused."""
+"""SHA-256 of that file, written by `make derive`; a file with another digest is refused."""
 
 
 INPUT = {"k": 0, "M": 5, "z": 5, "s": 2}
-"""Roundings behind each variable at most: mu·mu·(g·R), at·at·(R/g), the sine within one unit."""
+"""Most roundings in each variable: mu·mu·(g·R), at·at·(R/g), the sine within one unit in the last
+place."""
 PLAIN = INPUT | {"M": 1, "z": 1}
 """The same with m = R = g = 1."""
 
@@ -41,7 +42,7 @@ class DiskPolynomial(TabulatedPolynomial):
     Parameters
     ----------
     known
-        From `exact_polynomial`.
+        Polynomial from `exact_polynomial`.
     """
 
     def __init__(self, known: Exact) -> None:
@@ -50,7 +51,7 @@ class DiskPolynomial(TabulatedPolynomial):
         self.borders = self.by_angle and not known.even
 
     def point(self, values: Mapping[str, Any], algebra: Algebra) -> list[Any]:
-        """Values of k, M, z, s, those that the polynomial depends on."""
+        """Values of those of k, M, z and s that the polynomial depends on."""
         v = values
         length = v["radius"] / v["gravity"]
         found = {"k": v["k"], "M": 1}
@@ -71,13 +72,13 @@ class DiskPolynomial(TabulatedPolynomial):
         return [found[n] for n in self.known.variables]
 
     def sine(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        """Of theta, or of π/2 - lean."""
+        """Sine of theta, or of π/2 - lean."""
         if "lean" in values:
             return algebra.functions["cos"](values["lean"])
         return algebra.functions["sin"](values["theta"] if "theta" in values else values["at"])
 
     def scale(self, values: Mapping[str, Any]) -> tuple[Any, Any]:
-        """Scale mu g or c/m; without friction none, and square g/R."""
+        """(scale, None) with scale mu g or c/m; without friction (None, square) with square g/R."""
         if "mu" in values:
             return values["mu"] * values["gravity"], None
         if "c" in values:
@@ -85,20 +86,20 @@ class DiskPolynomial(TabulatedPolynomial):
         return None, values["gravity"] / values["radius"]
 
     def natural(self, point: Sequence[Any]) -> Any:
-        """M, since λ = σ mu*; 1 without friction."""
+        """M, because λ = σ mu*; 1 without friction."""
         return 1 if self.known.even else point[self.known.variables.index("M")]
 
     def roundings(self, *, dimensionless: bool) -> Mapping[str, int]:
-        """Those of `point`."""
+        """Most roundings in each value of `point`."""
         return PLAIN if dimensionless else INPUT
 
     def angle(self, axis: str) -> str:
-        """Theta (also called at where it alone names a member) or lean."""
+        """Theta (also for the axis `at` if theta alone names a member), lean, or empty."""
         theta = self.by_angle and axis == "at"
         return "theta" if theta or axis == "theta" else "lean" if axis == "lean" else ""
 
     def edge(self, values: Mapping[str, Any]) -> bool:
-        """Upright: s = 1."""
+        """Whether a member is upright: s = 1, by a lean of 0."""
         return "s" in self.known.variables and "lean" in values and bool(values["lean"] == 0)
 
 
@@ -119,7 +120,7 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     Raises
     ------
     NameUnknownError
-        If there is no such family or law.
+        If no polynomial is stored for this family and law.
 
     Source: derived from the graph; tests/derivation/test_exact.py derives it again.
 
@@ -149,7 +150,7 @@ def disk_polynomial(family: str, law: str) -> DiskPolynomial | None:
 
 
 def known_polynomial(family: str, law: str) -> Exact | None:
-    """The same by names, or None where no polynomial is stored: there the graph is the route."""
+    """The stored polynomial by names; None where none is stored and the graph is used."""
     return _catalogue().get(f"{family} {law}")
 
 
@@ -171,7 +172,7 @@ def digest(content: bytes) -> str:
     Parameters
     ----------
     content
-        The file.
+        Bytes of the file.
 
     Returns
     -------

@@ -12,7 +12,7 @@ from ..contact_laws import MOTION_LAWS
 PHYSICAL = ("mass", "radius", "gravity")
 """The disk's dimensional quantities."""
 SYSTEM = "disk, "
-"""What the names of the disk's systems begin with; the law follows."""
+"""Start of the names of the disk's systems; the name of the law follows."""
 
 _TABLE = (
     Quantity("mass", "m", "mass", Kind.MASS),
@@ -66,7 +66,7 @@ def disk_quantities(law: type[Contact] | None = None) -> Mapping[str, Quantity]:
 
 
 def quantities_of(system: str) -> Mapping[str, Quantity]:
-    """The quantities of a system by its name: none for a user's, whose `theta` may be anything."""
+    """Quantities of a system by its name; none for a user's, whose `theta` may be anything."""
     if not system.startswith(SYSTEM):
         return {}
     return disk_quantities(MOTION_LAWS.get(system.removeprefix(SYSTEM)))

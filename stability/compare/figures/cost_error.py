@@ -207,7 +207,7 @@ def _route_key(
     legend(figure, listed + 0.36, handles, 4)
     words = dict(zip(mine.route.values.tolist(), mine.title.values.tolist(), strict=True))
     own = dict(zip(mine.route.values.tolist(), mine.own.values.tolist(), strict=True))
-    # people's first: as in the dataset
+    # people's routes first, as in the dataset
     key(figure, listed, [(marks[n], f"{n}: {words[n]}", own[n]) for n in marks])
 
 
@@ -275,7 +275,7 @@ def _boundary_panel(panel: Panel, chart: xarray.Dataset, spots: Sequence[_Spot])
 
 
 def _boundary_rows(axes: Axes, chart: xarray.Dataset, marks: dict[str, str]) -> None:
-    """A row for each boundary: errors as markers, letters of those that fall together as one."""
+    """A row for each boundary: errors as markers, nearly equal errors with one text."""
     log_axis(axes.xaxis, LOWEST / 30, 1e6, 4)
     axes.set_xticks([1e-16, 1e-12, 1e-8, 1e-4])
     edges = chart.boundary.values.tolist()
@@ -288,7 +288,7 @@ def _boundary_rows(axes: Axes, chart: xarray.Dataset, marks: dict[str, str]) -> 
         groups: dict[tuple[int, bool], list[tuple[float, str]]] = {}
         for name, letter in marks.items():
             one = here.sel(route=name)
-            # a route without any answer is told of under the other panel
+            # the other panel lists routes without any answer
             if bool(one.boundary_asked) and np.isfinite(one.boundary_seconds):
                 error = max(float(one.boundary_error), 2 * LOWEST)
                 where = 99 if np.isnan(error) else round(np.log10(error) * 0.8)

@@ -33,14 +33,14 @@ def catalogue_figure(
     rows: Sequence[str], columns: Sequence[str], own: Sequence[bool], marks: NDArray[np.str_],
     digits: NDArray[np.float64], *, groups: Sequence[tuple[str, int]] = (), title: str = "",
 ) -> Figure:  # fmt: skip
-    """A table of hard cases and methods: who is right, wrong, says so, or falls over.
+    """A table of hard cases and methods, with a mark in each cell.
 
     Parameters
     ----------
     rows, columns
         Names of the cases and of the methods.
     own
-        Which methods are the package's.
+        Whether each method is the package's.
     marks
         One of `MARKS` for each case and method.
     digits
@@ -154,9 +154,9 @@ def ladder_figure(
     Parameters
     ----------
     methods
-        Their names.
+        Names of the methods.
     own
-        Which are the package's.
+        Whether each method is the package's.
     decades
         Powers of ten of the relative distances, -1 ... -15.
     marks_share
@@ -201,7 +201,7 @@ SHARES = (
 
 
 def _split(axes: Axes, x: float, y: float, shares: NDArray[np.float64]) -> None:
-    """A square split by its shares; outlined where not asked."""
+    """A square split by its shares; an empty outline where the method was not asked."""
     known, start = bool(np.isfinite(shares).all()), x - 0.46
     for (colour, hatch, _), share in zip(SHARES, shares if known else (0, 0, 0), strict=True):
         axes.add_patch(Rectangle((start, y - 0.41), 0.92 * share, 0.82, facecolor=colour,

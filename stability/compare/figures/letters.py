@@ -18,21 +18,21 @@ HALO = [withStroke(linewidth=1.2, foreground="white")]
 """Keeps a letter readable on a line."""
 
 REACH = np.array([5.0, 6.5, 9.0, 12.0, 16.0, 21.0, 27.0, 34.0, 42.0])
-"""How far from its marker a letter may be [pt]."""
+"""Distances between a letter and its marker that are tried [pt]."""
 
 
 @dataclass(frozen=True)
 class Letter:
-    """A letter that goes next to a marker."""
+    """A letter next to a marker."""
 
     x: float
-    """Of the marker."""
+    """x of the marker, in data coordinates."""
     y: float
-    """Of the marker."""
+    """y of the marker, in data coordinates."""
     text: str
-    """What is written."""
+    """Text to write."""
     colour: str
-    """Of the text."""
+    """Colour of the text."""
 
 
 def lettered(own: Sequence[bool]) -> list[str]:
@@ -41,7 +41,7 @@ def lettered(own: Sequence[bool]) -> list[str]:
     Parameters
     ----------
     own
-        Which are the package's.
+        Whether each is the package's.
 
     Returns
     -------
@@ -59,14 +59,14 @@ def lettered(own: Sequence[bool]) -> list[str]:
 
 
 def letters(axes: Axes, marks: Sequence[Letter]) -> None:
-    """Letters next to their markers, moved apart; a thin line leads back where one moved far.
+    """Write letters next to their markers; a thin line leads back from a letter that moved far.
 
     Parameters
     ----------
     axes
-        The panel, its limits set.
+        The panel, with its limits set.
     marks
-        What is to be written.
+        Letters to write.
     """
     if not marks:
         return
@@ -77,7 +77,7 @@ def letters(axes: Axes, marks: Sequence[Letter]) -> None:
     off = _apart(at, half, room, _drawn(axes, scale))
     for mark, shift in zip(marks, off, strict=True):
         far, wide = np.hypot(*shift) > 8, len(mark.text) > 2 and abs(shift[0]) > 9
-        # from the near end of a wide text
+        # the line starts at the near end of a wide text
         start = (float(shift[0] < 0) if wide else 0.5, 0.5)
         arrow = {"arrowstyle": "-", "linewidth": 0.35, "color": mark.colour, "shrinkA": 0.5,
                  "shrinkB": 1.5, "relpos": start} if far else None  # fmt: skip

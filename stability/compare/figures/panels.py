@@ -33,7 +33,7 @@ class Panel:
     main: Axes
     """Cost against error."""
     strip: Axes
-    """What has no error to be drawn at."""
+    """Routes that have no error to plot."""
 
 
 def page(strips: Sequence[int], body: float, legend: float) -> tuple[Figure, list[Panel]]:
@@ -102,9 +102,9 @@ def log_axis(axis: Any, low: float, high: float, step: int) -> None:
     axis
         The x or y axis of a panel.
     low, high
-        Its ends.
+        Ends of the axis.
     step
-        Decades between ticks; one of them is at 1.
+        Decades between ticks; one tick is at 1.
     """
     axis.axes.set(**{f"{axis.axis_name}scale": "log", f"{axis.axis_name}lim": (low, high)})
     powers = np.arange(np.ceil(np.log10(low)), np.floor(np.log10(high)) + 1)
@@ -118,7 +118,7 @@ def span(values: Any) -> tuple[float, float]:
     Parameters
     ----------
     values
-        Those that are positive and finite count.
+        Numbers, of which the positive and finite ones count.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def span(values: Any) -> tuple[float, float]:
 
 
 def frame(panels: Sequence[Panel], x: str, y: str, strip: str) -> None:
-    """Words on the outer axes of a page; inner panels keep their ticks alone.
+    """Label the outer axes of a page; inner panels have ticks alone.
 
     Parameters
     ----------
@@ -169,16 +169,16 @@ def under(axes: Axes, text: str) -> None:
 
 
 def steps(axes: Axes, spots: Sequence[tuple[float, float]], **stroke: Any) -> None:
-    """The front as a step line: the least error to be had within a time.
+    """Draw the front as a step line: the least error within a time.
 
     Parameters
     ----------
     axes
         The panel.
     spots
-        (seconds, error) of what is on the front.
+        (seconds, error) of the routes on the front.
     **stroke
-        Of the line, over a green one.
+        Properties of the line; green when left out.
     """
     if not spots:
         return
@@ -186,20 +186,20 @@ def steps(axes: Axes, spots: Sequence[tuple[float, float]], **stroke: Any) -> No
     # ties on the front must not make the line rise again
     errors = np.minimum.accumulate(errors)
     look: dict[str, Any] = {"color": FRONT, "linewidth": 1.3, "zorder": 1.5} | stroke
-    # its corners one by one, so that letters can keep clear of it
+    # corners one by one, so that letters can avoid the line
     axes.plot(np.append(np.repeat(times, 2)[1:], axes.get_xlim()[1]), np.repeat(errors, 2),
               solid_joinstyle="miter", solid_capstyle="butt", **look)  # fmt: skip
 
 
 def crosses(axes: Axes, wrongs: Sequence[Letter], rows: int) -> None:
-    """Crosses in a strip at their times, each on a line of its own with its words next to it.
+    """Draw crosses in a strip at their times, each in its own row with its text.
 
     Parameters
     ----------
     axes
         The strip.
     wrongs
-        The crosses; their y is not used.
+        Times and texts of the crosses; y is not used.
     rows
         Lines that the strip has room for.
     """
@@ -217,7 +217,7 @@ def crosses(axes: Axes, wrongs: Sequence[Letter], rows: int) -> None:
 
 
 def none(axes: Axes) -> None:
-    """The word none in the middle of an empty strip.
+    """Write "none" in the middle of an empty strip.
 
     Parameters
     ----------
@@ -229,16 +229,16 @@ def none(axes: Axes) -> None:
 
 
 def key(figure: Figure, top: float, entries: Sequence[tuple[str, str, bool]]) -> None:
-    """Meaning of the letters, in two columns.
+    """Write the meaning of the letters, in two columns.
 
     Parameters
     ----------
     figure
         The figure.
     top
-        Where the list begins, from the bottom [in].
+        Upper edge of the list, from the bottom of the figure [in].
     entries
-        (letter, words, whether the package's).
+        (letter, words, whether the route is the package's).
     """
     tall, rows = figure.get_figheight(), -(-len(entries) // 2)
     for index, (letter, words, own) in enumerate(entries):
@@ -255,9 +255,9 @@ def handle(words: str, **look: Any) -> Line2D:
     Parameters
     ----------
     words
-        What it says.
+        Text of the entry.
     **look
-        Of the line.
+        Properties of the line.
 
     Returns
     -------
@@ -275,11 +275,11 @@ def legend(figure: Figure, top: float, handles: Sequence[Any], columns: int) -> 
     figure
         The figure.
     top
-        Its upper edge, from the bottom [in].
+        Upper edge of the legend, from the bottom of the figure [in].
     handles
-        Its entries.
+        Entries of the legend.
     columns
-        How many next to each other.
+        Number of columns.
     """
     figure.legend(handles=handles, loc="upper center", ncols=columns, frameon=False,
                   bbox_to_anchor=(0.5, top / figure.get_figheight()), fontsize=SMALL,

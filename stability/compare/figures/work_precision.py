@@ -57,9 +57,9 @@ STROKES: tuple[dict[str, Any], ...] = (
 MODELS: tuple[dict[str, Any], ...] = (
     {"color": "#7f4f24"}, {"color": "#c08a3e"}, {"color": "#4d3b1f", "mfc": "white"},
 )  # fmt: skip
-"""Looks of laws that stand in place of the true one."""
+"""Looks of models with another law in place of the true one."""
 PEOPLE: tuple[dict[str, Any], ...] = ({"marker": "o"}, {"marker": "s"})
-"""Looks of what people use."""
+"""Looks of integrators that people use."""
 BROAD: dict[str, Any] = {"color": FRONT, "alpha": 0.35, "linewidth": 3.2, "zorder": 1}
 """Stroke of the front."""
 BAR: dict[str, Any] = {"alpha": 0.45, "linewidth": 0.6, "zorder": 2.5}
@@ -117,7 +117,7 @@ def _looks(chart: xarray.Dataset) -> dict[str, dict[str, Any]]:
         elif bool(one.default):
             found[name] = {"color": OWN, "marker": "o", "lw": 1.6, "ms": 3.4, "zorder": 5}
         elif name == "unchecked":
-            # the default but for its check: the same colour, open
+            # the default without its check: the same colour, an open marker
             found[name] = {"color": OWN, "marker": "o", "mfc": "white", "lw": 0.8, "ms": 2.8,
                            "zorder": 4.5}  # fmt: skip
         elif bool(one.own):
@@ -150,7 +150,7 @@ def _motion_panel(
         error = np.clip(error, 2 * LOWEST, HIGHEST / 2)
         panel.main.plot(times[1], error, **look)
         panel.main.hlines(error, times[0], times[2], color=look["color"], **BAR)
-        # each driver a little lower than the last, so that none hides another
+        # each driver is a little lower than the last, so that none hides another
         down = index / len(looks)
         open_ = ran & np.isin(mine.outcome.values, NO_ANSWER)
         rows = ((ran & ~right & ~open_, 2.3 - 1.2 * down, "x"), (open_, 2.3 - 1.2 * down, "_"),

@@ -1,4 +1,4 @@
-"""Hard cases of motion: a scene, what is asked of it, and how an answer is judged."""
+"""Hard cases of motion: a scene, a question about it, and the judgement of an answer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .measure import judged
 from .reference_motions import UNDETERMINED, ReferenceMotion, scene
 
 ASKED = 1e-6
-"""Error asked of a state or a time."""
+"""Required error of a state or a time."""
 NO_ANSWER = ("undetermined", "unresolved", "non-unique")
 """Outcomes by which a driver says that it has no answer."""
 
@@ -25,13 +25,13 @@ class MotionCase:
     name: ClassVar[str]
     """Name in tables."""
     group: ClassVar[str]
-    """Heading under which it stands."""
+    """Heading of its group in tables."""
     physics: ClassVar[str]
-    """What happens there."""
+    """Physics of the case."""
     scene: ClassVar[str]
     """A key of `stability.compare.motion.reference_motions.scenes()`."""
     question: ClassVar[str]
-    """outcome, final, time or events."""
+    """Question: outcome, final, time or events."""
 
     def it(self) -> ReferenceMotion:
         """The scene with its truth."""
@@ -43,7 +43,7 @@ class MotionCase:
         return f"two independent integrations, which agree to {self.it().error:.0e}"
 
     def judge(self, driver: Driver) -> Judgement | None:
-        """The driver's mark; None where the scene is not one for it.
+        """The driver's mark; None where the driver does not take the scene.
 
         Parameters
         ----------
@@ -61,7 +61,7 @@ class MotionCase:
         Parameters
         ----------
         motion
-            What a driver says.
+            Answer of a driver.
         """
         it = self.it()
         if motion.outcome in NO_ANSWER:

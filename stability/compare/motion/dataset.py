@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 FORMAT = "stability chart motion 1"
-"""Marks a file as one of ours."""
+"""Attribute `format` of a file of this chart."""
 LONG = {
     "final": "error of the last state, the largest over the states, each over 1 or its own size",
     "path": "the same, the largest along the path",
@@ -28,16 +28,16 @@ LONG = {
     "event": "error of the time of the end, or of the events of dry friction",
     "stated": "the driver's own estimate of the error of the last state",
 }
-"""What each metric is."""
+"""Description of each metric."""
 
 
 def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
-    """The chart's numbers, every raw timing among them.
+    """Numbers of the motion chart, with every raw timing.
 
     Parameters
     ----------
     cells
-        By key, as `stability.compare.motion.measure.tasks` names them; what is missing is a gap.
+        Cells by key, as in `stability.compare.motion.measure.tasks`; missing cells are gaps.
 
     Returns
     -------
@@ -117,14 +117,14 @@ def points(chart: xarray.Dataset, which: str, metric: str) -> dict[str, list[tup
     chart
         From `dataset`.
     which
-        The scene.
+        Name of the scene.
     metric
         One of `stability.compare.motion.measure.METRICS`.
 
     Returns
     -------
     dict
-        From loose to tight; drivers without any are left out.
+        By driver, from loose to tight; drivers without such a tolerance are left out.
     """
     if metric not in METRICS:
         raise KeyError(metric)
@@ -145,21 +145,21 @@ def points(chart: xarray.Dataset, which: str, metric: str) -> dict[str, list[tup
 
 
 def standing(chart: xarray.Dataset, which: str, metric: str = "path") -> dict[str, Place]:
-    """The standing of each driver: the best that any of its tolerances has.
+    """Standing of each driver, at the best of its tolerances.
 
     Parameters
     ----------
     chart
         From `dataset`.
     which
-        The scene.
+        Name of the scene.
     metric
-        The error that counts.
+        Metric whose error counts.
 
     Returns
     -------
     dict
-        For each driver the rung that is on the front, or is nearest to it.
+        By driver: the standing of its tolerance that is on the front, or nearest to it.
     """
     flat = {
         f"{name} {m}": point

@@ -1,6 +1,6 @@
-"""Ways to a motion: the package's integrators, what people write, and smaller models.
+"""Drivers that compute a motion: the package's integrators, people's scripts, simpler models.
 
-A driver is one class with `run`; `tolerances` are what it is given from loose to tight.
+A driver is one class with `run`.  Its `tolerances` go from loose to tight.
 """
 
 from __future__ import annotations
@@ -24,46 +24,46 @@ DECADES = tuple(10.0**-d for d in (3, 4, 6, 8, 10, 12, 14))
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a driver says of a scene."""
+    """Answer of a driver for a scene."""
 
     times: Floats
-    """Times of the states, shape (t,): the asked ones as far as it went."""
+    """Times of the states, shape (t,): the given times up to the end of the motion."""
     states: Floats
-    """Shape (t, 6)."""
+    """States at these times, shape (t, 6)."""
     outcome: str
-    """Its outcome in a word; moving where a driver knows no other."""
+    """Outcome in a word; moving where a driver knows no other."""
     end_time: float
-    """When it ended; the last time where it did not."""
+    """Time of the end; the last time where the motion did not end."""
     audit: float | None = None
-    """Largest error of its energy account over the initial energy, where it keeps one."""
+    """Largest error of the energy account over the initial energy; None without an account."""
     stated: float | None = None
-    """Its own estimate of the error of the last state, where it gives one."""
+    """The driver's estimate of the error of the last state; None if it gives none."""
     events: tuple[tuple[str, float], ...] = ()
     """Kind and time of events of dry friction."""
 
 
 class Driver:
-    """A way to a motion; subclasses name it and say how."""
+    """Base class of drivers; subclasses define the names and `run`."""
 
     name: ClassVar[str]
     """Name in tables and on the command line."""
     title: ClassVar[str]
-    """What it is, in a few words."""
+    """Description in a few words."""
     own: ClassVar[bool] = False
-    """Whether it is one of the package's."""
+    """Whether the driver belongs to the package."""
     default: ClassVar[bool] = False
-    """Whether the package takes it when nothing else is asked."""
+    """Whether the package uses the driver by default."""
     tolerances: ClassVar[tuple[float, ...]] = DECADES
-    """What it is given in the charts, from loose to tight."""
+    """Tolerances in the charts, from loose to tight."""
     usual: ClassVar[float] = 1e-9
-    """What it is given in the catalogue of failures."""
+    """Tolerance in the catalogue of failures."""
 
     def takes(self, scene: ReferenceMotion) -> bool:  # noqa: ARG002
-        """Whether the scene is one for this driver."""
+        """Whether the driver takes the scene."""
         return True
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
-        """The motion at times, the first of them 0."""
+        """The motion at the given times, of which the first is 0."""
         raise NotImplementedError
 
 
@@ -78,7 +78,7 @@ class Simulated(Driver):
     check: ClassVar[bool] = False
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
-        """By the public function."""
+        """Call `simulate`."""
         return simulated(
             scene, scene.contact(), times, method=self.method, tolerance=tolerance,
             check=self.check,
@@ -86,21 +86,21 @@ class Simulated(Driver):
 
 
 class Default(Simulated):
-    """`simulate` as it is when nothing is asked: integrator by stiffness, each launch checked."""
+    """`simulate` with its defaults: integrator by stiffness, each launch checked."""
 
     name, title, default = "simulate", "simulate(): automatic integrator, checked by shadows", True
     method, check = "auto", True
 
 
 class Unchecked(Simulated):
-    """The same without the check."""
+    """`simulate` with its defaults, but without the check."""
 
     name, title = "unchecked", "simulate(check=False): automatic integrator"
     method = "auto"
 
 
 class Fine(Simulated):
-    """The default with a finer tolerance."""
+    """`simulate` with its defaults, but with a finer tolerance."""
 
     name, title = "simulate-fine", "simulate(tolerance=1e-14), checked"
     method, check, usual = "auto", True, 1e-14
@@ -114,16 +114,16 @@ def _single(method: str) -> type[Driver]:
 
 
 def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: Any) -> Answer:
-    """A scene by `simulate` under some law.
+    """Run `simulate` on a scene under a contact law.
 
     Parameters
     ----------
     scene
-        Disk and start.
+        Scene with the disk and the start.
     contact
-        The law.
+        Contact law.
     times
-        Times, the first of them 0.
+        Times, of which the first is 0.
     **options
         As for `simulate`.
 
@@ -142,14 +142,14 @@ def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: An
     ended = _events(run.event_kind.values.tolist(), run.event_time.values.tolist())
     return Answer(
         run.time.values[kept], states[kept],
-        "moving" if outcome == "settled" else outcome,  # contact lasted, which is what is asked
+        "moving" if outcome == "settled" else outcome,  # contact lasted: the only question here
         float(run.end_time), float(run.energy_error),
         float(run.final_error) if "final_error" in run else None, ended,
     )  # fmt: skip
 
 
 def _events(kinds: list[str], times: list[float]) -> tuple[tuple[str, float], ...]:
-    """Events of dry friction; a reversal is a rest that ends as it begins."""
+    """Events of dry friction; a reversal counts as a stick and a slip at one time."""
     found: list[tuple[str, float]] = []
     for kind, time in zip(kinds, times, strict=True):
         parts = ("stick", "slip") if kind == "reverse" else (kind,)
@@ -157,7 +157,7 @@ def _events(kinds: list[str], times: list[float]) -> tuple[tuple[str, float], ..
     return tuple(found)
 
 
-# --- what people write ---
+# --- people's scripts ---
 
 
 @lru_cache(maxsize=8)
@@ -176,7 +176,7 @@ def _rates(law: str) -> Callable[[Any, Any], Any]:
 
 
 def _plain(scene: ReferenceMotion) -> tuple[Callable[[float, Any], Any], Any]:
-    """f(t, y) and the start, without events or an account of energy."""
+    """Rates f(t, y) and the start, without events or an account of energy."""
     rates = _rates(scene.law)
     p = np.array([scene.k, *([] if scene.mu is None else [scene.mu]), 1e-6])
     own = 4 if scene.law == "rough" else 6
@@ -188,21 +188,21 @@ def _six(states: Any) -> Floats:
 
 
 class RungeKutta45(Driver):
-    """SciPy's `solve_ivp` as it comes, with the tolerance set: no events."""
+    """SciPy's `solve_ivp` with a given tolerance and without events."""
 
     name, title = "rk45", "solve_ivp (RK45), no events"
     tolerances = DECADES[:6]
 
     def takes(self, scene: ReferenceMotion) -> bool:
-        """Smooth equations only."""
+        """Whether the equations are smooth."""
         return scene.law != "coulomb"
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
-        """By `scipy.integrate.solve_ivp`."""
+        """Call `scipy.integrate.solve_ivp`."""
         return self.solved(scene, times, rtol=tolerance, atol=tolerance)
 
     def solved(self, scene: ReferenceMotion, times: Floats, **options: float) -> Answer:
-        """`solve_ivp` with options of its own."""
+        """Call `solve_ivp` with these options."""
         from scipy.integrate import solve_ivp
 
         f, start = _plain(scene)
@@ -215,28 +215,28 @@ class RungeKutta45(Driver):
 
 
 class AsItComes(RungeKutta45):
-    """The same with the tolerances that SciPy takes when none are given."""
+    """`solve_ivp` with the default tolerances of SciPy."""
 
     name, title, usual = "rk45-default", "solve_ivp with its defaults (rtol 1e-3), no events", 1e-3
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:  # noqa: ARG002
-        """By `scipy.integrate.solve_ivp`, nothing set."""
+        """Call `scipy.integrate.solve_ivp` without options."""
         return self.solved(scene, times)
 
 
 class FixedStep(Driver):
-    """The classical Runge-Kutta method with a fixed step; gn looked at after each step."""
+    """The classical Runge-Kutta method with a fixed step; gn is checked after each step."""
 
     name, title = "rk4", "RK4 with a fixed step; gn looked at between steps"
     tolerances = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
     usual = 0.05
 
     def takes(self, scene: ReferenceMotion) -> bool:
-        """Smooth equations only."""
+        """Whether the equations are smooth."""
         return scene.law != "coulomb"
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
-        """`tolerance` is the step."""
+        """Integrate; `tolerance` is the step."""
         from ...integrators.flow import flow
 
         f, y = _plain(scene)
@@ -272,13 +272,13 @@ def _step(f: Callable[[float, Any], Any], y: Any, h: float) -> Any:
 
 
 class RoughInstead(Driver):
-    """The disk that cannot slip, for one that hardly does."""
+    """The rough disk, in place of a disk with large friction."""
 
     name, title = "rough-model", "the rough disk in place of large friction"
     tolerances = DECADES[::2]
 
     def takes(self, scene: ReferenceMotion) -> bool:
-        """For viscous friction; how good it is, is what is asked."""
+        """Whether friction is viscous; the error shows how good the model is."""
         return scene.law == "viscous"
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
@@ -290,7 +290,7 @@ class RoughInstead(Driver):
 
 
 class SmoothInstead(RoughInstead):
-    """The disk on ice, for one with little friction."""
+    """The smooth disk, in place of a disk with small friction."""
 
     name, title = "smooth-model", "the smooth disk in place of small friction"
 
@@ -309,11 +309,11 @@ class Regularised(Driver):
     usual = 1e-4
 
     def takes(self, scene: ReferenceMotion) -> bool:
-        """For dry friction."""
+        """Whether friction is dry."""
         return scene.law == "coulomb"
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
-        """`simulate` of the regularised law, integrated finely."""
+        """`simulate` of the regularised law with a fine tolerance; `tolerance` is ε."""
         law = RegularisedCoulomb(scene.mu or 0.0, tolerance)
         return simulated(scene, law, times, method="auto", tolerance=1e-9, check=False)
 

@@ -29,15 +29,15 @@ CHARTED: dict[str, str] = {
 NAMES = tuple(d.name for d in (*OWN, *PEOPLE, *MODELS))
 """Drivers of the chart."""
 PATIENCE = 0.3
-"""Seconds of a run after which tighter tolerances are not tried."""
+"""Time of a run beyond which no tighter tolerance is tried [s]."""
 LIMIT = 7.0
-"""Seconds that one cell may take."""
+"""Time limit of a cell [s]."""
 METRICS = ("final", "path", "audit", "event")
-"""Errors kept side by side."""
+"""Names of the errors of a motion."""
 
 
 def tasks() -> list[list[Task]]:
-    """The cells of the chart, each in a process of its own, so that a first call is one."""
+    """Tasks of the chart, each in a fresh process, so that its first call is the first."""
     return [
         [Task(f"motion/{s}/{name}", measure, (s, name), LIMIT)]
         for s in CHARTED
@@ -53,14 +53,15 @@ def measure(which: str, name: str) -> dict[str, Any]:
     Parameters
     ----------
     which, name
-        Motion and driver.
+        Names of the scene and of the driver.
 
     Returns
     -------
     dict
-        first: seconds of the first call; tolerance: those tried; for each of them, or None where
-        there is no answer: final, path, audit, event (errors), outcome (a word), seconds (every
-        repeat), stated; message: why there is none.
+        first: seconds of the first call, or None; tolerance: values that were tried; rows: a dict
+        for each of them.  A row holds final, path, audit, event (errors), outcome (a word), seconds
+        (every repeat), stated and an empty message.  A row without an answer holds only the
+        message: the reason.
     """
     it, mine = scene(which), driver(name)
     times = it.asked
@@ -73,7 +74,7 @@ def measure(which: str, name: str) -> dict[str, Any]:
             motion = mine.run(it, times, tolerance)
             took = time.perf_counter() - start
             out["first"] = took if out["first"] is None else out["first"]
-            if took > PATIENCE:  # which may have been compiling: Taylor's order has its own code
+            if took > PATIENCE:  # Taylor compiles code for each order: time the run again
                 [took] = timed(lambda t=tolerance: mine.run(it, times, t), least=1, most=1)  # type: ignore[misc]
             row = judged(it, motion)
             row |= {"seconds": _repeated(mine, it, tolerance, took), "message": ""}
@@ -89,20 +90,20 @@ def measure(which: str, name: str) -> dict[str, Any]:
 
 
 def _repeated(mine: Driver, it: ReferenceMotion, tolerance: float, took: float) -> list[float]:
-    """Seconds of each repeat; the one run itself where it took long."""
+    """Time of each repeat [s]; the first run alone where it took long."""
     if took > PATIENCE:
         return [took]
     return timed(lambda: mine.run(it, it.asked, tolerance), least=1, most=9, budget=0.08)
 
 
 def _forget() -> None:
-    """Keep heyoka from its store of compiled code on disk: a first call is one."""
+    """Keep heyoka from its store of compiled code on disk, so that a first call compiles."""
     from ...integrators import taylor
 
     if taylor.available():
         import heyoka
 
-        with contextlib.suppress(AttributeError):  # an older one has no such store
+        with contextlib.suppress(AttributeError):  # older versions have no such store
             heyoka.llvm_state.set_diskcache_enabled(False)
 
 
@@ -114,15 +115,15 @@ def judged(it: ReferenceMotion, motion: Answer) -> dict[str, Any]:
     it
         The scene, with its truth.
     motion
-        What a driver says.
+        Answer of a driver.
 
     Returns
     -------
     dict
-        final: of the last state of the truth, over 1 or its size, None if the driver ended before;
-        path: the largest over the times of both; audit; event: of the time of the end, where the
-        truth has one, or of the events of dry friction, None where they are not of the same
-        kinds; outcome; stated.
+        final: error of the last true state, over 1 or its size; path: the largest such error along
+        the path; both None where the driver lacks a time of the truth.  event: error of the time of
+        the end, where the truth has one, or of the events of dry friction; None where outcome or
+        kinds of events differ, or there are none.  audit, outcome, stated: as in `Answer`.
     """
     both = [t for t in it.times if t in set(motion.times.tolist())]
     mine = motion.states[np.isin(motion.times, both)]
@@ -143,7 +144,7 @@ def distance(mine: Floats, true: Floats) -> Floats:
     Parameters
     ----------
     mine, true
-        Shape (t, 6).
+        States of the driver and of the truth, shape (t, 6).
 
     Returns
     -------

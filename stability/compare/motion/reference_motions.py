@@ -1,6 +1,6 @@
 """Motions whose truth is known from two independent integrations, in many digits.
 
-`reference_motions.json` holds them; `benchmarks/truths.py` makes it, and tells how.
+`reference_motions.json` holds them.  `benchmarks/truths.py` computes them and explains how.
 """
 
 from __future__ import annotations
@@ -28,32 +28,32 @@ AGREED = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class ReferenceMotion:
-    """One motion: what was launched, and what truly becomes of it; m = R = g = 1."""
+    """One motion: its launch and its true course; m = R = g = 1."""
 
     name: str
-    """Its name."""
+    """Name of the scene."""
     law: str
     """A key of `stability.bodies.contact_laws.MOTION_LAWS`."""
     k: float
     """Inertia factor."""
     mu: float | None
-    """Friction coefficient; None for a law without."""
+    """Friction coefficient; None for a law without one."""
     start: tuple[float, ...]
     """The six states at time 0, taken as exact."""
     times: Floats = field(repr=False)
     """Times at which the truth is known, shape (t,)."""
     states: Floats = field(repr=False)
-    """The truth there, rounded to double, shape (t, 6)."""
+    """True states at these times, rounded to double, shape (t, 6)."""
     outcome: str
     """moving, lift-off, flat, or undetermined."""
     end_time: float
-    """When it ended; the last time where it did not."""
+    """Time of the end; the last time where the motion did not end."""
     error: float
     """Largest difference of the two integrations, over 1 or the state's size."""
     events: tuple[tuple[str, float], ...] = ()
     """Kind and time of each event of dry friction."""
     last: float = 0.0
-    """The last time that is asked for: beyond the end, where there is one."""
+    """The last time of a run: beyond the end of the motion, where there is one."""
 
     def disk(self) -> Disk:
         """The disk."""
@@ -65,7 +65,7 @@ class ReferenceMotion:
 
     @property
     def asked(self) -> Floats:
-        """Times to ask a route for: those of the truth, and one beyond its end."""
+        """Times for a driver: those of the truth, and `last` where it is later."""
         beyond = [self.last] if self.last > self.times[-1] else []
         return np.concatenate([self.times, beyond])
 

@@ -1,4 +1,4 @@
-"""A hard case of the linear analysis: what it is, and how an answer is judged."""
+"""A hard case of the linear analysis, and the judgement of an answer."""
 
 from __future__ import annotations
 
@@ -13,40 +13,40 @@ from .points import Points
 from .routes.route import Answer, Route, check
 
 ASKED = 1e-6
-"""Relative error asked of a growth rate."""
+"""Required relative error of a growth rate."""
 ASKED_EIGENVALUES = 1e-9
-"""Error asked of eigenvalues, over the largest modulus."""
+"""Required error of eigenvalues, over the largest modulus."""
 IN_BALLS = "the graph's characteristic polynomial in balls of 1024 bits"
 
 
 class Case:
     """A hard case of the linear analysis.
 
-    Subclasses give the four texts, `points` and, where it is not a verdict that is asked,
-    `question`; from these a route is asked and its answer judged.
+    Subclasses define `name`, `group`, `physics` and `points`, and `known` and `question` where the
+    defaults do not fit.
     """
 
     name: ClassVar[str]
     """Name in tables."""
     group: ClassVar[str]
-    """Heading under which it stands."""
+    """Heading of its group in tables."""
     physics: ClassVar[str]
-    """What happens there."""
+    """Physics of the case."""
     known: ClassVar[str] = IN_BALLS
     """How the truth is known."""
     question: ClassVar[str] = "verdict"
-    """verdict, growth (the abscissa) or eigenvalues."""
+    """Question: verdict, growth (the abscissa) or eigenvalues."""
 
     def points(self) -> Points:
-        """Where it is asked."""
+        """Points at which a route is asked."""
         raise NotImplementedError
 
     def ask(self, route: Route) -> Answer:
-        """The route's answer."""
+        """The route's answer at the points."""
         return route.answer(self.points())
 
     def judge(self, route: Route) -> Judgement | None:
-        """The route's mark; None where it has no such answer.
+        """The route's mark; None where the route has no such answer.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class Case:
         return by_error(float(abscissa[worst]), ASKED, stated)
 
     def judge_verdicts(self, points: Points, answer: Answer) -> Judgement:
-        """Right only if every verdict is."""
+        """Judge verdicts: right only if each of them is right."""
         codes, true = answer.codes, points.truth.codes
         open_ = codes == CODES[Verdict.UNDECIDED]
         wrong = ~open_ & (codes != true)

@@ -1,6 +1,6 @@
-"""Hard cases of the linear analysis, each a small named object with its truth.
+"""Hard cases of the linear analysis.
 
-A case is one class: its physics, how the truth is known, the points, and what is asked there.
+A case is one class with its physics, the source of its truth, its points and its question.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Ladder(Case):
     where: ClassVar[tuple[Any, ...]]
 
     def points(self) -> Points:
-        """Both sides of each distance."""
+        """Points on both sides of the boundary, at each distance."""
         return _ladder(self.where)
 
     def steps(self, route: Route) -> list[str]:
@@ -46,7 +46,7 @@ class Ladder(Case):
         ]
 
     def judge(self, route: Route) -> Judgement:
-        """Its digits are the decades down to which it is right."""
+        """Judge the ladder; its digits are the decades down to which the route is right."""
         steps = self.steps(route)
         held = next((i for i, s in enumerate(steps) if s != "right"), len(steps))
         note = f"right to 1e-{held}" if held else "right at no distance"
@@ -88,12 +88,12 @@ class DoubleZero(Case):
     physics = "stable rolling: two eigenvalues are zero by structure, and computed as ±1e-17"
 
     def points(self) -> Points:
-        """Well inside the stable region."""
+        """Points well inside the stable region."""
         return _points("rolling", "viscous", 0.25, [0.3, 1.0, 3.0, 10.0], [2.0, 2.5, 3.0, 5.0])
 
 
 class JordanSmooth(Case):
-    """Smooth spinning and rolling exactly on their thresholds."""
+    """Smooth rolling exactly on its threshold."""
 
     name = "Jordan block, smooth disk"
     group = DoubleZero.group
@@ -101,19 +101,19 @@ class JordanSmooth(Case):
     known = "exact: k = 1/4, omega3 = 1, where the reduced polynomial is λ²"
 
     def points(self) -> Points:
-        """The doubles that lie on it."""
+        """Doubles that lie on the threshold."""
         return _points("rolling", "smooth", [0.25, 0.0625], None, [1.0, 2.0])
 
 
 class JordanSpinning(JordanSmooth):
-    """Smooth spinning on its threshold."""
+    """Smooth spinning exactly on its threshold."""
 
     name = "Jordan block, smooth disk spinning"
     physics = "exactly at phi_dot² = 1/k"
     known = "exact: k = 1/4, phi_dot = 2"
 
     def points(self) -> Points:
-        """The doubles that lie on it."""
+        """Doubles that lie on the threshold."""
         return _points("spinning", "smooth", [0.25, 0.0625], None, [2.0, 4.0])
 
 
@@ -125,7 +125,7 @@ class JordanRough(JordanSmooth):
     known = "exact: k = 1/2, omega3 = 1/2"
 
     def points(self) -> Points:
-        """The double that lies on it."""
+        """The double that lies on the threshold."""
         return _points("rolling", "rough", 0.5, None, [0.5])
 
 
@@ -152,21 +152,21 @@ class Coalescing(Case):
     where: ClassVar[tuple[Any, ...]] = MEETINGS[0]
 
     def points(self) -> Points:
-        """The doubles on both sides."""
+        """Doubles on both sides of the coalescence."""
         family, k, mu, low, high = self.where
         at = coalescence(family, k, mu, low, high)
         return _points(family, "viscous", k, mu, [at, math.nextafter(at, math.inf)])
 
 
 class CoalescingTumbling(Coalescing):
-    """The same for tumbling."""
+    """Two eigenvalues of tumbling that meet."""
 
     name = "coalescing eigenvalues, tumbling"
     where = MEETINGS[3]
 
 
 class BranchPoint(Case):
-    """Where tumbling leaves spinning."""
+    """Spinning exactly where tumbling leaves it."""
 
     name = "branch point, on spinning"
     group = DoubleZero.group
@@ -174,7 +174,7 @@ class BranchPoint(Case):
     known = "exact: k = 1/4, phi_dot = 2; and k = 1/16, phi_dot = 4"
 
     def points(self) -> Points:
-        """The doubles on it, at several mu."""
+        """Doubles on the branch point, at several mu."""
         return _points(
             "spinning", "viscous", [0.25, 0.25, 0.0625], [0.3, 4.0, 1.0], [2.0, 2.0, 4.0]
         )
@@ -188,7 +188,7 @@ class BesideBranch(Case):
     physics = "tumbling that leans by 1e-3 to 1e-7: an eigenvalue of order lean² next to the zero"
 
     def points(self) -> Points:
-        """Leans of the double π/2."""
+        """Points that lean a little from the double nearest π/2."""
         return _points("tumbling", "viscous", 0.25, 4.0, np.pi / 2 - np.array([1e-3, 1e-5, 1e-7]))
 
 
@@ -200,7 +200,7 @@ class _Limit(Case):
     mus: ClassVar[tuple[float, ...]]
 
     def points(self) -> Points:
-        """Over the whole limit."""
+        """Points over many decades of mu."""
         mu = np.array(self.mus)
         return _points(self.family, "viscous", 0.3, mu, np.full(len(mu), self.at))
 
@@ -234,7 +234,7 @@ class _Flat(Case):
     degrees: ClassVar[float]
 
     def points(self) -> Points:
-        """At several mu, for many of which it is truly unstable."""
+        """Points at several mu, for many of which the hoop is truly unstable."""
         theta = math.radians(self.degrees)
         return _points("tumbling", "viscous", 0.5, [0.1, 1.0, 3.0], [theta] * 3)
 
@@ -252,7 +252,7 @@ FLATS: tuple[type[Case], ...] = tuple(_flat(d, q) for d in DEGREES for q in ("ve
 
 
 class Upright(Case):
-    """The upright families by formulas that a computer algebra system has solved for."""
+    """Upright rolling, at which formulas solved by computer algebra are 0/0."""
 
     name = "1/cosθ left by computer algebra"
     group = "how the Jacobian is made"
@@ -260,12 +260,12 @@ class Upright(Case):
     physics = "rolling is upright, where cosθ/cosθ is 0/0, and the double π/2 is not upright"
 
     def points(self) -> Points:
-        """Rolling."""
+        """Points of rolling."""
         return _points("rolling", "viscous", 0.25, [0.3, 1.0], [1.2, 2.0])
 
 
 class DifferenceStep(Case):
-    """A step of a difference that suits no state."""
+    """Tumbling that no step of a finite difference suits."""
 
     name = "step of a finite difference"
     group = Upright.group
@@ -294,13 +294,13 @@ class NonSteady(Case):
         return Points("rolling", "viscous", 0.25 * one, 0.3 * one, 1.2 * one, given=state)
 
     def ask(self, route: Route) -> Answer:
-        """As a state, not as a member of a family."""
+        """The answer at the state, not at a member of a family."""
         return route.at_state(self.points())
 
     def judge(self, route: Route) -> Judgement | None:
-        """Any spectrum at all is wrong; a refusal arrives as an exception."""
+        """Any decided verdict is wrong; a refusal arrives as an exception."""
         if route.own and type(route).at_state is Route.at_state:
-            return None  # it takes members of families only
+            return None  # the route takes members of families only
         answer = self.ask(route)
         if (answer.codes == CODES[Verdict.UNDECIDED]).all():
             return Judgement(Mark.UNDECIDED)

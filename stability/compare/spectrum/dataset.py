@@ -19,18 +19,18 @@ if TYPE_CHECKING:
 
 
 FORMAT = "stability chart spectrum 1"
-"""Marks a file as one of ours."""
+"""Attribute `format` of a file of this chart."""
 QUANTITIES = ("eigenvalues", "abscissa", "verdict", "boundary")
-"""What is charted."""
+"""Quantities of the chart."""
 
 
 def padded(rows: Sequence[Sequence[float | None] | None], shape: tuple[int, ...]) -> Any:
-    """Rows of unlike length as one array of doubles; what is missing is NaN.
+    """Rows of different lengths as one array of doubles, with NaN for missing numbers.
 
     Parameters
     ----------
     rows
-        Rows; None for none.
+        Rows of numbers, or None for a missing row.
     shape
         Leading shape that the rows fill.
 
@@ -53,18 +53,18 @@ def padded(rows: Sequence[Sequence[float | None] | None], shape: tuple[int, ...]
 
 
 def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
-    """The chart's numbers, every raw timing among them.
+    """Numbers of the spectrum chart, with every raw timing.
 
     Parameters
     ----------
     cells
-        By key, as `stability.compare.spectrum.measure.tasks` names them.
+        Cells by key, as in `stability.compare.spectrum.measure.tasks`.
 
     Returns
     -------
     xarray.Dataset
-        Over (route, hardness, point | call) and (route, boundary); NaN marks what was not measured:
-        a route without that answer, fewer points or calls than another's, or a cell whose `status`
+        Over (route, hardness, point | call) and (route, boundary).  NaN marks missing numbers: a
+        route without that answer, fewer points or calls than another's, or a cell whose `status`
         is not done.
     """
     import xarray
@@ -128,19 +128,19 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
 
 
 def seconds(chart: xarray.Dataset, route: str, hardness: str) -> tuple[float, float]:
-    """Median time a point, of the route's best way to be called and with one point.
+    """Median times per point [s]: of calls with many points, if any, and with one point.
 
     Parameters
     ----------
     chart
         From `dataset`.
     route, hardness
-        Which.
+        Names of the route and of the hardness class.
 
     Returns
     -------
     best, one
-        NaN where the cell is not done.
+        Equal without calls with many points; NaN where the cell is not done.
     """
     here = chart.sel(route=route, hardness=hardness)
     one, many = (_median(here[key].values) for key in ("one", "many"))
@@ -158,7 +158,7 @@ def _worst(values: Any) -> float:
 
 
 def standing(chart: xarray.Dataset, quantity: str, hardness: str = "") -> dict[str, Place]:
-    """The standing of every route in a panel; those with a wrong verdict have none.
+    """Standing of every route in a panel; routes with a wrong verdict have none.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def standing(chart: xarray.Dataset, quantity: str, hardness: str = "") -> dict[s
     quantity
         eigenvalues, abscissa, verdict (error: share of points undecided) or boundary.
     hardness
-        Which class; not for boundary.
+        Hardness class; not used for boundary.
 
     Returns
     -------

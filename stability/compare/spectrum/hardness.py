@@ -1,6 +1,6 @@
-"""Hardness classes: sets of points on which routes to a spectrum have a harder and harder time.
+"""Hardness classes: sets of points that are easy or hard for routes to a spectrum.
 
-Every point is a double that one can type in; the random ones come from a fixed seed.
+Every point is a double that can be typed in.  Random points come from a fixed seed.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def close_to(
     Returns
     -------
     Points
-        Below, then above, for each distance.
+        For each distance, the point below the boundary, then the point above.
     """
     family, law, k, mu, low, high = where
     value = edge(family, law, k, mu, low, high)
@@ -90,7 +90,7 @@ def coalescence(family: str, k: float, mu: float, low: float, high: float) -> fl
     Parameters
     ----------
     family, k, mu
-        What; no friction other than viscous.
+        Family, inertia factor and coefficient of viscous friction.
     low, high
         Values between which the number of real eigenvalues changes once.
 

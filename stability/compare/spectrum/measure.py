@@ -33,28 +33,28 @@ from .routes.package_routes import OWN
 from .routes.route import Answer, Route, check
 
 FEW = 12
-"""Points of a class that a route which takes one at a time is asked."""
+"""Points of a class, about, for a route that takes one point at a time."""
 MANY = 960
-"""Points of a call whose time is taken for a route that takes arrays."""
+"""Points of a timed call of a route that takes arrays."""
 BRACKET = 1e-2
-"""Half-width, relative, of the bracket in which a boundary is looked for."""
+"""Relative half-width of the bracket in which a boundary is searched for."""
 HALVINGS = 32
-"""From 1e-13 to below 1e-22, which is far below the rounding of a double."""
+"""Halvings from 1e-13 to below 1e-22, which is far below the rounding of a double."""
 SPARSE = 4
-"""Of the boundaries a slow route is asked every so manieth."""
+"""A slow route is asked one boundary in this many."""
 PEOPLE: tuple[type[Route], ...] = (
     ForwardDifferences, CentralDifferences, ComplexStep, AutomaticJacobian, AutomaticTolerance,
     SymbolicJacobian, PolynomialRoots, Hurwitz, ManyDigits, MoreDigits, MostDigits,
 )  # fmt: skip
-"""Those of the charts."""
+"""Routes that people use, in the charts."""
 STEPS: tuple[type[Route], ...] = (
     LongForwardDifferences, ShortForwardDifferences, AutomaticRaw, SolvedSymbolically,
 )  # fmt: skip
-"""Further ones, for the catalogue of failures."""
+"""Further routes that people use, in the catalogue of failures only."""
 ROUTES: dict[str, type[Route]] = {r.name: r for r in (*PEOPLE, *STEPS, *OWN)}
 """Every route by name."""
 CHARTED = tuple(r.name for r in (*PEOPLE, *OWN))
-"""Those in the charts."""
+"""Names of the routes in the charts."""
 
 
 def route(name: str) -> Route:
@@ -85,7 +85,7 @@ def route(name: str) -> Route:
 
 
 def tasks() -> list[list[Task]]:
-    """The cells of the chart: one process for each route, so that none disturbs another."""
+    """Tasks of the chart, grouped by route: a process for each, so that none disturbs another."""
     return [
         [
             *(Task(f"spectrum/{c}/{name}", measure, (c, name)) for c in classes()),
@@ -103,7 +103,7 @@ def errors(points: Points, answer: Answer) -> tuple[Floats | None, Floats | None
     points
         The points.
     answer
-        What a route says.
+        Answer of a route.
 
     Returns
     -------
@@ -143,14 +143,14 @@ def measure(hardness: str, name: str) -> dict[str, Any]:
     Parameters
     ----------
     hardness, name
-        Class and route.
+        Names of the hardness class and of the route.
 
     Returns
     -------
     dict
         eigenvalues, abscissa: errors at each point, or None; wrong, undecided: numbers of
-        verdicts; count; first: seconds of the first call; one, many: seconds a point of each timed
-        call, at one point and at many.
+        verdicts; count: number of points; first: seconds of the first call; one, many: seconds per
+        point of each timed call, at one point and at many.
     """
     import time
 
@@ -174,13 +174,13 @@ def measure(hardness: str, name: str) -> dict[str, Any]:
 
 
 def _share(points: Points, hardness: str) -> int:
-    """How many of a group's points are asked of a slow route: about `FEW` of the class."""
+    """Number of a group's points for a slow route: about `FEW` in the whole class."""
     total = sum(len(p) for p in points_of(hardness))
     return max(1, round(FEW * len(points) / total))
 
 
 def _times(mine: Route, groups: Sequence[Points]) -> dict[str, list[float]]:
-    """Seconds a point at one point, and at many where arrays are taken; all repeats."""
+    """Seconds per point of each repeat: at one point, and at many for a route with arrays."""
     one: list[float] = []
     for points in groups[:2]:
         single = points[:1]
@@ -200,10 +200,9 @@ def _times(mine: Route, groups: Sequence[Points]) -> dict[str, list[float]]:
 
 
 def locate(name: str) -> dict[str, Any]:
-    """One cell: each boundary found by bisection on a route's verdict, within 1 % of it.
+    """One cell: each boundary, searched by bisection on a route's verdict from 1 % off.
 
-    `spectrum` and the map routes are the package's; its own way to a boundary is `boundaries`,
-    which replaces them here.
+    For the package's routes, its function `boundaries` replaces the bisection.
 
     Parameters
     ----------
@@ -213,8 +212,8 @@ def locate(name: str) -> dict[str, Any]:
     Returns
     -------
     dict
-        error: relative error for each of `EDGES`, None where the bracket's ends are not told
-        apart; seconds: for each; width: the stated half-width, relative, for each, or None.
+        Lists along `EDGES`, None where a slow route is not asked.  error: relative, None where not
+        found; seconds; width: the stated relative half-width, or None.
     """
     import time
 
@@ -249,7 +248,7 @@ def exact_edge(
     Returns
     -------
     value, rest
-        Rounded to double, and the exact one less that.
+        The boundary rounded to double, and the exact boundary less that, as a double.
     """
     from fractions import Fraction
 
@@ -313,7 +312,7 @@ def _bisected(mine: Route, where: Any, near: float) -> float | None:
 
 
 def _proved(where: Any, near: float) -> tuple[float | None, float | None]:
-    """The package's own: `boundaries`, with its proved half-width."""
+    """A boundary by the package's `boundaries`, and its proved relative half-width."""
     from ...bodies.disk import Disk
     from ...bodies.law_names import law_named
     from ...boundary.changes import boundaries

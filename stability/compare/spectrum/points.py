@@ -1,7 +1,7 @@
 """Points of the disk's families at which routes to a spectrum are compared, and the truth there.
 
-The truth is the characteristic polynomial of the graph itself in balls of many bits; no route of
-the package takes that way (they use doubles, or the polynomials over Q that are package data).
+The truth is the characteristic polynomial of the graph itself in balls of many bits.  The package's
+routes take another way: they use doubles, or the polynomials over Q that are package data.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from ...systems.family import Family
 from ...systems.structural_zeros import structure
 
 BITS = 1024
-"""Working precision of the truth."""
+"""First working precision of the truth [bits]."""
 SHARP = 90
-"""Bits that are asked of the abscissa."""
+"""Required accuracy of the abscissa [bits]."""
 MOST_BITS = 16384
-"""Where raising it ends."""
+"""Highest working precision [bits]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class Points:
     """N members of one family under one law; m = R = g = 1."""
 
     family: str
-    """Its name."""
+    """Name of the family."""
     law: str
     """A key of `stability.bodies.contact_laws.LAWS`."""
     k: Floats
@@ -50,13 +50,13 @@ class Points:
     mu: Floats | None
     """Friction coefficient, shape (N,); None for the laws without."""
     at: Floats
-    """What names the member, shape (N,)."""
+    """Parameter that names the member, shape (N,)."""
     lean: Floats | None = None
-    """For tumbling in place of `at`, then π/2 - theta exactly; shape (N,)."""
+    """For tumbling, in place of `at`: π/2 - theta exactly, shape (N,)."""
     label: str = ""
-    """Which points these are."""
+    """Description of the points."""
     given: Floats | None = None
-    """States that stand in place of the family's, shape (N, n); they may not be steady."""
+    """States in place of the family's, perhaps not steady, shape (N, n); None for the family's."""
 
     def __len__(self) -> int:
         return len(self.at)
@@ -77,7 +77,7 @@ class Points:
 
     @property
     def zeros(self) -> int:
-        """Zeros of its spectrum by structure."""
+        """Number of structural zeros of the spectrum."""
         return structure(self.member).zeros
 
     @property
@@ -87,7 +87,7 @@ class Points:
 
     @cached_property
     def states(self) -> Floats:
-        """The states as people write them down, with the double nearest π/2; shape (N, n)."""
+        """The states as people write them, with the double nearest π/2; shape (N, n)."""
         if self.given is not None:
             return self.given
         names = self.member.system.states
@@ -108,7 +108,7 @@ class Points:
         return law_named(self.law, self.mu)  # type: ignore[arg-type]  # arrays broadcast
 
     def problem(self) -> Problem:
-        """The question about all points at once."""
+        """The problem of all points at once."""
         at = None if self.lean is not None else self.at
         return disk_problem(self.family, Disk(k=self.k), self.contact(), at, self.lean)
 
@@ -134,7 +134,7 @@ class Truth:
     abscissa: Floats
     """Largest real part, rounded; shape (N,)."""
     abscissa_rest: Floats
-    """The exact one less the rounded one; shape (N,)."""
+    """The exact abscissa less the rounded one, shape (N,)."""
     codes: NDArray[np.int8] = field(repr=False)
     """Verdict flags, shape (N,)."""
 
@@ -151,8 +151,8 @@ def truth(points: Points) -> Truth:
     -------
     Truth
 
-    Source: the graph's own characteristic polynomial in balls; tests/compare/test_compare.py holds
-    it against mpmath.
+    Source: the graph's own characteristic polynomial in balls; tests/compare/test_compare.py
+    compares it with mpmath.
 
     Examples
     --------
@@ -194,7 +194,7 @@ def _one(a: list[Any], q: list[Any], points: Points) -> tuple[Any, ...]:
 
 
 def _sharp(roots: list[Any], sign: int, even: bool) -> bool:
-    """Whether the abscissa has its digits; of a conservative law or a boundary it may be zero."""
+    """Whether the abscissa is accurate enough, or may be zero (conservative law, boundary)."""
     if even or sign == 0:
         return True
     top = max((root.real for root in roots), key=lambda part: part.mid())
@@ -210,9 +210,10 @@ def _balls(values: list[Any]) -> list[Any]:
 
 
 def _roots(coefficients: list[Any], even: bool) -> list[Any] | None:
-    """Roots as balls, to 40 digits; coefficients that hold zero throughout count as zero.
+    """Roots as balls, to a quarter of the working bits; None if they cannot be isolated.
 
-    A polynomial with such a constant term has a further zero root: a point on a boundary.
+    A constant term whose ball holds zero counts as zero, and gives a further zero root: a point on
+    a boundary.
     """
     from flint import acb, acb_poly, arb, ctx
 
@@ -231,7 +232,7 @@ def _roots(coefficients: list[Any], even: bool) -> list[Any] | None:
 
 
 def _split(roots: list[Any]) -> tuple[Any, Any, float, float]:
-    """Each root as a double and what is left, sorted; the largest real part likewise."""
+    """Each root as a double and its rest, sorted; the largest real part in the same form."""
     from flint import acb, arb
 
     def part(ball: Any) -> tuple[float, float]:
@@ -257,7 +258,7 @@ def edge(family: str, law: str, k: float, mu: float | None, low: float, high: fl
     Parameters
     ----------
     family, law, k, mu
-        What.
+        Family, law, inertia factor and friction coefficient, or None.
     low, high
         Ends, between which the verdict changes once.
 

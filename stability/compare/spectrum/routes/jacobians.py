@@ -19,12 +19,12 @@ from .route import SMALL, Answer, Route
 
 
 def rates(points: Points, x: Floats) -> Floats:
-    """The rates at states of the points' disks, without a look at where they have a meaning.
+    """Rates at states of the points' disks, without a check that the states have a meaning.
 
     Parameters
     ----------
     points
-        For the parameters.
+        Points, of which only law and parameters are used.
     x
         States, shape (N, n).
 
@@ -45,7 +45,7 @@ class ForwardDifferences(Route):
     step: ClassVar[float] = 2.0**-26
 
     def matrices(self, points: Points) -> Floats:
-        """One for each point."""
+        """The Jacobian at each point, shape (N, n, n)."""
         x = points.states
         base = rates(points, x)
         columns = []
@@ -57,14 +57,14 @@ class ForwardDifferences(Route):
 
 
 class LongForwardDifferences(ForwardDifferences):
-    """The same with a step that is too long."""
+    """Forward differences with a step that is too long."""
 
     name, title = "forward-1e-4", "forward differences, h = 1e-4; LAPACK"
     step = 1e-4
 
 
 class ShortForwardDifferences(ForwardDifferences):
-    """The same with a step that is too short."""
+    """Forward differences with a step that is too short."""
 
     name, title = "forward-1e-12", "forward differences, h = 1e-12; LAPACK"
     step = 1e-12
@@ -77,7 +77,7 @@ class CentralDifferences(Route):
     step: ClassVar[float] = float(np.finfo(float).eps) ** (1 / 3)
 
     def matrices(self, points: Points) -> Floats:
-        """One for each point."""
+        """The Jacobian at each point, shape (N, n, n)."""
         x, columns = points.states, []
         for j in range(x.shape[1]):
             up, down = x.copy(), x.copy()
@@ -94,7 +94,7 @@ class ComplexStep(Route):
     step: ClassVar[float] = 1e-30
 
     def matrices(self, points: Points) -> Floats:
-        """One for each point."""
+        """The Jacobian at each point, shape (N, n, n)."""
         program = _rates(points.law)
         x, p = points.states.astype(complex), points.parameters
         columns = []
@@ -115,7 +115,7 @@ def _complex_algebra() -> Algebra:
 
 @lru_cache(maxsize=8)
 def _rates(law: str) -> Program:
-    """The right-hand side as a program; states that are not reached have a rate of zero."""
+    """The right-hand side as a program, with its structural zeros written out."""
     import casadi as ca
 
     from ....bodies.thin_disk.disk_equations import disk_system
@@ -176,12 +176,12 @@ class AutomaticJacobian(Route):
     small = 0.0
 
     def matrices(self, points: Points) -> Floats:
-        """One for each point."""
+        """The Jacobian at each point, shape (N, n, n)."""
         return automatic(points)
 
 
 class AutomaticRaw(AutomaticJacobian):
-    """The same with the zeros left in: the first thing one writes."""
+    """`AutomaticJacobian` with the zeros left in, as in a first script."""
 
     name, title = "ad-raw", "AD Jacobian; LAPACK; sign of the largest real part of all"
 
@@ -194,13 +194,13 @@ class AutomaticRaw(AutomaticJacobian):
 
 
 class AutomaticTolerance(AutomaticJacobian):
-    """The same; eigenvalues and real parts below 1e-9 count as zero, wherever they come from."""
+    """`AutomaticJacobian` in which all eigenvalues and real parts below 1e-9 count as zero."""
 
     name, title = "ad-1e-9", "AD Jacobian; LAPACK; below 1e-9 is zero"
     small = SMALL
 
     def judged(self, points: Points, values: Complexes) -> Answer:
-        """Every eigenvalue below 1e-9 is dropped, and no other."""
+        """Verdict and abscissa of the eigenvalues above 1e-9, structural or not."""
         abscissa = np.where(np.abs(values) > SMALL, values.real, -np.inf).max(axis=1)
         abscissa = np.where(np.isfinite(abscissa), abscissa, 0.0)
         codes = super().judged(points, values)
@@ -216,7 +216,7 @@ class SymbolicJacobian(Route):
     name, title = "sympy", "SymPy, mass matrix kept, lambdify; LAPACK"
 
     def matrices(self, points: Points) -> Floats:
-        """One for each point."""
+        """The Jacobian at each point, shape (N, n, n)."""
         from .sympy_disk import kept_mass
 
         return kept_mass(points.law)(points.states, points.parameters)
@@ -228,7 +228,7 @@ class SolvedSymbolically(Route):
     name, title = "sympy-solved", "SymPy, accelerations solved for, lambdify; LAPACK"
 
     def matrices(self, points: Points) -> Floats:
-        """One for each point."""
+        """The Jacobian at each point, shape (N, n, n)."""
         from .sympy_disk import solved
 
         return solved(points.law)(points.states, points.parameters)

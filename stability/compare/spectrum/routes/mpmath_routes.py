@@ -25,7 +25,7 @@ class ManyDigits(Route):
     digits: ClassVar[int] = 30
 
     def answer(self, points: Points) -> Answer:
-        """One point after the other."""
+        """Eigenvalues and verdicts, point by point."""
         import mpmath
 
         rows = []
@@ -38,7 +38,7 @@ class ManyDigits(Route):
         return Answer(np.array(codes, dtype=np.int8), values, tops)
 
     def _states(self, points: Points) -> list[list[Any]]:
-        """The states with upright, and what is solved for, to all digits."""
+        """The states to all digits, upright and solved values included."""
         import mpmath
 
         record, rows = FAMILIES[points.family], []
@@ -64,7 +64,7 @@ class ManyDigits(Route):
 
     def _verdict(self, values: list[Any]) -> Verdict:
         top = max(v.real for v in values)
-        # what a double root of so many digits may be split by
+        # the distance by which rounding may split a double root
         small = 10.0 ** (-self.digits // 2 + 3)
         if abs(top) <= small * max(1, max(abs(v) for v in values)):
             return Verdict.NEUTRAL
@@ -72,14 +72,14 @@ class ManyDigits(Route):
 
 
 class MoreDigits(ManyDigits):
-    """The same with 50 digits."""
+    """`ManyDigits` with 50 digits."""
 
     name, title = "mpmath-50", "AD Jacobian and eigenvalues by mpmath, 50 digits"
     digits = 50
 
 
 class MostDigits(ManyDigits):
-    """The same with 100 digits."""
+    """`ManyDigits` with 100 digits."""
 
     name, title = "mpmath-100", "AD Jacobian and eigenvalues by mpmath, 100 digits"
     digits = 100

@@ -1,4 +1,4 @@
-"""The package's own routes to a spectrum, in the shape of those of `routes`."""
+"""The package's routes to a spectrum, as subclasses of `Route`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .route import Answer, Route
 
 
 def _somewhere(points: Points, *, certify: bool) -> Spectrum:
-    """A family that claims to hold the given state; the package looks whether it is steady."""
+    """Spectrum of a family that claims the given state; the package checks that it is steady."""
     from ....bodies.thin_disk.disk_equations import disk_system
     from ....systems.family import Family
 
@@ -55,12 +55,12 @@ class Deflated(Route):
     certify: ClassVar[bool] = False
 
     def answer(self, points: Points) -> Answer:
-        """By the public function, all points at once."""
+        """Call `spectrum` with all points at once."""
         given: dict[str, Any] = _arguments(points)
         return _told(spectrum(points.family, certify=self.certify, **given))
 
     def at_state(self, points: Points) -> Answer:
-        """As a family of the user's."""
+        """Call `spectrum` with a user's family that claims the state."""
         return _told(_somewhere(points, certify=self.certify))
 
 
@@ -72,13 +72,13 @@ class Certified(Deflated):
 
 
 class MapKernel(Route):
-    """What `stability_map` does at each cell: exact polynomials, a filter, factors with bounds."""
+    """Work of `stability_map` at each cell: exact polynomials, a filter, factors with bounds."""
 
     name, title = "map", "stability_map(): exact polynomials in doubles with bounds"
     own, default = True, True
 
     def answer(self, points: Points) -> Answer:
-        """By the kernels of maps, on scattered points."""
+        """Call the kernels of maps on scattered points."""
         problem = points.problem()
         codes, _ = FilteredVerdicts(problem).codes(problem.values)
         growth = GrowthKernel(problem, modes=True)(problem.values, scattered=True)
@@ -92,20 +92,20 @@ class MapVerdict(Route):
     own, default = True, True
 
     def answer(self, points: Points) -> Answer:
-        """By the filter of maps."""
+        """Call the filter of maps."""
         problem = points.problem()
         codes, _ = FilteredVerdicts(problem).codes(problem.values)
         return Answer(codes)
 
 
 class ExactVerdict(Route):
-    """A proved verdict alone, one point after the other."""
+    """A proved verdict alone, point by point."""
 
     name, title = "exact-verdict", "exact conditions over Q; a verdict alone"
     own, arrays = True, False
 
     def answer(self, points: Points) -> Answer:
-        """By `stability.spectra.certificate.verdict`."""
+        """Call `stability.spectra.certificate.verdict` at each point."""
         problem = points.problem()
         rows = zip(
             *(np.broadcast_to(v, (len(points),)).tolist() for v in problem.values.values()),

@@ -1,8 +1,8 @@
-"""What a route to a verdict is, and what it answers.
+"""Base class of routes to a verdict, and their answer.
 
-A route is one class: `matrices` for those that go through LAPACK, or `answer` for the rest.  What
-all of them are given: the members as doubles, the equations of motion, and how many zeros the
-spectrum has by structure, which is more than people know.
+A route is one class with `matrices` if it goes through LAPACK, or with `answer` otherwise.  All
+routes get the members as doubles, the equations of motion, and the number of structural zeros,
+which is more than people know.
 """
 
 from __future__ import annotations
@@ -18,37 +18,37 @@ from ....base.verdict import CODES, Verdict
 from ..points import Points
 
 SMALL = 1e-9
-"""What people's scripts take for zero."""
+"""Real parts up to this count as zero in people's scripts."""
 
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a route says at N points."""
+    """Answer of a route at N points."""
 
     codes: NDArray[np.int8]
     """Verdict flags, shape (N,)."""
     eigenvalues: Complexes | None = None
-    """Shape (N, n), structural zeros removed; None if the route has none."""
+    """Eigenvalues without structural zeros, shape (N, n); None if the route has none."""
     abscissa: Floats | None = None
-    """Largest real part, shape (N,)."""
+    """Largest real part, shape (N,); None if the route has none."""
     bound: Floats | None = None
     """The route's own bound on the error of the abscissa, shape (N,); None if it states none."""
 
 
 def check(points: Points, answer: Answer) -> None:
-    """See that an answer has the shapes and kinds that it should have.
+    """Refuse an answer of a wrong shape or type.
 
     Parameters
     ----------
     points
-        What was asked.
+        Points of the answer.
     answer
-        What a route says.
+        Answer of a route.
 
     Raises
     ------
     ArithmeticError
-        If it has not, or holds a number that is not finite.
+        If a shape or type is wrong, or a number is not finite.
     """
     count, codes = len(points), np.asarray(answer.codes)
     if codes.shape != (count,) or codes.dtype.kind not in "iu":
@@ -65,23 +65,23 @@ def check(points: Points, answer: Answer) -> None:
 
 
 class Route:
-    """A route to spectra; subclasses name it and say how.
+    """Base class of routes to spectra.
 
-    `matrices` returns the linearisation at each point; from it everything else follows the way
-    people do it: LAPACK, the smallest moduli dropped as structural zeros, the sign of the largest
-    real part against `small`.  A route of another kind overrides `answer`.
+    `matrices` returns the linearisation at each point.  The rest follows as in people's scripts:
+    LAPACK, the smallest moduli dropped as structural zeros, the largest real part compared with
+    `small`.  A route of another kind overrides `answer`.
     """
 
     name: ClassVar[str]
     """Name in tables and on the command line."""
     title: ClassVar[str]
-    """What it is, in a few words."""
+    """Description in a few words."""
     own: ClassVar[bool] = False
-    """Whether it is one of the package's."""
+    """Whether the route belongs to the package."""
     default: ClassVar[bool] = False
-    """Whether the package takes it when nothing else is asked."""
+    """Whether the package uses the route by default."""
     arrays: ClassVar[bool] = True
-    """Whether it takes many points at once, so that its time falls with their number."""
+    """Whether it takes many points at once, which makes the time per point shorter."""
     small: ClassVar[float] = SMALL
     """Real parts up to this count as zero."""
 
@@ -94,11 +94,11 @@ class Route:
         return self.judged(points, np.linalg.eigvals(self.matrices(points)).astype(complex))
 
     def at_state(self, points: Points) -> Answer:
-        """The answer at states that may not be steady: most routes do not look."""
+        """The answer at states that may not be steady: most routes do not check."""
         return self.answer(points)
 
     def judged(self, points: Points, values: Complexes) -> Answer:
-        """What eigenvalues, structural zeros among them, say."""
+        """The answer from all eigenvalues, structural zeros included."""
         order = np.argsort(np.abs(values), axis=1, kind="stable")[:, points.zeros :]
         kept = np.take_along_axis(values, order, axis=1)
         abscissa = kept.real.max(axis=1)

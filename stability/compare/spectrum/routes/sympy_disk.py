@@ -1,7 +1,7 @@
 """The disk's equations in SymPy, from Newton and Euler, as people write them; no CasADi here.
 
-Frames as in `stability.bodies.thin_disk.disk_equations`, of which nothing is used: this is the
-route of somebody who has SymPy and the paper.
+Frames as in `stability.bodies.thin_disk.disk_equations`, whose code is not used: this is the route
+of a person who has SymPy and the paper.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ NORMAL, FORCE_X, FORCE_Y = sympy.symbols("normal force_x force_y")
 
 @lru_cache(maxsize=8)
 def residual(law: str) -> tuple[sympy.Matrix, list[Any], list[Any]]:
-    """Newton and Euler as residuals, what they are solved for, and the states.
+    """Residuals of the laws of Newton and Euler, their unknowns, and the states.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def residual(law: str) -> tuple[sympy.Matrix, list[Any], list[Any]]:
     Returns
     -------
     residual, unknowns, states
-        Linear in the unknowns; the unknowns begin with the states' accelerations in order.
+        The residual is linear in the unknowns, which begin with the accelerations in order.
     """
     theta, q, p, w, sx, sy = X
     slides = law in ("viscous", "linear-viscous")
@@ -60,7 +60,7 @@ def residual(law: str) -> tuple[sympy.Matrix, list[Any], list[Any]]:
     frame = sympy.Matrix([-p * sine, q, p * cosine])
     torque = sympy.Matrix([0, -fx * sine - NORMAL * cosine, fy])
     euler = rate(momentum) + frame.cross(momentum) - torque
-    # the vertical first: it is the simplest
+    # the vertical equation first: it is the simplest
     rows = [newton[2], *euler] + ([] if law == "smooth" else [newton[0], newton[1]])
     unknowns = [*RATES[:3], NORMAL]
     if law != "smooth":
@@ -69,7 +69,7 @@ def residual(law: str) -> tuple[sympy.Matrix, list[Any], list[Any]]:
 
 
 def _accelerations(unknowns: Sequence[Any], states: Sequence[Any]) -> list[int]:
-    """Which unknown is the rate of each state from theta_dot on."""
+    """Index of the unknown that is the rate of each state, from theta_dot on."""
     wanted = [*RATES[:3], *RATES[3:]][: len(states) - 1]
     return [list(unknowns).index(symbol) for symbol in wanted]
 
@@ -88,7 +88,7 @@ def _filled(values: Sequence[Any], shape: tuple[int, ...]) -> Floats:
 
 @lru_cache(maxsize=8)
 def kept_mass(law: str) -> Matrices:
-    """Linearisation of the implicit equations: the mass matrix is solved with in numbers.
+    """Linearisation of the implicit equations, with a numerical solve by the mass matrix.
 
     Parameters
     ----------
@@ -128,8 +128,8 @@ def kept_mass(law: str) -> Matrices:
 def solved(law: str) -> Matrices:
     """Linearisation of the accelerations as SymPy solves for them, one pivot after the other.
 
-    The vertical equation comes first, so the first pivot is cosθ; what is left has cosθ in
-    numerator and denominator, which cancels on paper and is 0/0 upright.
+    The vertical equation comes first, so the first pivot is cosθ.  The result has cosθ in numerator
+    and denominator, which cancels on paper and is 0/0 upright.
 
     Parameters
     ----------
