@@ -258,7 +258,8 @@ class Creep(Contact):
     Slip decays within a time of 1/mu to sₙ(x) + O(mu⁻⁽ⁿ⁺¹⁾), a function of the other four states.
     The disk held to the slip sₙ is a system of four states, without stiffness, with an error of
     O(mu⁻⁽ⁿ⁺¹⁾); s₀ = 0 is the rough disk.  The force that holds sₙ, put into the viscous law,
-    gives sₙ₊₁.  Take a subclass: its `order` is n.
+    gives sₙ₊₁.  Take a subclass: its `order` is n.  Where mu times the normal force is no longer
+    large, before a lift-off, the slip does not follow the motion: a run ends there.
 
     Parameters
     ----------
@@ -322,9 +323,8 @@ CREEP: tuple[type[Contact], ...] = (Rough, Creep1, Creep2, Creep3)
 """The slow manifold of viscous contact by order; order 0 is the rough disk."""
 LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, LinearViscous, Rough)}
 """The stored contact laws that `spectrum` accepts, by name."""
-MOTION_LAWS: dict[str, type[Contact]] = LAWS | {
-    law.name: law for law in (Coulomb, RegularisedCoulomb, *CREEP[1:])
-}
+_FURTHER: tuple[type[Contact], ...] = (Coulomb, RegularisedCoulomb, *CREEP[1:])
+MOTION_LAWS: dict[str, type[Contact]] = LAWS | {law.name: law for law in _FURTHER}
 """The stored contact laws that `simulate` accepts, by name."""
 
 
@@ -352,7 +352,7 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
     if isinstance(law, type) and issubclass(law, Contact) and law.name:
         found = law
     elif not motion and isinstance(law, str) and law not in MOTION_LAWS:
-        found = LAWS[known("contact", law, LAWS)]
+        found = LAWS[known("contact", law, [n for n, one in MOTION_LAWS.items() if one.linearises])]
     else:
         found = MOTION_LAWS[known("contact", law, MOTION_LAWS)]
     if (found.sticks or not found.slips) and found not in MOTION_LAWS.values():

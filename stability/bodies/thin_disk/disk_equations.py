@@ -23,6 +23,14 @@ from ..contact import Contact
 from ..contact_laws import CREEP, Coulomb, Creep, Smooth, law_class
 from .disk_quantities import SYSTEM, disk_quantities
 
+LEAST_RELAXATION = 5.0
+"""Rate at which slip decays, over that of the motion, above which the slip follows the motion."""
+CREEPS = (
+    "creep needs slip that decays faster than the disk moves: mu times the normal force, over the "
+    f"rate of the motion, less {LEAST_RELAXATION:g}, must be positive and is {{value:.3g}}; take "
+    "Viscous(mu) there"
+)
+"""Reason to refuse a state under creep."""
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 """State names in their order; laws without slip in the state keep the first four."""
 
@@ -93,7 +101,7 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
     return System.from_mass_matrix(
         SYSTEM + law, x, p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
-        observables=body.observables, conditions=_conditions(x),
+        observables=body.observables, conditions=_conditions(x, p, contact),
         states=names, parameters=tuple(named), 
         units={n: q.kind.si for n, q in disk_quantities(contact).items()},
     )  # fmt: skip
@@ -101,12 +109,35 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
 
 def _creeping(law: type[Creep], x: ca.SX, p: ca.SX) -> list[ca.SX]:
     """The slip of an order: that of the viscous law for the force that holds the order below."""
-    below = _disk_system(CREEP[law.order - 1], None, direction=False)  # type: ignore[arg-type]
-    seen = [below.observables[n] for n in ("contact_force", "normal_force")]
-    mine = p[: below.p.numel()]  # the rough disk has no friction coefficient
-    force, normal = ca.substitute(seen, [below.x, below.p], [x, mine])
+    force, normal = _of_order(law.order - 1, ("contact_force", "normal_force"), x, p)
     slip: list[ca.SX] = law.__new__(law).slip([force[0], force[1]], normal, p[1])
     return slip
+
+
+def _of_order(order: int, names: tuple[str, ...], x: ca.SX, p: ca.SX) -> list[ca.SX]:
+    """Observables of the disk that creeps to an order."""
+    disk = _disk_system(CREEP[order], None, direction=False)  # type: ignore[arg-type]  # a class is hashable
+    seen = [disk.observables[n] for n in names]
+    return _at(seen, disk, x, p)
+
+
+def _at(expressions: list[ca.SX], disk: System, x: ca.SX, p: ca.SX) -> list[ca.SX]:
+    mine = p[: disk.p.numel()]  # the rough disk has no friction coefficient
+    found: list[ca.SX] = ca.substitute(expressions, [disk.x, disk.p], [x, mine])
+    return found
+
+
+def _relaxation(x: ca.SX, p: ca.SX) -> ca.SX:
+    """Rate at which slip decays over that at which the motion changes it, for the rough motion.
+
+    mu times the slip follows the ratio of the two forces, whose rate is an acceleration that the
+    orders add one by one: it must be small next to the normal force, and is not where that fades.
+    """
+    disk = _disk_system(CREEP[0], None, direction=False)  # type: ignore[arg-type]  # a class is hashable
+    normal = disk.observables["normal_force"]
+    drag = ca.jtimes(disk.observables["contact_force"] / normal, disk.x, disk.rhs)
+    ratio = normal / ca.sqrt(1 + ca.sumsqr(disk.x[1:4]) + ca.sumsqr(drag))
+    return p[1] * _at([ratio], disk, x, p)[0]
 
 
 class _Along(Coulomb):
@@ -118,7 +149,7 @@ class _Along(Coulomb):
         return [-coefficient * normal * ca.cos(angle), -coefficient * normal * ca.sin(angle)]
 
 
-def _conditions(x: ca.SX):  # type: ignore[no-untyped-def]
+def _conditions(x: ca.SX, p: ca.SX, contact: type[Contact]):  # type: ignore[no-untyped-def]
     flat = (
         "theta must lie strictly between 0 and π, because the disk is flat at both and its "
         "equations of motion end there; the distance from the nearer, positive inside, is "
@@ -126,7 +157,11 @@ def _conditions(x: ca.SX):  # type: ignore[no-untyped-def]
     )
 
     def build(observables: dict[str, ca.SX]) -> tuple[Condition, ...]:
+        more: tuple[Condition, ...] = ()
+        if issubclass(contact, Creep):
+            more = (Condition(_relaxation(x, p) - LEAST_RELAXATION, CREEPS),)
         return (
+            *more,
             Condition(x[0], flat),
             Condition(math.pi - x[0], flat),
             Condition(
