@@ -24,6 +24,9 @@ _HOME = {
         "Rough",
         "Coulomb",
         "RegularisedCoulomb",
+        "Creep1",
+        "Creep2",
+        "Creep3",
     ),
     "systems.system": ("System",),
     "systems.condition": ("Condition",),
@@ -67,6 +70,9 @@ if TYPE_CHECKING:
     from .bodies.contact import Contact as Contact
     from .bodies.contact import Parameter as Parameter
     from .bodies.contact_laws import Coulomb as Coulomb
+    from .bodies.contact_laws import Creep1 as Creep1
+    from .bodies.contact_laws import Creep2 as Creep2
+    from .bodies.contact_laws import Creep3 as Creep3
     from .bodies.contact_laws import LinearViscous as LinearViscous
     from .bodies.contact_laws import RegularisedCoulomb as RegularisedCoulomb
     from .bodies.contact_laws import Rough as Rough

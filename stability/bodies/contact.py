@@ -119,6 +119,8 @@ class Contact:
     """Whether the contact can stick, with any force inside the friction cone."""
     relaxes: ClassVar[bool] = False
     """Whether slip decays at a rate in proportion to the first parameter, stiff if large."""
+    holds: ClassVar[bool] = False
+    """Whether the slip follows from the other states, and the force is the one that keeps it so."""
 
     def __post_init__(self) -> None:
         for p in self.parameters:

@@ -164,6 +164,7 @@ class Rough(Contact):
     name: ClassVar[str] = "rough"
     conservative: ClassVar[bool] = True
     slips: ClassVar[bool] = False
+    holds: ClassVar[bool] = True
 
     @OVER_ANY_NUMBER
     def power(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
@@ -250,11 +251,80 @@ class RegularisedCoulomb(Contact):
         return [-coefficient * normal * slip[0] / size, -coefficient * normal * slip[1] / size]
 
 
+@dataclass(frozen=True, eq=False)
+class Creep(Contact):
+    """Viscous friction with the slip eliminated: the slow manifold of `Viscous` at large mu.
+
+    Slip decays within a time of 1/mu to sₙ(x) + O(mu⁻⁽ⁿ⁺¹⁾), a function of the other four states.
+    The disk held to the slip sₙ is a system of four states, without stiffness, with an error of
+    O(mu⁻⁽ⁿ⁺¹⁾); s₀ = 0 is the rough disk.  The force that holds sₙ, put into the viscous law,
+    gives sₙ₊₁.  Take a subclass: its `order` is n.  Where mu times the normal force is no longer
+    large, before a lift-off, the slip does not follow the motion: a run ends there.
+
+    Parameters
+    ----------
+    mu
+        Positive [s/m], as in `Viscous`.
+
+    Raises
+    ------
+    ParameterError
+        If mu is not a finite number above zero.
+
+    Source: N. Fenichel, J. Differ. Equ. 31 (1979) 53-98, for the manifold; the iteration is that of
+    Fraser, J. Chem. Phys. 88 (1988) 4732, with the constraint kept exactly.  Orders 0 to 3 are
+    measured in tests/bodies/test_creep.py.
+
+    Examples
+    --------
+    >>> Creep2(300.0).order
+    2
+    """
+
+    mu: ArrayLike
+    """Friction coefficient [s/m]."""
+    parameters: ClassVar[tuple[Parameter, ...]] = Viscous.parameters
+    slips: ClassVar[bool] = False
+    holds: ClassVar[bool] = True
+    order: ClassVar[int] = 0
+    """Number n of the approximation: errors fall as mu⁻⁽ⁿ⁺¹⁾."""
+
+    @OVER_ANY_NUMBER
+    def slip(self, force: Any, normal: Any, mu: Any) -> Any:
+        """The slip at which the viscous law has this force."""
+        return [-force[0] / (mu * normal), -force[1] / (mu * normal)]
+
+
+@dataclass(frozen=True, eq=False)
+class Creep1(Creep):
+    """Creep of order 1: slip from the force of rolling without slip."""
+
+    name: ClassVar[str] = "creep-1"
+    order: ClassVar[int] = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Creep2(Creep):
+    """Creep of order 2."""
+
+    name: ClassVar[str] = "creep-2"
+    order: ClassVar[int] = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Creep3(Creep):
+    """Creep of order 3."""
+
+    name: ClassVar[str] = "creep-3"
+    order: ClassVar[int] = 3
+
+
+CREEP: tuple[type[Contact], ...] = (Rough, Creep1, Creep2, Creep3)
+"""The slow manifold of viscous contact by order; order 0 is the rough disk."""
 LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, LinearViscous, Rough)}
 """The stored contact laws that `spectrum` accepts, by name."""
-MOTION_LAWS: dict[str, type[Contact]] = LAWS | {
-    law.name: law for law in (Coulomb, RegularisedCoulomb)
-}
+_FURTHER: tuple[type[Contact], ...] = (Coulomb, RegularisedCoulomb, *CREEP[1:])
+MOTION_LAWS: dict[str, type[Contact]] = LAWS | {law.name: law for law in _FURTHER}
 """The stored contact laws that `simulate` accepts, by name."""
 
 
@@ -282,7 +352,7 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
     if isinstance(law, type) and issubclass(law, Contact) and law.name:
         found = law
     elif not motion and isinstance(law, str) and law not in MOTION_LAWS:
-        found = LAWS[known("contact", law, LAWS)]
+        found = LAWS[known("contact", law, [n for n, one in MOTION_LAWS.items() if one.linearises])]
     else:
         found = MOTION_LAWS[known("contact", law, MOTION_LAWS)]
     if (found.sticks or not found.slips) and found not in MOTION_LAWS.values():

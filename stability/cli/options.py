@@ -16,7 +16,10 @@ from .terminal import check, say
 MOST_VALUES = 1000
 """Most numbers in a list of a table; each takes a line or more."""
 
-CONTACTS = "smooth, viscous, linear-viscous, rough, or module:Class for a law of your own"
+CONTACTS = (
+    "smooth, viscous, linear-viscous, rough, creep-1 to creep-3, or module:Class for a law of "
+    "your own"
+)
 PARAMETER_HELP = "a number of a law of your own; once for each"
 
 

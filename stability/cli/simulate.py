@@ -13,8 +13,8 @@ from ..storage.json_text import json_text
 from .options import PARAMETER_HELP, contact_of
 
 CONTACTS = (
-    "viscous, linear-viscous, smooth, rough, coulomb, coulomb-regularised, or module:Class for a "
-    "law of your own"
+    "viscous, linear-viscous, smooth, rough, creep-1 to creep-3 (viscous with the slip eliminated, "
+    "for large mu), coulomb, coulomb-regularised, or module:Class for a law of your own"
 )
 MOST = 10_000_000
 """Most samples of a run."""

@@ -67,6 +67,12 @@ class Flow:
         return self.model.names
 
     @cached_property
+    def length(self) -> int:
+        """Number of operations of the rates."""
+        count: int = ca.Function("rates", [self.x, self.p], [self.rhs]).n_instructions()
+        return count
+
+    @cached_property
     def friction(self) -> str:
         """Name of the parameter that the decay rate of slip is proportional to; empty for none."""
         return self.model.friction

@@ -37,6 +37,8 @@ TURN, TURN_POWER = {HEYOKA: 500.0, "dop853": 190.0}, 0.12
 are for equal errors at the end: at one tolerance Taylor's error is far below that of CVODES."""
 PATIENCE = 4.0
 """Steps of an explicit method per TURN and unit of time after which `auto` calls a leg stiff."""
+COMPILED = 250
+"""Operations of a graph that heyoka compiles within some seconds; its time rises faster."""
 EXPLICIT_TIGHT = 1e-10
 """Without heyoka: largest tolerance at which DOP853 replaces CVODES, which is of order 5."""
 
@@ -175,6 +177,8 @@ def explicit(flow: Flow | None = None) -> str:
     """
     if not taylor.available():
         return "dop853"
+    if flow is not None and flow.length > COMPILED:
+        return "dop853"
     read = flow is None or flow.model.turning or not taylor.unread(flow)
     return HEYOKA if read else "dop853"
 
@@ -205,7 +209,8 @@ def _choice(leg: Leg, turn: float, stiff: float) -> Choice:
         return Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
     name, only = explicit(leg.flow), ""
     if name != HEYOKA and taylor.available():
-        only = ", and heyoka cannot read the graph"
+        long = leg.flow.length > COMPILED
+        only = f", and heyoka {'is long in compiling' if long else 'cannot read'} the graph"
     elif not taylor.available():
         only = ", and heyoka is not installed"
         if leg.tolerance > EXPLICIT_TIGHT:

@@ -281,10 +281,11 @@ def _start(start: Any, contact: Contact) -> Floats:
                 f"start has shape {six.shape}; its last axis must hold 6 values "
                 f"({', '.join(STATES)})."
             )
-    if isinstance(contact, Rough) and (six[..., 4:] != 0).any():
+    if contact.holds and (six[..., 4:] != 0).any():
+        why = "follows from the other states" if contact.given else "is 0"
         raise ParameterError(
             f"slip_x, slip_y of start are {six[..., 4:].reshape(-1, 2).max(axis=0).tolist()}; the "
-            "rough disk does not slip, so both must be 0."
+            f"slip of the {contact.name} disk {why}, so leave them out or give 0."
         )
     return six
 

@@ -20,9 +20,17 @@ from ...base.errors import ParameterError, shown
 from ...systems.condition import Condition
 from ...systems.system import System
 from ..contact import Contact
-from ..contact_laws import Coulomb, Rough, Smooth, law_class
+from ..contact_laws import CREEP, Coulomb, Creep, Smooth, law_class
 from .disk_quantities import SYSTEM, disk_quantities
 
+LEAST_RELAXATION = 5.0
+"""Rate at which slip decays, over that of the motion, above which the slip follows the motion."""
+CREEPS = (
+    "creep needs slip that decays faster than the disk moves: mu times the normal force, over the "
+    f"rate of the motion, less {LEAST_RELAXATION:g}, must be positive and is {{value:.3g}}; take "
+    "Viscous(mu) there"
+)
+"""Reason to refuse a state under creep."""
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 """State names in their order; laws without slip in the state keep the first four."""
 
@@ -88,13 +96,48 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
         contact, coefficient = _Along, (*numbers, named["direction"])
     p = ca.vertcat(*named.values())
     body = _Body(x, k, contact, coefficient, slips)
+    if issubclass(contact, Creep):
+        body.slip = _creeping(contact, x, p)
     return System.from_mass_matrix(
         SYSTEM + law, x, p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
-        observables=body.observables, conditions=_conditions(x),
+        observables=body.observables, conditions=_conditions(x, p, contact),
         states=names, parameters=tuple(named), 
         units={n: q.kind.si for n, q in disk_quantities(contact).items()},
     )  # fmt: skip
+
+
+def _creeping(law: type[Creep], x: ca.SX, p: ca.SX) -> list[ca.SX]:
+    """The slip of an order: that of the viscous law for the force that holds the order below."""
+    force, normal = _of_order(law.order - 1, ("contact_force", "normal_force"), x, p)
+    slip: list[ca.SX] = law.__new__(law).slip([force[0], force[1]], normal, p[1])
+    return slip
+
+
+def _of_order(order: int, names: tuple[str, ...], x: ca.SX, p: ca.SX) -> list[ca.SX]:
+    """Observables of the disk that creeps to an order."""
+    disk = _disk_system(CREEP[order], None, direction=False)  # type: ignore[arg-type]  # a class is hashable
+    seen = [disk.observables[n] for n in names]
+    return _at(seen, disk, x, p)
+
+
+def _at(expressions: list[ca.SX], disk: System, x: ca.SX, p: ca.SX) -> list[ca.SX]:
+    mine = p[: disk.p.numel()]  # the rough disk has no friction coefficient
+    found: list[ca.SX] = ca.substitute(expressions, [disk.x, disk.p], [x, mine])
+    return found
+
+
+def _relaxation(x: ca.SX, p: ca.SX) -> ca.SX:
+    """Rate at which slip decays over that at which the motion changes it, for the rough motion.
+
+    mu times the slip follows the ratio of the two forces, whose rate is an acceleration that the
+    orders add one by one: it must be small next to the normal force, and is not where that fades.
+    """
+    disk = _disk_system(CREEP[0], None, direction=False)  # type: ignore[arg-type]  # a class is hashable
+    normal = disk.observables["normal_force"]
+    drag = ca.jtimes(disk.observables["contact_force"] / normal, disk.x, disk.rhs)
+    ratio = normal / ca.sqrt(1 + ca.sumsqr(disk.x[1:4]) + ca.sumsqr(drag))
+    return p[1] * _at([ratio], disk, x, p)[0]
 
 
 class _Along(Coulomb):
@@ -106,7 +149,7 @@ class _Along(Coulomb):
         return [-coefficient * normal * ca.cos(angle), -coefficient * normal * ca.sin(angle)]
 
 
-def _conditions(x: ca.SX):  # type: ignore[no-untyped-def]
+def _conditions(x: ca.SX, p: ca.SX, contact: type[Contact]):  # type: ignore[no-untyped-def]
     flat = (
         "theta must lie strictly between 0 and π, because the disk is flat at both and its "
         "equations of motion end there; the distance from the nearer, positive inside, is "
@@ -114,7 +157,11 @@ def _conditions(x: ca.SX):  # type: ignore[no-untyped-def]
     )
 
     def build(observables: dict[str, ca.SX]) -> tuple[Condition, ...]:
+        more: tuple[Condition, ...] = ()
+        if issubclass(contact, Creep):
+            more = (Condition(_relaxation(x, p) - LEAST_RELAXATION, CREEPS),)
         return (
+            *more,
             Condition(x[0], flat),
             Condition(math.pi - x[0], flat),
             Condition(
@@ -133,11 +180,11 @@ class _Body:
     def __init__(self, x: ca.SX, k: ca.SX, contact: type[Contact], mu: Any, slips: bool) -> None:
         self.x, self.k, self.mu, self.slips = x, k, mu, slips
         self.law = contact.__new__(contact)  # only its formulas are used, never its coefficient
-        self.rough = law_is_rough = issubclass(contact, Rough)
+        self.holds = holds = contact.holds
         self.sine, self.cosine = ca.sin(x[0]), ca.cos(x[0])
         if slips:
             self.slip = [x[4], x[5]]
-        elif law_is_rough:
+        elif holds:
             self.slip = [ca.SX(0), ca.SX(0)]
         else:  # smooth, centre without horizontal velocity: slip = (ω×a), horizontal part
             self.slip = [-x[1] * self.sine, x[3]]
@@ -145,16 +192,16 @@ class _Body:
             ca.SX.sym("d_" + name) for name in STATES[1:4]
         )
         self.normal = ca.SX.sym("normal")
-        self.extra = [ca.SX.sym("e1"), ca.SX.sym("e2")] if slips or law_is_rough else []
-        self.force = self.extra if law_is_rough else self._stated(mu)
+        self.extra = [ca.SX.sym("e1"), ca.SX.sym("e2")] if slips or holds else []
+        self.force = self.extra if holds else self._stated(mu)
         acc = ["d_theta_dot", "d_phi_dot", "d_omega3", "normal"]
-        more = ["force_x", "force_y"] if law_is_rough else ["d_slip_x", "d_slip_y"]
+        more = ["force_x", "force_y"] if holds else ["d_slip_x", "d_slip_y"]
         self.unknown_names = tuple(acc + (more if self.extra else []))
         # gn from the vertical, φ̈ from 1̂ (pivot k sinθ), θ̈ from 2̂ (pivot D), ω̇₃ from 3̂, the rest
-        # from the horizontal: these pivots vanish only where sinθ = 0 or D = 0.  The rough force is
-        # eliminated first, so that D there is k + 1.
+        # from the horizontal: these pivots vanish only where sinθ = 0 or D = 0.  A force that holds
+        # the slip is eliminated first, so that D of the rough disk is k + 1.
         order = [(2, 3), (3, 1), (4, 0), (5, 2), (0, 4), (1, 5)]
-        if law_is_rough:
+        if holds:
             order = [(0, 4), (1, 5), *order[:4]]
         if not self.extra:
             order = [(r - 2, c) for r, c in order[:4]]
@@ -225,15 +272,17 @@ class _Body:
         spin = ca.vertcat(momentum[0], momentum[1], momentum[2] / 2) / self.k
         kinetic = (ca.sumsqr(velocity) + ca.dot(spin, momentum)) / 2
         normal = solved["normal"]
-        if self.rough:
+        if self.holds:
             force = [solved["force_x"], solved["force_y"]]
+            power = -(force[0] * self.slip[0] + force[1] * self.slip[1])
         else:
             force = self.law.force(self.slip, normal, self.mu)
+            power = self.law.power(self.slip, normal, self.mu)
         return {
             "energy": kinetic + self.sine,
             "normal_force": normal,
             "contact_force": ca.SX(ca.vertcat(*force)),
             "slip": ca.SX(ca.vertcat(*self.slip)),
             "determinant": pivots[self.pivot_d],
-            "power": ca.SX(self.law.power(self.slip, normal, self.mu)),
+            "power": ca.SX(power),
         }

@@ -233,7 +233,7 @@ def _disk_family(record: DiskFamily, law: type[Contact]) -> Family:
         held=dict(record.held) | at_rest, unknown=record.unknown, equations=record.equations,
         positive=record.positive,
         typical={"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3, "k": 0.3}
-        | dict.fromkeys(law.symbols(), 0.7),
+        | dict.fromkeys(law.symbols(), 30.0 if law.holds else 0.7),
         conservative=law.conservative, integrals=law.conservative and stored(law),
         drifts=record.drifts and stored(law) and bool(law.parameters),
     )  # fmt: skip

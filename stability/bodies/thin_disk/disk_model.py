@@ -11,9 +11,9 @@ import numpy as np
 
 from ...systems.system import System
 from ..contact import Contact
-from ..contact_laws import Rough, law_class
+from ..contact_laws import Creep, law_class
 from ..model import WORK, Model
-from .disk_equations import STATES, disk_system
+from .disk_equations import CREEPS, STATES, disk_system
 from .disk_quantities import QUANTITIES
 
 POSE = ("phi", "psi", "centre_x", "centre_y")
@@ -22,11 +22,13 @@ POSE_UNIT = 1024.0
 """Unit of the pose in the integration.  The pose grows without bound, and without this unit it
 would loosen a tolerance that is relative to the largest entry of the state."""
 LIFT_OFF, FLAT, NO_CONTACT, CONE = "lift-off", "flat", "no-contact", "slip"
+CREEP_ENDS = "creep ends"
 """Names of the guards."""
 WORDS = {
     LIFT_OFF: "normal force times D",
     FLAT: "sine of theta less that of flat",
     NO_CONTACT: "D",
+    CREEP_ENDS: CREEPS,
 }
 """Each guard in words."""
 
@@ -49,7 +51,7 @@ def moving_system(law: str | type[Contact]) -> System:
     (6, 4)
     """
     contact = law_class(law)
-    return disk_system(contact, slip_states=None if issubclass(contact, Rough) else True)
+    return disk_system(contact, slip_states=None if contact.holds else True)
 
 
 def disk_model(law: str | type[Contact], *, pose: bool = False, sticking: bool = False) -> Model:
@@ -115,6 +117,9 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         "force_x": seen["contact_force"][0], "force_y": seen["contact_force"][1],
         "power": seen["power"],
     }  # fmt: skip
+    if issubclass(law, Creep):
+        guards[CREEP_ENDS] = system.conditions[0].value
+        series |= {"slip_x": seen["slip"][0], "slip_y": seen["slip"][1]}
     return Model(
         system, STATES, ca.vertcat(*columns), ca.vertcat(parameters, flat), ca.vertcat(*rates),
         tuple(names), guards, WORDS, series, QUANTITIES,
