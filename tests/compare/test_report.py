@@ -182,7 +182,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(module, "CHARTED", routes)
     for module in (spectral, spectral_data, parts):
         monkeypatch.setattr(module, "classes", lambda: some)
-    scenes = {n: works.CHARTED[n] for n in ("gentle", "stiff-10000")}
+    scenes = {n: works.CHARTED[n] for n in ("gentle",)}
     drivers = ("simulate", "rk4", "rough-model")
     for module in (works, motion_data):
         monkeypatch.setattr(module, "CHARTED", scenes)
