@@ -159,8 +159,11 @@ def test_where_slip_decays_too_slowly_creep_is_refused(law: Any) -> None:
         st.StabilityError, match=r"less 5, must be positive and is -4\.[0-9]*; take Viscous"
     ):
         run(law(1.0), 1.0, (1.0, 0.0, 1.0, 1.0))
+
+
+def test_a_spectrum_is_refused_there_too() -> None:
     with pytest.raises(st.StabilityError, match="take Viscous"):
-        st.spectrum("rolling", at=3.0, contact=law(3.0))
+        st.spectrum("rolling", at=3.0, contact=Creep1(3.0))
 
 
 def test_a_slip_at_the_start_is_refused_and_none_is_needed() -> None:
