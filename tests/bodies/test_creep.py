@@ -96,9 +96,11 @@ def test_eigenvalues_are_the_slow_ones_to_the_order(order: int, family: str, at:
     assert slope == pytest.approx(order + 1, abs=1e-3), [mpmath.nstr(e, 5) for e in errors]
 
 
-@pytest.mark.parametrize("law", [Creep1, Creep2])
-@pytest.mark.parametrize(("family", "at"), [("rolling", 1.3), ("rolling", 1.5), ("spinning", 2.2),
-                                            ("tumbling", 0.8)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("law", "family", "at"),
+    [(Creep1, "rolling", 1.3), (Creep1, "rolling", 1.5), (Creep2, "spinning", 2.2),
+     (Creep1, "tumbling", 0.8), pytest.param(Creep2, "tumbling", 0.8, marks=pytest.mark.long)],
+)  # fmt: skip
 def test_verdicts_are_those_of_the_viscous_disk(law: Any, family: str, at: float) -> None:
     disk = st.Disk(k=0.3)
     mine = st.spectrum(family, at=at, disk=disk, contact=law(300.0))

@@ -323,7 +323,7 @@ def test_a_bad_resolution_is_refused(
 
 
 @pytest.mark.parametrize(
-    "words", [["map", "tumbling", "--x", "at:0.01:1.5:1000", "--y", "mu:0.1:5:1000"], ["atlas"]]
+    "words", [["map", "tumbling", "--x", "at:0.01:1.5:400", "--y", "mu:0.1:5:400"], ["atlas"]]
 )
 def test_an_interruption_leaves_nothing_behind(tmp_path: Path, words: list[str]) -> None:
     for attempt in range(5):

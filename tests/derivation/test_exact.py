@@ -139,11 +139,17 @@ def test_a_proof_of_positivity_is_not_given_where_it_is_false() -> None:
     assert positive(1 - sine**2) is not None
 
 
-@pytest.mark.parametrize("draws", [40, pytest.param(1000, marks=pytest.mark.long)])
-def test_conditions_that_were_dropped_hold_wherever_the_kept_ones_do(draws: int) -> None:
+@pytest.mark.parametrize(
+    ("cases", "draws"),
+    [([("spinning", "viscous"), ("tumbling", "viscous")], 100),
+     pytest.param(CASES, 1000, marks=pytest.mark.long)],
+)  # fmt: skip
+def test_conditions_that_were_dropped_hold_wherever_the_kept_ones_do(
+    cases: list[tuple[str, str]], draws: int
+) -> None:
     """An attempt to refute the proofs: random points, and points close to the edges."""
     random = np.random.default_rng(6)
-    for family, law in CASES:
+    for family, law in cases:
         known = exact_polynomial(family, law)
         derived_ = derive(family, law)
         names = [sympy.Symbol(n) for n in known.variables]

@@ -98,7 +98,7 @@ def test_a_name_that_cannot_be_written_gets_one_sentence(
         pytest.param((*RUN, "--out", "r.nc", "--film", "r.html"), 60_000, marks=LONG),
         pytest.param((*RUN, "--out", "r.nc", "--film", "r.gif"), 60_000, marks=LONG),
         pytest.param((*RUN, "--out", "r.nc", "--film", "r.mp4"), 60_000, marks=LONG),
-        ((*RUN, "--out", "r.nc", "--plot", "r.pdf"), 20_000),
+        pytest.param((*RUN, "--out", "r.nc", "--plot", "r.pdf"), 20_000, marks=LONG),
     ],
     ids=["map", "stream", "checkpoint", "html", "gif", "mp4", "pdf"],
 )  # fmt: skip

@@ -182,11 +182,14 @@ def test_a_real_lift_off_with_a_small_d_stays_one() -> None:
         assert 0.005 < closed()[1](*six, K, MU, 0.0)[0] < 0.01
 
 
-def test_where_d_alone_runs_to_zero_the_force_grows_without_bound_by_every_method() -> None:
+@pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.long)])
+def test_where_d_alone_runs_to_zero_the_force_grows_without_bound_by_every_method(
+    quick: bool,
+) -> None:
     law = st.RegularisedCoulomb(5.753758471817282, 0.00028800461614589425)
     start = [1.0525640005202301, 0.6767085152932947, 0, 0, 0, -0.3436609788816844]
     disk = st.Disk(k=0.2556196142891559)
-    for method in HERE:
+    for method in set(HERE) - {"heyoka"} if quick else HERE:  # which compiles for seconds
         run = st.simulate(disk, law, start, 5.0, method=method, tolerance=1e-10)
         assert word(run) == "no-contact"
         assert "grows without bound" in str(run.evidence.values)

@@ -246,7 +246,7 @@ if __name__ == "__main__":
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 @pytest.mark.parametrize(
     ("kind", "number"),
-    [("", signal.SIGINT), ("spawn", signal.SIGKILL),
+    [("spawn", signal.SIGKILL), pytest.param("", signal.SIGINT, marks=pytest.mark.long),
      pytest.param("spawn", signal.SIGINT, marks=pytest.mark.long),
      pytest.param("fork", signal.SIGKILL, marks=pytest.mark.long)],
 )  # fmt: skip

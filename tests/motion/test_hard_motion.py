@@ -91,13 +91,14 @@ def test_a_run_into_d_zero_ends_without_contact_by_every_method(method: str) -> 
     assert "D" in str(run.evidence.values)
 
 
-def test_near_d_zero_a_batch_is_its_launches() -> None:
+@pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.long)])
+def test_near_d_zero_a_batch_is_its_launches(quick: bool) -> None:
     start = [1.037367615109367, -0.2099645361027279, 0.47017042240614987, 2.406940800413374, 0, 0]
     law = st.RegularisedCoulomb(2.084348406755412, 0.002197486180596758)
     one = st.simulate(DISK, law, start, [5.0])
     many = st.simulate(DISK, law, [start, start], [5.0])
     assert word(one) == "no-contact"
-    for method in HERE:  # gn D and D reach zero together there
+    for method in ("dop853", "cvodes") if quick else HERE:  # gn D and D are zero together there
         other = st.simulate(DISK, law, start, [5.0], method=method)
         assert word(other) == "no-contact"
         assert other.event_kind.values[-1] == "no-contact"
