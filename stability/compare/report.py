@@ -36,6 +36,8 @@ PARTS: dict[str, Callable[[], list[list[Task]]]] = {
     SPECTRUM: spectral.tasks, MOTION: works.tasks, FAILURES: catalogue.tasks,
 }  # fmt: skip
 """Parts of a report, each with the function that returns its tasks."""
+PICTURES = (".png", ".pdf")
+"""Endings of the two files of a figure."""
 ALONE = (SPECTRUM, MOTION)
 """Timed parts: their cells run one at a time, so that none disturbs a timing."""
 
@@ -292,7 +294,7 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
 
     for plate in one.plates:
         figure = plate.draw()
-        for suffix in (".png", ".pdf"):
+        for suffix in PICTURES:
             with atomic_write(folder / f"{plate.stem}{suffix}", overwrite=True) as draft:
                 save_figure(figure, draft)
     for name, text in _texts(one, cells).items():

@@ -187,6 +187,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     for module in (works, motion_data):
         monkeypatch.setattr(module, "CHARTED", scenes)
         monkeypatch.setattr(module, "NAMES", drivers)
+    monkeypatch.setattr(report, "PICTURES", (".png",))
     for module in (parts, report):  # each metric is one more figure
         monkeypatch.setattr(module, "METRICS", {"final": parts.METRICS["final"]})
     monkeypatch.setattr(works, "LIMIT", 2.0)  # what a cell has by then is kept
