@@ -224,7 +224,7 @@ def test_growth_rates_of_a_map_are_right_to_1e_13(family: str, disk: Any) -> Non
     assert (found.abscissa_error <= np.abs(found.abscissa)).all()
 
 
-@pytest.mark.parametrize("count", [15, pytest.param(200, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [8, pytest.param(200, marks=pytest.mark.long)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_scattered_points_are_right_too(family: str, count: int) -> None:
     at, q = random_points(family, count, seed=41)
