@@ -288,6 +288,7 @@ class Creep(Contact):
     holds: ClassVar[bool] = True
     order: ClassVar[int] = 0
     """Number n of the approximation: errors fall as mu⁻⁽ⁿ⁺¹⁾."""
+    force = Viscous.force
 
     @OVER_ANY_NUMBER
     def slip(self, force: Any, normal: Any, mu: Any) -> Any:

@@ -71,7 +71,8 @@ def _friction(r: random.Random) -> Any:
 
 def _any_law(r: random.Random) -> Any:
     mu = r.uniform(0.05, 1)
-    return r.choice([_law(r), st.Coulomb(mu), st.RegularisedCoulomb(mu, 0.01)])
+    creep = r.choice([st.Creep1, st.Creep2])
+    return r.choice([_law(r), st.Coulomb(mu), st.RegularisedCoulomb(mu, 0.01), creep(100 * mu)])
 
 
 @lru_cache(maxsize=1)
@@ -187,7 +188,7 @@ _add("Disk.uniform", [], mass=_mu, radius=_mu)
 _add("Disk.hoop", [], mass=_mu, gravity=_mu)
 _add("Disk.annulus", [_number(0, 1)], mass=_mu)
 _add("Disk.named", [_of("quarter", "le-saux")])
-for _name in ("Viscous", "LinearViscous", "Coulomb"):
+for _name in ("Viscous", "LinearViscous", "Coulomb", "Creep1", "Creep2", "Creep3"):
     _add(_name, [_mu])
 _add("LinearViscous.like", [_mu, _disk])
 _add("RegularisedCoulomb", [_mu, _mu])

@@ -145,11 +145,13 @@ def _table(r: random.Random) -> Words:
 
 
 def _simulate(r: random.Random) -> Words:
-    laws = (*SPECTRAL, "coulomb", "coulomb-regularised")
+    creeps = ("creep-1", "creep-2", "creep-3")
+    laws = (*SPECTRAL, "coulomb", "coulomb-regularised", *creeps[r.randrange(3) :][:1])
     law = _law(r, laws)
     if "--mu" in law:  # below Painlevé's paradox, and pressed to the plane
-        law[law.index("--mu") + 1] = f"{r.uniform(0.05, 0.6):.3g}"
-    slips = not ({"rough", "smooth"} & set(law))
+        mu = r.uniform(0.05, 0.6) * (1000 if set(creeps) & set(law) else 1)
+        law[law.index("--mu") + 1] = f"{mu:.3g}"
+    slips = not ({"rough", "smooth", *creeps} & set(law))
     words = ["simulate", "--theta", f"{r.uniform(0.7, 2.3):.4g}", *law]
     words += ["--epsilon", _near(r, 1e-3, 1)] * ("coulomb-regularised" in law)
     body = _body(r) * (r.random() < 0.5)
