@@ -117,7 +117,10 @@ def test_a_stream_is_the_same_by_every_executor(
     assert told.rises_to(1200)
 
 
-@pytest.mark.parametrize("law", list(LAWS))
+@pytest.mark.parametrize(
+    "law",
+    ["stiff", "dry", *(pytest.param(n, marks=pytest.mark.long) for n in ("heyoka", "smooth"))],
+)
 @pytest.mark.parametrize("kind", KINDS)
 def test_launches_are_the_same_by_every_executor(
     kind: str, law: str, pools: dict[str, Executor]

@@ -68,7 +68,7 @@ def test_states_and_pose_meet_the_quadrature(kind: str, method: str, share: floa
 
 
 @pytest.mark.parametrize(("method", "last"), LONG)
-@pytest.mark.parametrize("k", [0.25, 0.5])
+@pytest.mark.parametrize("k", [0.25, pytest.param(0.5, marks=pytest.mark.long)])
 def test_the_rough_disk_keeps_both_legendre_integrals(method: str, last: float, k: float) -> None:
     times = np.linspace(0, last, 41)
     run = st.simulate(st.Disk(k=k), st.Rough(), LAUNCH, times, method=method, tolerance=1e-16)
