@@ -36,8 +36,6 @@ PARTS: dict[str, Callable[[], list[list[Task]]]] = {
     SPECTRUM: spectral.tasks, MOTION: works.tasks, FAILURES: catalogue.tasks,
 }  # fmt: skip
 """Parts of a report, each with the function that returns its tasks."""
-PICTURES = (".png", ".pdf")
-"""Endings of the two files of a figure."""
 ALONE = (SPECTRUM, MOTION)
 """Timed parts: their cells run one at a time, so that none disturbs a timing."""
 
@@ -290,13 +288,13 @@ def _ladder_figure(cells: Mapping[str, Cell]) -> Figure:
 
 
 def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
-    from ..figures.canvas import save_figure
+    from ..figures import canvas
 
     for plate in one.plates:
         figure = plate.draw()
-        for suffix in PICTURES:
+        for suffix in canvas.FORMATS:
             with atomic_write(folder / f"{plate.stem}{suffix}", overwrite=True) as draft:
-                save_figure(figure, draft)
+                canvas.save_figure(figure, draft)
     for name, text in _texts(one, cells).items():
         with atomic_write(folder / name, overwrite=True) as draft:
             draft.write_text(text, encoding="utf-8")

@@ -40,6 +40,8 @@ STYLE: dict[Any, Any] = {
     "mathtext.fontset": "dejavusans", "lines.linewidth": 1.3,
 }  # fmt: skip
 """Settings of the package's figures."""
+FORMATS = (".png", ".pdf")
+"""Endings of the files of a figure."""
 COLUMN = 3.39
 """Width of a journal column [in]."""
 OF_THE_SESSION = (
@@ -119,7 +121,7 @@ def save(figure: Figure, stem: Path) -> list[Path]:
     """
     from ..storage.files import atomic_write
 
-    paths = [stem.parent / (stem.name + suffix) for suffix in (".png", ".pdf")]
+    paths = [stem.parent / (stem.name + suffix) for suffix in FORMATS]
     for path in paths:
         with atomic_write(path, overwrite=True) as draft:
             # no creation date, so that the same map gives the same file

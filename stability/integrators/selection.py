@@ -175,12 +175,17 @@ def explicit(flow: Flow | None = None) -> str:
     >>> explicit() in METHODS
     True
     """
-    if not taylor.available():
-        return "dop853"
-    if flow is not None and flow.length > COMPILED:
-        return "dop853"
-    read = flow is None or flow.model.turning or not taylor.unread(flow)
-    return HEYOKA if read else "dop853"
+    fit = taylor.available() and (flow is None or not _unfit(flow))
+    return HEYOKA if fit else "dop853"
+
+
+def _unfit(flow: Flow) -> str:
+    """Why heyoka does not take a flow; empty where it does."""
+    if flow.length > COMPILED:
+        return "is long in compiling the graph"
+    if not flow.model.turning and taylor.unread(flow):
+        return "cannot read the graph"
+    return ""
 
 
 def choose(legs: Sequence[Leg]) -> list[Choice]:
@@ -209,8 +214,7 @@ def _choice(leg: Leg, turn: float, stiff: float) -> Choice:
         return Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
     name, only = explicit(leg.flow), ""
     if name != HEYOKA and taylor.available():
-        long = leg.flow.length > COMPILED
-        only = f", and heyoka {'is long in compiling' if long else 'cannot read'} the graph"
+        only = f", and heyoka {_unfit(leg.flow)}"
     elif not taylor.available():
         only = ", and heyoka is not installed"
         if leg.tolerance > EXPLICIT_TIGHT:

@@ -173,24 +173,27 @@ def test_the_fingerprint_knows_the_sources_and_not_the_figures(
 # --- reports of a few cells ---
 
 
-@pytest.fixture
-def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A report of few routes, classes, scenes and cases."""
-    routes = ("ad-1e-9", "spectrum")
-    some = {name: hardness.classes()[name] for name in ("open", "meeting")}
+@pytest.fixture(params=["few", pytest.param("more", marks=pytest.mark.long)])
+def small(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A report of few routes, classes, scenes and cases, or of some more."""
+    few = request.param == "few"
+    routes = ("ad-1e-9", "spectrum") if few else ("ad-1e-9", "certified", "map", "spectrum")
+    names = ("open", "meeting") if few else tuple(hardness.classes())
+    some = {name: hardness.classes()[name] for name in names}
     for module in (spectral, spectral_data):
         monkeypatch.setattr(module, "CHARTED", routes)
     for module in (spectral, spectral_data, parts):
         monkeypatch.setattr(module, "classes", lambda: some)
-    scenes = {n: works.CHARTED[n] for n in ("gentle",)}
-    drivers = ("simulate", "rk4")
+    scenes = {n: works.CHARTED[n] for n in ("gentle", "stiff-10000")[: 1 if few else 2]}
+    drivers = ("simulate", "rk4", "rough-model")[: 2 if few else 3]
     for module in (works, motion_data):
         monkeypatch.setattr(module, "CHARTED", scenes)
         monkeypatch.setattr(module, "NAMES", drivers)
-    monkeypatch.setattr(report, "PICTURES", (".png",))
-    for module in (parts, report):  # each metric is one more figure
-        monkeypatch.setattr(module, "METRICS", {"final": parts.METRICS["final"]})
-    monkeypatch.setattr(works, "LIMIT", 2.0)  # what a cell has by then is kept
+    if few:
+        monkeypatch.setattr("stability.figures.canvas.FORMATS", (".png",))
+        for module in (parts, report):  # each metric is one more figure
+            monkeypatch.setattr(module, "METRICS", {"final": parts.METRICS["final"]})
+        monkeypatch.setattr(works, "LIMIT", 2.0)  # what a cell has by then is kept
     monkeypatch.setattr(catalogue, "LIMIT", 60.0)  # a loaded machine is no fault of a method
     monkeypatch.setattr(catalogue, "ROUTE_NAMES", ("ad-raw", "sympy-solved", "spectrum"))
     monkeypatch.setattr(catalogue, "DRIVER_NAMES", ("rk4", "regularised", "simulate"))

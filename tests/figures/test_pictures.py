@@ -228,7 +228,17 @@ def test_paths_without_a_pose_are_refused_and_left_out_of_the_page(dry: xarray.D
 
 @pytest.mark.parametrize(
     ("draw", "suffix"),
-    [(states, "png"), (paths, "pdf"), (energy, "svg"), (motion_figure, "png")],
+    [
+        (states, "png"),
+        (paths, "pdf"),
+        (energy, "svg"),
+        (motion_figure, "png"),
+        *(
+            pytest.param(d, s, marks=pytest.mark.long)
+            for d in FIGURES
+            for s in ("png", "pdf", "svg")
+        ),
+    ],
 )
 def test_every_figure_can_be_saved(
     draw: Callable[[xarray.Dataset], Figure], suffix: str, coin: xarray.Dataset, tmp_path: Path

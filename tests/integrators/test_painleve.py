@@ -143,11 +143,12 @@ def test_the_counterexample_ends_without_contact_and_with_a_normal_force() -> No
         assert "together" in str(run.evidence.values)
 
 
-def test_an_open_set_of_starts_ends_so_and_not_all_its_neighbours() -> None:
+@pytest.mark.parametrize(("count", "least"), [(6, 2), pytest.param(12, 4, marks=pytest.mark.long)])
+def test_an_open_set_of_starts_ends_so_and_not_all_its_neighbours(count: int, least: int) -> None:
     rng = np.random.default_rng(8)
     found: dict[str, int] = {}
     starts, truths = [], []
-    while len(starts) < 6:
+    while len(starts) < count:
         x = np.array(START) * (1 + rng.uniform(-0.01, 0.01, 6))
         d, n = closed()[1](*x, K, MU, 0.0)
         if 0 < d < 0.3 and n > 0:
@@ -165,8 +166,8 @@ def test_an_open_set_of_starts_ends_so_and_not_all_its_neighbours() -> None:
             if kind == "no-contact" and tolerance == 1e-9:
                 assert float(run.normal_force[-1]) == pytest.approx(gn, abs=2 * still + 1e-5)
                 assert float(run.end_time) == pytest.approx(when, rel=1e-5)
-    assert found["no-contact"] > 1
-    assert found["moving"] > 1
+    assert found["no-contact"] >= least
+    assert found["moving"] >= least
 
 
 def test_a_real_lift_off_with_a_small_d_stays_one() -> None:
@@ -189,7 +190,7 @@ def test_where_d_alone_runs_to_zero_the_force_grows_without_bound_by_every_metho
     law = st.RegularisedCoulomb(5.753758471817282, 0.00028800461614589425)
     start = [1.0525640005202301, 0.6767085152932947, 0, 0, 0, -0.3436609788816844]
     disk = st.Disk(k=0.2556196142891559)
-    for method in set(HERE) - {"heyoka"} if quick else HERE:  # which compiles for seconds
+    for method in [m for m in HERE if not (quick and m == "heyoka")]:  # which compiles for seconds
         run = st.simulate(disk, law, start, 5.0, method=method, tolerance=1e-10)
         assert word(run) == "no-contact"
         assert "grows without bound" in str(run.evidence.values)

@@ -28,8 +28,11 @@ def states(run: Any) -> Any:
     [(st.Viscous(0.3), LAUNCH), (st.LinearViscous(0.3), LAUNCH), (st.Smooth(), LAUNCH),
      (st.Rough(), LAUNCH), (st.Coulomb(0.15), DRY), (st.RegularisedCoulomb(0.15, 1e-3), DRY)],
 )  # fmt: skip
-def test_every_law_comes_back_whole_from_a_file(contact: Any, start: Any, tmp_path: Path) -> None:
-    run = st.simulate(st.Disk(k=0.3), contact, start, np.linspace(0, 2, 9), pose=True)
+@pytest.mark.parametrize(("last", "count"), [(2, 9), pytest.param(8, 33, marks=pytest.mark.long)])
+def test_every_law_comes_back_whole_from_a_file(
+    contact: Any, start: Any, last: float, count: int, tmp_path: Path
+) -> None:
+    run = st.simulate(st.Disk(k=0.3), contact, start, np.linspace(0, last, count), pose=True)
     back = st.read_motion(st.write_motion(run, tmp_path / "run.nc"))
     assert back.identical(run)
     assert is_finite(back)

@@ -161,11 +161,27 @@ def test_boundaries_are_met_in_si_units_too() -> None:
         assert down.abscissa_error < 1e-11 * down.abscissa
 
 
-@given(s.floats(-3, 3), s.floats(-2, 2), s.floats(-2, 2), s.floats(0.02, 0.5), s.floats(-2, 2))
+SCALES = (s.floats(-3, 3), s.floats(-2, 2), s.floats(-2, 2), s.floats(0.02, 0.5), s.floats(-2, 2))
+
+
+@given(*SCALES)
 @settings(max_examples=8, deadline=None)
 def test_si_units_and_dimensionless_numbers_are_certified_alike(
     mass: float, radius: float, gravity: float, k: float, mu: float
 ) -> None:
+    alike(mass, radius, gravity, k, mu)
+
+
+@pytest.mark.long
+@given(*SCALES)
+@settings(max_examples=25, deadline=None)
+def test_more_si_units_and_dimensionless_numbers_are_certified_alike(
+    mass: float, radius: float, gravity: float, k: float, mu: float
+) -> None:
+    alike(mass, radius, gravity, k, mu)
+
+
+def alike(mass: float, radius: float, gravity: float, k: float, mu: float) -> None:
     disk = st.Disk(mass=10**mass, radius=10**radius, gravity=10**gravity, k=k)
     rate, speed, drag = float(disk.rate), float(disk.speed), 10**mu
     for family, at in (("rolling", 1.7), ("spinning", 2.3), ("tumbling", 0.8)):

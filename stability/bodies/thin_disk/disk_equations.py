@@ -109,19 +109,15 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
 
 def _creeping(law: type[Creep], x: ca.SX, p: ca.SX) -> list[ca.SX]:
     """The slip of an order: that of the viscous law for the force that holds the order below."""
-    force, normal = _of_order(law.order - 1, ("contact_force", "normal_force"), x, p)
+    disk = _disk_system(CREEP[law.order - 1], None, direction=False)  # type: ignore[arg-type]  # a class is hashable
+    seen = [disk.observables[n] for n in ("contact_force", "normal_force")]
+    force, normal = _at(seen, disk, x, p)
     slip: list[ca.SX] = law.__new__(law).slip([force[0], force[1]], normal, p[1])
     return slip
 
 
-def _of_order(order: int, names: tuple[str, ...], x: ca.SX, p: ca.SX) -> list[ca.SX]:
-    """Observables of the disk that creeps to an order."""
-    disk = _disk_system(CREEP[order], None, direction=False)  # type: ignore[arg-type]  # a class is hashable
-    seen = [disk.observables[n] for n in names]
-    return _at(seen, disk, x, p)
-
-
 def _at(expressions: list[ca.SX], disk: System, x: ca.SX, p: ca.SX) -> list[ca.SX]:
+    """Expressions of a lower order in the symbols of this one."""
     mine = p[: disk.p.numel()]  # the rough disk has no friction coefficient
     found: list[ca.SX] = ca.substitute(expressions, [disk.x, disk.p], [x, mine])
     return found

@@ -118,7 +118,7 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         "power": seen["power"],
     }  # fmt: skip
     if issubclass(law, Creep):
-        guards[CREEP_ENDS] = system.conditions[0].value
+        [guards[CREEP_ENDS]] = (c.value for c in system.conditions if c.sentence == CREEPS)
         series |= {"slip_x": seen["slip"][0], "slip_y": seen["slip"][1]}
     return Model(
         system, STATES, ca.vertcat(*columns), ca.vertcat(parameters, flat), ca.vertcat(*rates),
