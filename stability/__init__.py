@@ -52,6 +52,10 @@ _HOME = {
     "figures.launch.animate": ("animate",),
     "motion.result": ("Outcome",),
     "motion.netcdf": ("read_motion", "write_motion"),
+    "scene.scene": ("Scene",),
+    "scene.answer": ("Answer",),
+    "scene.ladder": ("Rung",),
+    "scene.rungs.reduced": ("ReducedModel",),
     "compare.report": ("report",),
     "base.errors": ("StabilityError", "StabilityWarning"),
 }
@@ -104,6 +108,10 @@ if TYPE_CHECKING:
     from .motion.result import Outcome as Outcome
     from .motion.simulate import simulate as simulate
     from .motion.starts import launch as launch
+    from .scene.answer import Answer as Answer
+    from .scene.ladder import Rung as Rung
+    from .scene.rungs.reduced import ReducedModel as ReducedModel
+    from .scene.scene import Scene as Scene
     from .spectra.result import Spectrum as Spectrum
     from .spectra.spectrum import spectrum as spectrum
     from .systems.condition import Condition as Condition

@@ -6,9 +6,9 @@ import copy
 import importlib.util
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
 from threading import Lock
@@ -150,6 +150,25 @@ def _single(flow: Flow, tolerance: float) -> _Held:
     return _Held([], build, Lock())
 
 
+def _ready(ta: Any, leg: Leg) -> Any:
+    """An integrator at the start of a leg."""
+    ta.state[:] = leg.start
+    ta.pars[:] = leg.p[: len(ta.pars)]  # as many as the equations have
+    ta.time = leg.times[0]
+    if ta.with_events:
+        ta.reset_cooldowns()
+    return ta
+
+
+@contextmanager
+def lent(leg: Leg) -> Iterator[Any]:
+    """A compiled integrator at the start of a leg, for a run of another kind."""
+    held = _single(leg.flow, max(leg.tolerance, FINEST))
+    ta = _ready(held.take(), leg)
+    yield ta
+    held.give(ta)
+
+
 def integrate(leg: Leg) -> Path:
     """Run one leg with heyoka's adaptive Taylor integrator and its event detection.
 
@@ -165,12 +184,7 @@ def integrate(leg: Leg) -> Path:
     import heyoka as hy
 
     held = _single(leg.flow, max(leg.tolerance, FINEST))
-    ta = held.take()
-    ta.state[:] = leg.start
-    ta.pars[:] = leg.p[: len(ta.pars)]  # as many as the equations have
-    ta.time = leg.times[0]
-    if ta.with_events:
-        ta.reset_cooldowns()
+    ta = _ready(held.take(), leg)
     quiet = min(QUIET, leg.max_steps)
     longest = _longest(leg)
     outcome, _, _, steps, _, states = ta.propagate_grid(

@@ -43,6 +43,17 @@ class DiskSettling:
         """As `nearest`."""
         return nearest(state, self.law, p, within)
 
+    def closest(self, state: Floats, p: Floats) -> Nearest:
+        """The steady motion nearest to a state, with its six states; settling is not tested."""
+        family, at, distance = _closest(state, self.law, float(p[0]))
+        where = f"nearest is {family} at {at:.6g}, {distance:.3g} away"
+        if not math.isfinite(distance):
+            return Nearest(family, 0.0, distance, False, 0.0, "no steady motion is near")
+        sign = math.copysign(1.0, state[TURNING])
+        member = FAMILIES[family].member(math, at, float(p[0]), sign)
+        six = [math.pi / 2 if member[n] is UPRIGHT else float(member[n]) for n in STATES]
+        return Nearest(family, at, distance, False, 0.0, where, np.array(six))
+
     def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
         """Distances of states, shape (t, 6), from the family of a nearest member, shape (t,)."""
         found: Floats = np.linalg.norm(deviation(states, float(p[0]), near.family)[1], axis=-1)

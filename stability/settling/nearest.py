@@ -25,7 +25,7 @@ class Nearest:
     evidence: str
     """Evidence, in one sentence."""
     member: Floats | None = None
-    """The states of the steady motion, for a user's system."""
+    """The states of the steady motion, for a user's system, and where `closest` was asked."""
 
 
 class Settling(Protocol):
@@ -33,6 +33,10 @@ class Settling(Protocol):
 
     def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
         """The steady motion nearest to a state, and whether the state has settled on it."""
+        ...
+
+    def closest(self, state: Floats, p: Floats) -> Nearest:
+        """The steady motion nearest to a state, with its states; settling is not tested."""
         ...
 
     def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:

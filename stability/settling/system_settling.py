@@ -31,23 +31,33 @@ class SystemSettling:
     families: tuple[Family, ...]
     """The families that the system may settle on."""
 
-    def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
-        """The nearest member of all families, and whether the state has settled on it."""
+    def closest(self, state: Floats, p: Floats) -> Nearest:
+        """The nearest member of all families, with its states; settling is not tested."""
+        return self._closest(state, p)[0]
+
+    def _closest(self, state: Floats, p: Floats) -> tuple[Nearest, Family | None, str]:
+        """The nearest member, its family, and its values in words."""
         if not self.families:
             why = "it lasted to the last time; give families=... to see what it settles on"
-            return Nearest("", 0.0, np.inf, False, 0.0, why)
+            return Nearest("", 0.0, np.inf, False, 0.0, why), None, ""
         found = [(members(f, state[None], p), f) for f in self.families]
         far = [np.inf if m is None else float(np.linalg.norm(state - m[0])) for m, _ in found]
         best = int(np.argmin(far))
         (states, family), distance = found[best], far[best]
         if states is None:
             names = ", ".join(f.name for f in self.families)
-            return Nearest("", 0.0, np.inf, False, 0.0, f"none of {names} has a member there")
-        member = states[0]
+            why = f"none of {names} has a member there"
+            return Nearest("", 0.0, np.inf, False, 0.0, why), None, ""
         at = listing(family.at, _at(family, state[None], p)[0])
         where = f"nearest is {family.name} at {at}, {distance:.3g} away"
-        if distance > within:
-            return Nearest(family.name, 0.0, distance, False, 0.0, where, member)
+        return Nearest(family.name, 0.0, distance, False, 0.0, where, states[0]), family, at
+
+    def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
+        """The nearest member of all families, and whether the state has settled on it."""
+        near, family, at = self._closest(state, p)
+        if family is None or near.member is None or near.distance > within:
+            return near
+        member, distance = near.member, near.distance
         why, proof = _proved(family, state, member, p)
         if proof is None:
             where = f"{distance:.3g} from {family.name} at {at}; {why}"

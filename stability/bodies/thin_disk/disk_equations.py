@@ -95,9 +95,8 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
         named["direction"] = ca.SX.sym("direction")
         contact, coefficient = _Along, (*numbers, named["direction"])
     p = ca.vertcat(*named.values())
-    body = _Body(x, k, contact, coefficient, slips)
-    if issubclass(contact, Creep):
-        body.slip = _creeping(contact, x, p)
+    slip = _creeping(contact, x, p) if issubclass(contact, Creep) else None
+    body = DiskBody(x, k, contact, coefficient, slips, slip)
     return System.from_mass_matrix(
         SYSTEM + law, x, p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
@@ -170,10 +169,13 @@ def _conditions(x: ca.SX, p: ca.SX, contact: type[Contact]):  # type: ignore[no-
     return build
 
 
-class _Body:
+class DiskBody:
     """Newton-Euler for one law: residuals that are linear in accelerations and contact force."""
 
-    def __init__(self, x: ca.SX, k: ca.SX, contact: type[Contact], mu: Any, slips: bool) -> None:
+    def __init__(  # noqa: PLR0913
+        self, x: ca.SX, k: ca.SX, contact: type[Contact], mu: Any, slips: bool,
+        slip: list[ca.SX] | None = None,
+    ) -> None:  # fmt: skip
         self.x, self.k, self.mu, self.slips = x, k, mu, slips
         self.law = contact.__new__(contact)  # only its formulas are used, never its coefficient
         self.holds = holds = contact.holds
@@ -181,7 +183,7 @@ class _Body:
         if slips:
             self.slip = [x[4], x[5]]
         elif holds:
-            self.slip = [ca.SX(0), ca.SX(0)]
+            self.slip = [ca.SX(0), ca.SX(0)] if slip is None else slip
         else:  # smooth, centre without horizontal velocity: slip = (ω×a), horizontal part
             self.slip = [-x[1] * self.sine, x[3]]
         self.d_theta_dot, self.d_phi_dot, self.d_omega3 = (

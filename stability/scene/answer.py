@@ -1,0 +1,173 @@
+"""The answer to a scene: its value, the model that gave it, its error, and every rung tried."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base.types import Floats
+from ..base.version import __version__
+
+if TYPE_CHECKING:
+    import xarray
+
+from .ladder import Rung
+from .questions import QUESTIONS, Found
+from .rungs.track import Problem, Track
+from .uncertain import Spread
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a scene is answered, by which model, and how well that is known.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> scene = st.Scene(contact=st.Viscous(3000.0), start={"theta": 1.3, "omega3": 2.0},
+    ...                  horizon=20.0, tolerance=1e-6)
+    >>> answer = scene.answer()
+    >>> answer.model, answer.estimate < 1e-6, answer.until
+    ('creep-1', True, 20.0)
+    """
+
+    value: Any
+    """Value of the quantity; values by name where several were asked for."""
+    model: str
+    """Name of the rung that gave it; `none` where no rung could."""
+    estimate: Any
+    """Estimated error of the value, over 1 or its size; by name where several were asked for."""
+    rungs: tuple[Rung, ...]
+    """Every rung, in the order of its cost, with the reason why it was chosen or not."""
+    until: float
+    """Time until which the answer holds, in the user's unit."""
+    sentence: str
+    """The answer in words."""
+    tolerance: float
+    """Error that was allowed."""
+    cost: float = 0.0
+    """Time that the answer took, the choice included [s]."""
+    notes: tuple[str, ...] = ()
+    """What happened on the way."""
+    spread: Spread | None = None
+    """How far the uncertain inputs alone move the answer; None where none were given."""
+    true_error: Any = None
+    """Largest difference from the full model at a fine tolerance; only after `verify`."""
+    path: xarray.Dataset | None = None
+    """The motion, with units; None for a linear question."""
+    parts: Mapping[str, Answer] = field(default_factory=dict)
+    """The answer under each law, where the scene has several."""
+
+    @property
+    def chosen(self) -> Rung | None:
+        """The rung that gave the answer."""
+        return next((r for r in self.rungs if r.chosen), None)
+
+    def __repr__(self) -> str:
+        return f"<Answer by {self.model}: {self.sentence}>"
+
+    def report(self) -> str:
+        """The ladder as plain text: one line for each rung, and what the answer says.
+
+        Returns
+        -------
+        str
+        """
+        head = f"{'rung':<22}{'states':>6}{'cost':>10}{'error/tol':>11}  why"
+        lines = [self.sentence, "", head]
+        for r in self.rungs:
+            cost = f"{1e3 * r.cost:.2f} ms" if r.cost else "-"
+            size = f"{r.estimate:.2g}" if math.isfinite(r.estimate) else "-"
+            mark = "*" if r.chosen else " "
+            lines.append(f"{mark}{r.name:<21}{r.dimension:>6}{cost:>10}{size:>11}  {r.why}")
+            if r.indicators:
+                told = ", ".join(f"{n} {v:.3g}" for n, v in r.indicators.items())
+                lines.append(f"{'':<50} {told}")
+        lines += [f"  {note}" for note in self.notes]
+        if self.spread is not None:
+            lines += ["", *self.spread.lines()]
+        return "\n".join(lines)
+
+
+def in_units(problem: Problem, name: str, found: Found) -> Any:
+    """The value of a quantity in the user's units.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    name
+        Name of the quantity.
+    found
+        Its value, dimensionless.
+    """
+    question = QUESTIONS[name]
+    if found.value is None or isinstance(found.value, str):
+        return found.value
+    if question.name == "final":
+        states = states_in_units(problem, found.value[None])[0]
+        return dict(zip(problem.launches.model.states, states.tolist(), strict=True))
+    if question.name == "path":
+        return None  # the dataset of the answer
+    clock = float(problem.launches.scales["time"]) if name.endswith("time") else 1.0
+    return float(found.value) * clock
+
+
+def states_in_units(problem: Problem, states: Floats) -> Floats:
+    """States in the user's units, shape (m, s).
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    states
+        Dimensionless states, shape (m, s).
+    """
+    if problem.launches.law is None:
+        return states
+    rate, speed = (float(problem.launches.scales[n]) for n in ("rate", "speed"))
+    found: Floats = states * np.array([1.0, rate, rate, rate, speed, speed])
+    return found
+
+
+def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
+    """The track as a labelled dataset.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    track
+        The track.
+    model
+        Name of the model that gave it.
+
+    Returns
+    -------
+    xarray.Dataset
+        States over time with their units, and `error`, the estimate at each time.
+    """
+    import xarray
+
+    launches = problem.launches
+    clock = float(launches.scales["time"])
+
+    def label(name: str) -> dict[str, str]:
+        return launches.model.attributes(name, dimensionless=launches.dimensionless)
+
+    states = states_in_units(problem, track.states)
+    names = launches.model.states
+    variables: dict[str, Any] = {n: ("time", states[:, i], label(n)) for i, n in enumerate(names)}
+    variables["error"] = ("time", track.errors, {
+        "long_name": "estimated error of the states, the largest, each over 1 or its own size",
+        "units": "1"})  # fmt: skip
+    return xarray.Dataset(
+        variables, {"time": ("time", track.times * clock, label("time"))},
+        {"title": f"{launches.model.title}, by the model {model}", "model": model,
+         "tolerance": problem.tolerance, "source": launches.model.source,
+         "stability_version": __version__, "Conventions": "CF-1.11"},
+    )  # fmt: skip

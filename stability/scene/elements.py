@@ -1,0 +1,306 @@
+"""A motion as polynomials on elements of time, and linear equations along it.
+
+A path is known at Chebyshev points of each element.  The derivative is a matrix, so the defect of
+the path in any equations is an evaluation, without a run of them.  A linear equation along the path
+(`propagate`) gives the error that a defect causes, and the sensitivity to a parameter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from ..base.types import Floats
+
+POINTS = 16
+"""Chebyshev points of an element."""
+
+
+@lru_cache(maxsize=8)
+def chebyshev(count: int) -> tuple[Floats, Floats, Floats]:
+    """Chebyshev points of the second kind on [0, 1], their derivative matrix and weights.
+
+    Parameters
+    ----------
+    count
+        Number of points, both ends among them.
+
+    Returns
+    -------
+    points, derivative, weights
+        Rising points, shape (count,); the matrix that takes values to values of the derivative,
+        shape (count, count); the barycentric weights, shape (count,).
+
+    Source: L. N. Trefethen, Spectral Methods in MATLAB, SIAM (2000), chapter 6; J.-P. Berrut and
+    L. N. Trefethen, SIAM Rev. 46 (2004) 501-517, for the weights.
+
+    Examples
+    --------
+    >>> points, derivative, _ = chebyshev(5)
+    >>> bool(np.allclose(derivative @ points**4, 4 * points**3))
+    True
+    """
+    angle = np.pi * np.arange(count) / (count - 1)
+    points: Floats = np.sin(angle / 2) ** 2  # exact near both ends
+    weights: Floats = np.where(np.arange(count) % 2, -1.0, 1.0)
+    weights[[0, -1]] /= 2
+    # differences of points by the product formula, without cancellation
+    sums, gaps = np.add.outer(angle, angle) / 2, np.subtract.outer(angle, angle) / 2
+    apart = np.sin(sums) * np.sin(gaps)
+    np.fill_diagonal(apart, 1.0)
+    derivative: Floats = np.divide.outer(1 / weights, 1 / weights) / apart
+    np.fill_diagonal(derivative, 0.0)
+    np.fill_diagonal(derivative, -derivative.sum(axis=1))
+    return points, derivative, weights
+
+
+@dataclass(frozen=True, eq=False)
+class Elements:
+    """A division of time into elements with Chebyshev points.
+
+    Examples
+    --------
+    >>> some = Elements(np.array([0.0, 1.0, 3.0]))
+    >>> some.times.shape
+    (2, 16)
+    >>> slope = some.derivative(np.sin(some.times)[..., None])[..., 0]
+    >>> bool(np.allclose(slope, np.cos(some.times)))
+    True
+    """
+
+    edges: Floats
+    """Rising ends of the elements, shape (E + 1,)."""
+    points: int = POINTS
+    """Points of each element."""
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """Lengths of the elements, shape (E,)."""
+        return np.diff(self.edges)
+
+    @cached_property
+    def times(self) -> Floats:
+        """Times of the points, shape (E, N)."""
+        share, _, _ = chebyshev(self.points)
+        found: Floats = self.edges[:-1, None] + self.lengths[:, None] * share
+        found[:, -1] = self.edges[1:]
+        return found
+
+    @cached_property
+    def gaps(self) -> Floats:
+        """Steps between the points, shape (N - 1, E, 1, 1)."""
+        found: Floats = (_midpoints(self.points)[1][:, None] * self.lengths)[..., None, None]
+        return found
+
+    def derivative(self, values: Floats) -> Floats:
+        """Values of the time derivative.
+
+        Parameters
+        ----------
+        values
+            Values at the points, shape (E, N, n).
+        """
+        matrix = chebyshev(self.points)[1]
+        found: Floats = matrix @ values / self.lengths[:, None, None]
+        return found
+
+    def at(self, times: Floats, values: Floats) -> Floats:
+        """Values at other times, by barycentric interpolation.
+
+        Parameters
+        ----------
+        times
+            Times between the first and the last edge, shape (t,).
+        values
+            Values at the points, shape (E, N, n).
+
+        Returns
+        -------
+        ndarray
+            Shape (t, n).
+        """
+        share, _, weights = chebyshev(self.points)
+        which = np.clip(np.searchsorted(self.edges, times, side="right") - 1, 0, len(values) - 1)
+        apart = (times - self.edges[which])[:, None] / self.lengths[which, None] - share
+        hit = apart == 0
+        factors = weights / np.where(hit, 1.0, apart)
+        on = hit.any(axis=1)
+        factors[on] = hit[on]
+        found: Floats = np.einsum("tj,tjn->tn", factors, values[which])
+        found /= factors.sum(axis=1)[:, None]
+        return found
+
+    def tails(self, values: Floats) -> Floats:
+        """Size of the last two Chebyshev coefficients of each element: what is not resolved.
+
+        Parameters
+        ----------
+        values
+            Values at the points, shape (E, N, n).
+
+        Returns
+        -------
+        ndarray
+            The largest over the n values, each over 1 or its own size, shape (E,).
+        """
+        matrix = _last_coefficients(self.points)
+        size = np.maximum(1.0, np.abs(values).max(axis=1))
+        found: Floats = (np.abs(matrix @ values).sum(axis=1) / size).max(axis=-1)
+        return found
+
+
+@lru_cache(maxsize=8)
+def _last_coefficients(count: int) -> Floats:
+    """Rows that take values to the last two Chebyshev coefficients."""
+    order = np.arange(count)
+    cosines = np.cos(np.pi * np.outer(order[-2:], order[::-1]) / (count - 1)) * 2 / (count - 1)
+    cosines[:, [0, -1]] /= 2
+    cosines[1] /= 2
+    return cosines
+
+
+@lru_cache(maxsize=32)
+def _midpoints(count: int) -> tuple[Floats, Floats]:
+    """Rows that take values at the points to the midpoints between them; the gaps of the points."""
+    points, _, weights = chebyshev(count)
+    apart = weights / np.subtract.outer((points[1:] + points[:-1]) / 2, points)
+    return apart / apart.sum(axis=1, keepdims=True), np.diff(points)
+
+
+def _between(elements: Elements, values: Floats) -> Floats:
+    """Values in the middle of each step, shape (N - 1, E, n)."""
+    return np.ascontiguousarray((_midpoints(elements.points)[0] @ values).swapaxes(0, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """The equation e' = A(t) e + δ(t) along a path, built once for any δ and start.
+
+    The classical method of Runge and Kutta from one point to the next: accurate to about 1e-4 of e
+    where the elements resolve the path, which is enough for an estimate and for Newton's method.
+    """
+
+    elements: Elements
+    """The division of time."""
+    matrices: tuple[Floats, Floats]
+    """A in the middle of each step and at its end, each of shape (N-1, E, n, n)."""
+    step: Floats
+    """Matrices that take e from each point to the next, shape (N-1, E, n, n)."""
+    transfer: Floats
+    """Matrices that take e from the start of an element to each point, shape (N, E, n, n)."""
+
+    @classmethod
+    def along(cls, elements: Elements, matrices: Floats) -> Linear:
+        """The equation with the matrices A at the points.
+
+        Parameters
+        ----------
+        elements
+            Division of time.
+        matrices
+            A at the points, shape (E, N, n, n).
+
+        Returns
+        -------
+        Linear
+        """
+        count, points, n, _ = matrices.shape
+        middle = _between(elements, matrices.reshape(count, points, n * n))
+        middle = middle.reshape(points - 1, count, n, n)
+        every, h, one = np.ascontiguousarray(matrices.swapaxes(0, 1)), elements.gaps, np.eye(n)
+        first, last = every[:-1], every[1:]
+        second = middle @ (one + h / 2 * first)
+        third = middle @ (one + h / 2 * second)
+        step = one + h / 6 * (first + 2 * (second + third) + last @ (one + h * third))
+        transfer = np.empty((points, count, n, n))
+        transfer[0] = one
+        for j in range(points - 1):
+            np.matmul(step[j], transfer[j], out=transfer[j + 1])
+        return cls(elements, (middle, last), step, transfer)
+
+    def solve(self, defect: Floats, start: Floats) -> Floats:
+        """The solution for a defect and a start.
+
+        Parameters
+        ----------
+        defect
+            δ at the points, shape (E, N, n).
+        start
+            e at the first edge, shape (n,).
+
+        Returns
+        -------
+        ndarray
+            e at the points, shape (E, N, n).
+        """
+        h, (middle, last) = self.elements.gaps, self.matrices
+        inner = _between(self.elements, defect)[..., None]
+        every = np.ascontiguousarray(defect.swapaxes(0, 1))[..., None]
+        second = inner + h / 2 * (middle @ every[:-1])
+        third = inner + h / 2 * (middle @ second)
+        push = h / 6 * (every[:-1] + 2 * (second + third) + every[1:] + h * (last @ third))
+        found = np.zeros(every.shape)
+        for now, then, step, more in zip(found, found[1:], self.step, push, strict=False):
+            np.matmul(step, now, out=then)
+            then += more
+        starts = np.empty(found.shape[1:])
+        at = start
+        for i, (over, own) in enumerate(zip(self.transfer[-1], found[-1, ..., 0], strict=True)):
+            starts[i, :, 0] = at
+            at = over @ at + own
+        whole = (found + self.transfer @ starts)[..., 0]
+        return np.ascontiguousarray(whole.swapaxes(0, 1))
+
+
+def carried(elements: Elements, matrices: Floats, defect: Floats, start: Floats) -> Floats:
+    """The solution of e' = A(t) e + δ(t), stiff or not, by collocation on each element.
+
+    The equation holds at all points but the first.  The end of an element is a point, so that a
+    part that decays fast is small there.
+
+    Parameters
+    ----------
+    elements
+        Division of time.
+    matrices
+        A at the points, shape (E, N, n, n).
+    defect
+        δ at the points, shape (E, N, n).
+    start
+        e at the first edge, shape (n,).
+
+    Returns
+    -------
+    ndarray
+        e at the points, shape (E, N, n).
+
+    Examples
+    --------
+    >>> some, rate = Elements(np.linspace(0.0, 1.0, 3)), -1e6
+    >>> matrices, defect = np.full((2, 16, 1, 1), rate), np.full((2, 16, 1), 1e6)
+    >>> float(carried(some, matrices, defect, np.zeros(1))[-1, -1, 0].round(9))
+    1.0
+    """
+    derivative = chebyshev(elements.points)[1]
+    count, points, n = defect.shape
+    rows = points - 1
+    table = np.zeros((count, rows, n, rows, n))
+    state, point = np.arange(n), np.arange(rows)
+    table[:, :, state, :, state] = derivative[1:, 1:] / elements.lengths[:, None, None]
+    table[:, point, :, point, :] -= np.moveaxis(matrices[:, 1:], 1, 0)
+    first = -derivative[1:, 0] / elements.lengths[:, None]
+    right = np.zeros((count, rows, n, n + 1))
+    right[..., :n] = first[:, :, None, None] * np.eye(n)
+    right[..., n] = defect[:, 1:]
+    size = rows * n
+    solved = np.linalg.solve(table.reshape(count, size, size), right.reshape(count, size, n + 1))
+    solved = solved.reshape(count, rows, n, n + 1)
+    found = np.empty(defect.shape)
+    at = start
+    for i, one in enumerate(solved):
+        found[i, 0] = at
+        found[i, 1:] = one[..., :n] @ at + one[..., n]
+        at = found[i, -1]
+    return found

@@ -1,0 +1,90 @@
+"""Several laws of which none is certain: where their motions part, when, and by how much."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from ..base.types import Floats
+from .answer import Answer
+from .rungs.track import relative
+
+SHOWN = 5
+"""Pairs of laws that the sentence names."""
+
+
+def compare(
+    parts: Mapping[str, Answer], quantities: Sequence[str], horizon: float, tolerance: float
+) -> Answer:
+    """The answers under each law, and where they part.
+
+    Parameters
+    ----------
+    parts
+        The answer under each law, with its path.
+    quantities
+        What was asked for.
+    horizon
+        Last time of the scene.
+    tolerance
+        Error that was allowed.
+
+    Returns
+    -------
+    Answer
+        Its values are by law; `estimate` is the largest difference between two laws at the end of
+        the time that they share, and it holds until two laws part.
+    """
+    known = {n: a for n, a in parts.items() if a.path is not None}
+    sentences, apart, until = [], 0.0, horizon
+    for one, other in combinations(known, 2):
+        when, far = _parted(known[one], known[other], tolerance)
+        apart = max(apart, far)
+        if when is not None:
+            until = min(until, when)
+            sentences.append(f"{one} and {other} part at {when:.4g} and end {far:.3g} apart")
+    words = "; ".join(sentences[:SHOWN]) or f"all laws agree within {tolerance:g}"
+    lost = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.path is None]
+    values = {n: _asked(a, quantities) for n, a in parts.items()}
+    models = ", ".join(a.model for a in parts.values())
+    return Answer(
+        values, models, apart, (), until, "; ".join([words, *lost]) + ".", tolerance, parts=parts
+    )
+
+
+def _asked(answer: Answer, quantities: Sequence[str]) -> Any:
+    """The value of what was asked for, without the path where it was not."""
+    if not isinstance(answer.value, dict) or "path" in quantities:
+        return answer.value
+    values = {n: v for n, v in answer.value.items() if n != "path"}
+    return next(iter(values.values())) if len(values) == 1 else values
+
+
+def _parted(one: Answer, other: Answer, tolerance: float) -> tuple[float | None, float]:
+    """Time from which two motions differ by more than the tolerance, and how far at the end.
+
+    The time is None where they never do.  Two motions that end at different times part at the
+    earlier end.
+    """
+    (s, a), (t, b) = _states(one), _states(other)
+    both = min(len(a), len(b))
+    same = np.isclose(s[:both], t[:both], rtol=1e-9, atol=0)
+    both = int(np.argmin(same)) if not same.all() else both
+    far = relative(a[:both] - b[:both], a[:both])
+    beyond = np.flatnonzero(far > tolerance)
+    if beyond.size:
+        return float(s[beyond[0]]), float(far[-1])
+    if len(s) != len(t) or both < len(s):
+        return float(min(s[-1], t[-1])), float(far[-1]) if both else math.inf
+    return None, float(far[-1])
+
+
+def _states(answer: Answer) -> tuple[Floats, Floats]:
+    """Times, and the states that all disks share, shape (m, 4)."""
+    path: Any = answer.path
+    names = ("theta", "theta_dot", "phi_dot", "omega3")
+    return path.time.values, np.stack([path[n].values for n in names], axis=-1)

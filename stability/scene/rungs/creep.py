@@ -1,0 +1,305 @@
+"""Creep along a path: the slip of a stiff viscous contact follows the motion, order by order.
+
+Slip decays within a time of 1/mu.  Until then the full model runs, in a few steps.  From there on
+the rough disk gives the motion of order 0, and the force that holds it gives the slip of order 1 as
+a function of time.  The disk held to that slip is again a motion without stiffness, a small
+correction away, with a force of its own.  Each turn costs one evaluation along the path and gains a
+factor of about 1/mu; the correction of the next order is the error of this one.
+
+Source: N. Fenichel, J. Differ. Equ. 31 (1979) 53-98, for the slow manifold; the iteration is that
+of `stability.bodies.contact_laws.Creep`, along one motion (tests/scene/test_creep_path.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...base.types import Floats
+from ...bodies.contact_laws import LinearViscous, Viscous
+from ...bodies.thin_disk.disk_equations import LEAST_RELAXATION
+from ...bodies.thin_disk.disk_model import LIFT_OFF, NO_CONTACT
+from ...bodies.thin_disk.held_disk import held_disk
+from ...integrators.dense import dense
+from ...integrators.flow import flow
+from ...integrators.leg import Leg
+from ...integrators.selection import METHODS, explicit
+from ..elements import Elements, Linear
+from .track import Problem, relative
+
+LAWS = (Viscous, LinearViscous)
+"""Laws whose slip the force gives."""
+MOST_ORDERS = 12
+"""Largest order of creep."""
+BENT = 3e-3
+"""Correction of the path above which the slopes along it are computed again."""
+STALLS = 0.7
+"""Ratio of two corrections above which the orders no longer converge."""
+LAYER = 1e-3
+"""Share of the tolerance to which the slip of the start has decayed when creep begins."""
+STEPS = 6
+"""Steps of the Taylor method in an element."""
+RESOLVED = 10.0
+"""Size of the last coefficients of an element, over the tolerance, above which it is divided."""
+SUPER = 0.1
+"""Error of a path over the last coefficients of its worst element."""
+SPLITS = 4
+"""Most divisions of an element that does not resolve the motion."""
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """The motion of one order of creep on the elements."""
+
+    path: Floats
+    """θ, θ̇, φ̇, ω₃ at the points, shape (E, N, 4)."""
+    slip: Floats
+    """The slip, shape (E, N, 2)."""
+    errors: Floats = field(default_factory=lambda: np.empty(0))
+    """What the next order changes in the six states, shape (E, N, 6)."""
+
+    @property
+    def states(self) -> Floats:
+        """The six states at the points, shape (E, N, 6)."""
+        return np.concatenate([self.path, self.slip], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class CreepPath:
+    """The orders of creep from one state on, as far as they converge."""
+
+    elements: Elements
+    """The division of time."""
+    orders: tuple[Order, ...]
+    """Orders 0, 1, …, each with its error; at least one where creep holds at all."""
+    relaxation: Floats
+    """Rate at which slip decays over that at which it is driven, at the points, shape (E, N)."""
+    valid: int
+    """Number of elements, from the first, on which the slip follows the motion."""
+    linear: Linear
+    """The equation of a small deviation along the path."""
+    unresolved: float
+    """Error of the path between and at the points, from the last coefficients of the elements."""
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """The disk held to a slip, at all points of a path."""
+
+    k: float
+    """Inertia factor."""
+    mu: float
+    """Friction coefficient."""
+    by_force: bool
+    """Whether slip follows from the force alone and not from the force over the normal force."""
+
+    def motion(self, path: Floats, slip: Floats, rate: Floats) -> tuple[Floats, Floats]:
+        """Rates of the four states, shape (E, N, 4), and forces, shape (E, N, 3)."""
+        rates, forces = self._run(0, path, slip, rate)
+        return rates, forces
+
+    def slope(self, path: Floats, slip: Floats, rate: Floats) -> Floats:
+        """Slope of the rates in the states, shape (E, N, 4, 4)."""
+        found: Floats = self._run(1, path, slip, rate)[0]
+        return found
+
+    def _run(self, which: int, path: Floats, slip: Floats, rate: Floats) -> Any:
+        columns = [list(np.moveaxis(v, -1, 0).reshape(v.shape[-1], -1)) for v in (path, slip, rate)]
+        arguments: list[list[Any]] = [columns[0], [self.k], *columns[1:]]
+        shape = path.shape[:-1]
+        found = held_disk()[which].arrays(arguments, (len(columns[0][0]),))
+        if which:
+            return [found[0].reshape(*shape, 4, 4)]
+        return [v.reshape(*shape, -1) for v in found]
+
+    def slip(self, forces: Floats) -> Floats:
+        """The slip at which the law has these forces, shape (E, N, 2)."""
+        normal = 1.0 if self.by_force else forces[..., 2:]
+        found: Floats = -forces[..., :2] / (self.mu * normal)
+        return found
+
+    def relaxation(self, forces: Floats, slip_rate: Floats) -> Floats:
+        """Rate at which slip decays over that at which the motion drives it, shape (E, N)."""
+        drag = self.mu * slip_rate
+        normal = np.ones(forces.shape[:-1]) if self.by_force else forces[..., 2]
+        found: Floats = self.mu * normal / np.sqrt(1 + (drag**2).sum(axis=-1))
+        return np.where(forces[..., 2] > 0, found, 0.0)
+
+
+def applies(problem: Problem) -> bool:
+    """Whether the law of a problem has creep."""
+    return problem.launches.law in LAWS
+
+
+def held_of(problem: Problem) -> Held:
+    """The held disk of a problem whose law has creep."""
+    return Held(float(problem.p[0]), float(problem.p[1]), problem.launches.law is LinearViscous)
+
+
+def creep_path(
+    problem: Problem, held: Held, start: Floats, begin: float, tolerance: float,
+) -> CreepPath | str:  # fmt: skip
+    """Creep from a state whose slip has decayed.
+
+    Parameters
+    ----------
+    problem
+        The problem; creep runs to its last time at most.
+    held
+        Its held disk.
+    start
+        The six states, shape (6,).
+    begin
+        Their time.
+    tolerance
+        Error at which no further order is computed.
+
+    Returns
+    -------
+    CreepPath or str
+        The reason why there is none.
+    """
+    rough = _rough(problem, held, start, begin, tolerance)
+    if isinstance(rough, str):
+        return rough
+    elements, path = rough
+    none = np.zeros((*path.shape[:-1], 2))
+    slope = held.slope(path, none, none)
+    _, forces = held.motion(path, none, none)
+    slip = held.slip(forces)
+    rate = elements.derivative(slip)
+    relaxation = held.relaxation(forces, rate)
+    valid = _follows(relaxation)
+    if valid == 0:
+        return f"slip follows the motion only {relaxation[0].min():.3g} times faster than it moves"
+    if valid < len(path):
+        elements = Elements(elements.edges[: valid + 1], elements.points)
+        path, slope, slip, none, rate = (
+            v[:valid] for v in (path, slope, slip, none, rate)
+        )  # fmt: skip
+    linear = Linear.along(elements, slope)
+    orders = _orders(held, elements, linear, path, slip, rate, tolerance)
+    if not orders:
+        return "the orders of creep do not converge"
+    unresolved = float(SUPER * elements.tails(orders[-1].states).max())
+    return CreepPath(elements, orders, relaxation[:valid], valid, linear, unresolved)
+
+
+def _orders(
+    held: Held, elements: Elements, linear: Linear, path: Floats, slip: Floats, rate: Floats,
+    tolerance: float,
+) -> tuple[Order, ...]:  # fmt: skip
+    """Orders until the error is below the tolerance, or the corrections no longer fall."""
+    found, size = [], np.inf
+    now, zero = Order(path, np.zeros_like(slip)), np.zeros(4)
+    for _ in range(MOST_ORDERS + 1):
+        rates, _ = held.motion(now.path, slip, rate)
+        change = linear.solve(rates - elements.derivative(now.path), zero)
+        then = Order(now.path + change, slip)
+        errors = np.concatenate([change, slip - now.slip], axis=-1)
+        before, size = size, float(relative(errors, then.states).max())
+        if not size < STALLS * before or not np.isfinite(size):
+            break
+        found.append(Order(now.path, now.slip, errors))
+        if size <= tolerance or size < 1e-14:
+            break
+        now = then
+        if size > BENT:
+            linear = Linear.along(elements, held.slope(now.path, slip, rate))
+        _, forces = held.motion(now.path, slip, rate)
+        if not (forces[..., 2] > 0).all():
+            break
+        slip = held.slip(forces)
+        rate = elements.derivative(slip)
+    return tuple(found)
+
+
+def _follows(relaxation: Floats) -> int:
+    """Number of elements, from the first, on which slip follows the motion."""
+    bad = np.flatnonzero(~(relaxation.min(axis=1) > LEAST_RELAXATION))
+    return int(bad[0]) if bad.size else len(relaxation)
+
+
+def _rough(
+    problem: Problem, held: Held, start: Floats, begin: float, tolerance: float
+) -> tuple[Elements, Floats] | str:
+    """The rough disk's path on elements that resolve it, up to its own end."""
+    rough = flow("rough")
+    points = int(np.clip(8 + np.ceil(-0.75 * np.log10(tolerance)), 8, 18))
+    p = np.array([held.k, np.sin(problem.flat)])
+    fine = max(1e-15, min(1e-12, tolerance / 100))
+    span = np.array([begin, problem.last])
+    leg = Leg(rough, p, rough.pack(start[:4]), span, fine, 10_000_000, problem.max_seconds)
+    run = dense(leg)
+    if len(run.steps) < 2 or not run.steps[-1] > begin:
+        return "the rough disk ends at once"
+    elements = Elements(np.append(run.steps[:-1:STEPS], run.steps[-1]), points)
+    for _ in range(SPLITS):
+        path = run.at(elements.times.ravel())[:, :4].reshape(-1, points, 4)
+        coarse = elements.tails(path) > RESOLVED * tolerance
+        if not coarse.any():
+            break
+        halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
+        elements = Elements(np.union1d(elements.edges, halves), points)
+    return elements, path
+
+
+def transient(
+    problem: Problem, held: Held, start: Floats, begin: float, tolerance: float
+) -> tuple[Floats, Floats, Any] | str:
+    """The full model until the slip of the start has decayed.
+
+    Parameters
+    ----------
+    problem, held, start, begin, tolerance
+        As for `creep_path`.
+
+    Returns
+    -------
+    times, states, end
+        Times, shape (t,), and states, shape (t, 6), of which the last begin creep; the end of the
+        run where a guard failed.  Or the reason why the slip does not decay.
+    """
+    own, p = problem.flow, problem.flow_p
+    pull = _pull(problem, held, start[None])[0]
+    apart = max(float(np.abs(start[4:6]).max()), 1.0 / held.mu)
+    needed = np.log(max(apart / (LAYER * tolerance), 1.0))
+    times, states = np.array([begin]), start[None]
+    done, now = 0.0, begin
+    for _ in range(6):
+        span = min(1.05 * (needed - done) / pull, problem.last - now)
+        if span <= 0:
+            break
+        inner = now + span * np.linspace(0, 1, 9)
+        inner[-1] = min(inner[-1], problem.last)
+        asked = problem.times[(problem.times > now) & (problem.times < inner[-1])][:1000]
+        grid = np.union1d(inner, asked)
+        leg = Leg(own, p, own.pack(states[-1]), grid, max(1e-15, min(1e-10, tolerance / 100)),
+                  100_000, problem.max_seconds)  # fmt: skip
+        run = METHODS[explicit(own)](leg)
+        times = np.concatenate([times, grid[1 : len(run.states)]])
+        states = np.concatenate([states, run.states[1:, :6]])
+        if run.end is not None:
+            return times, states, run.end
+        pulls = _pull(problem, held, run.states)
+        done += float(((pulls[1:] + pulls[:-1]) / 2 * np.diff(grid)).sum())
+        now = float(grid[-1])
+        if done >= needed or now >= problem.last:
+            break
+        pull = max(float(pulls[-1]), 1e-3 * held.mu)
+    else:
+        return "the slip of the start does not decay"
+    return times, states, None
+
+
+def _pull(problem: Problem, held: Held, states: Floats) -> Floats:
+    """Least rate at which slip decays: the inverse inertia at the rim is at least 1/m."""
+    if held.by_force:
+        return np.full(len(states), held.mu)
+    watch, places = problem.flow.quick.watch, list(problem.flow.guards)
+    lift, contact = places.index(LIFT_OFF), places.index(NO_CONTACT)
+    seen = np.array([watch(problem.flow_p, problem.flow.pack(y[:6]))[0] for y in states])
+    found: Floats = held.mu * seen[:, lift] / seen[:, contact]
+    return found

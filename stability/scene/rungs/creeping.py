@@ -1,0 +1,229 @@
+"""Creep as rungs: a transient of the full model, creep of an order, and the full model after it.
+
+The slip of the start decays first.  Creep then runs as far as slip follows the motion.  Where it no
+longer does, before a lift-off for example, the full model takes over, and creep is tried again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...base.types import Floats
+from .creep import CreepPath, Held, applies, creep_path, held_of, transient
+from .full import between, full
+from .track import Finish, Problem, Refused, Track, relative
+
+TURNS = 6
+"""Most times that creep is tried again."""
+AHEAD = 3.0
+"""Time of the full model before creep is tried again, in units of the motion's own time."""
+FINE = 1e-12
+"""Tolerance of short runs between the samples of a transient."""
+SHARE = 0.02
+"""Least share of the horizon that creep must reach."""
+
+
+def name_of(order: int) -> str:
+    """Name of a rung: the rough disk, or creep of an order.
+
+    Parameters
+    ----------
+    order
+        Order n ≥ 0.
+
+    Examples
+    --------
+    >>> name_of(0), name_of(2)
+    ('rough', 'creep-2')
+    """
+    return f"creep-{order}" if order else "rough"
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A stretch of a track by one model."""
+
+    begin: float
+    """Its first time."""
+    end: float
+    """Its last time."""
+    states: Callable[[Floats], Floats]
+    """States at times in it."""
+    errors: Callable[[Floats], Floats]
+    """Errors at times in it."""
+
+
+@dataclass(eq=False)
+class Climb:
+    """The way through a problem by pieces, as far as it is known."""
+
+    problem: Problem
+    """The problem."""
+    held: Held
+    """The held disk of its law."""
+    now: float = 0.0
+    """Time reached."""
+    state: Floats = field(default_factory=lambda: np.empty(0))
+    """State reached, shape (6,)."""
+    carried: Floats = field(default_factory=lambda: np.zeros(6))
+    """Its error, shape (6,)."""
+    pieces: list[Piece] = field(default_factory=list)
+    """The pieces so far."""
+    notes: list[str] = field(default_factory=list)
+    """What happened, in sentences."""
+    orders: dict[str, float] = field(default_factory=dict)
+    """Largest error of each order of creep that was computed."""
+    highest: int = -1
+    """Largest order used."""
+    relaxation: float = np.inf
+    """Least rate of decay of slip over that of its drive, on the stretches of creep."""
+    finish: Finish | None = None
+    """The end before the horizon."""
+    steps: int = 0
+    """Steps of the full model."""
+
+
+def creeping(problem: Problem) -> tuple[dict[str, float], str, Track | Refused]:
+    """The lowest order of creep whose error is below the tolerance, with what is before and after.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+
+    Returns
+    -------
+    orders, name, track
+        Error of each order that was computed, by name; the order chosen; its track, or the reason
+        why there is none.
+    """
+    if not applies(problem):
+        word = "the law" if problem.launches.law is None else problem.launches.law.name
+        return {}, "creep", Refused(f"{word} has no creep: its slip does not decay at a rate mu")
+    climb = Climb(problem, held_of(problem), state=problem.start)
+    why = ""
+    for turn in range(TURNS):
+        why = _forward(climb)
+        if why and turn == 0:
+            return climb.orders, "creep", Refused(why, _indicators(climb))
+        if climb.finish is not None or climb.now >= problem.last:
+            break
+        ahead = climb.now + AHEAD * (turn + 1) / problem.pace
+        last = problem.last if turn == TURNS - 1 or ahead >= problem.last else ahead
+        _by_full(climb, last)
+        if climb.finish is not None or climb.now >= problem.last:
+            break
+    track = _joined(climb)
+    return climb.orders, name_of(climb.highest), track
+
+
+def _indicators(climb: Climb) -> dict[str, float]:
+    return {"relaxation": climb.relaxation} if np.isfinite(climb.relaxation) else {}
+
+
+def _forward(climb: Climb) -> str:
+    """A transient, and creep as far as it holds; the reason where it does not hold at all."""
+    problem, tolerance = climb.problem, climb.problem.tolerance
+    early = transient(problem, climb.held, climb.state, climb.now, tolerance)
+    if isinstance(early, str):
+        return early
+    times, states, end = early
+    if end is not None:
+        return "a guard of the full model fails before the slip has decayed"
+    path: CreepPath | str
+    if times[-1] >= problem.last:
+        return "the horizon ends before the slip has decayed"
+    path = creep_path(problem, climb.held, states[-1], float(times[-1]), tolerance)
+    if isinstance(path, str):
+        return path
+    edges = path.elements.edges
+    if edges[-1] - climb.now < SHARE * (problem.last - climb.now):
+        return f"slip follows the motion only up to {edges[-1]:.4g}"
+    _use(climb, times, states, path)
+    return ""
+
+
+def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
+    """Add the transient and the lowest order of creep that is fine enough."""
+    elements, tolerance = path.elements, climb.problem.tolerance
+    deviation = np.zeros((*path.orders[0].path.shape[:-1], 6))
+    if climb.carried.any():
+        along = path.linear.solve(np.zeros_like(deviation[..., :4]), climb.carried[:4])
+        deviation[..., :4] = along
+    sizes = []
+    for i, order in enumerate(path.orders):
+        size = relative(order.errors + deviation, order.states)
+        sizes.append(size + path.unresolved)
+        name = name_of(i)
+        climb.orders[name] = max(climb.orders.get(name, 0.0), float(sizes[-1].max()))
+    fine = [i for i, size in enumerate(sizes) if size.max() <= tolerance]
+    best = fine[0] if fine else int(np.argmin([size.max() for size in sizes]))
+    chosen, size = path.orders[best], sizes[best]
+    six, first = chosen.states, float(times[-1])
+
+    def early(asked: Floats) -> Floats:
+        return between(climb.problem, times, states, asked, FINE)
+
+    small = float(relative(climb.carried, states[0]))
+    climb.pieces += [
+        Piece(climb.now, first, early, lambda asked: np.full(len(asked), small)),
+        Piece(first, float(elements.edges[-1]), lambda asked: elements.at(asked, six),
+              lambda asked: elements.at(asked, size[..., None])[:, 0]),
+    ]  # fmt: skip
+    climb.notes += [
+        f"the full model to {first:.4g}, until the slip of the start has decayed",
+        f"{name_of(best)} to {elements.edges[-1]:.6g} on {len(six)} elements",
+    ]
+    climb.highest = max(climb.highest, best)
+    climb.relaxation = min(climb.relaxation, float(path.relaxation.min()))
+    climb.now, climb.state = float(elements.edges[-1]), six[-1, -1]
+    climb.carried = (chosen.errors + deviation)[-1, -1]
+
+
+def _by_full(climb: Climb, last: float) -> None:
+    """The full model from where creep no longer holds."""
+    track = full(climb.problem, climb.now, climb.state, climb.carried, last)
+    climb.pieces.append(Piece(
+        climb.now, float(track.times[-1]), track.at,
+        lambda asked: np.interp(asked, track.times, track.errors),
+    ))  # fmt: skip
+    climb.notes.append(f"the full model to {track.times[-1]:.6g}, where slip is not bound")
+    climb.steps += track.steps
+    climb.finish = track.finish
+    climb.now, climb.state = float(track.times[-1]), track.states[-1]
+    climb.carried = climb.carried * 0 + track.errors[-1] / max(1.0, 6**0.5)
+
+
+def _joined(climb: Climb) -> Track | Refused:
+    """One track from the pieces."""
+    if not climb.pieces:
+        return Refused("creep reaches nothing")
+    pieces, problem = climb.pieces, climb.problem
+    last = climb.now
+    times = problem.times[problem.times <= last]
+    if climb.finish is not None and (not len(times) or times[-1] < last):
+        times = np.append(times, last)
+    begins = np.array([p.begin for p in pieces])
+
+    def gather(asked: Floats, of: Callable[[Piece], Callable[[Floats], Floats]]) -> Floats:
+        which = np.clip(np.searchsorted(begins, asked, side="right") - 1, 0, len(pieces) - 1)
+        found: list[Floats] = []
+        for i in np.unique(which):
+            mine = asked[which == i]
+            found.append(of(pieces[i])(np.clip(mine, pieces[i].begin, pieces[i].end)))
+        return np.concatenate(found)  # the times rise, and so do the pieces
+
+    def at(asked: Floats) -> Floats:
+        order = np.argsort(asked, kind="stable")
+        found = np.empty((len(asked), 6))
+        found[order] = gather(asked[order], lambda piece: piece.states)
+        return found
+
+    errors = gather(times, lambda piece: piece.errors)
+    return Track(
+        times, at(times), errors, at, climb.finish, climb.steps, tuple(climb.notes),
+        _indicators(climb),
+    )  # fmt: skip

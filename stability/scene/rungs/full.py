@@ -1,0 +1,164 @@
+"""The full model of a scene: the law that is taken for the truth, with neighbours for its error."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...base.types import Floats
+from ...motion.result import Outcome, Result, Settings
+from ...motion.run import results
+from .track import Finish, Problem, Track, relative
+
+FIRST, SHARPER, FINEST = 1e-2, 1e-3, 1e-15
+"""Tolerance of the integrator over that of the scene; the factor of the next; the smallest."""
+COARSEST = 1e-7
+"""Largest tolerance of the integrator: above it an error does not scale with the tolerance."""
+SAFETY = 5.0
+"""Factor on the distance of a finer neighbour."""
+LASTING = (Outcome.MOVING, Outcome.SETTLED)
+
+
+def full(
+    problem: Problem, begin: float = 0.0, start: Floats | None = None,
+    carried: Floats | None = None, last: float | None = None,
+) -> Track:  # fmt: skip
+    """The track of the full model, at tolerances that fall until the error is small enough.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    begin, start
+        Time and states from which the model runs; the problem's own if left out.
+    carried
+        Error of that state, shape (s,): a second run from the displaced state carries it on.
+    last
+        Time at which the run ends; that of the problem if left out.
+
+    Returns
+    -------
+    Track
+        With the smallest error that was found, and a note if that is above the tolerance.
+    """
+    end = problem.last if last is None else last
+    times = problem.times[(problem.times >= begin) & (problem.times < end)]
+    times = np.append(times, end) - begin
+    state = problem.start if start is None else start
+    asked = max(FINEST, min(COARSEST, FIRST * problem.tolerance))
+    best: Track | None = None
+    while True:
+        track = _run(problem, begin, state, times, asked, carried)
+        if best is None or track.errors[-1] <= best.errors[-1]:
+            best = track
+        if track.errors[-1] <= problem.tolerance or asked <= FINEST:
+            return best
+        asked = max(FINEST, asked * SHARPER)
+
+
+def _settings(problem: Problem, tolerance: float, *, check: bool) -> Settings:
+    return Settings(
+        "auto", tolerance, False, problem.flat, problem.settle, 1_000_000, 1, check,
+        problem.max_seconds,
+    )  # fmt: skip
+
+
+def _results(
+    problem: Problem, states: Floats, times: Floats, tolerance: float, *, check: bool
+) -> list[Result]:
+    """Runs of the full model from some states, at times after theirs."""
+    clock = float(problem.launches.scales["time"])
+    many = (len(states),)
+    launches = replace(
+        problem.launches, starts=states, times=times * clock, shape=many,
+        p=np.broadcast_to(problem.p, (*many, len(problem.p))).copy(),
+    )  # fmt: skip
+    return results(launches, _settings(problem, tolerance, check=check))
+
+
+def _run(
+    problem: Problem, begin: float, start: Floats, times: Floats, tolerance: float,
+    carried: Floats | None,
+) -> Track:  # fmt: skip
+    [one] = _results(problem, start[None], times, tolerance, check=True)
+    track = _track(problem, begin, times, one, tolerance)
+    if carried is None or not np.abs(carried).any():
+        return track
+    [other] = _results(problem, (start + carried)[None], times, tolerance, check=False)
+    away = problem.flow.reported(other.path.states)[int(times[0] != 0) :]
+    both = min(len(away), len(track.states))
+    more = relative(away[:both] - track.states[:both], track.states[:both])
+    more = np.append(more, np.full(len(track.states) - both, more.max(initial=0.0)))
+    finish = track.finish
+    if finish is not None:
+        late = abs(other.time + begin - finish.time)
+        same = other.outcome.word == finish.kind
+        finish = replace(finish, error=finish.error + late if same else np.inf)
+    return replace(track, errors=track.errors + more, finish=finish)
+
+
+def _track(problem: Problem, begin: float, times: Floats, one: Result, tolerance: float) -> Track:
+    """The samples of a result, and its end as the last of them."""
+    reported = problem.flow.reported(one.path.states)[int(times[0] != 0) :]
+    when = times[: len(reported)] + begin
+    size = np.inf if one.doubt is None else one.doubt.final_error
+    finish = None
+    if one.outcome not in LASTING:
+        late = 0.0 if one.doubt is None else one.doubt.time_error
+        finish = Finish(one.outcome.word, one.time + begin, late, one.evidence)
+        if one.path.end is not None and (not len(when) or when[-1] < finish.time):
+            when = np.append(when, finish.time)
+            reported = np.vstack([reported, problem.flow.reported(one.final)[None]])
+    if not np.isfinite(size) and one.outcome is Outcome.UNRESOLVED:
+        size = np.inf
+    errors = np.full(len(when), size)
+    errors[when == 0.0] = 0.0
+
+    def at(asked: Floats) -> Floats:
+        return between(problem, when, reported, asked, tolerance)
+
+    notes = (one.choice.reason,) if one.choice.reason else ()
+    return Track(when, reported, errors, at, finish, one.path.steps, notes)
+
+
+def between(
+    problem: Problem, when: Floats, states: Floats, asked: Floats, tolerance: float
+) -> Floats:
+    """States of the full model at any times: short runs from the samples before them.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    when, states
+        Times and states of the samples, shapes (m,) and (m, s).
+    asked
+        Times between the first and the last, shape (t,).
+    tolerance
+        Tolerance of the integrator.
+
+    Returns
+    -------
+    ndarray
+        Shape (t, s).
+    """
+    when_there = np.isin(asked, when)
+    if when_there.all():
+        return states[np.searchsorted(when, asked)]
+    found = np.empty((len(asked), states.shape[1]))
+    before = np.clip(np.searchsorted(when, asked, side="right") - 1, 0, len(when) - 1)
+    for i in np.unique(before):
+        mine = np.flatnonzero(before == i)
+        later, places = np.unique(asked[mine] - when[i], return_inverse=True)
+        later = np.maximum(later, 0.0)
+        rows = np.tile(states[i], (len(later), 1))
+        ahead = later > 0
+        if ahead.any():
+            [run] = _results(problem, states[i][None], later[ahead], tolerance, check=False)
+            path = problem.flow.reported(run.path.states)[1:]
+            fill = np.tile(problem.flow.reported(run.final), (int(ahead.sum()), 1))
+            fill[: len(path)] = path[: len(fill)]
+            rows[ahead] = fill
+        found[mine] = rows[places]
+    return found

@@ -1,0 +1,107 @@
+"""How far uncertain inputs move an answer, by the model that gave it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+WASTED = 0.1
+"""Share of the spread below which a finer model or tolerance is wasted."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The answers at the ends of each uncertain input, the others held."""
+
+    inputs: Mapping[str, float]
+    """Half-width of each input: relative for a parameter, absolute for a state."""
+    moves: Mapping[str, Mapping[str, float]]
+    """Largest change of each quantity, over 1 or its size, by quantity and input."""
+    outcomes: Mapping[str, tuple[str, ...]]
+    """Outcomes at the two ends of each input."""
+    contrary: tuple[str, ...]
+    """Inputs within whose uncertainty the outcome changes."""
+    tolerance: float
+    """Tolerance of the scene."""
+
+    @property
+    def size(self) -> float:
+        """The root of the sum of squares of all changes, the largest over the quantities."""
+        every = [
+            math.sqrt(sum(v**2 for v in moved.values() if math.isfinite(v)))
+            for moved in self.moves.values()
+        ]
+        return max(every, default=0.0)
+
+    @property
+    def wasted(self) -> bool:
+        """Whether the tolerance is finer than a tenth of what the inputs allow to know."""
+        return self.tolerance < WASTED * self.size
+
+    def lines(self) -> list[str]:
+        """The spread in words, one line for each fact."""
+        found = []
+        for name, moved in self.moves.items():
+            found += [
+                f"  {given} ± {self.inputs[given]:g} moves {name} by {size:.2g}"
+                for given, size in moved.items()
+                if math.isfinite(size)
+            ]
+        for given in self.contrary:
+            ends = " or ".join(dict.fromkeys(self.outcomes[given]))
+            found.append(f"  {given} ± {self.inputs[given]:g} gives {ends}")
+        if self.contrary:
+            found.append(
+                "  the outcome is not determined by what is known: it changes within the "
+                f"uncertainty of {' and of '.join(self.contrary)}"
+            )
+        elif self.wasted:
+            found.append(
+                f"  a tolerance of {self.tolerance:g} is wasted: the inputs alone move the answer "
+                f"by {self.size:.2g}, and {WASTED * self.size:.1g} is enough"
+            )
+        return found
+
+
+Ask = Callable[[str, float], tuple[dict[str, Any], str]]
+"""(input, change) → values of numbers and states by quantity, and the outcome."""
+
+
+def spread(
+    inputs: Mapping[str, float], base: dict[str, Any], word: str, ask: Ask, tolerance: float,
+    distance: Callable[[str, Any, Any], float],
+) -> Spread:  # fmt: skip
+    """Ask again at both ends of each input.
+
+    Parameters
+    ----------
+    inputs
+        Half-widths by name.
+    base
+        The values of the scene itself.
+    word
+        Its outcome.
+    ask
+        Function that answers with one input changed.
+    tolerance
+        Tolerance of the scene.
+    distance
+        Function of (quantity, value, other) → their relative distance.
+
+    Returns
+    -------
+    Spread
+    """
+    moves: dict[str, dict[str, float]] = {name: {} for name in base}
+    outcomes, contrary = {}, []
+    for name, width in inputs.items():
+        ends = [ask(name, sign * width) for sign in (-1.0, 1.0)]
+        for quantity, value in base.items():
+            far = [distance(quantity, value, other[quantity]) for other, _ in ends]
+            moves[quantity][name] = max(far)
+        outcomes[name] = tuple(told for _, told in ends)
+        if any(told != word for told in outcomes[name]):
+            contrary.append(name)
+    return Spread(dict(inputs), moves, outcomes, tuple(contrary), tolerance)
