@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,10 +58,15 @@ class Answer:
     """How far the uncertain inputs alone move the answer; None where none were given."""
     true_error: Any = None
     """Largest difference from the full model at a fine tolerance; only after `verify`."""
-    path: xarray.Dataset | None = None
-    """The motion, with units; None for a linear question."""
     parts: Mapping[str, Answer] = field(default_factory=dict)
     """The answer under each law, where the scene has several."""
+    motion: tuple[Problem, Track] | None = field(default=None, repr=False)
+    """The dimensionless problem and its track; None where there is no motion."""
+
+    @cached_property
+    def path(self) -> xarray.Dataset | None:
+        """The motion, with units and an error at each time; None where there is none."""
+        return None if self.motion is None else dataset(*self.motion, self.model)
 
     @property
     def chosen(self) -> Rung | None:

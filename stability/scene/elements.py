@@ -75,6 +75,10 @@ class Elements:
     points: int = POINTS
     """Points of each element."""
 
+    def first(self, count: int) -> Elements:
+        """The first elements alone."""
+        return Elements(self.edges[: count + 1], self.points)
+
     @cached_property
     def lengths(self) -> Floats:
         """Lengths of the elements, shape (E,)."""
@@ -219,6 +223,14 @@ class Linear:
         for j in range(points - 1):
             np.matmul(step[j], transfer[j], out=transfer[j + 1])
         return cls(elements, (middle, last), step, transfer)
+
+    def first(self, count: int) -> Linear:
+        """The equation on the first elements alone."""
+        middle, last = self.matrices
+        return Linear(
+            self.elements.first(count), (middle[:, :count], last[:, :count]),
+            self.step[:, :count], self.transfer[:, :count],
+        )  # fmt: skip
 
     def solve(self, defect: Floats, start: Floats) -> Floats:
         """The solution for a defect and a start.

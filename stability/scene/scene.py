@@ -21,7 +21,7 @@ from .answer import Answer, dataset, in_units
 from .ladder import Climbed, climb
 from .laws import compare
 from .questions import QUESTIONS
-from .rungs.full import full
+from .rungs.full import full, kept_until
 from .rungs.reduced import ReducedModel
 from .rungs.track import MOST_SAMPLES, SPACING, Problem, relative
 from .uncertain import Spread, spread
@@ -244,16 +244,15 @@ class Scene:
         until = self.horizon if track.finish is None else track.finish.time * clock
         enough = next(r.estimate for r in found.rungs if r.chosen) <= 1
         if not enough:
-            until = min(until, _held(problem) * clock)
-        path = dataset(problem, track, found.model)
+            until = min(until, kept_until(problem) * clock)
         if "path" in values:
-            values["path"] = path
+            values["path"] = dataset(problem, track, found.model)
         one = len(values) == 1
         return Answer(
             next(iter(values.values())) if one else values, found.model,
             next(iter(errors.values())) if one else errors, found.rungs, until,
             self._sentence(problem, found, until, enough=enough), self.tolerance,
-            notes=track.notes, path=path,
+            notes=track.notes, motion=(problem, track),
         )  # fmt: skip
 
     def _sentence(self, problem: Problem, found: Climbed, until: float, *, enough: bool) -> str:
@@ -342,15 +341,3 @@ def _distance(name: str, value: Any, other: Any) -> float:  # noqa: ARG001
     count = min(len(a), len(b)) if a.ndim > 1 else None
     a, b = (a, b) if count is None else (a[:count], b[:count])
     return float(np.max(relative(b - a, a)))
-
-
-def _held(problem: Problem) -> float:
-    """The time up to which the full model keeps the tolerance, by halving the horizon."""
-    last = problem.last
-    for _ in range(12):
-        last /= 2
-        short = replace(problem, times=np.array([0.0, last]))
-        track = full(short)
-        if track.finish is None and track.errors[-1] <= problem.tolerance:
-            return last
-    return 0.0

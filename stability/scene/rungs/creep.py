@@ -27,7 +27,7 @@ from ...integrators.flow import flow
 from ...integrators.leg import Leg
 from ...integrators.selection import METHODS, explicit
 from ..elements import Elements, Linear
-from .track import Problem, relative
+from .track import Problem, decade, relative
 
 LAWS = (Viscous, LinearViscous)
 """Laws whose slip the force gives."""
@@ -35,6 +35,8 @@ MOST_ORDERS = 12
 """Largest order of creep."""
 BENT = 3e-3
 """Correction of the path above which the slopes along it are computed again."""
+WINDOW = 0.1
+"""Distance of the rough path at which creep starts again from its own state."""
 STALLS = 0.7
 """Ratio of two corrections above which the orders no longer converge."""
 LAYER = 1e-3
@@ -76,8 +78,8 @@ class CreepPath:
     """Orders 0, 1, …, each with its error; at least one where creep holds at all."""
     relaxation: Floats
     """Rate at which slip decays over that at which it is driven, at the points, shape (E, N)."""
-    valid: int
-    """Number of elements, from the first, on which the slip follows the motion."""
+    bound: bool
+    """Whether the slip still follows the motion at the end: creep may go on from there."""
     linear: Linear
     """The equation of a small deviation along the path."""
     unresolved: float
@@ -139,20 +141,20 @@ def held_of(problem: Problem) -> Held:
 
 
 def creep_path(
-    problem: Problem, held: Held, start: Floats, begin: float, tolerance: float,
+    problem: Problem, held: Held, start: Floats, begin: float, last: float, tolerance: float,
 ) -> CreepPath | str:  # fmt: skip
     """Creep from a state whose slip has decayed.
 
     Parameters
     ----------
     problem
-        The problem; creep runs to its last time at most.
+        The problem.
     held
         Its held disk.
     start
         The six states, shape (6,).
-    begin
-        Their time.
+    begin, last
+        Their time, and the time to which creep runs at most.
     tolerance
         Error at which no further order is computed.
 
@@ -161,7 +163,7 @@ def creep_path(
     CreepPath or str
         The reason why there is none.
     """
-    rough = _rough(problem, held, start, begin, tolerance)
+    rough = _rough(problem, held, start, begin, last, tolerance)
     if isinstance(rough, str):
         return rough
     elements, path = rough
@@ -174,25 +176,32 @@ def creep_path(
     valid = _follows(relaxation)
     if valid == 0:
         return f"slip follows the motion only {relaxation[0].min():.3g} times faster than it moves"
-    if valid < len(path):
-        elements = Elements(elements.edges[: valid + 1], elements.points)
-        path, slope, slip, none, rate = (
-            v[:valid] for v in (path, slope, slip, none, rate)
-        )  # fmt: skip
-    linear = Linear.along(elements, slope)
-    orders = _orders(held, elements, linear, path, slip, rate, tolerance)
+    bound = valid == len(path)
+    linear = Linear.along(elements.first(valid), slope[:valid])
+    near = _window(held, linear, path[:valid], slip[:valid], rate[:valid])
+    if near < valid:
+        valid, bound, linear = near, True, linear.first(near)
+    orders = _orders(held, linear, path[:valid], slip[:valid], rate[:valid], tolerance)
     if not orders:
         return "the orders of creep do not converge"
+    elements = linear.elements
     unresolved = float(SUPER * elements.tails(orders[-1].states).max())
-    return CreepPath(elements, orders, relaxation[:valid], valid, linear, unresolved)
+    return CreepPath(elements, orders, relaxation[:valid], bound, linear, unresolved)
+
+
+def _window(held: Held, linear: Linear, path: Floats, slip: Floats, rate: Floats) -> int:
+    """Number of elements, one at least, on which the rough path is near: there orders converge."""
+    rates, _ = held.motion(path, slip, rate)
+    change = linear.solve(rates - linear.elements.derivative(path), np.zeros(4))
+    far = np.flatnonzero(~(relative(change, path).max(axis=1) < WINDOW))
+    return max(1, int(far[0])) if far.size else len(path)
 
 
 def _orders(
-    held: Held, elements: Elements, linear: Linear, path: Floats, slip: Floats, rate: Floats,
-    tolerance: float,
-) -> tuple[Order, ...]:  # fmt: skip
+    held: Held, linear: Linear, path: Floats, slip: Floats, rate: Floats, tolerance: float
+) -> tuple[Order, ...]:
     """Orders until the error is below the tolerance, or the corrections no longer fall."""
-    found, size = [], np.inf
+    found, size, elements = [], np.inf, linear.elements
     now, zero = Order(path, np.zeros_like(slip)), np.zeros(4)
     for _ in range(MOST_ORDERS + 1):
         rates, _ = held.motion(now.path, slip, rate)
@@ -223,14 +232,14 @@ def _follows(relaxation: Floats) -> int:
 
 
 def _rough(
-    problem: Problem, held: Held, start: Floats, begin: float, tolerance: float
+    problem: Problem, held: Held, start: Floats, begin: float, last: float, tolerance: float
 ) -> tuple[Elements, Floats] | str:
     """The rough disk's path on elements that resolve it, up to its own end."""
     rough = flow("rough")
     points = int(np.clip(8 + np.ceil(-0.75 * np.log10(tolerance)), 8, 18))
     p = np.array([held.k, np.sin(problem.flat)])
-    fine = max(1e-15, min(1e-12, tolerance / 100))
-    span = np.array([begin, problem.last])
+    fine = decade(tolerance / 100, most=1e-12)
+    span = np.array([begin, last])
     leg = Leg(rough, p, rough.pack(start[:4]), span, fine, 10_000_000, problem.max_seconds)
     run = dense(leg)
     if len(run.steps) < 2 or not run.steps[-1] > begin:
@@ -276,7 +285,7 @@ def transient(
         inner[-1] = min(inner[-1], problem.last)
         asked = problem.times[(problem.times > now) & (problem.times < inner[-1])][:1000]
         grid = np.union1d(inner, asked)
-        leg = Leg(own, p, own.pack(states[-1]), grid, max(1e-15, min(1e-10, tolerance / 100)),
+        leg = Leg(own, p, own.pack(states[-1]), grid, decade(tolerance / 100, most=1e-10),
                   100_000, problem.max_seconds)  # fmt: skip
         run = METHODS[explicit(own)](leg)
         times = np.concatenate([times, grid[1 : len(run.states)]])

@@ -23,7 +23,11 @@ AHEAD = 3.0
 FINE = 1e-12
 """Tolerance of short runs between the samples of a transient."""
 SHARE = 0.02
-"""Least share of the horizon that creep must reach."""
+"""Least share of the horizon that creep must reach before slip is free again."""
+PATIENCE = 0.1
+"""Share of the horizon that the full model runs before creep holds for the first time."""
+SHARE_OF_WINDOW = 0.1
+"""Share of the tolerance for one of several stretches of creep."""
 
 
 def name_of(order: int) -> str:
@@ -84,6 +88,10 @@ class Climb:
     """The end before the horizon."""
     steps: int = 0
     """Steps of the full model."""
+    bound: bool = False
+    """Whether the slip follows the motion already: no transient is needed."""
+    reach: float = np.inf
+    """Length of time that creep tries at once."""
 
 
 def creeping(problem: Problem) -> tuple[dict[str, float], str, Track | Refused]:
@@ -104,20 +112,23 @@ def creeping(problem: Problem) -> tuple[dict[str, float], str, Track | Refused]:
         word = "the law" if problem.launches.law is None else problem.launches.law.name
         return {}, "creep", Refused(f"{word} has no creep: its slip does not decay at a rate mu")
     climb = Climb(problem, held_of(problem), state=problem.start)
-    why = ""
-    for turn in range(TURNS):
-        why = _forward(climb)
-        if why and turn == 0:
+    turns, why = 0, ""
+    while climb.finish is None and climb.now < problem.last:
+        before = climb.now
+        said = _forward(climb)
+        if not said and climb.now > before:
+            continue
+        why, climb.bound = why or said, False
+        turns += 1
+        if turns > TURNS:
+            break
+        ahead = climb.now + AHEAD * turns / problem.pace
+        if climb.highest < 0 and ahead - climb.now > PATIENCE * problem.last:
             return climb.orders, "creep", Refused(why, _indicators(climb))
-        if climb.finish is not None or climb.now >= problem.last:
-            break
-        ahead = climb.now + AHEAD * (turn + 1) / problem.pace
-        last = problem.last if turn == TURNS - 1 or ahead >= problem.last else ahead
-        _by_full(climb, last)
-        if climb.finish is not None or climb.now >= problem.last:
-            break
-    track = _joined(climb)
-    return climb.orders, name_of(climb.highest), track
+        _by_full(climb, problem.last if turns == TURNS else min(ahead, problem.last))
+    if climb.highest < 0:
+        return climb.orders, "creep", Refused(why or "creep reaches nothing", _indicators(climb))
+    return climb.orders, name_of(climb.highest), _joined(climb)
 
 
 def _indicators(climb: Climb) -> dict[str, float]:
@@ -127,22 +138,27 @@ def _indicators(climb: Climb) -> dict[str, float]:
 def _forward(climb: Climb) -> str:
     """A transient, and creep as far as it holds; the reason where it does not hold at all."""
     problem, tolerance = climb.problem, climb.problem.tolerance
-    early = transient(problem, climb.held, climb.state, climb.now, tolerance)
-    if isinstance(early, str):
-        return early
-    times, states, end = early
-    if end is not None:
-        return "a guard of the full model fails before the slip has decayed"
-    path: CreepPath | str
-    if times[-1] >= problem.last:
-        return "the horizon ends before the slip has decayed"
-    path = creep_path(problem, climb.held, states[-1], float(times[-1]), tolerance)
+    times, states = np.array([climb.now]), climb.state[None]
+    if not climb.bound:
+        early = transient(problem, climb.held, climb.state, climb.now, tolerance)
+        if isinstance(early, str):
+            return early
+        times, states, end = early
+        if end is not None:
+            return "a guard of the full model fails before the slip has decayed"
+        if times[-1] >= problem.last:
+            return "the horizon ends before the slip has decayed"
+    begin = float(times[-1])
+    last = min(problem.last, begin + climb.reach)
+    fine = tolerance if climb.bound or climb.reach == np.inf else SHARE_OF_WINDOW * tolerance
+    path = creep_path(problem, climb.held, states[-1], begin, last, fine)
     if isinstance(path, str):
         return path
-    edges = path.elements.edges
-    if edges[-1] - climb.now < SHARE * (problem.last - climb.now):
-        return f"slip follows the motion only up to {edges[-1]:.4g}"
+    done = path.elements.edges[-1]
+    if not path.bound and done - climb.now < SHARE * (problem.last - climb.now):
+        return f"slip follows the motion only up to {done:.4g}"
     _use(climb, times, states, path)
+    climb.bound, climb.reach = path.bound, 2 * (done - begin)
     return ""
 
 
@@ -159,7 +175,8 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
         sizes.append(size + path.unresolved)
         name = name_of(i)
         climb.orders[name] = max(climb.orders.get(name, 0.0), float(sizes[-1].max()))
-    fine = [i for i, size in enumerate(sizes) if size.max() <= tolerance]
+    left = tolerance if elements.edges[-1] >= climb.problem.last else SHARE_OF_WINDOW * tolerance
+    fine = [i for i, size in enumerate(sizes) if size.max() <= left]
     best = fine[0] if fine else int(np.argmin([size.max() for size in sizes]))
     chosen, size = path.orders[best], sizes[best]
     six, first = chosen.states, float(times[-1])
@@ -168,19 +185,21 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
         return between(climb.problem, times, states, asked, FINE)
 
     small = float(relative(climb.carried, states[0]))
+    if first > climb.now:
+        still = Piece(climb.now, first, early, lambda asked: np.full(len(asked), small))
+        climb.pieces.append(still)
     climb.pieces += [
-        Piece(climb.now, first, early, lambda asked: np.full(len(asked), small)),
         Piece(first, float(elements.edges[-1]), lambda asked: elements.at(asked, six),
               lambda asked: elements.at(asked, size[..., None])[:, 0]),
     ]  # fmt: skip
-    climb.notes += [
-        f"the full model to {first:.4g}, until the slip of the start has decayed",
-        f"{name_of(best)} to {elements.edges[-1]:.6g} on {len(six)} elements",
-    ]
+    if first > climb.now:
+        climb.notes.append(f"the full model to {first:.4g}, until the slip has decayed")
+    climb.notes.append(f"{name_of(best)} to {elements.edges[-1]:.6g} on {len(six)} elements")
     climb.highest = max(climb.highest, best)
     climb.relaxation = min(climb.relaxation, float(path.relaxation.min()))
     climb.now, climb.state = float(elements.edges[-1]), six[-1, -1]
-    climb.carried = (chosen.errors + deviation)[-1, -1]
+    last = (chosen.errors + deviation)[-1, -1]
+    climb.carried = last + np.copysign(path.unresolved, last)
 
 
 def _by_full(climb: Climb, last: float) -> None:
@@ -197,10 +216,8 @@ def _by_full(climb: Climb, last: float) -> None:
     climb.carried = climb.carried * 0 + track.errors[-1] / max(1.0, 6**0.5)
 
 
-def _joined(climb: Climb) -> Track | Refused:
+def _joined(climb: Climb) -> Track:
     """One track from the pieces."""
-    if not climb.pieces:
-        return Refused("creep reaches nothing")
     pieces, problem = climb.pieces, climb.problem
     last = climb.now
     times = problem.times[problem.times <= last]

@@ -9,14 +9,19 @@ import numpy as np
 from ...base.types import Floats
 from ...motion.result import Outcome, Result, Settings
 from ...motion.run import results
-from .track import Finish, Problem, Track, relative
+from .track import Finish, Problem, Track, decade, relative
 
-FIRST, SHARPER, FINEST = 1e-2, 1e-3, 1e-15
-"""Tolerance of the integrator over that of the scene; the factor of the next; the smallest."""
+FIRST, STIFF, SHARPER, FINEST = 1e-5, 1e-2, 1e-3, 1e-15
+"""Tolerance of the integrator over that of the scene, for an explicit method, whose cost hardly
+depends on it, and for a stiff motion; the factor of the next; the smallest."""
 COARSEST = 1e-7
 """Largest tolerance of the integrator: above it an error does not scale with the tolerance."""
-SAFETY = 5.0
-"""Factor on the distance of a finer neighbour."""
+FALL = 0.7
+"""Power of the tolerance with which an error falls at least."""
+SLOW = 300.0
+"""Friction, over the rate of the motion, above which a motion counts as stiff."""
+LOOKS, SAFETY = 201, 5.0
+"""Times at which two runs are compared, and the factor on their distance."""
 LASTING = (Outcome.MOVING, Outcome.SETTLED)
 
 
@@ -46,15 +51,44 @@ def full(
     times = problem.times[(problem.times >= begin) & (problem.times < end)]
     times = np.append(times, end) - begin
     state = problem.start if start is None else start
-    asked = max(FINEST, min(COARSEST, FIRST * problem.tolerance))
+    first = STIFF if _stiff(problem) else FIRST
+    asked = decade(first * problem.tolerance, FINEST, COARSEST)
     best: Track | None = None
     while True:
         track = _run(problem, begin, state, times, asked, carried)
         if best is None or track.errors[-1] <= best.errors[-1]:
             best = track
-        if track.errors[-1] <= problem.tolerance or asked <= FINEST:
+        hope = track.errors[-1] * (FINEST / asked) ** FALL
+        if track.errors[-1] <= problem.tolerance or asked <= FINEST or hope > problem.tolerance:
             return best
-        asked = max(FINEST, asked * SHARPER)
+        asked = decade(asked * SHARPER, FINEST)
+
+
+def kept_until(problem: Problem) -> float:
+    """The time up to which two fine runs of the full model agree within the tolerance.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    """
+    times = np.linspace(0.0, problem.last, LOOKS)
+    one, other = (
+        problem.flow.reported(run.path.states)
+        for tolerance in (100 * FINEST, FINEST)
+        for run in _results(problem, problem.start[None], times, tolerance, check=False)
+    )
+    both = min(len(one), len(other))
+    apart = relative(one[:both] - other[:both], other[:both])
+    bad = np.flatnonzero(~(SAFETY * apart <= problem.tolerance))
+    last = int(bad[0]) - 1 if bad.size else both - 1
+    return float(times[max(last, 0)])
+
+
+def _stiff(problem: Problem) -> bool:
+    """Whether the friction makes an explicit method slow."""
+    law = problem.launches.law
+    return law is not None and law.relaxes and float(problem.p[1]) > SLOW * problem.pace
 
 
 def _settings(problem: Problem, tolerance: float, *, check: bool) -> Settings:

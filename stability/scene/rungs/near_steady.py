@@ -8,6 +8,7 @@ It is sampled, and each mode carries the samples to the time asked for.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -16,6 +17,7 @@ import casadi as ca
 import numpy as np
 
 from ...algebra.eigensolver import eigenpairs
+from ...algebra.program import Program
 from ...base.types import Floats
 from ...systems.system import System
 from .track import Problem, Refused, Track, relative
@@ -24,11 +26,13 @@ STEADY, LINEARISED, SECOND = "steady", "linearised", "second-order"
 FAR = 0.3
 """Deviation above which a motion is not near its family, over 1 or the size of the state."""
 PARALLEL = 1e7
-"""Condition number of the modes above which they do not carry a deviation."""
-SAMPLES = 48
-"""Samples of the third-order defect."""
+"""Largest entry of the inverse of the modes with which they carry a deviation."""
+SAMPLES, ENDS = 32, 8
+"""Samples of the third-order defect, and the times at which it is summed."""
 GROWTH = 30.0
 """Exponent of growth above which no linear motion is small."""
+SAFETY = 3.0
+"""Factor on the third order, for the orders above it and for its sampling."""
 TRUSTED = 0.2
 """Share of the linear deviation up to which the higher orders may be an estimate of its error."""
 REACH = 30.0
@@ -41,6 +45,12 @@ def _slopes(system: System) -> ca.Function:
     matrix = ca.densify(ca.jacobian(system.rhs, system.x))
     bend = ca.densify(ca.jacobian(ca.vec(matrix), system.x))
     return ca.Function("bend", [system.x, system.p], [matrix, bend])
+
+
+@lru_cache(maxsize=64)
+def _rates(system: System) -> Program:
+    """Program of (x, p) → rates, without a check of conditions."""
+    return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +69,14 @@ class Modes:
     """Eigenvalues, shape (n,)."""
     vectors: Any
     """Modes as columns, shape (n, n)."""
+    back: Any
+    """Their inverse, shape (n, n)."""
+    jacobian: Floats
+    """J, shape (n, n)."""
     first: Any
     """Deviation at the start in the modes, shape (n,)."""
     pairs: Any
-    """Rate of each mode driven by each pair of modes, shape (n, n, n)."""
+    """Rate of each mode driven by each pair of modes i ≤ j, shape (n, n (n + 1)/2)."""
     bend: Floats
     """Second derivative of the rates, shape (n, n, n)."""
 
@@ -72,13 +86,8 @@ class Modes:
 
     def second(self, times: Floats) -> Any:
         """The deviation of second order in the modes, shape (t, n)."""
-        n = len(self.values)
-        both = np.add.outer(self.values, self.values).ravel()
-        drive = self.pairs.reshape(n, n * n)
-        size = np.abs(drive).max(initial=0.0)
-        keep = np.abs(drive).max(axis=0) > 1e-14 * size
-        rates, drive = both[keep], drive[:, keep]
-        t = times[:, None]
+        one, other = np.triu_indices(len(self.values))
+        rates, drive, t = self.values[one] + self.values[other], self.pairs, times[:, None]
         fast, slow = np.exp(t * rates), np.exp(t * self.values)
         apart = rates[None] - self.values[:, None]  # (n, pairs)
         near = np.abs(apart) * max(float(times.max(initial=0.0)), 1e-300) < 1e-4
@@ -98,42 +107,42 @@ class Modes:
         return np.ascontiguousarray((modal @ self.vectors.T).real)
 
     def third(self, times: Floats) -> tuple[Floats, Floats]:
-        """Sampled size of the third order, at rising times.
+        """Sampled size of the third order.
 
         Parameters
         ----------
         times
-            Last time of each stretch, shape (t,); the first stretch begins at 0.
+            Last time of each stretch with one sample, shape (t,); the first begins at 0.
 
         Returns
         -------
-        size, drive
-            The third order at these times, shape (t, n), and the defect that drives it.
+        ends, size
+            Some of these times, the last among them, and the size there, both of shape (m,).
         """
         edges = np.concatenate([[0.0], times])
         width = np.diff(edges)
-        share = (np.arange(1, len(width) + 1) * 0.6180339887498949) % 1.0
+        share = (np.arange(1, len(width) + 1) * (5**0.5 - 1) / 2) % 1.0
         inside = edges[:-1] + width * (0.1 + 0.8 * share)
-        one, two = self.states(self.linear(inside)), self.states(self.second(inside))
-        e = one + two
-        here = self.member + e
-        rates = self.system.rates(here, np.broadcast_to(self.p, (len(here), len(self.p))))
-        known = e @ self.jacobian.T + np.einsum("iab,ta,tb->ti", self.bend, one, one) / 2
-        drive = (rates - known) @ np.linalg.inv(self.vectors).T
-        later = times[:, None] - inside
-        kernel = np.where(later[..., None] >= 0, np.exp(
-            np.where(later >= 0, later, 0.0)[..., None] * self.values), 0.0)  # fmt: skip
+        one = self.states(self.linear(inside))
+        e = one + self.states(self.second(inside))
+        given = [list((self.member + e).T), list(self.p)]
+        rates = _rates(self.system).arrays(given, inside.shape)
+        bent = np.tensordot(one, self.bend, axes=(1, 2))
+        known = e @ self.jacobian.T + (bent @ one[:, :, None])[..., 0] / 2
+        drive = (rates[0][..., 0] - known) @ self.back.T
+        ends = times[:: len(times) // ENDS][-ENDS:] if len(times) > ENDS else times
+        later = ends[:, None] - inside
+        past = later >= 0
         swift = -self.values.real[None, :] * width[:, None] > 1
         rate = np.where(self.values == 0, 1.0, self.values)
-        found = np.einsum("tsn,s,sn->tn", kernel, width, np.where(swift, 0.0, drive))
-        found = found + np.where(swift, -drive / rate, 0.0)
-        return self.states(found), np.abs(drive).max(axis=1)
-
-    @property
-    def jacobian(self) -> Floats:
-        """J, shape (n, n)."""
-        matrix = (self.vectors * self.values) @ np.linalg.inv(self.vectors)
-        return np.ascontiguousarray(matrix.real)
+        slow = np.where(swift, 0.0, width[:, None] * drive)
+        found = np.empty((len(ends), len(rate)), dtype=complex)
+        for n, value in enumerate(self.values):
+            found[:, n] = (np.exp(np.maximum(later, 0.0) * value) * past) @ slow[:, n]
+        quick = np.abs(np.where(swift, drive / rate, 0.0)).max(axis=0)
+        return ends, relative(
+            np.abs(self.states(found)) + quick @ np.abs(self.vectors).T, self.member
+        )
 
 
 def modes(problem: Problem, member: Floats, family: str) -> Modes | Refused:
@@ -157,15 +166,19 @@ def modes(problem: Problem, member: Floats, family: str) -> Modes | Refused:
     matrix, bend = (np.array(v) for v in _slopes(system)(at, problem.p))
     if not (np.isfinite(matrix).all() and np.isfinite(bend).all()):
         return Refused("the rates have no second derivative at the steady motion")
-    values, vectors = (v for v in eigenpairs(matrix))
-    if not np.linalg.cond(vectors) < PARALLEL:
+    values, vectors = eigenpairs(matrix)
+    back = None
+    with suppress(np.linalg.LinAlgError):
+        back = np.linalg.inv(vectors)
+    if back is None or not np.abs(back).max() < PARALLEL:
         return Refused(f"two modes of {family} are parallel: the linear motion grows with time")
     bend = bend.reshape(n, n, n, order="F")
-    back = np.linalg.inv(vectors)
     first = back @ (problem.start[:n] - at)
-    carried = first * vectors
-    pairs = np.einsum("ia,abc,bj,ck->ijk", back, bend, carried, carried, optimize=True) / 2
-    return Modes(system, problem.p, at, family, values, vectors, first, pairs, bend)
+    moved = first * vectors
+    pairs = (back @ (moved.T @ (bend @ moved)).reshape(n, n * n)).reshape(n, n, n)
+    i, j = np.triu_indices(n)
+    pairs = pairs[:, i, j] * np.where(i == j, 0.5, 1.0)
+    return Modes(system, problem.p, at, family, values, vectors, back, matrix, first, pairs, bend)
 
 
 def near_steady(problem: Problem) -> dict[str, Track | Refused]:
@@ -207,48 +220,50 @@ def near_steady(problem: Problem) -> dict[str, Track | Refused]:
 def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str, Track | Refused]:
     """The tracks of a motion near a member."""
     times, n = problem.times, problem.own
-    share = (np.arange(1, SAMPLES + 1) / SAMPLES) ** 2
-    looks = problem.last * share
-    third, _ = found.third(looks)
-    sampled = np.maximum.accumulate(relative(third, found.member))
-    one, two = found.states(found.linear(times)), found.states(found.second(times))
-    size = np.interp(times, np.concatenate([[0.0], looks]), np.concatenate([[0.0], sampled]))
-    rounding = 1e-15 * (1 + np.abs(found.values).max() * times)
+    looks, sizes = found.third(problem.last * (np.arange(1, SAMPLES + 1) / SAMPLES) ** 2)
+    every = np.concatenate([looks, times])
+    linear, second = found.linear(every), found.second(every)
+    one, two = found.states(linear), found.states(second)
+    why = _fails(problem, found, one[: len(looks)] + two[: len(looks)])
+    small, middle = relative(one, found.member), relative(two, found.member)
+    where |= {"second order": float(middle.max()), "third order": float(sizes.max())}
+    if not middle.max() + sizes.max() <= max(TRUSTED * small.max(), 1e-14):
+        why = f"the orders of the deviation from {found.family} do not fall"
+    if why:
+        return dict.fromkeys((STEADY, LINEARISED, SECOND), Refused(why, where))
+    here = slice(len(looks), None)
+    third = np.interp(times, np.append(0.0, looks), np.append(0.0, np.maximum.accumulate(sizes)))
+    third += 1e-15 * (1 + np.abs(found.values).max() * times)
     member = np.zeros(len(problem.start))
     member[:n] = found.member
 
-    def track(name: str, deviation: Any, errors: Floats) -> Track:
+    def track(name: str, modal: Any, own: Floats, errors: Floats) -> Track:
         def at(when: Floats) -> Floats:
             states = np.tile(member, (len(when), 1))
-            states[:, :n] += deviation(when)
+            states[:, :n] += found.states(modal(when))
             return states
 
-        note = f"{name} at {found.family}"
-        return Track(times, at(times), errors, at, None, 0, (note,), dict(where))
+        states = np.tile(member, (len(times), 1))
+        states[:, :n] += own
+        return Track(times, states, errors, at, None, 0, (f"{name} at {found.family}",), where)
 
-    small, middle, rest = relative(one, member[:n]), relative(two, member[:n]), size + rounding
-    where |= {"second order": float(middle.max()), "third order": float(size.max())}
-    if middle.max() + size.max() > max(TRUSTED * small.max(), 1e-14):
-        why = f"the orders of the deviation from {found.family} do not fall"
-        return dict.fromkeys((STEADY, LINEARISED, SECOND), Refused(why, where))
-    tracks: dict[str, Track | Refused] = {
-        STEADY: track("at rest", lambda when: np.zeros((len(when), n)),
-                      relative(one + two, member[:n]) + rest),
-        LINEARISED: track("linear motion", lambda when: found.states(found.linear(when)),
-                          middle + rest),
-        SECOND: track("linear motion and its second order", lambda when: found.states(
-            found.linear(when) + found.second(when)), rest),
-    }  # fmt: skip
-    return {name: _kept(problem, one) for name, one in tracks.items() if isinstance(one, Track)}
+    def still(when: Floats) -> Any:
+        return np.zeros((len(when), n))
+
+    def both(when: Floats) -> Any:
+        return found.linear(when) + found.second(when)
+
+    whole = (one + two)[here]
+    return {
+        STEADY: track("at rest", still, 0 * one[here], relative(whole, member[:n]) + third),
+        LINEARISED: track("linear motion", found.linear, one[here], middle[here] + third),
+        SECOND: track("linear motion and its second order", both, whole, third),
+    }
 
 
-def _kept(problem: Problem, track: Track) -> Track | Refused:
-    """The track, unless a guard fails on it."""
-    looks = track.states[:: max(1, len(track.states) // 64)]
-    y = problem.flow.pack(looks)
-    values, _ = problem.flow.margins(y, problem.flow_p)
-    if values.size and not (values > 0).all():
-        return Refused("a guard of the full model fails on the way", track.indicators)
-    if values.size:
-        track.indicators["least guard"] = float(values.min())
-    return track
+def _fails(problem: Problem, found: Modes, deviations: Floats) -> str:
+    """The reason why a guard of the full model fails on the way; empty where none does."""
+    states = np.zeros((len(deviations), len(problem.start)))
+    states[:, : problem.own] = found.member + deviations
+    values, _ = problem.flow.margins(problem.flow.pack(states), problem.flow_p)
+    return "" if (values > 0).all() else "a guard of the full model fails on the way"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -124,6 +125,25 @@ class Refused:
     """The reason, in a sentence without its full stop."""
     indicators: dict[str, float] = field(default_factory=dict)
     """The numbers that say so."""
+
+
+def decade(tolerance: float, least: float = 1e-15, most: float = 1e-7) -> float:
+    """A power of ten not above a tolerance: an integrator is compiled once for each tolerance.
+
+    Parameters
+    ----------
+    tolerance
+        The tolerance.
+    least, most
+        Range of the result.
+
+    Examples
+    --------
+    >>> decade(3e-9), decade(1e-30)
+    (1e-09, 1e-15)
+    """
+    power = math.floor(math.log10(min(most, max(least, tolerance))) + 1e-9)
+    return float(10.0**power)
 
 
 def relative(errors: Floats, states: Floats) -> Floats:
