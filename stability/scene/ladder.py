@@ -29,6 +29,10 @@ RUNS, BASE, IMPLICIT = 3.0, 1.5e-3, 4e-3
 """Runs of the full model, with neighbours; time around them, and of an implicit run [s]."""
 PER_TURN, PER_RATE = 7.5, 0.25
 """Steps of an explicit method in a unit of the motion's time, and in one of a decay."""
+LEAST_TIME = 0.03
+"""Time that creep may take even where the full model is expected to take less [s]."""
+RETRY = 1e4
+"""Error over the tolerance up to which creep is tried again with smaller errors on the way."""
 FINER = 2
 """Runs of the full model at a finer tolerance where a quantity needs it."""
 CREEP_BASE, CREEP_TURN = 3e-3, 8e-5
@@ -230,7 +234,12 @@ def _creep(ladder: _Ladder) -> None:
         ladder.rungs.append(Rung("creep", 4, 0.0, price, math.inf, False, why))
         return
     with np.errstate(all="ignore"):
-        orders, name, track = creeping(problem)
+        orders, name, track = creeping(problem, max(LEAST_TIME, whole))
+        if not isinstance(track, Refused):  # several stretches: the errors of all add
+            share = track.error / problem.tolerance
+            if 1 < share < RETRY:
+                finer = replace(problem, tolerance=problem.tolerance / (5 * share))
+                orders, name, track = creeping(finer, max(LEAST_TIME, whole))
     for i in range(len(orders)):
         if name_of(i) == name:
             break

@@ -16,6 +16,8 @@ from ..settling.nearest import Nearest
 from .elements import chebyshev
 from .rungs.track import Problem, Track
 
+PEAKS = 8
+"""Samples next to which the largest value is sought."""
 LOCAL = 12
 """Points of a stretch on which a largest value or a crossing is found."""
 UNKNOWN = ("unresolved", "undetermined", "non-unique")
@@ -91,8 +93,7 @@ def largest_tilt(problem: Problem, track: Track) -> Found:  # noqa: ARG001
     best, error = float(tilt.max()), track.error
     if len(tilt) < 3:
         return Found(best, error)
-    top = np.argsort(tilt)[-6:]  # the samples next to the largest values
-    for i in sorted({min(max(int(j) + d, 0), len(tilt) - 2) for j in top for d in (-1, 0)}):
+    for i in sorted({min(max(j + d, 0), len(tilt) - 2) for j in _peaks(tilt) for d in (-1, 0)}):
         _, values = _stretch(track, i, lambda x: np.abs(np.pi / 2 - x[:, 0]))
         best = max(best, _largest(values))
     return Found(best, error)
@@ -152,6 +153,15 @@ def _polynomial(values: Floats) -> Any:
     matrix[:, [0, -1]] /= 2
     matrix[[0, -1]] /= 2
     return Chebyshev(matrix @ values * 2 / (LOCAL - 1))
+
+
+def _peaks(values: Floats) -> list[int]:
+    """The samples next to the largest peaks, by the parabola through each and its neighbours."""
+    left, here, right = values[:-2], values[1:-1], values[2:]
+    bend = np.maximum(2 * here - left - right, 1e-300)
+    top = np.where((here >= left) & (here >= right), here + (right - left) ** 2 / (8 * bend), here)
+    every = np.concatenate([values[:1], top, values[-1:]])
+    return [int(i) for i in np.argsort(every)[-PEAKS:]]
 
 
 def _largest(values: Floats) -> float:

@@ -11,15 +11,18 @@ from typing import Any
 import numpy as np
 
 from ..base.checks import one_number
-from ..base.errors import DomainError, NameUnknownError, ParameterError, shown
+from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.thin_disk.disk_families import FAMILIES
 from ..motion.starts import Starts, gather
 from ..motion.system_starts import gather_system
 from ..systems.system import System
 from .answer import Answer, dataset, in_units
 from .ladder import Climbed, climb
 from .laws import compare
+from .linear import LINEAR, Member
+from .linear import answer as answer_linear
 from .questions import QUESTIONS
 from .rungs.full import full, kept_until
 from .rungs.reduced import ReducedModel
@@ -53,7 +56,9 @@ class Scene:
         Error allowed: in each state over 1 or its size, in a time over 1 or its size, from 1e-13 to
         0.1.
     quantities
-        Names: `final`, `path`, `outcome`, `settling_time`, `lift_off_time`, `largest_tilt`.
+        Names: `final`, `path`, `outcome`, `settling_time`, `lift_off_time`, `largest_tilt`; or, of
+        the steady motion nearest to the start, `verdict`, `growth_rate` and `boundary` (the nearest
+        value of its own parameter at which the verdict changes).
     uncertain
         Half-width of uncertain inputs by name: of k and of the law's parameters relative to their
         values, of the states in their own units.
@@ -107,10 +112,16 @@ class Scene:
         if not 0 < horizon < math.inf:
             raise ParameterError(f"horizon is {horizon:g}; give a last time above 0.")
         names = (self.quantities,) if isinstance(self.quantities, str) else tuple(self.quantities)
-        unknown = [n for n in names if n not in QUESTIONS]
+        unknown = [n for n in names if n not in (*QUESTIONS, *LINEAR)]
         if unknown or not names:
             what = shown(unknown[0]) if unknown else "empty"
-            raise NameUnknownError(f"quantities is {what}; known are {', '.join(QUESTIONS)}.")
+            every = ", ".join((*QUESTIONS, *LINEAR))
+            raise NameUnknownError(f"quantities is {what}; known are {every}.")
+        if any(n in LINEAR for n in names) and any(n in QUESTIONS for n in names):
+            raise ParameterError(
+                f"quantities is {listed(names)}, of a motion and of its linear part; ask for one "
+                "kind in one scene."
+            )
         if self.start is None:
             raise ParameterError("start is missing; give the states by name, theta at least.")
         for name, value in (("tolerance", tolerance), ("horizon", horizon), ("quantities", names)):
@@ -193,7 +204,7 @@ class Scene:
         size = self.tolerance if tolerance is None else tolerance
         bare = Problem(launches, size, np.array([0.0, last]))
         count = POINTS if "path" in self.quantities else 2
-        if any(QUESTIONS[n].whole for n in self.quantities):
+        if any(n in QUESTIONS and QUESTIONS[n].whole for n in self.quantities):
             count = max(POINTS, int(last * bare.pace / SPACING))
             if count > MOST_SAMPLES:
                 raise ParameterError(
@@ -231,11 +242,36 @@ class Scene:
         except DomainError as error:
             return Answer(None, "none", math.inf, (), 0.0, f"No rung can answer: {error}",
                           self.tolerance, time.perf_counter() - began)  # fmt: skip
+        if self.quantities[0] in LINEAR:
+            return replace(self._linear(problem, law, only), cost=time.perf_counter() - began)
         found = climb(problem, self.quantities, tuple(self.models), only)
         told = self._told(problem, found)
         if self.uncertain:
             told = replace(told, spread=self._spread(law, found, problem))
         return replace(told, cost=time.perf_counter() - began)
+
+    def _linear(self, problem: Problem, law: Any, only: str | None) -> Answer:
+        """The answer to a linear question, about the steady motion nearest to the start."""
+        near = problem.launches.settling.closest(problem.start, problem.p)
+        if near.member is None:
+            raise ParameterError(f"{near.evidence}: a linear question needs a steady motion.")
+        if isinstance(self.disk, System):
+            raise ParameterError(
+                f"quantities is {listed(self.quantities)}; for a family of a user's system call "
+                "stability.spectrum or stability.boundaries."
+            )
+        unit = FAMILIES[near.family].unit(float(problem.launches.scales["rate"]))
+        member = Member(near.family, near.at * unit, {"disk": self.disk, "contact": law})
+        told = answer_linear(member, tuple(self.quantities), self.tolerance, only)
+        values = {n: f.value for n, f in told.found.items()}
+        errors = {n: f.error for n, f in told.found.items()}
+        one = len(values) == 1
+        sentence = f"{near.family} at {member.at:.6g}, {near.distance:.2g} away: {told.sentence}."
+        return Answer(
+            next(iter(values.values())) if one else values, told.model,
+            next(iter(errors.values())) if one else errors, told.rungs, self.horizon, sentence,
+            self.tolerance,
+        )  # fmt: skip
 
     def _told(self, problem: Problem, found: Climbed) -> Answer:
         track, clock = found.track, float(problem.launches.scales["time"])
@@ -294,7 +330,7 @@ class Scene:
             With `true_error`: the largest difference at the samples, and by quantity.
         """
         told = self.answer()
-        if told.model == "none" or told.parts:
+        if told.motion is None:
             return told
         [law] = self._laws().values()
         problem = self._problem(law)

@@ -6,6 +6,7 @@ longer does, before a lift-off for example, the full model takes over, and creep
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -94,13 +95,17 @@ class Climb:
     """Length of time that creep tries at once."""
 
 
-def creeping(problem: Problem) -> tuple[dict[str, float], str, Track | Refused]:
+def creeping(
+    problem: Problem, seconds: float = np.inf
+) -> tuple[dict[str, float], str, Track | Refused]:
     """The lowest order of creep whose error is below the tolerance, with what is before and after.
 
     Parameters
     ----------
     problem
         The problem.
+    seconds
+        Time after which creep gives up [s].
 
     Returns
     -------
@@ -112,8 +117,11 @@ def creeping(problem: Problem) -> tuple[dict[str, float], str, Track | Refused]:
         word = "the law" if problem.launches.law is None else problem.launches.law.name
         return {}, "creep", Refused(f"{word} has no creep: its slip does not decay at a rate mu")
     climb = Climb(problem, held_of(problem), state=problem.start)
-    turns, why = 0, ""
+    turns, why, began = 0, "", time.perf_counter()
     while climb.finish is None and climb.now < problem.last:
+        if time.perf_counter() - began > seconds:
+            why = f"creep needs many stretches and is given up at {climb.now:.4g}"
+            return climb.orders, "creep", Refused(why, _indicators(climb))
         before = climb.now
         said = _forward(climb)
         if not said and climb.now > before:
