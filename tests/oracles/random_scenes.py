@@ -146,9 +146,11 @@ def _compare(held: Held, quantity: str, last: float) -> None:
         dense = np.linspace(0, last, 20 * SAMPLES)
         tilt = np.abs(np.pi / 2 - truth(scene, dense).theta.values)
         theirs = float(tilt.max())
-        inner = np.flatnonzero((tilt[1:-1] >= tilt[:-2]) & (tilt[1:-1] >= tilt[2:])) + 1
-        peaks = [int(i) for i in inner[np.argsort(tilt[inner])[-40:]]]  # all that may be largest
-        finer = np.unique([t for i in peaks for t in np.linspace(dense[i - 1], dense[i + 1], 60)])
+        walled = np.concatenate([[-1.0], tilt, [-1.0]])
+        peaks = np.flatnonzero((tilt >= walled[:-2]) & (tilt >= walled[2:]))
+        peaks = peaks[np.argsort(tilt[peaks])[-40:]]  # all that may be the largest
+        around = [(dense[max(i - 1, 0)], dense[min(i + 1, len(dense) - 1)]) for i in peaks]
+        finer = np.unique([t for low, high in around for t in np.linspace(low, high, 60)])
         if finer.size:
             finer = finer if finer[-1] >= last else np.append(finer, last)
             more = np.abs(np.pi / 2 - truth(scene, finer[finer > 0]).theta.values)

@@ -1,0 +1,46 @@
+"""Random scenes of every kind, each answer held against the full model at a fine tolerance."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+
+import numpy as np
+import pytest
+from random_scenes import Held, hold
+
+SEED = int(os.environ.get("STABILITY_SEED", "20261122"))
+
+
+def _held(count: int) -> list[Held]:
+    return [h for h in (hold(number, SEED) for number in range(count)) if h is not None]
+
+
+@pytest.mark.parametrize(
+    "count",
+    [40, pytest.param(int(os.environ.get("STABILITY_SCENES", "2000")), marks=pytest.mark.long)],
+)
+def test_answers_keep_their_tolerance_and_estimates_are_near_the_truth(count: int) -> None:
+    held = _held(count)
+    claimed = [h for h in held if h.claimed]
+    missed = [h for h in claimed if h.missed]
+    lines = [
+        f"{h.number} {h.quantity} {h.scene.contact!r} by {h.answer.model}: true {h.true:.3g}, "
+        f"estimate {h.answer.estimate:.3g}, tolerance {h.scene.tolerance:.3g}, truth within "
+        f"{h.known:.2g}; {h.note}"
+        for h in missed
+    ]
+    ratios = np.array([
+        h.answer.estimate / h.true
+        for h in claimed
+        if h.quantity in ("final", "path") and h.true > 1e-12 and h.known < h.true / 3
+    ])  # fmt: skip
+    print(f"\n{len(held)} scenes, {len(claimed)} answered, {len(missed)} outside the tolerance")
+    print(dict(Counter(h.answer.model for h in held).most_common()))
+    quantiles = np.quantile(ratios, [0, 0.02, 0.05, 0.25, 0.5, 0.75, 0.95, 0.98, 1]).round(2)
+    print(f"estimate over truth, {len(ratios)} scenes: quantiles {quantiles}")
+    print("\n".join(lines))
+    assert len(missed) <= 0.001 * len(claimed), lines
+    assert len(claimed) > count / 2
+    assert (np.abs(np.log(ratios)) < np.log(30)).mean() >= 0.9
+    assert len({h.answer.model for h in claimed}) >= 5  # every kind of rung is among them
