@@ -1,0 +1,172 @@
+"""The public scene: choice, evidence, uncertain inputs, several laws, refusals."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import stability as st
+
+COIN = {"theta": 1.5, "omega3": 1.6}
+
+
+def _scene(**given):
+    return st.Scene(**{"contact": st.Viscous(0.3), "start": COIN, "horizon": 5.0} | given)
+
+
+def test_the_chosen_rung_is_the_cheapest_that_is_fine_enough() -> None:
+    answer = _scene(contact=st.Viscous(3000.0), horizon=20.0, tolerance=1e-5).answer()
+    chosen = [r for r in answer.rungs if r.chosen]
+    assert [r.name for r in chosen] == [answer.model]
+    before = answer.rungs[: answer.rungs.index(chosen[0])]
+    assert all(not r.estimate <= 1 for r in before)
+    assert answer.rungs[-1].name == "viscous"
+    assert answer.rungs[-1].cost == 0  # the full model was not run
+    assert all(r.why for r in answer.rungs)
+
+
+def test_a_finer_tolerance_takes_a_higher_order() -> None:
+    models = [
+        _scene(contact=st.Viscous(3000.0), horizon=20.0, tolerance=tolerance).answer().model
+        for tolerance in (3e-2, 1e-5, 1e-9)
+    ]
+    assert models == ["rough", "creep-1", "creep-2"]
+
+
+@pytest.mark.parametrize("mu", [0.3, 300.0])
+@pytest.mark.parametrize("quantity", ["final", "path", "largest_tilt"])
+def test_verify_holds_the_answer_against_the_full_model(mu: float, quantity: str) -> None:
+    answer = _scene(contact=st.Viscous(mu), tolerance=1e-6, quantities=quantity).verify()
+    assert answer.true_error <= 1e-6
+    assert answer.estimate <= 1e-6
+
+
+def test_one_rung_alone_answers_whatever_its_error_is() -> None:
+    rough = _scene(contact=st.Viscous(30.0), tolerance=1e-9).answer(only="steady")
+    assert rough.model == "steady"
+    assert rough.estimate > 1e-9
+
+
+def test_outcome_and_event_come_from_the_full_model_when_nothing_else_will_do() -> None:
+    start = {"theta": 1.4707963267948965, "omega3": 1.28}
+    answer = _scene(start=start, horizon=30.0, quantities=("outcome", "lift_off_time")).answer()
+    assert answer.value["outcome"] == "lift-off"
+    # benchmarks/truths.py: two integrations of 30 digits
+    from stability.compare.motion.reference_motions import scene as reference
+
+    assert answer.value["lift_off_time"] == pytest.approx(reference("lift-off").end_time, abs=1e-9)
+    assert answer.until == pytest.approx(answer.value["lift_off_time"])
+
+
+def test_settling_is_a_time_or_nothing() -> None:
+    start = {"theta": 1.47, "phi_dot": 2.5}
+    asked = {"quantities": ("outcome", "settling_time"), "horizon": 200.0, "tolerance": 1e-3}
+    answer = _scene(start=start, **asked).answer()
+    run = st.simulate(st.Disk(), st.Viscous(0.3), start, np.linspace(0, 200, 4001))
+    assert answer.value["outcome"] == run.attrs["outcome"] == "settled"
+    late = float(run.settled_time) - answer.value["settling_time"]
+    assert 0 <= late <= 0.051  # the samples of `simulate`
+    never = _scene(contact=st.Smooth(), start=start, **asked).answer()
+    assert never.value["settling_time"] is None
+
+
+def test_a_start_without_contact_is_an_answer_with_its_reason() -> None:
+    answer = _scene(start={"theta": 0.5, "theta_dot": 8.0}).answer()
+    assert (answer.model, answer.until, answer.value) == ("none", 0.0, None)
+    assert "normal force" in answer.sentence
+
+
+def test_a_motion_beyond_its_horizon_of_prediction_says_until_when_it_holds() -> None:
+    start = {"theta": math.pi / 2 - 1e-3, "omega3": 0.2}
+    answer = _scene(contact=st.Rough(), start=start, horizon=400.0, tolerance=1e-12).answer()
+    assert 0 < answer.until < 400.0
+    assert "No rung answers" in answer.sentence
+
+
+def test_si_units_are_those_of_the_disk() -> None:
+    disk = st.Disk(mass=2.0, radius=0.3, gravity=9.81)
+    start = {"theta": 1.4, "omega3": 9.0}
+    answer = st.Scene(disk, st.Viscous(80.0), start, 2.0, 1e-7).answer()
+    run = st.simulate(disk, st.Viscous(80.0), start, [2.0], tolerance=1e-13)
+    for name, value in answer.value.items():
+        assert value == pytest.approx(float(run[name].values[-1]), abs=3e-6)
+    assert answer.path.time.attrs["units"] == "s"
+    assert answer.path.omega3.attrs["units"] == "rad/s"
+
+
+def test_uncertain_inputs_move_the_answer_as_two_runs_say() -> None:
+    width = 1e-4
+    scene = _scene(tolerance=1e-9, uncertain={"theta": width, "mu": 0.01})
+    spread = scene.answer().spread
+    ends = [
+        st.simulate(st.Disk(), st.Viscous(0.3), COIN | {"theta": 1.5 + d}, [5.0], tolerance=1e-13)
+        for d in (-width, 0.0, width)
+    ]
+    names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
+    low, mid, high = (np.array([float(e[n].values[-1]) for n in names]) for e in ends)
+    size = max(np.max(np.abs(v - mid) / np.maximum(1, np.abs(mid))) for v in (low, high))
+    assert spread.moves["final"]["theta"] == pytest.approx(size, rel=1e-4)
+    assert spread.wasted
+    assert any("wasted" in line for line in spread.lines())
+
+
+def test_an_input_that_changes_the_outcome_is_the_answer() -> None:
+    start = {"theta": 1.4707963267948965, "omega3": 1.28}
+    scene = _scene(start=start, horizon=30.0, quantities="outcome", uncertain={"omega3": 0.02})
+    spread = scene.answer().spread
+    assert spread.contrary == ("omega3",)
+    assert set(spread.outcomes["omega3"]) == {"moving", "lift-off"}
+
+
+def test_several_laws_say_where_they_part() -> None:
+    laws = {"rough": st.Rough(), "viscous": st.Viscous(300.0), "stiffer": st.Viscous(3e5)}
+    answer = _scene(contact=laws, tolerance=1e-3, horizon=20.0).answer()
+    assert set(answer.value) == set(laws)
+    assert answer.until < 20.0
+    assert "rough and viscous part" in answer.sentence
+    assert "rough and stiffer part" not in answer.sentence
+
+
+def test_linear_questions_are_those_of_the_nearest_steady_motion() -> None:
+    start = {"theta": 1.56, "phi_dot": 2.1}
+    asked = {"contact": st.Viscous(0.97), "start": start, "horizon": 1.0, "tolerance": 1e-9}
+    answer = st.Scene(quantities=("verdict", "growth_rate", "boundary"), **asked).answer()
+    s = st.spectrum("spinning", at=2.1, contact=st.Viscous(0.97), certify=True)
+    assert answer.value["verdict"] == s.verdict.word
+    assert answer.value["growth_rate"] == pytest.approx(s.abscissa, abs=1e-9)
+    lines = st.boundaries("spinning", axis=("at", 0.5, 8, 9), contact=st.Viscous(0.97))
+    assert answer.value["boundary"] == min((b.value for b in lines), key=lambda v: abs(v - 2.1))
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"tolerance": 0.0}, "tolerance is 0"),
+        ({"tolerance": 1.0}, "from 1e-13 to 0.1"),
+        ({"horizon": -1.0}, "horizon is -1"),
+        ({"horizon": float("inf")}, "horizon"),
+        ({"quantities": ("speed",)}, "known are final, path"),
+        ({"quantities": ()}, "quantities is empty"),
+        ({"quantities": ("final", "verdict")}, "one kind in one scene"),
+        ({"uncertain": {"weight": 0.1}}, "uncertain names 'weight'"),
+        ({"uncertain": {"mu": -0.1}}, "half-width above 0"),
+        ({"uncertain": 3}, "half-widths by name"),
+        ({"contact": 0.3}, "give a contact law"),
+        ({"start": None}, "start is missing"),
+        ({"models": [1]}, "models belong to a stability.System"),
+    ],
+)
+def test_what_is_not_accepted_is_refused_in_a_sentence(given, words: str) -> None:
+    with pytest.raises(st.StabilityError) as caught:
+        _scene(**given)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_report_names_every_rung() -> None:
+    answer = _scene(contact=st.Viscous(3000.0), horizon=20.0, tolerance=1e-5).answer()
+    text = answer.report()
+    assert all(r.name in text for r in answer.rungs)
+    assert sum(line.startswith("*") for line in text.splitlines()) == 1
