@@ -112,7 +112,7 @@ class Modes:
         """
         edges = np.concatenate([[0.0], times])
         width = np.diff(edges)
-        share = (np.arange(1, len(width) + 1) * 0.6180339887498949) % 1.0
+        share = (np.arange(1, len(width) + 1) * (5**0.5 - 1) / 2) % 1.0
         inside = edges[:-1] + width * (0.1 + 0.8 * share)
         one, two = self.states(self.linear(inside)), self.states(self.second(inside))
         e = one + two
