@@ -4,5 +4,5 @@
 `near_steady.py` has steady and linear motion, `creep.py` and `creeping.py` creep, `reduced.py` a
 user's reduced model, `full.py` the law itself.
 To add a rung: a function of a `Problem` that returns a `Track` with its errors, or `Refused` with
-the reason.  `ladder.py` of the folder above names it.
+the reason.  `scene/ladder.py` calls it.
 """
