@@ -142,6 +142,22 @@ def test_a_defect_that_grows_along_the_path_is_seen() -> None:
     assert found / 3 < answer.estimate < 30 * found
 
 
+@pytest.mark.parametrize("eps", [-1.0, -0.3])
+def test_a_manifold_that_is_left_is_not_taken(eps: float) -> None:
+    """With eps below 0 the full motion leaves y = x² like e^(t/|eps|), the reduced one never."""
+    answer = scene(eps, 1e-3).answer()
+    rung = next(r for r in answer.rungs if r.name == NAME)
+    assert (answer.model, rung.chosen) == ("two scales", False)
+    assert abs(truth(eps)[1] - truth(eps)[0] ** 2) > 0.1
+    assert rung.estimate > 100
+
+
+def test_a_fast_departure_is_shown_by_verify() -> None:
+    asked = scene(-1e-3, 1e-3)
+    answer = asked.verify()
+    assert answer.model != NAME or answer.true_error > 100 * asked.tolerance
+
+
 def test_what_is_verified_is_the_difference_from_the_full_model() -> None:
     eps = 1e-3
     answer = scene(eps, 1e-2).verify()

@@ -214,6 +214,21 @@ def test_the_spread_is_that_of_separate_scenes() -> None:
     assert not loose.wasted
 
 
+def test_a_move_is_known_to_twice_the_tolerance() -> None:
+    for tolerance, model in ((1e-3, "rough"), (1e-6, "creep-1")):
+        asked = st.Scene(contact=st.Viscous(1e3), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0,
+                         tolerance=tolerance, uncertain={"mu": 0.2})  # fmt: skip
+        answer = asked.answer()
+        assert answer.model == model
+        assert answer.spread is not None
+        middle, *ends = (
+            simulated(st.Disk(), st.Viscous(mu), asked.start, [20.0])[0]
+            for mu in (1e3, 800.0, 1.2e3)
+        )
+        moved = max(apart(end, middle) for end in ends)
+        assert abs(answer.spread.moves["final"]["mu"] - moved) < 2 * tolerance
+
+
 def test_an_outcome_within_the_uncertainty_is_named() -> None:
     def asked(spin: float, **more: Any) -> Any:
         start = {"theta": 1.0, "theta_dot": -0.5, "phi_dot": 1.0, "omega3": spin}
