@@ -1,7 +1,8 @@
-"""Scenes: the least model that answers a question, with evidence.
+"""The least model that answers.
 
-A scene (`scene.py`) holds the question.  `ladder.py` tries the rungs of `rungs/` in the order of
-their cost and takes the first whose estimated error is below the tolerance.  A rung is one file:
-a function of a `Problem` that returns a `Track`, or the reason why there is none.  It imports
-`motion`, `maps` and all below; figures and commands import it.
+A scene (`scene.py`) holds the question.  `ladder.py` tries the rungs of `rungs/`, cheapest first,
+and takes the first whose estimated error is below the tolerance.
+May import `maps`, `motion` and the floors below.
+To add a rung: a file in `rungs/`, and its place in `climb` of `ladder.py`.
+To add a quantity: one `Question` in `QUESTIONS` of `questions.py`.
 """

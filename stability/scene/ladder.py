@@ -133,7 +133,7 @@ def climb(
     models
         Reduced models of a user's system, cheapest first.
     only
-        Name of the one rung to run, whatever its error; None for the choice.
+        Name of the one rung to run, with any error; None for the choice.
 
     Returns
     -------

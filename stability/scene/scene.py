@@ -219,7 +219,7 @@ class Scene:
         Parameters
         ----------
         only
-            Name of the one rung to run, whatever its error; the choice of the ladder if left out.
+            Name of the one rung to run, with any error; the choice of the ladder if left out.
 
         Returns
         -------

@@ -25,11 +25,12 @@ def test_notebook_runs(
         "rolling_drift": {"rolling_drift.png"},
         "flutter_lines": {"flutter_lines.png"},
         "launches": {"launch.png"},
+        "least_model": {"least_model.png"},
     }
     assert wanted[path.stem] <= names
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/compare.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/compare.md", "docs/scenes.md"])
 def test_python_in_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)

@@ -1,0 +1,283 @@
+"""What `docs/scenes.md` says, one test for each statement, and the page against today's answers."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stability as st
+from stability.scene.ladder import price_of_full
+from stability.scene.questions import QUESTIONS
+from stability.scene.rungs.creeping import name_of
+from stability.scene.rungs.near_steady import LINEARISED, SECOND, STEADY
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "scenes.md").read_text()
+START = {"theta": 1.55, "omega3": 1.5}
+DIPPING = {"theta": 1.206, "theta_dot": 0.782, "phi_dot": 0.404, "omega3": 0.789}
+NAMES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
+
+
+def scene(tolerance: float = 1e-6, mu: float = 300.0, **more: Any) -> st.Scene:
+    """The launch of the page."""
+    return st.Scene(
+        st.Disk(), st.Viscous(mu), START, **{"horizon": 10.0, "tolerance": tolerance, **more}
+    )
+
+
+def simulated(disk: Any, contact: Any, start: Any, times: Any) -> Any:
+    """States of the full model by `simulate`, shape (t, 6)."""
+    run = st.simulate(disk, contact, start, times, tolerance=1e-12)
+    return np.stack([run[n].values for n in NAMES], axis=-1)
+
+
+def apart(one: Any, other: Any) -> float:
+    """Largest difference over 1 or the size of the state."""
+    return float(np.max(np.abs(one - other) / np.maximum(1.0, np.abs(other))))
+
+
+def table(head: str) -> list[list[str]]:
+    """Cells of the table of the page below a head."""
+    lines = PAGE[PAGE.index(head) :].split("\n")[2:]
+    rows = lines[: lines.index("")]
+    return [[cell.strip().strip("`") for cell in row.strip("|").split(" | ")] for row in rows]
+
+
+def lines_of(report: str) -> list[tuple[bool, str, int, float]]:
+    """Mark, name, states and error of each rung of a report."""
+    found = re.findall(r"^([ *])([a-z][\w-]*) +(\d) +(?:[\d.]+ ms|-) +(\S+)  ", report, re.M)
+    return [
+        (mark == "*", name, int(states), np.inf if size == "-" else float(size))
+        for mark, name, states, size in found
+    ]
+
+
+# --- the page ---
+
+
+def test_every_test_that_the_page_names_exists() -> None:
+    own = Path(__file__).read_text()
+    named = re.findall(r"`(test_\w+)`", PAGE)
+    assert len(named) >= 12
+    for name in named:
+        assert f"def {name}(" in own, name
+
+
+def test_every_rung_and_quantity_is_on_the_page() -> None:
+    rungs = [row[0] for row in table("| rung | states |")]
+    closed = [STEADY, LINEARISED, SECOND]
+    assert rungs == [*closed, "a user's name", name_of(0), "creep-n", "the law's name"]
+    assert {row[0] for row in table("| name | what it is |")} == set(QUESTIONS)
+
+
+def test_the_report_of_the_page_is_that_of_today() -> None:
+    block = re.search(r"```text\n(creep-1 answers.*?)```", PAGE, re.DOTALL)
+    assert block
+    shown = lines_of(block[1])
+    answer = scene().answer()
+    told = [(r.chosen, r.name, r.dimension, r.estimate) for r in answer.rungs]
+    assert len(shown) == 6
+    assert [row[:3] for row in shown] == [row[:3] for row in told]
+    assert [row[3] for row in shown] == pytest.approx([row[3] for row in told], rel=0.1)
+
+
+def test_each_tolerance_has_its_model() -> None:
+    rows = table("| tolerance | model |")
+    assert len(rows) >= 6
+    for tolerance, model, estimate, error in rows:
+        answer = scene(float(tolerance)).verify()
+        assert answer.model == model, tolerance
+        assert answer.estimate == pytest.approx(float(estimate), rel=0.5)
+        assert answer.true_error <= answer.estimate <= float(tolerance)
+        if float(error) > 1e-13:  # below, the truth itself is known to few digits
+            assert answer.true_error == pytest.approx(float(error), rel=0.6)
+
+
+def test_errors_are_dimensionless() -> None:
+    coin = st.Disk.named("quarter")
+    si = {"theta": 1.55, "omega3": 1.5 * coin.rate}
+    law = st.Viscous(300.0 / coin.speed)
+    mine, other = (
+        scene(1e-2).answer(),
+        st.Scene(coin, law, si, horizon=10.0 / coin.rate, tolerance=1e-2).answer(),
+    )
+    assert (mine.model, other.model) == (LINEARISED, LINEARISED)
+    assert other.estimate == pytest.approx(mine.estimate, rel=1e-6)
+    assert other.value["omega3"] == pytest.approx(mine.value["omega3"] * coin.rate)
+
+
+# --- the rungs ---
+
+
+def test_the_full_model_is_not_run_where_it_is_not_needed() -> None:
+    for tolerance in (1e-2, 1e-6):
+        *_, last = scene(tolerance).answer().rungs
+        assert (last.name, last.cost, last.chosen) == ("viscous", 0.0, False)
+
+
+def test_creep_is_skipped_where_the_full_model_is_expected_to_be_faster() -> None:
+    soft = scene(mu=0.3)
+    rungs = {r.name: r for r in soft.answer().rungs}
+    assert rungs["viscous"].chosen
+    assert rungs["creep"].cost == 0.0
+    assert rungs["creep"].price > price_of_full(soft._problem(soft.contact))
+
+
+@pytest.mark.parametrize(("start", "law", "horizon", "reason"), [
+    ({"theta": 0.8, "omega3": 1.5}, st.Viscous(0.3), 5.0, "the nearest steady motion"),
+    ({"theta": 1.5707, "omega3": 1.0}, st.Viscous(0.3), 400.0, "grows e^"),
+    ({"theta": 1.5706, "omega3": 1.5}, st.Smooth(), 5.0, "two modes of rolling are parallel"),
+    ({"theta": 1.07, "theta_dot": -1.2, "phi_dot": -2.1, "omega3": -0.2}, st.Viscous(5000.0), 5.0,
+     "a guard of the full model fails before the slip has decayed"),
+])  # fmt: skip
+def test_a_rung_that_does_not_apply_says_why(
+    start: Any, law: Any, horizon: float, reason: str
+) -> None:
+    answer = st.Scene(contact=law, start=start, horizon=horizon, tolerance=1e-6).answer()
+    *tried, _ = answer.rungs
+    assert any(reason in rung.why and not rung.chosen for rung in tried)
+    assert answer.model == law.name
+
+
+@pytest.mark.parametrize(("name", "order"), [(STEADY, 1), (LINEARISED, 2), (SECOND, 3)])
+def test_errors_near_a_steady_motion_fall_as_their_orders_say(name: str, order: int) -> None:
+    """Expansion in the distance: the rest of order n falls as its power n."""
+    law, errors, estimates = st.Viscous(0.3), [], []
+    for far in (0.02, 0.01):
+        start = {"theta": np.pi / 2 - far, "omega3": 2.0}
+        answer = st.Scene(contact=law, start=start, horizon=10.0).answer(only=name)
+        assert answer.model == name
+        [truth] = simulated(st.Disk(), law, start, [10.0])
+        errors.append(apart(np.array(list(answer.value.values())), truth))
+        estimates.append(answer.estimate)
+    for sizes in (errors, estimates):
+        assert sizes[0] / sizes[1] == pytest.approx(2**order, rel=0.1)
+    assert estimates == pytest.approx(errors, rel=0.3)
+
+
+# --- creep ---
+
+
+def test_the_transient_shortens_with_friction_and_creep_does_not_grow() -> None:
+    ends, counts = [], []
+    for mu in (1e3, 1e4, 1e5):
+        answer = scene(mu=mu, tolerance=1e-8).answer(only="creep")
+        ends.append(float(re.findall(r"the full model to (\S+), until", answer.notes[0])[0]))
+        counts.append(int(re.findall(r"on (\d+) elements", answer.notes[1])[0]))
+    assert len(set(counts)) == 1
+    assert all(6 < a / b < 14 for a, b in zip(ends, ends[1:], strict=False))
+
+
+def test_creep_is_left_and_entered_again() -> None:
+    asked = st.Scene(contact=st.Viscous(1300.0), start=DIPPING, horizon=7.0, tolerance=1e-4)
+    answer = asked.answer()
+    words = [re.sub(r" to .*?,? (until|on|where)", r" \1", note) for note in answer.notes]
+    turn = [
+        "the full model until the slip of the start has decayed", "creep-1 on elements",
+        "the full model where slip is not bound",
+    ]  # fmt: skip
+    assert [re.sub(r"on \d+", "on", w) for w in words] == turn * 2
+    for note in answer.notes:
+        assert note in PAGE
+    [truth] = simulated(st.Disk(), asked.contact, DIPPING, [7.0])
+    error = apart(np.array(list(answer.value.values())), truth)
+    assert error <= answer.estimate * 3
+    assert error <= asked.tolerance
+    assert answer.estimate <= asked.tolerance
+
+
+# --- uncertain inputs, several laws ---
+
+
+def test_the_spread_is_that_of_separate_scenes() -> None:
+    widths = {"mu": 0.2, "theta": 1e-4}
+    told = scene(uncertain=widths).answer().spread
+    assert told is not None
+    middle = np.array(list(scene().answer().value.values()))
+    for name, ends in {
+        "mu": [scene(mu=240.0), scene(mu=360.0)],
+        "theta": [replace(scene(), start={**START, "theta": 1.55 + d}) for d in (-1e-4, 1e-4)],
+    }.items():
+        moved = max(apart(np.array(list(s.answer().value.values())), middle) for s in ends)
+        assert told.moves["final"][name] == pytest.approx(moved, rel=1e-6)
+    assert told.size == pytest.approx(np.hypot(*told.moves["final"].values()))
+    assert told.wasted
+    for line in told.lines():
+        assert line in PAGE
+    loose = scene(1e-5, uncertain=widths).answer().spread
+    assert loose is not None
+    assert not loose.wasted
+
+
+def test_a_move_is_known_to_twice_the_tolerance() -> None:
+    for tolerance, model in ((1e-3, "rough"), (1e-6, "creep-1")):
+        asked = st.Scene(contact=st.Viscous(1e3), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0,
+                         tolerance=tolerance, uncertain={"mu": 0.2})  # fmt: skip
+        answer = asked.answer()
+        assert answer.model == model
+        assert answer.spread is not None
+        middle, *ends = (
+            simulated(st.Disk(), st.Viscous(mu), asked.start, [20.0])[0]
+            for mu in (1e3, 800.0, 1.2e3)
+        )
+        moved = max(apart(end, middle) for end in ends)
+        assert abs(answer.spread.moves["final"]["mu"] - moved) < 2 * tolerance
+
+
+def test_an_outcome_within_the_uncertainty_is_named() -> None:
+    def asked(spin: float, **more: Any) -> Any:
+        start = {"theta": 1.0, "theta_dot": -0.5, "phi_dot": 1.0, "omega3": spin}
+        return st.Scene(contact=st.Viscous(3.0), start=start, horizon=5.0, tolerance=1e-3,
+                        quantities=("outcome",), **more).answer()  # fmt: skip
+
+    answer = asked(-2.5, uncertain={"omega3": 0.2})
+    apart = (asked(-2.7).value, asked(-2.3).value)
+    assert apart == ("lift-off", "moving")
+    assert answer.spread.outcomes == {"omega3": apart}
+    assert answer.spread.contrary == ("omega3",)
+    assert "not determined" in answer.report()
+    sure = asked(-2.5, uncertain={"omega3": 0.01})
+    assert sure.spread.contrary == ()
+
+
+def test_two_laws_part_where_their_motions_do() -> None:
+    laws = {"viscous": st.Viscous(0.3), "rough": st.Rough()}
+    start = {"theta": 1.4, "omega3": 2.0}
+    answer = st.Scene(contact=laws, start=start, horizon=5.0, tolerance=1e-3).answer()
+    times = np.linspace(0, 5, 201)
+    one, other = (simulated(st.Disk(), law, start, times)[:, :4] for law in laws.values())
+    far = (np.abs(one - other) / np.maximum(1, np.abs(one))).max(axis=1)
+    assert answer.until == pytest.approx(times[np.argmax(far > 1e-3)])
+    assert answer.estimate == pytest.approx(far[-1], abs=2e-3)
+    assert "viscous and rough part" in answer.sentence
+    assert set(answer.parts) == set(laws)
+
+
+# --- what a scene does not do ---
+
+
+def test_dry_friction_has_the_full_model_alone() -> None:
+    asked = st.Scene(contact=st.Coulomb(0.2), start=START, horizon=5.0, tolerance=1e-3)
+    answer = asked.answer()
+    assert answer.model == "coulomb"
+    assert [r.why.split(":")[0] for r in answer.rungs[:2]] == [
+        "dry friction has no linear motion", "coulomb has no creep",
+    ]  # fmt: skip
+
+
+def test_a_scene_has_one_launch() -> None:
+    many = st.Scene(contact=st.Viscous(0.3), start={"theta": [1.4, 1.5]}, horizon=5.0)
+    with pytest.raises(st.StabilityError, match="2 launches; give one"):
+        many.answer()
+
+
+def test_a_start_without_contact_has_no_model() -> None:
+    start = {"theta": 0.8, "phi_dot": -0.9, "omega3": -2.4}
+    answer = st.Scene(contact=st.Viscous(3.0), start=start, horizon=5.0).answer()
+    assert (answer.model, answer.value, answer.until) == ("none", None, 0.0)
+    assert "contact" in answer.sentence
