@@ -29,8 +29,9 @@ RUNS, BASE, IMPLICIT = 3.0, 1.5e-3, 4e-3
 """Runs of the full model, with neighbours; time around them, and of an implicit run [s]."""
 PER_TURN, PER_RATE = 7.5, 0.25
 """Steps of an explicit method in a unit of the motion's time, and in one of a decay."""
-LEAST_TIME = 0.03
-"""Time that creep may take even where the full model is expected to take less [s]."""
+PER_ELEMENT, LEAST = 1.5e-4, 300
+"""Time of an element of creep [s], and elements that creep may always take: beyond the expected
+time of the full model it gives up.  They are counted, so that a loaded machine changes no choice."""
 RETRY = 1e4
 """Error over the tolerance up to which creep is tried again with smaller errors on the way."""
 FINER = 2
@@ -233,13 +234,14 @@ def _creep(ladder: _Ladder) -> None:
         why = f"it would take about {1e3 * price:.2g} ms, and the full model {1e3 * whole:.2g} ms"
         ladder.rungs.append(Rung("creep", 4, 0.0, price, math.inf, False, why))
         return
+    most = max(LEAST, whole / PER_ELEMENT)
     with np.errstate(all="ignore"):
-        orders, name, track = creeping(problem, max(LEAST_TIME, whole))
+        orders, name, track = creeping(problem, most)
         if not isinstance(track, Refused):  # several stretches: the errors of all add
             share = track.error / problem.tolerance
             if 1 < share < RETRY:
                 finer = replace(problem, tolerance=problem.tolerance / (5 * share))
-                orders, name, track = creeping(finer, max(LEAST_TIME, whole))
+                orders, name, track = creeping(finer, most)
     for i in range(len(orders)):
         if name_of(i) == name:
             break

@@ -24,7 +24,7 @@ def orders(law: type[Any], mu: float) -> tuple[Any, CreepPath]:
     held = held_of(problem)
     times, states, end = transient(problem, held, problem.start, 0.0, 1e-12)
     assert end is None
-    path = creep_path(problem, held, states[-1], float(times[-1]), 1e-11)
+    path = creep_path(problem, held, states[-1], float(times[-1]), LAST, 1e-11)
     assert isinstance(path, CreepPath)
     return (float(times[-1]), states[-1]), path
 

@@ -35,7 +35,7 @@ MOST_ORDERS = 12
 """Largest order of creep."""
 BENT = 3e-3
 """Correction of the path above which the slopes along it are computed again."""
-WINDOW = 0.1
+WINDOW = 0.3
 """Distance of the rough path at which creep starts again from its own state."""
 STALLS = 0.7
 """Ratio of two corrections above which the orders no longer converge."""
@@ -82,6 +82,8 @@ class CreepPath:
     """Whether the slip still follows the motion at the end: creep may go on from there."""
     linear: Linear
     """The equation of a small deviation along the path."""
+    tried: int
+    """Number of elements of the rough path, of which these are the first."""
     unresolved: float
     """Error of the path between and at the points, from the last coefficients of the elements."""
 
@@ -186,7 +188,7 @@ def creep_path(
         return "the orders of creep do not converge"
     elements = linear.elements
     unresolved = float(SUPER * elements.tails(orders[-1].states).max())
-    return CreepPath(elements, orders, relaxation[:valid], bound, linear, unresolved)
+    return CreepPath(elements, orders, relaxation[:valid], bound, linear, len(path), unresolved)
 
 
 def _window(held: Held, linear: Linear, path: Floats, slip: Floats, rate: Floats) -> int:

@@ -6,7 +6,6 @@ longer does, before a lift-off for example, the full model takes over, and creep
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -89,6 +88,8 @@ class Climb:
     """The end before the horizon."""
     steps: int = 0
     """Steps of the full model."""
+    elements: int = 0
+    """Elements of all stretches."""
     bound: bool = False
     """Whether the slip follows the motion already: no transient is needed."""
     reach: float = np.inf
@@ -96,7 +97,7 @@ class Climb:
 
 
 def creeping(
-    problem: Problem, seconds: float = np.inf
+    problem: Problem, most: float = np.inf
 ) -> tuple[dict[str, float], str, Track | Refused]:
     """The lowest order of creep whose error is below the tolerance, with what is before and after.
 
@@ -104,8 +105,8 @@ def creeping(
     ----------
     problem
         The problem.
-    seconds
-        Time after which creep gives up [s].
+    most
+        Elements of all stretches after which creep gives up.
 
     Returns
     -------
@@ -117,9 +118,9 @@ def creeping(
         word = "the law" if problem.launches.law is None else problem.launches.law.name
         return {}, "creep", Refused(f"{word} has no creep: its slip does not decay at a rate mu")
     climb = Climb(problem, held_of(problem), state=problem.start)
-    turns, why, began = 0, "", time.perf_counter()
+    turns, why = 0, ""
     while climb.finish is None and climb.now < problem.last:
-        if time.perf_counter() - began > seconds:
+        if climb.elements > most:
             why = f"creep needs many stretches and is given up at {climb.now:.4g}"
             return climb.orders, "creep", Refused(why, _indicators(climb))
         before = climb.now
@@ -166,6 +167,7 @@ def _forward(climb: Climb) -> str:
     if not path.bound and done - climb.now < SHARE * (problem.last - climb.now):
         return f"slip follows the motion only up to {done:.4g}"
     _use(climb, times, states, path)
+    climb.elements += path.tried
     climb.bound, climb.reach = path.bound, 2 * (done - begin)
     return ""
 

@@ -140,9 +140,8 @@ class Modes:
         for n, value in enumerate(self.values):
             found[:, n] = (np.exp(np.maximum(later, 0.0) * value) * past) @ slow[:, n]
         quick = np.abs(np.where(swift, drive / rate, 0.0)).max(axis=0)
-        return ends, relative(
-            np.abs(self.states(found)) + quick @ np.abs(self.vectors).T, self.member
-        )
+        size = np.abs(self.states(found)) + quick @ np.abs(self.vectors).T
+        return ends, SAFETY * relative(size, self.member)
 
 
 def modes(problem: Problem, member: Floats, family: str) -> Modes | Refused:
