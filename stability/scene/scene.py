@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -308,6 +309,37 @@ class Scene:
             errors[name] = _distance(name, other.value, one.value)
         whole = next(iter(errors.values())) if len(errors) == 1 else errors
         return replace(told, true_error=whole)
+
+    @classmethod
+    def from_toml(cls, path: str | os.PathLike[str]) -> Scene:
+        """The scene that a TOML file states.
+
+        Parameters
+        ----------
+        path
+            The file; `examples/scenes` shows its tables.
+
+        Raises
+        ------
+        StabilityError
+            In one sentence, if the file cannot be read, or states what is not accepted.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     file = pathlib.Path(folder) / "rolled.toml"
+        ...     _ = file.write_text('''
+        ...         contact = {law = "viscous", mu = 300.0}
+        ...         start = {theta = 1.5706, omega3 = 1.2}
+        ...         question = {horizon = 1000.0, tolerance = 1e-6}
+        ...     ''')
+        ...     Scene.from_toml(file).answer().model
+        'linearised'
+        """
+        from .toml_file import read
+
+        return cls(**read(path))
 
 
 def _table(given: Any, names: Sequence[str]) -> dict[str, float]:
