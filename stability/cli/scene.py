@@ -16,8 +16,6 @@ from ..base.errors import ParameterError
 from ..storage.json_text import json_text
 
 if TYPE_CHECKING:
-    import xarray
-
     from ..scene.answer import Answer
     from ..scene.scene import Scene
 
