@@ -84,6 +84,7 @@ def run(options: argparse.Namespace) -> None:
 def _refuse(options: argparse.Namespace, scene: Scene) -> None:
     """Refuse options that do not fit the scene or one another."""
     from ..base.checks import known
+    from ..scene.questions import QUESTIONS
     from ..scene.rungs.near_steady import LINEARISED, SECOND, STEADY
 
     if options.verify and options.only is not None:
@@ -96,7 +97,7 @@ def _refuse(options: argparse.Namespace, scene: Scene) -> None:
             f"{asked} is given and the scene has {len(scene.contact)} laws; it needs a scene with "
             "one law."
         )
-    if options.only is not None:
+    if options.only is not None and set(scene.quantities) <= set(QUESTIONS):
         known("--only", options.only, (STEADY, LINEARISED, SECOND, "creep", scene.contact.name))
 
 
@@ -264,9 +265,10 @@ def _cells(
     elif name == "path":
         cells["path"] = f"{value.sizes['time']} samples"
     elif isinstance(value, float):
-        cells[f"{name} [{units[name]}]"] = f"{value:.{digits}g}"
+        unit = f" [{units[name]}]" if name in units else ""
+        cells[f"{name}{unit}"] = f"{value:.{digits}g}"
     else:
-        cells[name] = value or NONE[name]
+        cells[name] = value or NONE.get(name, "none")
     for label, errors in (("error", answer.estimate), ("true error", answer.true_error)):
         if errors is not None:
             size = _by_name(errors, every)[name]

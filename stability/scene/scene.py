@@ -326,15 +326,9 @@ class Scene:
 
         Examples
         --------
-        >>> import tempfile, pathlib
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     file = pathlib.Path(folder) / "rolled.toml"
-        ...     _ = file.write_text('''
-        ...         contact = {law = "viscous", mu = 300.0}
-        ...         start = {theta = 1.5706, omega3 = 1.2}
-        ...         question = {horizon = 1000.0, tolerance = 1e-6}
-        ...     ''')
-        ...     Scene.from_toml(file).answer().model
+        >>> import pathlib, stability
+        >>> folder = pathlib.Path(stability.__file__).parents[1] / "examples" / "scenes"
+        >>> Scene.from_toml(folder / "spun-coin.toml").answer().model
         'linearised'
         """
         from .toml_file import read
