@@ -15,6 +15,7 @@ from ..storage.json_text import HELP, json_text
 from .compare import add_arguments as add_compare
 from .map import _map
 from .options import CONTACTS, _bar, _disk, _family, _list, _member, _Parser, _physics
+from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
 from .table import _table
@@ -137,6 +138,12 @@ def _simulate(options: argparse.Namespace) -> None:
     run(options, _disk(options), _bar)
 
 
+def _scene(options: argparse.Namespace) -> None:
+    from .scene import run
+
+    run(options)
+
+
 def _compare(options: argparse.Namespace) -> None:
     from .compare import run
 
@@ -205,6 +212,10 @@ def _parser() -> argparse.ArgumentParser:
                   "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 "
                   "--out run.nc --plot run.png --film run.html")  # fmt: skip
     add_arguments(sub)
+
+    sub = command("scene", _scene, "A scene of a TOML file, answered by the least model",
+                  "stability scene examples/scenes/rolled-coin.toml --json")  # fmt: skip
+    add_scene(sub)
 
     sub = command("table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
                   "stability table conditions --k 0.25,0.5 --mu 0.1,1,10")  # fmt: skip

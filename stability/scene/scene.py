@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -343,6 +344,31 @@ class Scene:
             errors[name] = _distance(name, other.value, one.value)
         whole = next(iter(errors.values())) if len(errors) == 1 else errors
         return replace(told, true_error=whole)
+
+    @classmethod
+    def from_toml(cls, path: str | os.PathLike[str]) -> Scene:
+        """The scene that a TOML file states.
+
+        Parameters
+        ----------
+        path
+            The file; `examples/scenes` shows its tables.
+
+        Raises
+        ------
+        StabilityError
+            In one sentence, if the file cannot be read, or states what is not accepted.
+
+        Examples
+        --------
+        >>> import pathlib, stability
+        >>> folder = pathlib.Path(stability.__file__).parents[1] / "examples" / "scenes"
+        >>> Scene.from_toml(folder / "spun-coin.toml").answer().model
+        'linearised'
+        """
+        from .toml_file import read
+
+        return cls(**read(path))
 
 
 def _table(given: Any, names: Sequence[str]) -> dict[str, float]:

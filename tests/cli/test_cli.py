@@ -14,7 +14,7 @@ from command_line import output, refused
 
 from stability.cli import main
 
-COMMANDS = ("spectrum", "map", "atlas", "table")
+COMMANDS = ("spectrum", "map", "atlas", "table", "scene")
 MAP = ["map", "rolling", "--x", "at:1:2:6", "--y", "mu:0.1:1:5"]
 
 

@@ -46,6 +46,7 @@ def test_commands_in_the_readme_run(
     from stability.cli import main
 
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")  # a reader is in the root
     text = (ROOT / "README.md").read_text().replace("\\\n", " ")
     commands = re.findall(r"^\.venv/bin/stability (.+)$", text, re.MULTILINE)
     assert len(commands) >= 4

@@ -1,0 +1,321 @@
+"""The command `scene`: a scene of a TOML file, answered by the least model."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..base.errors import ParameterError
+from ..storage.json_text import json_text
+
+if TYPE_CHECKING:
+    from ..scene.answer import Answer
+    from ..scene.scene import Scene
+
+NONE = {"settling_time": "has not settled", "lift_off_time": "does not lift off"}
+"""What a quantity without a value means."""
+PATIENCE = 2.0
+"""Time after which a command shows that it works [s]."""
+GAP = 2
+"""Spaces between two columns."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `stability scene`.
+
+    Parameters
+    ----------
+    parser
+        The command's parser.
+    """
+    parser.add_argument("file", metavar="FILE.toml", help="the scene; see examples/scenes")
+    parser.add_argument("--verify", action="store_true",
+                        help="run the full model at a finer tolerance too, and tell the true "
+                        "error")  # fmt: skip
+    parser.add_argument("--only", metavar="RUNG",
+                        help="run one model, with its error: steady, linearised, second-order, "
+                        "creep, or the name of the law")  # fmt: skip
+    parser.add_argument("--out", metavar="F.nc",
+                        help="NetCDF file to write: the motion at many times, each within the "
+                        "tolerance")  # fmt: skip
+    parser.add_argument("--force", action="store_true", help="replace an existing file")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Answer the scene of a file, write the motion, and print the answer.
+
+    Parameters
+    ----------
+    options
+        Parsed options of `add_arguments`.
+    """
+    from ..scene.scene import Scene
+    from ..scene.toml_file import titled
+
+    title, given = titled(options.file)
+    scene = Scene(**given)
+    names = tuple(scene.quantities)
+    _refuse(options, scene)
+    target = _target(options)
+    if target is not None and "path" not in names:
+        scene = replace(scene, quantities=(*names, "path"))
+    with waiting():
+        answer = scene.verify() if options.verify else scene.answer(only=options.only)
+    if target is not None:
+        _write(options, answer, target)
+    if options.json:
+        print(json_text(_record(title, scene, answer, names, options)))
+        return
+    for line in _lines(title, scene, answer, names):
+        print(line)
+    if target is not None:
+        from ..storage.targets import path_text
+
+        print(f"\nwrote {path_text(target)}")
+
+
+def _refuse(options: argparse.Namespace, scene: Scene) -> None:
+    """Refuse options that do not fit the scene or one another."""
+    from ..base.checks import known
+    from ..scene.questions import QUESTIONS
+    from ..scene.rungs.near_steady import LINEARISED, SECOND, STEADY
+
+    if options.verify and options.only is not None:
+        raise ParameterError("--verify and --only are both given; give one of them.")
+    asked = "--verify" if options.verify else "--only"
+    if not options.verify and options.only is None:
+        return
+    if isinstance(scene.contact, Mapping):
+        raise ParameterError(
+            f"{asked} is given and the scene has {len(scene.contact)} laws; it needs a scene with "
+            "one law."
+        )
+    if options.only is not None and set(scene.quantities) <= set(QUESTIONS):
+        known("--only", options.only, (STEADY, LINEARISED, SECOND, "creep", scene.contact.name))
+
+
+def _target(options: argparse.Namespace) -> Path | None:
+    """The file to write, checked before anything is computed."""
+    from ..storage.targets import DATASETS, check_suffix, check_target
+
+    if options.out is None:
+        return None
+    return check_target(check_suffix(options.out, DATASETS, "--out"), overwrite=options.force)
+
+
+def _write(options: argparse.Namespace, answer: Answer, target: Path) -> None:
+    """Write the motion; those under several laws along the dimension `law`."""
+    import xarray
+
+    from ..storage.files import atomic_write
+    from ..storage.netcdf import packed
+
+    parts = {n: a.path for n, a in _parts(answer).items() if a.path is not None}
+    if not parts:
+        raise ParameterError(f"--out has no motion to write: {answer.sentence}")
+    if answer.parts:
+        # a motion that ends before the others has no values after its end
+        dataset = xarray.concat(
+            list(parts.values()), "law", join="outer", combine_attrs="drop_conflicts"
+        ).assign_coords(law=("law", list(parts), {"long_name": "contact law"}))
+        dataset.attrs["title"] = "thin disk under several contact laws"
+        dataset.attrs["model"] = ", ".join(answer.parts[n].model for n in parts)
+    else:
+        [dataset] = parts.values()
+    with atomic_write(target, overwrite=options.force) as draft:
+        draft.write_bytes(packed(dataset))
+
+
+def _parts(answer: Answer) -> dict[str, Answer]:
+    """The answers under each law by name; the answer itself where there is one law."""
+    return dict(answer.parts) or {answer.model: answer}
+
+
+def _by_name(value: Any, names: tuple[str, ...]) -> dict[str, Any]:
+    """Values by quantity, whether one or several were asked for."""
+    if isinstance(value, dict) and set(value) & set(names):
+        return value
+    return {names[0]: value}
+
+
+def _asked(value: Any, names: tuple[str, ...]) -> Any:
+    """A value or an error by quantity, as Python gives it, without what `--out` has added."""
+    if not isinstance(value, dict) or not set(names) & set(value):
+        return value
+    kept = {n: _columns(value[n]) for n in names if n in value}
+    return next(iter(kept.values())) if len(names) == 1 else kept
+
+
+def _columns(value: Any) -> Any:
+    """A path as columns of numbers; any other value unchanged."""
+    if not hasattr(value, "data_vars"):
+        return value
+    return {str(n): value[n].values for n in ("time", *value.data_vars)}
+
+
+# --- for a program ---
+
+
+def _record(
+    title: str, scene: Scene, answer: Answer, names: tuple[str, ...], options: argparse.Namespace
+) -> dict[str, Any]:
+    """The answer as one object."""
+    several = bool(answer.parts)
+    value = {n: _asked(_columns(v), names) for n, v in answer.value.items()} if several else (
+        _asked(_columns(answer.value), names))  # fmt: skip
+    plain = scene.disk.dimensionless
+    record: dict[str, Any] = {
+        "title": title,
+        "quantities": list(names),
+        "value": value,
+        **_about(answer, names),
+        "tolerance": answer.tolerance,
+        "horizon": scene.horizon,
+        "unit": "dimensionless (m = R = g = 1)" if plain else "SI",
+        "units": _units(names, plain=plain),
+    }
+    if several:
+        record["laws"] = {n: _about(a, names) for n, a in answer.parts.items()}
+    if options.verify:
+        record["true_error"] = _asked(answer.true_error, names)
+    if options.out is not None:
+        record["files"] = {"out": str(options.out)}
+    return record
+
+
+def _about(answer: Answer, names: tuple[str, ...]) -> dict[str, Any]:
+    """The model of an answer, and what is known of its error."""
+    spread = answer.spread
+    return {
+        "model": answer.model,
+        "estimate": _asked(answer.estimate, names),
+        "until": answer.until,
+        "sentence": answer.sentence,
+        "notes": answer.notes,
+        "rungs": [asdict(r) for r in answer.rungs],
+        "spread": None if spread is None else {
+            "inputs": spread.inputs, "moves": spread.moves, "outcomes": spread.outcomes,
+            "contrary": spread.contrary, "size": spread.size, "wasted": spread.wasted,
+        },
+        "cost": answer.cost,
+    }  # fmt: skip
+
+
+def _units(names: tuple[str, ...], *, plain: bool) -> dict[str, str]:
+    """Units in words of all numbers of the answer."""
+    from ..bodies.thin_disk.disk_equations import STATES
+    from ..bodies.thin_disk.disk_quantities import QUANTITIES
+    from ..scene.questions import QUESTIONS
+
+    kinds = {n: q.kind for n, q in QUESTIONS.items() if n in names and q.kind is not None}
+    if {"final", "path"} & set(names):
+        kinds |= {n: QUANTITIES[n].kind for n in ("time", *STATES)}
+    return {n: kind.label(dimensionless=plain) for n, kind in kinds.items()}
+
+
+# --- for a reader ---
+
+
+def _lines(title: str, scene: Scene, answer: Answer, names: tuple[str, ...]) -> Iterator[str]:
+    """The title, the answer in words, a table of the values, and every ladder."""
+    yield from (title, "", answer.sentence)
+    columns = _parts(answer)
+    if all(one.model == "none" for one in columns.values()):
+        return
+    yield ""
+    rows = {"model": [one.model for one in columns.values()]}
+    units = _units(names, plain=scene.disk.dimensionless)
+    digits = max(3, 2 - math.floor(math.log10(scene.tolerance)))
+    for name in names:
+        cells = [_cells(one, name, names, units, digits) for one in columns.values()]
+        for label in dict.fromkeys(n for cell in cells for n in cell):
+            rows[label] = [cell.get(label, "") for cell in cells]
+    head = {"": list(columns)} if answer.parts else {}
+    yield from _table(head | rows)
+    yield ""
+    yield "Errors are over 1 or the size of the value, in units of the disk (m = R = g = 1)."
+    for name, one in columns.items():
+        ladder = one.report().removeprefix(one.sentence).strip("\n")
+        yield ""
+        if answer.parts:
+            yield f"{name}: {one.sentence}"
+        if one.rungs:
+            yield ladder
+
+
+def _cells(
+    answer: Answer, name: str, names: tuple[str, ...], units: Mapping[str, str], digits: int
+) -> dict[str, str]:
+    """The rows of a quantity in the column of one answer."""
+    if answer.model == "none":
+        return {name: "-"}
+    every = names if "path" in names or answer.path is None else (*names, "path")
+    value = _by_name(answer.value, every)[name]
+    cells = {}
+    if name == "final":
+        for state, number in value.items():
+            cells[f"{state} [{units[state]}]"] = f"{number:.{digits}g}"
+    elif name == "path":
+        cells["path"] = f"{value.sizes['time']} samples"
+    elif isinstance(value, float):
+        unit = f" [{units[name]}]" if name in units else ""
+        cells[f"{name}{unit}"] = f"{value:.{digits}g}"
+    else:
+        cells[name] = value or NONE.get(name, "none")
+    for label, errors in (("error", answer.estimate), ("true error", answer.true_error)):
+        if errors is not None:
+            size = _by_name(errors, every)[name]
+            told = f"{size:.1e}" if size else "none"  # a word is right or not known to be
+            cells[f"  {label} of {name}"] = told if math.isfinite(size) else "not known"
+    return cells
+
+
+def _table(rows: Mapping[str, list[str]]) -> Iterator[str]:
+    """Rows of cells in columns of equal width."""
+    first = max(map(len, rows)) + GAP
+    widths = [max(map(len, column)) + GAP for column in zip(*rows.values(), strict=True)]
+    for label, cells in rows.items():
+        text = "".join(f"{c:<{w}}" for c, w in zip(cells, widths, strict=True))
+        yield f"{label:<{first}}{text}".rstrip()
+
+
+@contextmanager
+def waiting(after: float = PATIENCE) -> Iterator[None]:
+    """Show on a terminal how long the answer has taken, where it takes long.
+
+    Parameters
+    ----------
+    after
+        Time before anything is shown [s].
+    """
+    from tqdm import tqdm
+
+    if sys.stderr is None:
+        yield
+        return
+    # the number of rungs that will run is not known before, so the bar tells the time alone
+    bar = tqdm(desc="answering", bar_format="{desc} {elapsed}", delay=after, disable=None,
+               leave=False, mininterval=0, file=sys.stderr)  # fmt: skip
+    done = threading.Event()
+
+    def tick() -> None:
+        while not done.wait(0.25):
+            bar.update()
+
+    clock = threading.Thread(target=tick, daemon=True)
+    if not bar.disable:
+        clock.start()
+    try:
+        yield
+    finally:
+        done.set()
+        if clock.is_alive():
+            clock.join()
+        bar.close()

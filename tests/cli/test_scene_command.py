@@ -1,0 +1,344 @@
+"""`stability scene`: the examples, one JSON object, whole files, one sentence."""
+
+import io
+import json
+import math
+import re
+import sys
+import time
+from contextlib import redirect_stdout
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+from command_line import output, refused
+
+import stability as st
+from stability.bodies.thin_disk.disk_equations import STATES
+from stability.cli import main
+from stability.cli.scene import waiting
+from stability.scene.toml_file import titled
+
+FOLDER = Path(__file__).parents[2] / "examples" / "scenes"
+EXAMPLES = sorted(FOLDER.glob("*.toml"))
+SMALL = """
+[contact]
+law = "viscous"
+mu = 0.3
+[start]
+theta = 1.57
+omega3 = 1.8
+[question]
+horizon = 2.0
+tolerance = 1e-5
+"""
+"""A scene whose linear motion is enough."""
+NO_CONTACT = SMALL.replace("omega3 = 1.8", "theta_dot = 5.0")
+
+
+def written(folder: Path, text: str) -> str:
+    path = folder / "small.toml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def strict(token: str) -> None:
+    raise AssertionError(token)
+
+
+def ask(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
+    return json.loads(output(capsys, "scene", *words, "--json"), parse_constant=strict)
+
+
+@cache
+def example(stem: str) -> Any:
+    """The object that the command prints for an example, once for all tests."""
+    with redirect_stdout(io.StringIO()) as text:
+        assert main(["scene", str(FOLDER / f"{stem}.toml"), "--json"]) == 0
+    return json.loads(text.getvalue(), parse_constant=strict)
+
+
+def _same(found: Any, value: Any) -> bool:
+    """Whether JSON gives a value of Python, where null is a number without bound or None."""
+    if isinstance(value, dict):
+        return set(found) == set(value) and all(_same(found[n], v) for n, v in value.items())
+    if value is None or isinstance(value, str):
+        return bool(found == value)
+    return bool(found is None and not math.isfinite(value)) or bool(found == value)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
+def test_an_example_prints_the_answer_of_python_in_both_forms(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, path: Path
+) -> None:
+    monkeypatch.setattr("time.perf_counter", lambda: 0.0)  # so that all three cost the same
+    answer = st.Scene.from_toml(path).answer()
+    found = ask(capsys, str(path))
+    assert found["title"] == titled(path)[0]
+    assert _same(found["value"], answer.value)
+    assert _same(found["estimate"], answer.estimate)
+    assert (found["model"], found["sentence"]) == (answer.model, answer.sentence)
+    assert (found["until"], found["tolerance"]) == (answer.until, answer.tolerance)
+    rungs = [(r["name"], r["chosen"], r["why"]) for r in found["rungs"]]
+    assert rungs == [(r.name, r.chosen, r.why) for r in answer.rungs]
+    text = output(capsys, "scene", str(path))
+    assert text.startswith(f"{found['title']}\n\n{answer.sentence}\n")
+    for name, part in (answer.parts or {"": answer}).items():
+        ladder = part.report().removeprefix(part.sentence)
+        assert ladder.strip() in text
+        if answer.parts:
+            assert f"\n{name}: {part.sentence}\n" in text
+            assert found["laws"][name]["model"] == part.model
+    if answer.spread is not None:
+        assert found["spread"]["contrary"] == list(answer.spread.contrary)
+        assert found["spread"]["size"] == answer.spread.size
+
+
+def _simulated(scene: st.Scene, law: Any) -> Any:
+    return st.simulate(scene.disk, law, scene.start, scene.horizon, tolerance=1e-12, check=False)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
+def test_an_example_is_answered_as_simulate_does_within_its_tolerance(path: Path) -> None:
+    scene, found = st.Scene.from_toml(path), example(path.stem)
+    several = isinstance(scene.contact, dict)
+    scale = np.array([1.0, *[float(scene.disk.rate)] * 3, *[float(scene.disk.speed)] * 2])
+    for name, law in (scene.contact if several else {"": scene.contact}).items():
+        value = found["value"][name] if several else found["value"]
+        run = _simulated(scene, law)
+        if "final" in value:
+            truth = np.array([float(run[n][-1]) for n in STATES]) / scale
+            mine = np.array([value["final"][n] for n in STATES]) / scale
+            far = np.abs(mine - truth) / np.maximum(1.0, np.abs(truth))
+            assert far.max() <= scene.tolerance
+        if "outcome" in value:
+            assert value["outcome"] == run.attrs["outcome"]
+        if "lift_off_time" in value:
+            end = float(run.end_time)
+            assert value["lift_off_time"] == pytest.approx(end, rel=scene.tolerance)
+            assert found["until"] == value["lift_off_time"]
+
+
+def test_the_examples_show_what_their_comments_say(capsys: pytest.CaptureFixture[str]) -> None:
+    """The numbers in the comments of the files, which nobody else checks."""
+    coin = example("rolled-coin")["value"]
+    rate = {n: v["final"]["theta_dot"] for n, v in coin.items()}
+    assert rate["viscous"] == pytest.approx(rate["linear"], abs=1e-3)
+    assert abs(rate["viscous"] - rate["rough"]) == pytest.approx(0.06, abs=0.001)
+    assert 8 < coin["smooth"]["largest_tilt"] / coin["rough"]["largest_tilt"] < 9
+    spun = ask(capsys, str(FOLDER / "spun-coin.toml"), "--verify")
+    assert spun["model"] == "linearised"
+    assert spun["value"]["largest_tilt"] == pytest.approx(0.005, abs=1e-12)
+    assert abs(math.pi / 2 - spun["value"]["final"]["theta"]) == pytest.approx(5e-5, rel=0.1)
+    assert spun["true_error"]["final"] <= spun["estimate"]["final"]
+    euler = example("eulers-disk")
+    assert euler["model"] == "viscous"
+    assert euler["value"]["largest_tilt"] == pytest.approx(0.97, abs=0.005)
+    assert euler["value"]["settling_time"] == pytest.approx(35, abs=0.5)
+    hoop = example("hoop-on-a-rough-floor")
+    assert hoop["model"] == "creep-2"
+    assert hoop["spread"]["wasted"]
+    assert hoop["spread"]["moves"]["final"]["omega3"] > 10 * hoop["spread"]["moves"]["final"]["mu"]
+    near = example("near-threshold-roll")
+    assert near["value"]["lift_off_time"] == pytest.approx(56.2, abs=0.05)
+    assert near["spread"]["contrary"] == ["omega3"]
+    assert near["spread"]["outcomes"]["omega3"] == ["lift-off", "moving"]
+    stiff = example("stiff-launch")
+    assert stiff["until"] == pytest.approx(0.134, abs=0.0005)
+    assert stiff["estimate"]["lift_off_time"] < 1e-7
+
+
+def test_numbers_have_their_units_and_no_more_digits_than_are_known(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = written(tmp_path, SMALL + 'quantities = ["final", "largest_tilt", "settling_time"]\n')
+    text, found = output(capsys, "scene", path), ask(capsys, path)
+    assert found["unit"].startswith("dimensionless")
+    assert found["units"]["omega3"] == "√(g/R)"
+    assert "omega3 [√(g/R)]" in text
+    [row] = [line.split() for line in text.splitlines() if line.startswith("theta [rad]")]
+    assert row[2] == f"{found['value']['final']['theta']:.7g}"  # the tolerance is 1e-5
+    coin = written(tmp_path, SMALL.replace("1.8", "60.0") + '[disk]\nname = "quarter"\n')
+    found = ask(capsys, coin)
+    assert (found["unit"], found["units"]["slip_x"]) == ("SI", "m/s")
+    row = rf"^omega3 \[rad/s\] +{found['value']['omega3']:.7g}$"
+    assert re.search(row, output(capsys, "scene", coin), re.MULTILINE)
+
+
+def test_one_rung_is_run_where_it_is_asked_for(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = written(tmp_path, SMALL)
+    least, full = ask(capsys, path), ask(capsys, path, "--only", "viscous")
+    assert (least["model"], full["model"]) == ("linearised", "viscous")
+    assert [r["name"] for r in full["rungs"]] == ["viscous"]
+    assert least["value"]["theta"] == pytest.approx(full["value"]["theta"], abs=1e-5)
+
+
+def test_the_true_error_is_told_where_it_is_asked_for(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = written(tmp_path, SMALL)
+    found, scene = ask(capsys, path, "--verify"), st.Scene.from_toml(path)
+    assert found["true_error"] == scene.verify().true_error
+    assert "true_error" not in ask(capsys, path)
+    assert f"true error of final  {found['true_error']:.1e}" in output(
+        capsys, "scene", path, "--verify"
+    )
+
+
+def test_a_start_that_no_rung_can_take_is_answered_so(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = written(tmp_path, NO_CONTACT)
+    found = ask(capsys, path)
+    assert (found["model"], found["value"], found["estimate"]) == ("none", None, None)
+    assert found["sentence"].startswith("No rung can answer")
+    assert output(capsys, "scene", path) == f"small\n\n{found['sentence']}\n"
+
+
+# --- files ---
+
+
+def test_the_motion_is_written_with_units_and_its_error(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path, target = written(tmp_path, SMALL), tmp_path / "motion.nc"
+    found = ask(capsys, path, "--out", str(target))
+    assert found["files"] == {"out": str(target)}
+    assert found["value"] == ask(capsys, path)["value"]
+    with xarray.open_dataset(target, engine="h5netcdf") as file:
+        motion = file.load()
+    assert motion.time.values[[0, -1]].tolist() == [0.0, 2.0]
+    assert len(motion.time) > 100
+    assert motion.omega3.attrs["unit_in_words"] == "√(g/R)"
+    scene = st.Scene.from_toml(path)
+    run = st.simulate(scene.disk, scene.contact, scene.start, motion.time.values[1:],
+                      tolerance=1e-12, check=False)  # fmt: skip
+    for name in STATES:
+        far = np.abs(motion[name].values[1:] - run[name].values)
+        assert far.max() <= motion.error.values.max() <= scene.tolerance
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["motion.nc", "small.toml"]
+
+
+def test_motions_under_several_laws_are_one_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    target = tmp_path / "laws.nc"
+    text = output(capsys, "scene", str(FOLDER / "rolled-coin.toml"), "--out", str(target))
+    assert text.endswith(f"\nwrote {target}\n")
+    with xarray.open_dataset(target, engine="h5netcdf") as file:
+        motion = file.load()
+    assert motion.law.values.tolist() == ["viscous", "linear", "rough", "smooth"]
+    parts = st.Scene.from_toml(FOLDER / "rolled-coin.toml").answer().parts
+    for name, part in parts.items():
+        assert part.path is not None
+        assert np.array_equal(motion.sel(law=name).theta.values, part.path.theta.values)
+
+
+def test_a_path_that_is_asked_for_is_columns_of_json(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = written(tmp_path, SMALL + 'quantities = ["path", "outcome"]\n')
+    found, answer = ask(capsys, path)["value"], st.Scene.from_toml(path).answer()
+    assert found["outcome"] == answer.value["outcome"]
+    assert list(found["path"]) == ["time", *STATES, "error"]
+    assert found["path"]["theta"] == answer.value["path"].theta.values.tolist()
+    samples = len(answer.value["path"].time)
+    assert f"\npath                {samples} samples\n" in output(capsys, "scene", path)
+
+
+def test_a_file_is_whole_or_not_there(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, target = written(tmp_path, SMALL), tmp_path / "motion.nc"
+
+    def full(*_: Any) -> bytes:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("stability.storage.netcdf.packed", full)
+        assert "No space left on device" in refused(capsys, "scene", path, "--out", str(target))
+    assert not target.exists()
+    target.write_text("mine")
+    assert "exists" in refused(capsys, "scene", path, "--out", str(target))
+    assert target.read_text() == "mine"
+    output(capsys, "scene", path, "--out", str(target), "--force")
+    assert target.read_bytes().startswith(b"\x89HDF")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["motion.nc", "small.toml"]
+
+
+# --- what is refused ---
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "sentence"),
+    [
+        (SMALL, ["--only", "magic"], "--only is 'magic'; known are steady, linearised"),
+        (SMALL, ["--only", "rough"], "--only is 'rough'; known are"),
+        (SMALL, ["--only", "viscous", "--verify"], "--verify and --only are both given"),
+        (SMALL, ["--out", "a.png"], "the name must end in .nc"),
+        (SMALL, ["--out", "no/such/a.nc"], "does not exist"),
+        (SMALL, ["--colour"], "unrecognized arguments"),
+        (SMALL, ["more.toml"], "unrecognized arguments"),
+        (SMALL + "[contact.rough]\n", [], "small.toml: [contact] has 'law' and the table 'rough'"),
+        (SMALL + "nu = 1\n", [], "small.toml: [question] has 'nu'; known are horizon"),
+        (SMALL + "horizon = 1\n", [], "Cannot overwrite a value (at line 11"),
+        (SMALL.replace("1e-5", "3"), [], "tolerance is 3; give one from"),
+        (SMALL.replace("1.57", "nan"), [], "theta of [start] is nan; a finite number"),
+        (NO_CONTACT, ["--out", "a.nc"], "--out has no motion to write: No rung can answer"),
+        ("", [], "small.toml is empty"),
+    ],
+)
+def test_bad_questions_get_one_sentence_and_no_file(
+    capsys: pytest.CaptureFixture[str], text: str, words: list[str], sentence: str,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    path = written(tmp_path, text)
+    assert sentence in refused(capsys, "scene", path, *words)
+    assert [p.name for p in tmp_path.iterdir()] == ["small.toml"]
+
+
+@pytest.mark.parametrize("words", [["--verify"], ["--only", "rough"]])
+def test_several_laws_are_neither_verified_nor_run_by_one_rung(
+    capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    told = refused(capsys, "scene", str(FOLDER / "rolled-coin.toml"), *words)
+    assert f"{words[0]} is given and the scene has 4 laws" in told
+
+
+def test_no_file_is_a_refusal(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert "is not a file" in refused(capsys, "scene", str(tmp_path / "none.toml"))
+    assert "required: FILE.toml" in refused(capsys, "scene")
+
+
+# --- while it works ---
+
+
+class Terminal(io.StringIO):
+    """Text that takes itself for a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_terminal_shows_the_time_of_long_work_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    def shown(stream: io.StringIO, after: float) -> str:
+        monkeypatch.setattr(sys, "stderr", stream)
+        with waiting(after):
+            end = time.monotonic() + 2.0
+            while after < 1 and not stream.getvalue() and time.monotonic() < end:
+                time.sleep(0.02)
+        return stream.getvalue()
+
+    assert "answering 00:0" in shown(Terminal(), 0.0)
+    assert shown(Terminal(), 60.0) == ""
+    quiet = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", quiet)
+    with waiting(0.0):
+        time.sleep(0.3)
+    assert quiet.getvalue() == ""
