@@ -16,8 +16,9 @@ from ..base.version import __version__
 if TYPE_CHECKING:
     import xarray
 
-from .ladder import Rung
-from .questions import QUESTIONS, Found
+from .ladder import Climbed, Rung
+from .questions import QUESTIONS, Found, relative_error
+from .rungs.full import kept_until
 from .rungs.track import Problem, Track
 from .uncertain import Spread
 
@@ -41,7 +42,8 @@ class Answer:
     model: str
     """Name of the rung that gave it; `none` where no rung could."""
     estimate: Any
-    """Estimated error of the value, over 1 or its size; by name where several were asked for."""
+    """Estimated error of the value, dimensionless, over 1 or its size; by name where several were
+    asked for."""
     rungs: tuple[Rung, ...]
     """Every rung, in the order of its cost, with the reason why it was chosen or not."""
     until: float
@@ -83,20 +85,80 @@ class Answer:
         -------
         str
         """
-        head = f"{'rung':<22}{'states':>6}{'cost':>10}{'error/tol':>11}  why"
-        lines = [self.sentence, "", head]
+        if self.parts:
+            lines = [self.sentence]
+            for name, part in self.parts.items():
+                lines += ["", f"{name}: {part.report()}"]
+            return "\n".join(lines)
+        head = f"{'rung':<22}{'states':>6}{'cost':>12}{'error/tol':>11}  why"
+        lines = [self.sentence, "", head] if self.rungs else [self.sentence]
         for r in self.rungs:
             cost = f"{1e3 * r.cost:.2f} ms" if r.cost else "-"
             size = f"{r.estimate:.2g}" if math.isfinite(r.estimate) else "-"
             mark = "*" if r.chosen else " "
-            lines.append(f"{mark}{r.name:<21}{r.dimension:>6}{cost:>10}{size:>11}  {r.why}")
+            lines.append(f"{mark}{r.name:<21}{r.dimension:>6}{cost:>12}{size:>11}  {r.why}")
             if r.indicators:
                 told = ", ".join(f"{n} {v:.3g}" for n, v in r.indicators.items())
-                lines.append(f"{'':<50} {told}")
+                lines.append(f"{'':<52} {told}")
         lines += [f"  {note}" for note in self.notes]
         if self.spread is not None:
             lines += ["", *self.spread.lines()]
         return "\n".join(lines)
+
+
+def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
+    """The answer that a climb gives, in the user's units.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    found
+        What the climb has found.
+    horizon
+        The horizon in the user's unit.
+
+    Returns
+    -------
+    Answer
+    """
+    if found.track is None:
+        said = next(r.why for r in reversed(found.rungs))
+        name = found.rungs[-1].name
+        return Answer(None, "none", math.inf, found.rungs, 0.0, f"{name} cannot answer: {said}.",
+                      problem.tolerance)  # fmt: skip
+    track, clock = found.track, float(problem.launches.scales["time"])
+    values = {n: in_units(problem, n, one) for n, one in found.found.items()}
+    if "path" in values:
+        values["path"] = dataset(problem, track, found.model)
+    errors = {n: relative_error(one) for n, one in found.found.items()}
+    until = horizon if track.finish is None else float(track.finish.time) * clock
+    if not found.share <= 1:
+        until = min(until, kept_until(problem) * clock)
+    one = len(values) == 1
+    return Answer(
+        next(iter(values.values())) if one else values, found.model,
+        next(iter(errors.values())) if one else errors, found.rungs, until,
+        _sentence(problem, found, until), problem.tolerance, notes=track.notes,
+        motion=(problem, track),
+    )  # fmt: skip
+
+
+def _sentence(problem: Problem, found: Climbed, until: float) -> str:
+    unit = "" if problem.launches.dimensionless else " s"
+    end = None if found.track is None else found.track.finish
+    if not found.share <= 1:
+        size = "has no bound" if math.isinf(found.share) else (
+            f"is {found.share:.3g} times that at the horizon")  # fmt: skip
+        why = f" ({end.kind}: {end.evidence})" if end is not None else ""
+        return (
+            f"No rung answers within {problem.tolerance:g}: the error of {found.model} {size}"
+            f"{why}; the answer holds until {until:.4g}{unit}."
+        )
+    text = f"{found.model} answers within {found.share:.2g} of the tolerance"
+    if end is not None:
+        return f"{text}, until {until:.6g}{unit}: {end.kind}, {end.evidence}."
+    return f"{text}, to the horizon."
 
 
 def in_units(problem: Problem, name: str, found: Found) -> Any:

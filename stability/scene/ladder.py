@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
 
 import numpy as np
 
+from ..base.checks import known
 from ..integrators.selection import HEYOKA, explicit
-from .questions import QUESTIONS, Found
-from .rungs.creep import applies
+from .questions import QUESTIONS, UNKNOWN, Found, relative_error
+from .rungs.creep import MOST_ORDERS, applies
 from .rungs.creeping import creeping, name_of
 from .rungs.full import FINEST, full
 from .rungs.near_steady import LINEARISED, SECOND, STEADY, near_steady
@@ -30,8 +31,10 @@ RUNS, BASE, IMPLICIT = 3.0, 1.5e-3, 4e-3
 PER_TURN, PER_RATE = 7.5, 0.25
 """Steps of an explicit method in a unit of the motion's time, and in one of a decay."""
 PER_ELEMENT, LEAST = 1.5e-4, 300
-"""Time of an element of creep [s], and elements that creep may always take: beyond the expected
-time of the full model it gives up.  They are counted, so that a loaded machine changes no choice."""
+"""Time of an element of creep [s], and elements that it may always take.  Beyond the expected time
+of the full model creep gives up.  Elements are counted, so that no clock decides a choice."""
+ORDERS = tuple(map(name_of, range(MOST_ORDERS + 1)))
+"""Names of the orders of creep."""
 RETRY = 1e4
 """Error over the tolerance up to which creep is tried again with smaller errors on the way."""
 FINER = 2
@@ -68,12 +71,14 @@ class Climbed:
 
     model: str
     """Name of the rung that was taken."""
-    track: Track
-    """Its track."""
+    track: Track | None
+    """Its track; None where the one rung that was asked for does not apply."""
     found: dict[str, Found]
     """Each quantity that was asked for."""
     rungs: tuple[Rung, ...]
     """All rungs in order."""
+    share: float
+    """Largest error over the tolerance."""
 
 
 def shares(problem: Problem, track: Track, names: Sequence[str]) -> tuple[dict[str, Found], float]:
@@ -96,9 +101,30 @@ def shares(problem: Problem, track: Track, names: Sequence[str]) -> tuple[dict[s
     found, share = {}, 0.0
     for name in names:
         one = found[name] = QUESTIONS[name].find(problem, track)
-        size = abs(one.value) if isinstance(one.value, float) else 1.0
-        share = max(share, one.error / (problem.tolerance * max(1.0, size)))
+        share = max(share, relative_error(one) / problem.tolerance)
+    if track.finish is not None and track.finish.kind in UNKNOWN:
+        share = math.inf  # the model gave up on the way
     return found, share
+
+
+def rungs_of(problem: Problem, models: Sequence[ReducedModel]) -> tuple[str, ...]:
+    """Names of all rungs that may be asked for.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    models
+        Reduced models of a user's system.
+    """
+    orders = ["creep", *map(name_of, range(MOST_ORDERS + 1))] if applies(problem) else []
+    every = (STEADY, LINEARISED, SECOND, *(m.name for m in models), *orders, _full_name(problem))
+    return tuple(dict.fromkeys(every))
+
+
+def _full_name(problem: Problem) -> str:
+    law = problem.launches.law
+    return law.name if law is not None else problem.flow.system.name
 
 
 def price_of_full(problem: Problem) -> float:
@@ -140,18 +166,18 @@ def climb(
     -------
     Climbed
     """
+    if only is not None:
+        known("only", only, rungs_of(problem, models))
     ladder = _Ladder(problem, tuple(names), only)
-    every = models if only is None else [m for m in models if m.name == only]
-    steps: list[Any] = [lambda: _near(ladder), *(lambda m=m: _own(ladder, m) for m in every),
-                        lambda: _creep(ladder)]  # fmt: skip
+    steps: list[Callable[[], None]] = [partial(_near, ladder)]
+    steps += [partial(_own, ladder, m) for m in models if only in (None, m.name)]
+    steps += [partial(_creep, ladder), partial(_full, ladder)]
     for step in steps:
         step()
-        if ladder.taken is not None:
-            break
-    _full(ladder)
-    assert ladder.taken is not None
-    name, track, found = ladder.taken
-    return Climbed(name, track, found, tuple(ladder.rungs))
+    if ladder.taken is None:
+        return Climbed("none", None, {}, tuple(ladder.rungs), math.inf)
+    name, track, found, share = ladder.taken
+    return Climbed(name, track, found, tuple(ladder.rungs), share)
 
 
 @dataclass(eq=False)
@@ -162,10 +188,11 @@ class _Ladder:
     names: tuple[str, ...]
     only: str | None
     rungs: list[Rung] = field(default_factory=list)
-    taken: tuple[str, Track, dict[str, Found]] | None = None
+    taken: tuple[str, Track, dict[str, Found], float] | None = None
 
-    def asked(self, name: str) -> bool:
-        return self.only in (None, name)
+    def asked(self, *names: str) -> bool:
+        """Whether one of these rungs is to be tried."""
+        return self.taken is None and (self.only is None or self.only in names)
 
     def note(
         self, name: str, dimension: int, began: float, price: float, told: Track | Refused
@@ -176,16 +203,18 @@ class _Ladder:
                                    told.why, told.indicators))  # fmt: skip
             return
         found, share = shares(self.problem, told, self.names)
-        fine = share <= 1 or self.only == name
-        why = "the cheapest whose error is below the tolerance"
+        fine = share <= 1 or self.only is not None
+        why = "asked for" if self.only else "the cheapest whose error is below the tolerance"
         if not fine:
-            why = f"its error is {share:.3g} times the tolerance"
-        elif self.only:
-            why = "asked for"
+            why = _too_large(share)
         self.rungs.append(Rung(name, dimension, _since(began), price, share, fine, why,
                                told.indicators))  # fmt: skip
         if fine:
-            self.taken = name, told, found
+            self.taken = name, told, found, share
+
+
+def _too_large(share: float) -> str:
+    return f"its error is {share:.3g} times the tolerance" if share < math.inf else "not known"
 
 
 def _since(began: float) -> float:
@@ -194,7 +223,7 @@ def _since(began: float) -> float:
 
 def _near(ladder: _Ladder) -> None:
     """The three closed forms near a steady motion."""
-    if not any(ladder.asked(n) for n in (STEADY, LINEARISED, SECOND)):
+    if not ladder.asked(STEADY, LINEARISED, SECOND):
         return
     began = time.perf_counter()
     if ladder.problem.launches.dry:
@@ -207,13 +236,15 @@ def _near(ladder: _Ladder) -> None:
         ladder.note(LINEARISED, 0, began, 0.0, tracks[LINEARISED])
         return
     for name, track in tracks.items():
-        if ladder.asked(name) and ladder.taken is None:
+        if ladder.asked(name):
             ladder.note(name, 0, began, 0.0, track)
             began = time.perf_counter()
 
 
 def _own(ladder: _Ladder, model: ReducedModel) -> None:
     """A user's reduced model."""
+    if not ladder.asked(model.name):
+        return
     began = time.perf_counter()
     ladder.note(model.name, len(model.system.states), began, 0.0, reduced(ladder.problem, model))
 
@@ -221,7 +252,7 @@ def _own(ladder: _Ladder, model: ReducedModel) -> None:
 def _creep(ladder: _Ladder) -> None:
     """The rough disk and creep, which are one run."""
     problem = ladder.problem
-    if problem.launches.law is None or not ladder.asked("creep"):
+    if problem.launches.law is None or not ladder.asked("creep", *ORDERS):
         return
     whole, began = price_of_full(problem), time.perf_counter()
     if not applies(problem):
@@ -234,10 +265,13 @@ def _creep(ladder: _Ladder) -> None:
         why = f"it would take about {1e3 * price:.2g} ms, and the full model {1e3 * whole:.2g} ms"
         ladder.rungs.append(Rung("creep", 4, 0.0, price, math.inf, False, why))
         return
-    most = max(LEAST, whole / PER_ELEMENT)
+    most = max(LEAST, whole / PER_ELEMENT) if ladder.only is None else math.inf
+    order = ORDERS.index(ladder.only) if ladder.only in ORDERS else None
     with np.errstate(all="ignore"):
-        orders, name, track = creeping(problem, most)
-        if not isinstance(track, Refused):  # several stretches: the errors of all add
+        orders, name, track = creeping(problem, most, order)
+        if (
+            not isinstance(track, Refused) and order is None
+        ):  # several stretches: the errors of all add
             share = track.error / problem.tolerance
             if 1 < share < RETRY:
                 finer = replace(problem, tolerance=problem.tolerance / (5 * share))
@@ -247,21 +281,19 @@ def _creep(ladder: _Ladder) -> None:
             break
         share = orders[name_of(i)] / problem.tolerance
         why = f"its error is {share:.3g} times the tolerance on the way"
+        if share <= 1:
+            why += ", more than one of several stretches may have"
         ladder.rungs.append(Rung(name_of(i), 4, 0.0, price, share, False, why))
     ladder.note("creep" if isinstance(track, Refused) else name, 4, began, price, track)
-    if ladder.only == "creep" and not isinstance(track, Refused):
-        ladder.taken = name, track, shares(problem, track, ladder.names)[0]
 
 
 def _full(ladder: _Ladder) -> None:
     """The full model, run where no other rung was taken."""
-    problem = ladder.problem
-    law = problem.launches.law
-    name = law.name if law is not None else problem.flow.system.name
-    whole = price_of_full(problem)
-    if ladder.taken is not None:
-        why = "the full model: not needed"
-        ladder.rungs.append(Rung(name, problem.own, 0.0, whole, math.inf, False, why))
+    problem, name, whole = ladder.problem, _full_name(ladder.problem), price_of_full(ladder.problem)
+    if not ladder.asked(name):
+        if ladder.only is None:
+            why = "the full model: not needed"
+            ladder.rungs.append(Rung(name, problem.own, 0.0, whole, math.inf, False, why))
         return
     began = time.perf_counter()
     track = full(problem)
@@ -279,4 +311,4 @@ def _full(ladder: _Ladder) -> None:
         why = "the full model, and its own error is above the tolerance"
     cost = _since(began)
     ladder.rungs.append(Rung(name, problem.own, cost, whole, share, True, why, track.indicators))
-    ladder.taken = name, track, found
+    ladder.taken = name, track, found, share

@@ -39,16 +39,20 @@ def compare(
         Its values are by law; `estimate` is the largest difference between two laws at the end of
         the time that they share, and it holds until two laws part.
     """
-    known = {n: a for n, a in parts.items() if a.path is not None}
+    known = {n: a for n, a in parts.items() if a.motion is not None}
     sentences, apart, until = [], 0.0, horizon
+    plain = all(a.motion[0].launches.dimensionless for a in known.values() if a.motion)
+    unit = "" if plain else " s"
     for one, other in combinations(known, 2):
         when, far = _parted(known[one], known[other], tolerance)
         apart = max(apart, far)
         if when is not None:
             until = min(until, when)
-            sentences.append(f"{one} and {other} part at {when:.4g} and end {far:.3g} apart")
+            sentences.append(f"{one} and {other} part at {when:.4g}{unit} and end {far:.3g} apart")
     words = "; ".join(sentences[:SHOWN]) or f"all laws agree within {tolerance:g}"
-    lost = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.path is None]
+    if not known:  # linear questions
+        words = "; ".join(f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items())
+    lost = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.model == "none"]
     values = {n: _asked(a, quantities) for n, a in parts.items()}
     models = ", ".join(a.model for a in parts.values())
     return Answer(
@@ -84,7 +88,7 @@ def _parted(one: Answer, other: Answer, tolerance: float) -> tuple[float | None,
 
 
 def _states(answer: Answer) -> tuple[Floats, Floats]:
-    """Times, and the states that all disks share, shape (m, 4)."""
-    path: Any = answer.path
-    names = ("theta", "theta_dot", "phi_dot", "omega3")
-    return path.time.values, np.stack([path[n].values for n in names], axis=-1)
+    """Times in the user's unit, and the dimensionless states that all disks share, shape (m, 4)."""
+    assert answer.motion is not None
+    problem, track = answer.motion
+    return track.times * float(problem.launches.scales["time"]), track.states[:, :4]

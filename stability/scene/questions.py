@@ -13,7 +13,7 @@ from ..base.quantities import Kind
 from ..base.types import Floats
 from ..motion.neighbours import signs
 from ..settling.nearest import Nearest
-from .elements import chebyshev
+from .rungs.elements import chebyshev
 from .rungs.track import Problem, Track
 
 PEAKS = 8
@@ -34,6 +34,18 @@ class Found:
     """Estimated error; 0 for a word that is certain, infinite where nothing is known."""
     says: str = ""
     """What the value means, where that is not plain."""
+
+
+def relative_error(found: Found) -> float:
+    """The error of a value, over 1 or its size.
+
+    Parameters
+    ----------
+    found
+        The value.
+    """
+    size = abs(found.value) if isinstance(found.value, float) else 1.0
+    return float(found.error / max(1.0, size))
 
 
 def final(problem: Problem, track: Track) -> Found:  # noqa: ARG001
@@ -113,18 +125,21 @@ class Question:
     """Whether it needs samples all along the motion."""
     about: str
     """What it is, in words."""
+    of_disk: bool = False
+    """Whether only a disk has it."""
 
 
 QUESTIONS = {
     q.name: q for q in (
         Question("final", final, None, False, "the states at the horizon or at an earlier end"),
-        Question("path", path, None, True, "the motion at all times"),
+        Question("path", path, None, False, "the motion at all times"),
         Question("outcome", outcome, None, False, "what has become of the launch"),
         Question("settling_time", settling_time, Kind.TIME, True,
                  "time from which it stays near a steady motion"),
         Question("lift_off_time", lift_off_time, Kind.TIME, False,
-                 "time at which the normal force reaches zero"),
-        Question("largest_tilt", largest_tilt, Kind.ANGLE, True, "largest |π/2 - θ| on the way"),
+                 "time at which the normal force reaches zero", True),
+        Question("largest_tilt", largest_tilt, Kind.ANGLE, True, "largest |π/2 - θ| on the way",
+                 True),
     )
 }  # fmt: skip
 """Every quantity of a motion by name."""

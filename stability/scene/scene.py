@@ -11,29 +11,28 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import one_number
+from ..base.checks import known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
-from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
-from ..motion.starts import Starts, gather
-from ..motion.system_starts import gather_system
 from ..systems.system import System
-from .answer import Answer, dataset, in_units
+from .answer import Answer, tell
+from .inputs import launched, laws_of, names_of
 from .ladder import Climbed, climb
 from .laws import compare
 from .linear import LINEAR, Member
 from .linear import answer as answer_linear
-from .questions import QUESTIONS
-from .rungs.full import full, kept_until
+from .questions import QUESTIONS, relative_error
+from .rungs.full import full
+from .rungs.near_steady import CLOSED_FORMS
 from .rungs.reduced import ReducedModel
-from .rungs.track import MOST_SAMPLES, SPACING, Problem, relative
-from .uncertain import Spread, spread
+from .rungs.track import MOST_SAMPLES, SPACING, Problem
+from .uncertain import Spread, apart, spread
 
 LOOSEST, TIGHTEST = 0.1, 1e-13
 """Range of a scene's tolerance."""
-TRUTH = 1e-3
-"""Tolerance of the full model in `verify`, over that of the scene."""
+TRUTH, TRUEST = 1e-3, 1e-6
+"""Tolerance of the full model in `verify`, over that of the scene, and its largest."""
 POINTS = 201
 """Samples of a path."""
 
@@ -104,6 +103,7 @@ class Scene:
     """Families of a user's system."""
 
     def __post_init__(self) -> None:
+        laws = laws_of(self.disk, self.contact)
         tolerance = one_number("tolerance", self.tolerance)
         if not TIGHTEST <= tolerance <= LOOSEST:
             raise ParameterError(
@@ -112,25 +112,41 @@ class Scene:
         horizon = one_number("horizon", self.horizon)
         if not 0 < horizon < math.inf:
             raise ParameterError(f"horizon is {horizon:g}; give a last time above 0.")
-        names = (self.quantities,) if isinstance(self.quantities, str) else tuple(self.quantities)
-        unknown = [n for n in names if n not in (*QUESTIONS, *LINEAR)]
-        if unknown or not names:
-            what = shown(unknown[0]) if unknown else "empty"
-            every = ", ".join((*QUESTIONS, *LINEAR))
-            raise NameUnknownError(f"quantities is {what}; known are {every}.")
-        if any(n in LINEAR for n in names) and any(n in QUESTIONS for n in names):
+        if self.start is None:
+            raise ParameterError("start is missing; give the states by name, theta at least.")
+        for name, value in (
+            ("tolerance", tolerance), ("horizon", horizon), ("quantities", self._asked()),
+            ("uncertain", self._widths(names_of(self.disk, laws))), ("models", self._reduced()),
+        ):  # fmt: skip
+            object.__setattr__(self, name, value)
+
+    def _asked(self) -> tuple[str, ...]:
+        """Names of the quantities, checked."""
+        given = self.quantities
+        names = (given,) if isinstance(given, str) else given
+        every = (*QUESTIONS, *LINEAR)
+        if not isinstance(names, Sequence) or not names:
+            what = shown(given) if names else "empty"
+            raise ParameterError(f"quantities is {what}; known are {', '.join(every)}.")
+        for name in names:
+            known("quantities", name, every)
+        linear = [n for n in names if n in LINEAR]
+        if linear and len(linear) < len(names):
             raise ParameterError(
                 f"quantities is {listed(names)}, of a motion and of its linear part; ask for one "
                 "kind in one scene."
             )
-        if self.start is None:
-            raise ParameterError("start is missing; give the states by name, theta at least.")
-        for name, value in (("tolerance", tolerance), ("horizon", horizon), ("quantities", names)):
-            object.__setattr__(self, name, value)
-        object.__setattr__(self, "uncertain", self._widths())
-        self._refuse()
+        own = isinstance(self.disk, System)
+        for name in names if own else ():
+            if name in LINEAR or QUESTIONS[name].of_disk:
+                raise ParameterError(
+                    f"quantities names {name}, which only a disk has; for a user's system ask for "
+                    f"{listed([n for n, q in QUESTIONS.items() if not q.of_disk], 'or')}."
+                )
+        return tuple(names)
 
-    def _widths(self) -> dict[str, float]:
+    def _widths(self, inputs: Sequence[str]) -> dict[str, float]:
+        """Half-widths of the uncertain inputs, checked."""
         if not isinstance(self.uncertain, Mapping):
             raise ParameterError(
                 f"uncertain is {shown(self.uncertain)}; give half-widths by name, such as "
@@ -138,9 +154,9 @@ class Scene:
             )
         found = {}
         for name, width in self.uncertain.items():
-            if name not in self._inputs():
+            if name not in inputs:
                 raise NameUnknownError(
-                    f"uncertain names {shown(name)}; known are {', '.join(self._inputs())}."
+                    f"uncertain names {shown(name)}; known are {', '.join(inputs)}."
                 )
             size = one_number(f"uncertain {name}", width)
             if not 0 < size < math.inf:
@@ -148,69 +164,33 @@ class Scene:
             found[name] = size
         return found
 
-    def _refuse(self) -> None:
-        """Refuse what no model could take; a start without contact is an answer, not an error."""
-        if isinstance(self.disk, System):
-            return
-        if self.models:
-            raise ParameterError("models belong to a stability.System; leave them out.")
-        for law in self._laws().values():
-            if not isinstance(law, Contact):
-                raise ParameterError(
-                    f"contact is {shown(law)}; give a contact law, such as Viscous(0.3), or laws "
-                    "by name."
-                )
-
-    def _laws(self) -> dict[str, Any]:
-        several = isinstance(self.contact, Mapping) and not isinstance(self.disk, System)
-        return dict(self.contact) if several else {"": self.contact}
-
-    def _inputs(self) -> tuple[str, ...]:
-        """Names of the inputs that may be uncertain."""
-        from ..bodies.thin_disk.disk_equations import STATES
-
-        if isinstance(self.disk, System):
-            return (*self.disk.states, *self.disk.parameters)
-        laws = [law for law in self._laws().values() if isinstance(law, Contact)]
-        own = [n for law in laws for n in law.given]
-        return tuple(dict.fromkeys((*STATES, "k", *own)))
-
-    def _gathered(self, contact: Any, moved: Mapping[str, float]) -> Starts:
-        """The launch, with some inputs changed."""
-        disk, start, law = self.disk, self.start, contact
-        if isinstance(disk, System):
-            x, p = _table(start, disk.states), _table(law, disk.parameters)
-            for name, by in moved.items():
-                if name in x:
-                    x[name] += by
-                else:
-                    p[name] *= 1 + by
-            return gather_system(disk, p or None, x, self.horizon, self.families)
-        if moved:
-            start = _moved_start(start, moved)
-            k = {"k": disk.k * (1 + moved["k"])} if "k" in moved else {}
-            disk = replace(disk, **k)
-            given = {n: v * (1 + moved.get(n, 0.0)) for n, v in law.given.items()}
-            law = type(law)(**given)
-        return gather(disk, law, start, self.horizon)
-
-    def _problem(self, contact: Any, moved: Mapping[str, float] | None = None,
-                 tolerance: float | None = None) -> Problem:  # fmt: skip
-        launches = self._gathered(contact, moved or {})
-        if launches.count != 1:
+    def _reduced(self) -> tuple[ReducedModel, ...]:
+        """The reduced models, checked."""
+        given = (self.models,) if isinstance(self.models, ReducedModel) else self.models
+        if not isinstance(given, Sequence) or not all(isinstance(m, ReducedModel) for m in given):
             raise ParameterError(
-                f"the scene has {launches.count} launches; give one, and a scene for each."
+                f"models is {shown(self.models)}; give a list of stability.ReducedModel."
             )
+        if given and not isinstance(self.disk, System):
+            raise ParameterError("models belong to a stability.System; leave them out.")
+        names = [*(m.name for m in given), *CLOSED_FORMS, getattr(self.disk, "name", "")]
+        double = [n for n in names if names.count(n) > 1]
+        if double:
+            raise ParameterError(f"two rungs are called {double[0]!r}; give each its own name.")
+        return tuple(given)
+
+    def _problem(self, law: Any, moved: Mapping[str, float] | None = None) -> Problem:
+        """The dimensionless problem under one law, with some inputs changed."""
+        launches = launched(self.disk, law, self.start, self.horizon, self.families, moved or {})
         last = self.horizon / float(launches.scales["time"])
-        size = self.tolerance if tolerance is None else tolerance
-        bare = Problem(launches, size, np.array([0.0, last]))
+        bare = Problem(launches, self.tolerance, np.array([0.0, last]))
         count = POINTS if "path" in self.quantities else 2
         if any(n in QUESTIONS and QUESTIONS[n].whole for n in self.quantities):
             count = max(POINTS, int(last * bare.pace / SPACING))
             if count > MOST_SAMPLES:
                 raise ParameterError(
                     f"the motion turns about {last * bare.pace:.3g} times up to the horizon, too "
-                    "many for a whole path; ask for final, or for an earlier horizon."
+                    "many to look at each; ask for final, or for an earlier horizon."
                 )
         return replace(bare, times=np.linspace(0.0, last, count))
 
@@ -220,52 +200,66 @@ class Scene:
         Parameters
         ----------
         only
-            Name of the one rung to run, with any error; the choice of the ladder if left out.
+            Name of the one rung to run, with any error: `steady`, `linearised`, `second-order`,
+            `creep`, `rough`, `creep-1` …, the name of the law or of a reduced model; of a linear
+            question `double precision`, `certified` or `exact roots`.  The choice of the ladder if
+            left out.
 
         Returns
         -------
         Answer
             With the model, its estimated error, and every rung of the ladder.
+
+        Raises
+        ------
+        StabilityError
+            In one sentence, if something is not accepted.
         """
-        laws = self._laws()
+        laws, began = laws_of(self.disk, self.contact), time.perf_counter()
         if len(laws) > 1:
-            began, names = time.perf_counter(), tuple(dict.fromkeys((*self.quantities, "path")))
-            parts = {
-                name: replace(self, contact=law, quantities=names).answer()
-                for name, law in laws.items()
-            }
-            told = compare(parts, self.quantities, self.horizon, self.tolerance)
-            return replace(told, cost=time.perf_counter() - began)
-        [law] = laws.values()
-        began = time.perf_counter()
+            found = self._compared(laws, only, verify=False)
+        else:
+            found = self._answered(next(iter(laws.values())), only)
+        return replace(found, cost=time.perf_counter() - began)
+
+    def _compared(self, laws: Mapping[str, Any], only: str | None, *, verify: bool) -> Answer:
+        """The answers under several laws."""
+        names = self.quantities
+        if names[0] not in LINEAR:
+            names = tuple(dict.fromkeys((*names, "path")))
+        parts = {}
+        for name, law in laws.items():
+            known_to_law = names_of(self.disk, {"": law})
+            widths = {n: w for n, w in self.uncertain.items() if n in known_to_law}
+            one = replace(self, contact=law, quantities=names, uncertain=widths)
+            parts[name] = one.verify() if verify else one.answer(only=only)
+        return compare(parts, self.quantities, self.horizon, self.tolerance)
+
+    def _answered(self, law: Any, only: str | None) -> Answer:
+        """The answer under one law."""
         try:
             problem = self._problem(law)
         except DomainError as error:
-            return Answer(None, "none", math.inf, (), 0.0, f"No rung can answer: {error}",
-                          self.tolerance, time.perf_counter() - began)  # fmt: skip
+            said = f"No rung can answer: {error}"
+            return Answer(None, "none", math.inf, (), 0.0, said, self.tolerance)
         if self.quantities[0] in LINEAR:
-            return replace(self._linear(problem, law, only), cost=time.perf_counter() - began)
+            return self._linear(problem, law, only)
         found = climb(problem, self.quantities, tuple(self.models), only)
-        told = self._told(problem, found)
-        if self.uncertain:
+        told = tell(problem, found, self.horizon)
+        if self.uncertain and found.track is not None:
             told = replace(told, spread=self._spread(law, found, problem))
-        return replace(told, cost=time.perf_counter() - began)
+        return told
 
     def _linear(self, problem: Problem, law: Any, only: str | None) -> Answer:
         """The answer to a linear question, about the steady motion nearest to the start."""
         near = problem.launches.settling.closest(problem.start, problem.p)
         if near.member is None:
             raise ParameterError(f"{near.evidence}: a linear question needs a steady motion.")
-        if isinstance(self.disk, System):
-            raise ParameterError(
-                f"quantities is {listed(self.quantities)}; for a family of a user's system call "
-                "stability.spectrum or stability.boundaries."
-            )
         unit = FAMILIES[near.family].unit(float(problem.launches.scales["rate"]))
         member = Member(near.family, near.at * unit, {"disk": self.disk, "contact": law})
         told = answer_linear(member, tuple(self.quantities), self.tolerance, only)
         values = {n: f.value for n, f in told.found.items()}
-        errors = {n: f.error for n, f in told.found.items()}
+        errors = {n: relative_error(f) for n, f in told.found.items()}
         one = len(values) == 1
         sentence = f"{near.family} at {member.at:.6g}, {near.distance:.2g} away: {told.sentence}."
         return Answer(
@@ -274,42 +268,10 @@ class Scene:
             self.tolerance,
         )  # fmt: skip
 
-    def _told(self, problem: Problem, found: Climbed) -> Answer:
-        track, clock = found.track, float(problem.launches.scales["time"])
-        values = {n: in_units(problem, n, one) for n, one in found.found.items()}
-        errors = {n: one.error for n, one in found.found.items()}
-        until = self.horizon if track.finish is None else track.finish.time * clock
-        enough = next(r.estimate for r in found.rungs if r.chosen) <= 1
-        if not enough:
-            until = min(until, kept_until(problem) * clock)
-        if "path" in values:
-            values["path"] = dataset(problem, track, found.model)
-        one = len(values) == 1
-        return Answer(
-            next(iter(values.values())) if one else values, found.model,
-            next(iter(errors.values())) if one else errors, found.rungs, until,
-            self._sentence(problem, found, until, enough=enough), self.tolerance,
-            notes=track.notes, motion=(problem, track),
-        )  # fmt: skip
-
-    def _sentence(self, problem: Problem, found: Climbed, until: float, *, enough: bool) -> str:
-        unit = "" if problem.launches.dimensionless else " s"
-        chosen = next(r for r in found.rungs if r.chosen)
-        text = f"{found.model} answers within {chosen.estimate:.2g} of the tolerance"
-        end = found.track.finish
-        if end is not None and enough:
-            return f"{text}, until {until:.6g}{unit}: {end.kind}, {end.evidence}."
-        if not enough:
-            return (
-                f"No rung answers within {self.tolerance:g}: the error of {found.model} is "
-                f"{chosen.estimate:.3g} times that at the horizon; the answer holds until "
-                f"{until:.4g}{unit}."
-            )
-        return f"{text}, to the horizon."
-
     def _spread(self, law: Any, found: Climbed, problem: Problem) -> Spread:
+        assert found.track is not None
         base = {n: one.value for n, one in found.found.items() if not isinstance(one.value, str)}
-        word = QUESTIONS["outcome"].find(problem, found.track).value
+        word = str(QUESTIONS["outcome"].find(problem, found.track).value)
 
         def ask(name: str, by: float) -> tuple[dict[str, Any], str]:
             try:
@@ -317,10 +279,11 @@ class Scene:
             except DomainError:
                 return dict.fromkeys(base), "no contact at the start"
             told = climb(other, self.quantities, tuple(self.models))
+            assert told.track is not None
             values = {n: told.found[n].value for n in base}
             return values, str(QUESTIONS["outcome"].find(other, told.track).value)
 
-        return spread(self.uncertain, base, word, ask, self.tolerance, _distance)
+        return spread(self.uncertain, base, word, ask, self.tolerance)
 
     def verify(self) -> Answer:
         """The answer, held against the full model at a much finer tolerance.
@@ -328,22 +291,28 @@ class Scene:
         Returns
         -------
         Answer
-            With `true_error`: the largest difference at the samples, and by quantity.
+            With `true_error`: the difference of the values, over 1 or their size, by quantity where
+            several were asked for, and at the samples of a path.  It is None for a linear question,
+            whose rungs prove their errors.
         """
+        laws, began = laws_of(self.disk, self.contact), time.perf_counter()
+        if len(laws) > 1:
+            told = self._compared(laws, None, verify=True)
+            errors: Any = {n: part.true_error for n, part in told.parts.items()}
+            return replace(told, true_error=errors, cost=time.perf_counter() - began)
         told = self.answer()
         if told.motion is None:
             return told
-        [law] = self._laws().values()
-        problem = self._problem(law)
-        fine = replace(problem, tolerance=max(1e-14, TRUTH * self.tolerance))
+        problem, track = told.motion
+        fine = replace(problem, tolerance=max(1e-14, min(TRUTH * self.tolerance, TRUEST)))
         truth = full(fine)
-        mine = climb(problem, self.quantities, tuple(self.models))
         errors = {}
-        for name, one in mine.found.items():
-            other = QUESTIONS[name].find(fine, truth)
-            errors[name] = _distance(name, other.value, one.value)
-        whole = next(iter(errors.values())) if len(errors) == 1 else errors
-        return replace(told, true_error=whole)
+        for name in self.quantities:
+            mine, other = (
+                QUESTIONS[name].find(p, t).value for p, t in ((problem, track), (fine, truth))
+            )
+            errors[name] = apart(other, mine)
+        return replace(told, true_error=errors if len(errors) > 1 else errors[self.quantities[0]])
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Scene:
@@ -369,37 +338,3 @@ class Scene:
         from .toml_file import read
 
         return cls(**read(path))
-
-
-def _table(given: Any, names: Sequence[str]) -> dict[str, float]:
-    """Numbers by name, from a mapping or a sequence."""
-    if given is None:
-        return {}
-    if isinstance(given, Mapping):
-        return {n: float(v) for n, v in given.items()}
-    return dict(zip(names, np.asarray(given, dtype=float).tolist(), strict=False))
-
-
-def _moved_start(start: Any, moved: Mapping[str, float]) -> Any:
-    from ..bodies.thin_disk.disk_equations import STATES
-
-    if isinstance(start, Mapping):
-        return {n: start.get(n, 0.0) + moved.get(n, 0.0) for n in {**start, **moved} if n in STATES}
-    six = np.array(start, dtype=float)
-    for i, name in enumerate(STATES[: len(six)]):
-        six[i] += moved.get(name, 0.0)
-    return six
-
-
-def _distance(name: str, value: Any, other: Any) -> float:  # noqa: ARG001
-    """Relative distance of two values of a quantity; infinite where one is missing or differs."""
-    if value is None or other is None:
-        return 0.0 if value is other else math.inf
-    if isinstance(value, str):
-        return 0.0 if value == other else math.inf
-    if isinstance(value, float):
-        return float(abs(value - other) / max(1.0, abs(value)))
-    a, b = np.asarray(value, dtype=float), np.asarray(other, dtype=float)
-    count = min(len(a), len(b)) if a.ndim > 1 else None
-    a, b = (a, b) if count is None else (a[:count], b[:count])
-    return float(np.max(relative(b - a, a)))

@@ -7,6 +7,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from .rungs.track import relative
+
 WASTED = 0.1
 """Share of the spread below which a finer model or tolerance is wasted."""
 
@@ -21,6 +25,8 @@ class Spread:
     """Largest change of each quantity, over 1 or its size, by quantity and input."""
     outcomes: Mapping[str, tuple[str, ...]]
     """Outcomes at the two ends of each input."""
+    outcome: str
+    """Outcome of the scene itself."""
     contrary: tuple[str, ...]
     """Inputs within whose uncertainty the outcome changes."""
     tolerance: float
@@ -50,8 +56,10 @@ class Spread:
                 if math.isfinite(size)
             ]
         for given in self.contrary:
-            ends = " or ".join(dict.fromkeys(self.outcomes[given]))
-            found.append(f"  {given} ± {self.inputs[given]:g} gives {ends}")
+            others = [w for w in self.outcomes[given] if w != self.outcome]
+            ends = " or ".join(dict.fromkeys(others))
+            width = self.inputs[given]
+            found.append(f"  {given} ± {width:g} gives {ends} in place of {self.outcome}")
         if self.contrary:
             found.append(
                 "  the outcome is not determined by what is known: it changes within the "
@@ -70,9 +78,8 @@ Ask = Callable[[str, float], tuple[dict[str, Any], str]]
 
 
 def spread(
-    inputs: Mapping[str, float], base: dict[str, Any], word: str, ask: Ask, tolerance: float,
-    distance: Callable[[str, Any, Any], float],
-) -> Spread:  # fmt: skip
+    inputs: Mapping[str, float], base: dict[str, Any], word: str, ask: Ask, tolerance: float
+) -> Spread:
     """Ask again at both ends of each input.
 
     Parameters
@@ -87,8 +94,6 @@ def spread(
         Function that answers with one input changed.
     tolerance
         Tolerance of the scene.
-    distance
-        Function of (quantity, value, other) → their relative distance.
 
     Returns
     -------
@@ -99,9 +104,38 @@ def spread(
     for name, width in inputs.items():
         ends = [ask(name, sign * width) for sign in (-1.0, 1.0)]
         for quantity, value in base.items():
-            far = [distance(quantity, value, other[quantity]) for other, _ in ends]
+            far = [apart(value, other[quantity]) for other, _ in ends]
             moves[quantity][name] = max(far)
         outcomes[name] = tuple(told for _, told in ends)
         if any(told != word for told in outcomes[name]):
             contrary.append(name)
-    return Spread(dict(inputs), moves, outcomes, tuple(contrary), tolerance)
+    return Spread(dict(inputs), moves, outcomes, word, tuple(contrary), tolerance)
+
+
+def apart(value: Any, other: Any) -> float:
+    """Distance of two values of a quantity, over 1 or their size.
+
+    Parameters
+    ----------
+    value, other
+        Two numbers, two arrays of states along the last axis, two words, or None.
+
+    Returns
+    -------
+    float
+        Infinite where one is missing, or two words differ.
+
+    Examples
+    --------
+    >>> apart(2.0, 2.5), apart("moving", "moving"), apart(1.0, None)
+    (0.25, 0.0, inf)
+    """
+    if value is None or other is None:
+        return 0.0 if value is other else math.inf
+    if isinstance(value, str):
+        return 0.0 if value == other else math.inf
+    if isinstance(value, float):
+        return float(abs(value - other) / max(1.0, abs(value)))
+    a, b = np.asarray(value, dtype=float), np.asarray(other, dtype=float)
+    count = min(len(a), len(b)) if a.ndim > 1 else len(a)
+    return float(np.max(relative(b[:count] - a[:count], a[:count])))

@@ -20,30 +20,6 @@ def _problem(mu: float, last: float, tolerance: float, start=START, k=0.25, law=
     return Problem(launches, tolerance, np.array([0.0, last]))
 
 
-def _orders(mu: float, last: float, tolerance: float):
-    """The final states of each order, and what each order says of its error there."""
-    problem = _problem(mu, last, tolerance)
-    held = held_of(problem)
-    early = transient(problem, held, problem.start, 0.0, tolerance)
-    assert not isinstance(early, str)
-    times, states, _ = early
-    path = creep_path(problem, held, states[-1], float(times[-1]), last, tolerance)
-    assert not isinstance(path, str)
-    return [(o.states[-1, -1], o.errors[-1, -1]) for o in path.orders]
-
-
-def test_the_error_of_order_n_falls_as_the_friction_to_the_power_n_plus_1() -> None:
-    errors = []
-    for mu in (200.0, 800.0):
-        fine = st.simulate(st.Disk(), st.Viscous(mu), START, [3.0], tolerance=1e-15,
-                           method="dop853", check=False)  # fmt: skip
-        true = np.array([float(fine[n].values[-1]) for n in ("theta", "theta_dot", "phi_dot")])
-        errors.append([np.abs(s[:3] - true).max() for s, _ in _orders(mu, 3.0, 1e-13)[:4]])
-    slopes = np.log(np.array(errors[0]) / np.array(errors[1])) / np.log(4)
-    assert slopes[:3] == pytest.approx([1, 2, 3], abs=0.35)
-    assert errors[1][3] < 3e-12  # order 3 has reached the rounding of the true motion
-
-
 @pytest.mark.parametrize("name", ["stiff-300", "stiff-10000", "stiff-100000"])
 def test_stored_motions_are_met_to_1e_10(name: str) -> None:
     motion = reference(name)
@@ -65,10 +41,13 @@ def test_the_next_order_is_the_error_of_an_order(name: str) -> None:
     held = held_of(problem)
     times, states, _ = transient(problem, held, problem.start, 0.0, 1e-10)
     path = creep_path(problem, held, states[-1], float(times[-1]), last, 1e-10)
+    i = int(np.flatnonzero(motion.times <= path.elements.edges[-1])[-1])
+    when = motion.times[i : i + 1]
     for order in path.orders[:-1]:
-        true = motion.states[-1] - order.states[-1, -1]
+        true = motion.states[i] - path.elements.at(when, order.states)[0]
         if np.abs(true).max() > 1e-9:
-            ratio = np.abs(order.errors[-1, -1]).max() / np.abs(true).max()
+            stated = np.abs(path.elements.at(when, order.errors)[0]).max()
+            ratio = stated / np.abs(true).max()
             assert 0.5 < ratio < 2
 
 
@@ -86,7 +65,7 @@ def test_creep_gives_way_before_a_lift_off_and_the_full_model_meets_the_event() 
     scene = st.Scene(contact=st.Viscous(0.3), start=start, horizon=40.0)
     end = scene.answer().until
     assert end < 40.0  # it lifts off with this little friction, and with more it does not
-    hard = np.array([0.6, 0.0, 1.0, 4.5, 0.0, 0.0])
+    hard = np.array([1.1, 0.0, 0.3, 2.2, 0.0, 0.0])
     found = [creeping(_problem(mu, 6.0, 1e-7, hard))[2] for mu in (50.0, 400.0)]
     for mu, track in zip((50.0, 400.0), found, strict=True):
         run = st.simulate(st.Disk(), st.Viscous(mu), hard, 6.0, tolerance=1e-13)
@@ -108,4 +87,4 @@ def test_laws_whose_slip_does_not_relax_have_no_creep() -> None:
 def test_little_friction_is_refused_with_the_number() -> None:
     _, _, told = creeping(_problem(1.0, 5.0, 1e-6))
     assert not isinstance(told, Track)
-    assert "slip follows the motion only" in told.why
+    assert "horizon ends before the slip has decayed" in told.why

@@ -62,7 +62,7 @@ def test_any_time_costs_the_same_states() -> None:
 
 
 def test_a_start_far_from_every_family_is_refused_with_the_distance() -> None:
-    problem = Problem(gather(st.Disk(), st.Viscous(0.3), [0.7, 0.5, 1.0, 2.0, 0, 0], 5.0), 1e-6,
+    problem = Problem(gather(st.Disk(), st.Viscous(0.3), [0.9, 0.2, 0.5, 1.5, 0, 0], 5.0), 1e-6,
                       np.array([0.0, 5.0]))  # fmt: skip
     told = near_steady(problem)[LINEARISED]
     assert isinstance(told, Refused)

@@ -9,6 +9,7 @@ import pytest
 
 import stability as st
 
+FAR = {"theta": 1.1, "omega3": 2.0}
 COIN = {"theta": 1.5, "omega3": 1.6}
 
 
@@ -29,10 +30,12 @@ def test_the_chosen_rung_is_the_cheapest_that_is_fine_enough() -> None:
 
 def test_a_finer_tolerance_takes_a_higher_order() -> None:
     models = [
-        _scene(contact=st.Viscous(3000.0), horizon=20.0, tolerance=tolerance).answer().model
+        _scene(contact=st.Viscous(3000.0), start=FAR, horizon=20.0, tolerance=tolerance)
+        .answer()
+        .model
         for tolerance in (3e-2, 1e-5, 1e-9)
     ]
-    assert models == ["rough", "creep-1", "creep-2"]
+    assert models == ["rough", "creep-1", "creep-3"]
 
 
 @pytest.mark.parametrize("mu", [0.3, 300.0])
@@ -44,9 +47,21 @@ def test_verify_holds_the_answer_against_the_full_model(mu: float, quantity: str
 
 
 def test_one_rung_alone_answers_whatever_its_error_is() -> None:
-    rough = _scene(contact=st.Viscous(30.0), tolerance=1e-9).answer(only="steady")
-    assert rough.model == "steady"
-    assert rough.estimate > 1e-9
+    steady = _scene(start={"theta": 1.57, "omega3": 1.6}, tolerance=1e-9).answer(only="steady")
+    assert steady.model == "steady"
+    assert steady.estimate > 1e-9
+    orders = [_scene(contact=st.Viscous(300.0), start=FAR).answer(only=f"creep-{n}")
+              for n in (1, 2)]  # fmt: skip
+    assert [o.model for o in orders] == ["creep-1", "creep-2"]
+    assert orders[1].estimate < orders[0].estimate / 5
+
+
+def test_a_rung_that_does_not_apply_says_why_and_nothing_else_runs() -> None:
+    answer = _scene(start=FAR).answer(only="linearised")
+    assert (answer.model, answer.value) == ("none", None)
+    assert "linearised cannot answer" in answer.sentence
+    with pytest.raises(st.StabilityError, match="known are steady, linearised"):
+        _scene(start=FAR).answer(only="magic")
 
 
 def test_outcome_and_event_come_from_the_full_model_when_nothing_else_will_do() -> None:
@@ -122,11 +137,21 @@ def test_an_input_that_changes_the_outcome_is_the_answer() -> None:
 
 def test_several_laws_say_where_they_part() -> None:
     laws = {"rough": st.Rough(), "viscous": st.Viscous(300.0), "stiffer": st.Viscous(3e5)}
-    answer = _scene(contact=laws, tolerance=1e-3, horizon=20.0).answer()
+    answer = _scene(contact=laws, start=FAR, tolerance=1e-3, horizon=20.0).answer()
     assert set(answer.value) == set(laws)
     assert answer.until < 20.0
     assert "rough and viscous part" in answer.sentence
     assert "rough and stiffer part" not in answer.sentence
+
+
+def test_laws_part_by_the_same_in_any_units() -> None:
+    laws = {"rough": st.Rough(), "viscous": st.Viscous(300.0)}
+    one = _scene(contact=laws, start=FAR, tolerance=1e-3, horizon=20.0).answer()
+    disk = st.Disk(mass=1.0, radius=1e-4, gravity=1.0)
+    laws["viscous"] = st.Viscous(300.0 / float(disk.speed))
+    start = {"theta": 1.1, "omega3": 2.0 * float(disk.rate)}
+    other = st.Scene(disk, laws, start, 20.0 * float(disk.time), 1e-3).answer()
+    assert other.estimate == pytest.approx(one.estimate, rel=1e-6)
 
 
 def test_linear_questions_are_those_of_the_nearest_steady_motion() -> None:
@@ -148,6 +173,9 @@ def test_linear_questions_are_those_of_the_nearest_steady_motion() -> None:
         ({"horizon": -1.0}, "horizon is -1"),
         ({"horizon": float("inf")}, "horizon"),
         ({"quantities": ("speed",)}, "known are final, path"),
+        ({"quantities": 3}, "quantities is 3"),
+        ({"contact": {}}, "contact holds no law"),
+        ({"disk": 3}, "disk is 3"),
         ({"quantities": ()}, "quantities is empty"),
         ({"quantities": ("final", "verdict")}, "one kind in one scene"),
         ({"uncertain": {"weight": 0.1}}, "uncertain names 'weight'"),
@@ -155,7 +183,7 @@ def test_linear_questions_are_those_of_the_nearest_steady_motion() -> None:
         ({"uncertain": 3}, "half-widths by name"),
         ({"contact": 0.3}, "give a contact law"),
         ({"start": None}, "start is missing"),
-        ({"models": [1]}, "models belong to a stability.System"),
+        ({"models": [1]}, "give a list of stability.ReducedModel"),
     ],
 )
 def test_what_is_not_accepted_is_refused_in_a_sentence(given, words: str) -> None:

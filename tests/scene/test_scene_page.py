@@ -155,9 +155,9 @@ def test_errors_near_a_steady_motion_fall_as_their_orders_say(name: str, order: 
         [truth] = simulated(st.Disk(), law, start, [10.0])
         errors.append(apart(np.array(list(answer.value.values())), truth))
         estimates.append(answer.estimate)
-    for sizes in (errors, estimates):
-        assert sizes[0] / sizes[1] == pytest.approx(2**order, rel=0.1)
-    assert estimates == pytest.approx(errors, rel=0.3)
+    assert errors[0] / errors[1] == pytest.approx(2**order, rel=0.1)
+    for stated, true in zip(estimates, errors, strict=True):
+        assert true <= stated <= 5 * true
 
 
 # --- creep ---
@@ -178,10 +178,11 @@ def test_creep_is_left_and_entered_again() -> None:
     answer = asked.answer()
     words = [re.sub(r" to .*?,? (until|on|where)", r" \1", note) for note in answer.notes]
     turn = [
-        "the full model until the slip of the start has decayed", "creep-1 on elements",
+        "the full model until the slip has decayed", "creep on elements",
         "the full model where slip is not bound",
     ]  # fmt: skip
-    assert [re.sub(r"on \d+", "on", w) for w in words] == turn * 2
+    plain = [re.sub(r"creep-\d on \d+ elements?", "creep on elements", w) for w in words]
+    assert plain == turn * 2
     for note in answer.notes:
         assert note in PAGE
     [truth] = simulated(st.Disk(), asked.contact, DIPPING, [7.0])

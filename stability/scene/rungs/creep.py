@@ -26,7 +26,7 @@ from ...integrators.dense import dense
 from ...integrators.flow import flow
 from ...integrators.leg import Leg
 from ...integrators.selection import METHODS, explicit
-from ..elements import Elements, Linear
+from .elements import Elements, Linear
 from .track import Problem, decade, relative
 
 LAWS = (Viscous, LinearViscous)

@@ -68,6 +68,8 @@ class Climb:
     """The problem."""
     held: Held
     """The held disk of its law."""
+    order: int | None = None
+    """The order that is asked for, or None."""
     now: float = 0.0
     """Time reached."""
     state: Floats = field(default_factory=lambda: np.empty(0))
@@ -97,7 +99,7 @@ class Climb:
 
 
 def creeping(
-    problem: Problem, most: float = np.inf
+    problem: Problem, most: float = np.inf, order: int | None = None
 ) -> tuple[dict[str, float], str, Track | Refused]:
     """The lowest order of creep whose error is below the tolerance, with what is before and after.
 
@@ -107,6 +109,8 @@ def creeping(
         The problem.
     most
         Elements of all stretches after which creep gives up.
+    order
+        The order to take, with any error; None for the lowest that is fine enough.
 
     Returns
     -------
@@ -117,11 +121,11 @@ def creeping(
     if not applies(problem):
         word = "the law" if problem.launches.law is None else problem.launches.law.name
         return {}, "creep", Refused(f"{word} has no creep: its slip does not decay at a rate mu")
-    climb = Climb(problem, held_of(problem), state=problem.start)
+    climb = Climb(problem, held_of(problem), order, state=problem.start)
     turns, why = 0, ""
     while climb.finish is None and climb.now < problem.last:
         if climb.elements > most:
-            why = f"creep needs many stretches and is given up at {climb.now:.4g}"
+            why = f"creep needs many stretches and is given up at {problem.when(climb.now)}"
             return climb.orders, "creep", Refused(why, _indicators(climb))
         before = climb.now
         said = _forward(climb)
@@ -165,7 +169,7 @@ def _forward(climb: Climb) -> str:
         return path
     done = path.elements.edges[-1]
     if not path.bound and done - climb.now < SHARE * (problem.last - climb.now):
-        return f"slip follows the motion only up to {done:.4g}"
+        return f"slip follows the motion only up to {problem.when(done)}"
     _use(climb, times, states, path)
     climb.elements += path.tried
     climb.bound, climb.reach = path.bound, 2 * (done - begin)
@@ -188,6 +192,8 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
     left = tolerance if elements.edges[-1] >= climb.problem.last else SHARE_OF_WINDOW * tolerance
     fine = [i for i, size in enumerate(sizes) if size.max() <= left]
     best = fine[0] if fine else int(np.argmin([size.max() for size in sizes]))
+    if climb.order is not None:
+        best = min(climb.order, len(sizes) - 1)
     chosen, size = path.orders[best], sizes[best]
     six, first = chosen.states, float(times[-1])
 
@@ -202,9 +208,11 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
         Piece(first, float(elements.edges[-1]), lambda asked: elements.at(asked, six),
               lambda asked: elements.at(asked, size[..., None])[:, 0]),
     ]  # fmt: skip
+    told = climb.problem.when
     if first > climb.now:
-        climb.notes.append(f"the full model to {first:.4g}, until the slip has decayed")
-    climb.notes.append(f"{name_of(best)} to {elements.edges[-1]:.6g} on {len(six)} elements")
+        climb.notes.append(f"the full model to {told(first)}, until the slip has decayed")
+    many = "1 element" if len(six) == 1 else f"{len(six)} elements"
+    climb.notes.append(f"{name_of(best)} to {told(elements.edges[-1])} on {many}")
     climb.highest = max(climb.highest, best)
     climb.relaxation = min(climb.relaxation, float(path.relaxation.min()))
     climb.now, climb.state = float(elements.edges[-1]), six[-1, -1]
@@ -219,7 +227,8 @@ def _by_full(climb: Climb, last: float) -> None:
         climb.now, float(track.times[-1]), track.at,
         lambda asked: np.interp(asked, track.times, track.errors),
     ))  # fmt: skip
-    climb.notes.append(f"the full model to {track.times[-1]:.6g}, where slip is not bound")
+    reached = climb.problem.when(track.times[-1])
+    climb.notes.append(f"the full model to {reached}, where slip is not bound")
     climb.steps += track.steps
     climb.finish = track.finish
     climb.now, climb.state = float(track.times[-1]), track.states[-1]

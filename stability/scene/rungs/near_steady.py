@@ -22,7 +22,7 @@ from ...base.types import Floats
 from ...systems.system import System
 from .track import Problem, Refused, Track, relative
 
-STEADY, LINEARISED, SECOND = "steady", "linearised", "second-order"
+STEADY, LINEARISED, SECOND = CLOSED_FORMS = "steady", "linearised", "second-order"
 FAR = 0.3
 """Deviation above which a motion is not near its family, over 1 or the size of the state."""
 PARALLEL = 1e7
@@ -31,7 +31,7 @@ SAMPLES, ENDS = 32, 8
 """Samples of the third-order defect, and the times at which it is summed."""
 GROWTH = 30.0
 """Exponent of growth above which no linear motion is small."""
-SAFETY = 3.0
+SAFETY = 2.0
 """Factor on the third order, for the orders above it and for its sampling."""
 TRUSTED = 0.2
 """Share of the linear deviation up to which the higher orders may be an estimate of its error."""
@@ -196,7 +196,8 @@ def near_steady(problem: Problem) -> dict[str, Track | Refused]:
     every = (STEADY, LINEARISED, SECOND)
     near = problem.launches.settling.closest(problem.start, problem.p)
     if near.member is None:
-        return dict.fromkeys(every, Refused(near.evidence))
+        why = "no steady motion is known near the start"
+        return dict.fromkeys(every, Refused(why))
     size = float(relative(problem.start - near.member, near.member))
     where = {"distance": size}
     if size > FAR:

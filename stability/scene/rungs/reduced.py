@@ -17,11 +17,13 @@ from ...integrators.dense import dense
 from ...integrators.flow import Flow, flow_of
 from ...integrators.leg import Leg
 from ...systems.system import System
-from ..elements import Elements, carried
+from .elements import Elements, carried
 from .track import Problem, Refused, Track, relative
 
 POINTS, STEPS = 14, 5
 """Points of an element, and steps of the integrator in it."""
+GROWTH = 3.0
+"""Exponent of growth within an element above which collocation does not carry an error."""
 DOUBT = 0.5
 """Error, over 1 or the size of the state, above which a linear estimate of it says nothing."""
 
@@ -95,7 +97,12 @@ def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
     -------
     Track or Refused
     """
-    x, p = (np.asarray(v, dtype=float) for v in model.down(problem.start, problem.p))
+    given = model.down(problem.start, problem.p)
+    if not isinstance(given, (tuple, list)) or len(given) != 2:
+        raise ParameterError(
+            f"down of {model.name} gives {shown(given)}; give the pair (states, parameters)."
+        )
+    x, p = (np.asarray(v, dtype=float) for v in given)
     flow = model.flow
     if x.shape != (len(model.system.states),) or p.shape != (len(model.system.parameters),):
         raise ParameterError(
@@ -112,7 +119,7 @@ def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
     own = len(model.system.states)
 
     def lifted(states: Floats) -> Floats:
-        full = np.asarray(model.up(states[..., :own], p), dtype=float)
+        full: Floats = np.asarray(model.up(states[..., :own], p), dtype=float)
         if full.shape != (*states.shape[:-1], len(problem.start)):
             raise ParameterError(
                 f"up of {model.name} gives shape {full.shape}; give {len(problem.start)} states "
@@ -122,7 +129,11 @@ def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
 
     many = run.at(elements.times.ravel()).reshape(*elements.times.shape, -1)
     states = lifted(many)
-    errors = _errors(problem, elements, states)
+    errors, growth = _errors(problem, elements, states)
+    if growth > GROWTH:
+        return Refused(
+            f"the full model leaves {model.name} by a factor e^{growth:.3g} within an element"
+        )
     if not np.isfinite(errors).all() or relative(errors, states).max() > DOUBT:
         return Refused(f"the defect of {model.name} grows beyond any linear estimate")
     size = relative(errors, states)
@@ -137,13 +148,17 @@ def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
     times = problem.times
     return Track(
         times, at(times), elements.at(times, size[..., None])[:, 0] + tail, at, None,
-        len(run.steps), (f"{model.name}, {own} states",),
+        len(run.steps), (f"{model.name}, {own} state{'s' * (own > 1)}",),
         {"defect": float(size.max())},
     )  # fmt: skip
 
 
-def _errors(problem: Problem, elements: Elements, states: Floats) -> Floats:
-    """The deviation of the full model from a path: its defect, by the linear equation along it."""
+def _errors(problem: Problem, elements: Elements, states: Floats) -> tuple[Floats, float]:
+    """The deviation of the full model from a path, and its largest growth in an element.
+
+    The deviation is the defect of the path, carried by the linear equation along it.  Collocation
+    damps a part that grows fast within an element, so such a path is refused.
+    """
     n = problem.own
     flat = states.reshape(-1, states.shape[-1])[:, :n]
     many = np.broadcast_to(problem.p, (len(flat), len(problem.p)))
@@ -153,4 +168,5 @@ def _errors(problem: Problem, elements: Elements, states: Floats) -> Floats:
     defect = rates - elements.derivative(states[..., :n])
     found = np.zeros(states.shape)
     found[..., :n] = carried(elements, slope, defect, problem.start[:n] - states[0, 0, :n])
-    return found
+    growth = np.linalg.eigvals(slope).real.max(axis=(1, 2)) * elements.lengths
+    return found, float(growth.max())

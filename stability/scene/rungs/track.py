@@ -64,6 +64,11 @@ class Problem:
         """Number of states of the full model's equations."""
         return len(self.flow.system.states)
 
+    def when(self, time: float) -> str:
+        """A time in words, in the user's unit."""
+        unit = "" if self.launches.unit("time") == "1" else f" {self.launches.unit('time')}"
+        return f"{float(time) * float(self.launches.scales['time']):.4g}{unit}"
+
     @property
     def last(self) -> float:
         """The horizon."""

@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ..base.types import Floats
+from ...base.types import Floats
 
 POINTS = 16
 """Chebyshev points of an element."""

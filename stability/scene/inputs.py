@@ -1,0 +1,124 @@
+"""Inputs of a scene: the launch as numbers, and the launch with some inputs changed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import ParameterError, shown
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..bodies.thin_disk.disk_equations import STATES
+from ..motion.starts import Starts, gather
+from ..motion.system_starts import gather_system
+from ..systems.system import System
+
+
+def laws_of(disk: Any, contact: Any) -> dict[str, Any]:
+    """The contact laws of a scene by name; one without a name, or the parameters of a system.
+
+    Parameters
+    ----------
+    disk
+        The disk or a system.
+    contact
+        A law, laws by name, or parameters of a system.
+
+    Raises
+    ------
+    ParameterError
+        If a disk has no law, or something that is no law.
+    """
+    if isinstance(disk, System):
+        return {"": contact}
+    if not isinstance(disk, Disk):
+        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk or a System.")
+    found = dict(contact) if isinstance(contact, Mapping) else {"": contact}
+    for law in found.values():
+        if not isinstance(law, Contact):
+            raise ParameterError(
+                f"contact is {shown(law)}; give a contact law, such as Viscous(0.3), or laws by "
+                "name."
+            )
+    if not found:
+        raise ParameterError("contact holds no law; give one at least.")
+    return found
+
+
+def names_of(disk: Any, laws: Mapping[str, Any]) -> tuple[str, ...]:
+    """Names of the inputs that may be uncertain: states, and parameters of body and laws.
+
+    Parameters
+    ----------
+    disk
+        The disk or a system.
+    laws
+        The laws by name.
+    """
+    if isinstance(disk, System):
+        return (*disk.states, *disk.parameters)
+    own = [n for law in laws.values() for n in law.given]
+    return tuple(dict.fromkeys((*STATES, "k", *own)))
+
+
+def launched(
+    disk: Any, contact: Any, start: Any, horizon: float, families: Any,
+    moved: Mapping[str, float],
+) -> Starts:  # fmt: skip
+    """The launch of a scene, dimensionless, with some inputs changed.
+
+    Parameters
+    ----------
+    disk, contact, start, horizon, families
+        As for `Scene`, with one law.
+    moved
+        Changes by name: added to states, relative for parameters.
+
+    Returns
+    -------
+    Starts
+        One launch.
+    """
+    if isinstance(disk, System):
+        found = _of_system(disk, contact, start, horizon, families, moved)
+    elif moved:
+        k = {"k": disk.k * (1 + moved["k"])} if "k" in moved else {}
+        given = {n: v * (1 + moved.get(n, 0.0)) for n, v in contact.given.items()}
+        law = type(contact)(**given)
+        found = gather(replace(disk, **k), law, _moved(start, STATES, moved), horizon)
+    else:
+        found = gather(disk, contact, start, horizon)
+    if found.count != 1:
+        raise ParameterError(
+            f"the scene has {found.count} launches; give one, and a scene for each."
+        )
+    return found
+
+
+def _of_system(
+    system: System, parameters: Any, start: Any, horizon: float, families: Any,
+    moved: Mapping[str, float],
+) -> Starts:  # fmt: skip
+    given = parameters
+    if moved and parameters is not None:
+        p = _named(parameters, system.parameters)
+        given = {n: v * (1 + moved.get(n, 0.0)) for n, v in p.items()}
+    x = _moved(start, system.states, moved) if moved else start
+    return gather_system(system, given, x, horizon, families)
+
+
+def _named(given: Any, names: Sequence[str]) -> dict[str, Any]:
+    """Numbers by name, from a mapping or a sequence."""
+    if isinstance(given, Mapping):
+        return dict(given)
+    return dict(zip(names, np.asarray(given, dtype=float).tolist(), strict=False))
+
+
+def _moved(start: Any, names: Sequence[str], moved: Mapping[str, float]) -> dict[str, Any]:
+    """States by name, with changes added; a state that is left out is 0."""
+    found = _named(start, names)
+    changed = {n: moved[n] for n in names if n in moved}
+    return found | {n: found.get(n, 0.0) + by for n, by in changed.items()}
