@@ -17,6 +17,7 @@ from ..base.version import __version__
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import Coulomb, LinearViscous, Rough, Smooth, Viscous
 from ..bodies.disk import Disk
+from .answer import states_in_units
 from .ladder import Climbed, climb
 from .rungs.creep import applies
 from .rungs.creeping import creeping
@@ -40,7 +41,7 @@ JUST_ABOVE = 1.5
 """Tolerance over the error of an order of creep, so that this order is the lowest fine one."""
 STIFF, DRY = 100.0, 0.3
 """Friction of a viscous law [√(1/(gR))] and of dry friction [-] where the scene states none."""
-LEAST, MOST, BUDGET, LONG = 3, 20, 1.0, 2.0
+LEAST, MOST, BUDGET, LONG = 5, 20, 1.0, 2.0
 """Turns of repeats: least, most; time after which none begins; of a run repeated once [s]."""
 
 
@@ -319,7 +320,8 @@ def _full_name(problem: Problem) -> str:
 
 def _law(scene: Any, problem: Problem, truth: Track, name: str, law: Contact) -> Iterator[Row]:
     """Another law in place of the truth."""
-    title = f"{name} law"
+    first, comma, rest = name.partition(",")
+    title = f"{first} law{comma}{rest}"
     try:
         other = replace(scene, contact=law, uncertain={})._problem(law)
     except StabilityError as error:
@@ -379,15 +381,17 @@ def _what(scene: Any) -> str:
 
 def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
     launches = problem.launches
-    states = zip(launches.model.states, launches.starts[0].tolist(), strict=True)
+    states = zip(launches.model.states, states_in_units(problem, launches.starts)[0], strict=True)
     given = {n: float(np.ravel(v)[0]) for n, v in launches.given.items()}
+    if launches.dimensionless:  # units of the body
+        given = {n: v for n, v in given.items() if n not in ("mass", "radius", "gravity")}
     return {
         "format": FORMAT, "title": f"models of {launches.model.title}: cost against true error",
         "law": _full_name(problem), "horizon": scene.horizon, "time_unit": launches.unit("time"),
         "quantities": ", ".join(scene.quantities),
         "uncertain": ", ".join(f"{n} ± {v:g}" for n, v in scene.uncertain.items()),
         "parameters": json.dumps(given),
-        "start": json.dumps(dict(states)), "sentence": answer.sentence,
+        "start": json.dumps({n: float(v) for n, v in states}), "sentence": answer.sentence,
         "truth": "the full model at a tolerance 1000 times finer",
         "machine": json.dumps(machine()), "created": today(), "source": launches.model.source,
         "stability_version": __version__, "Conventions": "CF-1.11",

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..motion.starts import Starts, gather
 from ..motion.system_starts import gather_system
+from ..storage.files import atomic_write
+from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
 from .answer import Answer, dataset, in_units
 from .ladder import Climbed, climb
@@ -308,6 +311,34 @@ class Scene:
             errors[name] = _distance(name, other.value, one.value)
         whole = next(iter(errors.values())) if len(errors) == 1 else errors
         return replace(told, true_error=whole)
+
+    def plot(self, path: Any = None, *, overwrite: bool = False, **options: Any) -> Any:
+        """Draw cost against true error of every model of the scene.
+
+        Parameters
+        ----------
+        path
+            File to write, PNG, PDF or SVG; none is written if left out.
+        overwrite
+            Whether an existing file may be replaced.
+        **options
+            As for `stability.scene.chart.chart`: laws, progress.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from .chart import chart
+
+        if path is not None:
+            path = check_target(check_suffix(path, PICTURES), overwrite=overwrite)
+        # by name: figures are another room of the same floor, as a backend of plots
+        figure = import_module("stability.figures.scene_chart").scene_figure(chart(self, **options))
+        if path is not None:
+            save = import_module("stability.figures.canvas").save_figure
+            with atomic_write(path, overwrite=overwrite) as draft:
+                save(figure, draft)
+        return figure
 
 
 def _table(given: Any, names: Sequence[str]) -> dict[str, float]:
