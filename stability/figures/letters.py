@@ -110,7 +110,7 @@ def _drawn(axes: Axes, scale: float) -> NDArray[Any]:
     found = [np.zeros((0, 2))]
     about = np.array([(1.6, 0.0), (-1.6, 0.0), (0.0, 1.6), (0.0, -1.6)])
     for line in axes.lines:
-        corners = axes.transData.transform(line.get_xydata()) * scale
+        corners = line.get_transform().transform(line.get_xydata()) * scale
         if line.get_marker() != "None":
             found.append((corners[:, None] + about).reshape(-1, 2))
         for a, b in zip(corners[:-1], corners[1:], strict=True):

@@ -42,9 +42,9 @@ LOOKS: dict[str, dict[str, Any]] = {
     "other law": {"marker": "D", "color": "#D55E00", "ms": 4.4, "mfc": "white"},
 }
 """Shape and colour of each kind of model, colours of Okabe and Ito."""
-MARK = 3.2
+MARK = 4.6
 """Half the size of a mark, for the labels [pt]."""
-RING: dict[str, Any] = {"marker": "o", "ms": 11.5, "mfc": "none", "mec": "#000000", "mew": 1.0}
+RING: dict[str, Any] = {"marker": "o", "ms": 9.8, "mfc": "none", "mec": "#000000", "mew": 1.0}
 """Ring about the model that is chosen."""
 WHOLE: dict[str, Any] = {"color": "#555555", "lw": 0.8, "marker": "|", "ms": 6, "mew": 0.9}
 """Line from the model that is chosen to the time of the answer."""
@@ -121,12 +121,14 @@ def scene_caption(dataset: xarray.Dataset) -> str:
     """
     _check(dataset)
     told, unit = dataset.attrs, dataset.attrs["time_unit"]
-    given = ", ".join(f"{n} = {v:.4g}" for n, v in json.loads(told["parameters"]).items())
-    start = ", ".join(f"{n} = {v:.4g}" for n, v in json.loads(told["start"]).items() if v)
+    given, start = (
+        ", ".join(f"{n} = {v:.4g}" for n, v in json.loads(told[key]).items() if v)
+        for key in ("parameters", "start")
+    )
+    horizon = f"{told['horizon']:g} {'' if unit == '1' else unit}".rstrip()
     parts = [
-        f"Models of {told['law']} ({given}) from {start or 'zero'} (dimensionless), horizon "
-        f"{told['horizon']:g} {'' if unit == '1' else unit}".rstrip()
-        + ".",
+        f"Models of the motion by the law {told['law']} ({given}), from {start or 'rest'}, horizon "
+        f"{horizon}, tolerance {float(dataset.tolerance):g}.",
         f"Time: the least of {dataset.sizes['repeat']} or fewer repeats. Error: the "
         f"{dataset.true_error.attrs['long_name']}; the truth is {told['truth']}, with an error of "
         f"about {float(dataset.truth_error):.1g}.",

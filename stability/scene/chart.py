@@ -20,7 +20,6 @@ from ..bodies.disk import Disk
 from .answer import states_in_units
 from .ladder import Climbed, climb
 from .rungs.creep import applies
-from .rungs.creeping import creeping
 from .rungs.full import full
 from .rungs.near_steady import LINEARISED, near_steady
 from .rungs.reduced import reduced
@@ -112,9 +111,10 @@ def chart(
     Parameters
     ----------
     scene
-        The `Scene`, of one law.
+        The `Scene`; of several laws the first is taken for the truth.
     laws
-        Other laws by name, charted as models of the scene's law; those of `other_laws` if left out.
+        Laws by name, charted as models of the truth; if left out the scene's further laws, or those
+        of `other_laws`.
     progress
         Called with (models done, models in all).
 
@@ -142,7 +142,8 @@ def chart(
     >>> data.model.values[data.chosen.values].tolist()
     ['linearised']
     """
-    problem, others = _problem(scene), _others(scene, laws)
+    scene, laws = _one(scene, laws)
+    problem, others = scene._problem(scene.contact), _others(scene, laws)
     if progress is not None and not callable(progress):
         raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
     truth = full(replace(problem, tolerance=max(FINEST, TRUTH * problem.tolerance)))
@@ -160,25 +161,21 @@ def chart(
     return _dataset(scene, problem, truth, rows)
 
 
-def _problem(scene: Any) -> Problem:
-    """The problem of the scene's one law."""
-    several = scene._laws()
-    if len(several) > 1:
-        raise ParameterError(
-            f"the scene has {len(several)} laws; give the one that is the truth as contact, and "
-            "the others as laws of the chart."
-        )
-    [law] = several.values()
-    found: Problem = scene._problem(law)
-    return found
+def _one(scene: Any, laws: Any) -> tuple[Any, Any]:
+    """A scene of one law, the first of several, and the laws to hold against it."""
+    (_, truth), *rest = scene._laws().items()
+    if not rest:
+        return scene, laws
+    bare = replace(scene, contact=truth, uncertain={})
+    known = {n: v for n, v in scene.uncertain.items() if n in bare._inputs()}
+    return replace(bare, uncertain=known), dict(rest) if laws is None else laws
 
 
 def _others(scene: Any, laws: Any) -> dict[str, Contact]:
     """The other laws, checked."""
     known = isinstance(scene.disk, Disk)
     if laws is None:
-        [truth] = scene._laws().values()
-        return other_laws(scene.disk, truth) if known else {}
+        return other_laws(scene.disk, scene.contact) if known else {}
     if not isinstance(laws, Mapping):
         raise ParameterError(
             f'laws is {shown(laws)}; give contact laws by name, such as {{"rough": Rough()}}.'
@@ -285,14 +282,13 @@ def _creep(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
     kind = KINDS[2]
     if not applies(problem):
         return
-    with np.errstate(all="ignore"):
-        orders, chosen, track = creeping(problem)
-    if isinstance(track, Refused):
-        yield Row("creep", kind, 4, why=track.why)
+    found = climb(problem, scene.quantities, (), "creep")
+    sizes = {r.name: r.estimate * problem.tolerance for r in found.rungs}
+    if "creep" in sizes:
+        yield Row("creep", kind, 4, why=next(r.why for r in found.rungs if r.name == "creep"))
         return
-    done = {chosen}
-    sizes = {n: e for n, e in orders.items() if n != chosen and e <= LOOSEST}
-    for size in sizes.values():
+    done = {found.model}
+    for size in (e for n, e in sizes.items() if n != found.model and e <= LOOSEST):
         coarse = replace(problem, tolerance=max(JUST_ABOVE * size, problem.tolerance))
         row = _row(scene, coarse, truth, kind, "creep")
         if row.name not in done:
