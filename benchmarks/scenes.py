@@ -31,8 +31,8 @@ REDUCED = {
                              horizon=20.0),
     "near rolling, long": st.Scene(contact=st.Viscous(0.3), horizon=1000.0,
                                    start={"theta": 1.5706, "omega3": 2.2}),
-    "steady spinning": st.Scene(contact=st.Viscous(0.3), start=st.launch("spinning", at=3.0, tilt=0.0),
-                                horizon=100.0),
+    "steady spinning": st.Scene(contact=st.Viscous(0.3), horizon=100.0,
+                                start=st.launch("spinning", at=3.0, tilt=0.0)),
 }  # fmt: skip
 """Scenes that a reduced model answers."""
 WHOLE = {
@@ -96,6 +96,7 @@ def ratios(scenes: dict[str, st.Scene], heading: str, turns: int) -> None:
             return st.simulate(scene.disk, scene.contact, scene.start, [scene.horizon],
                                tolerance=tolerance)  # fmt: skip
 
+        # the loosest tolerance of simulate whose stated error is that of the scene
         tolerance = scene.tolerance
         while float(run(tolerance).final_error) > scene.tolerance and tolerance > 1e-14:
             tolerance /= 10

@@ -246,5 +246,5 @@ def _handles(dataset: xarray.Dataset) -> list[Any]:
     found.append(Line2D([], [], linestyle="", label="chosen for the answer", **RING | {"ms": 7.5}))
     found.append(Line2D([0], [0], label="to the time of the whole answer", **WHOLE))
     if np.isfinite(dataset.spread):
-        found.append(Patch(facecolor=BAND, alpha=0.28, label="below what the inputs allow to know"))
+        found.append(Patch(facecolor=BAND, alpha=0.28, label="below the spread of the inputs"))
     return found
