@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,8 @@ from ..base.checks import known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
+from ..storage.files import atomic_write
+from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
 from .answer import Answer, tell
 from .inputs import launched, laws_of, names_of
@@ -313,6 +316,34 @@ class Scene:
             )
             errors[name] = apart(other, mine)
         return replace(told, true_error=errors if len(errors) > 1 else errors[self.quantities[0]])
+
+    def plot(self, path: Any = None, *, overwrite: bool = False, **options: Any) -> Any:
+        """Draw cost against true error of every model of the scene.
+
+        Parameters
+        ----------
+        path
+            File to write, PNG, PDF or SVG; none is written if left out.
+        overwrite
+            Whether an existing file may be replaced.
+        **options
+            As for `stability.scene.chart.chart`: laws, progress.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from .chart import chart
+
+        if path is not None:
+            path = check_target(check_suffix(path, PICTURES), overwrite=overwrite)
+        # by name: figures are another room of the same floor, as a backend of plots
+        figure = import_module("stability.figures.scene_chart").scene_figure(chart(self, **options))
+        if path is not None:
+            save = import_module("stability.figures.canvas").save_figure
+            with atomic_write(path, overwrite=overwrite) as draft:
+                save(figure, draft)
+        return figure
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Scene:

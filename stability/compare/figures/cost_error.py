@@ -12,9 +12,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ...figures.letters import SMALL, Letter, lettered, letters  # fmt: skip
 from ..spectrum import dataset as spectral_data
 from .failure_grid import catalogue_figure, ladder_figure
-from .letters import SMALL, Letter, lettered, letters  # fmt: skip
 from .panels import (
     CROSS,
     FRONT,

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from numpy.typing import NDArray
 
-from .letters import SMALL
+from ...figures.letters import SMALL
 from .panels import WIDTH, handle
 
 MARKS: dict[str, tuple[str, str, str]] = {

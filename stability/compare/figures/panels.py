@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from .letters import SMALL, Letter
+from ...figures.letters import SMALL, Letter
 
 WIDTH = 7.1
 """Width of a figure over two journal columns [in]."""

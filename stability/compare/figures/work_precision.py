@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ...figures.letters import SMALL  # fmt: skip
 from ..motion import dataset as motion_data
 from ..motion.cases import NO_ANSWER
 from ..pareto import places
-from .letters import SMALL  # fmt: skip
 from .panels import (
     BETWEEN,
     FRONT,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from .canvas import STYLE, figure_style  # isort: skip
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
+from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 SMALL = 6.0
@@ -16,6 +19,9 @@ SMALL = 6.0
 
 HALO = [withStroke(linewidth=1.2, foreground="white")]
 """Keeps a letter readable on a line."""
+
+MARK = 1.7
+"""Half the size of a marker next to which a letter stands [pt]."""
 
 REACH = np.array([5.0, 6.5, 9.0, 12.0, 16.0, 21.0, 27.0, 34.0, 42.0])
 """Distances between a letter and its marker that are tried [pt]."""
@@ -58,7 +64,7 @@ def lettered(own: Sequence[bool]) -> list[str]:
     ]
 
 
-def letters(axes: Axes, marks: Sequence[Letter]) -> None:
+def letters(axes: Axes, marks: Sequence[Letter], size: float = MARK) -> None:
     """Write letters next to their markers; a thin line leads back from a letter that moved far.
 
     Parameters
@@ -67,23 +73,36 @@ def letters(axes: Axes, marks: Sequence[Letter]) -> None:
         The panel, with its limits set.
     marks
         Letters to write.
+    size
+        Half the size of the markers [pt].
     """
     if not marks:
         return
     scale = 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
     at = axes.transData.transform([(m.x, m.y) for m in marks]) * scale
-    half = np.array([(0.3 * SMALL * len(m.text) + 0.8, 0.42 * SMALL) for m in marks])
+    half = np.array([_half(m.text) for m in marks])
     room = np.array([axes.bbox.p0, axes.bbox.p1]) * scale
-    off = _apart(at, half, room, _drawn(axes, scale))
-    for mark, shift in zip(marks, off, strict=True):
+    off = _apart(at, half, room, _drawn(axes, scale), size)
+    for mark, shift, box in zip(marks, off, half, strict=True):
         far, wide = np.hypot(*shift) > 8, len(mark.text) > 2 and abs(shift[0]) > 9
+        if size > MARK:  # from the mark to the nearest side of the text
+            far = np.hypot(*np.maximum(np.abs(shift) - box, 0)) > size + 4
         # the line starts at the near end of a wide text
         start = (float(shift[0] < 0) if wide else 0.5, 0.5)
         arrow = {"arrowstyle": "-", "linewidth": 0.35, "color": mark.colour, "shrinkA": 0.5,
-                 "shrinkB": 1.5, "relpos": start} if far else None  # fmt: skip
+                 "shrinkB": size - 0.2, "relpos": start} if far else None  # fmt: skip
         axes.annotate(mark.text, (mark.x, mark.y), tuple(shift), textcoords="offset points",
                       fontsize=SMALL, color=mark.colour, ha="center", va="center",
                       path_effects=HALO, arrowprops=arrow, zorder=6)  # fmt: skip
+
+
+def _half(text: str) -> tuple[float, float]:
+    """Half the width and height of a text [pt]; words are measured, letters take the same room."""
+    if len(text) <= 3:
+        return 0.3 * SMALL * len(text) + 0.8, 0.42 * SMALL
+    with figure_style(STYLE):
+        box = TextPath((0, 0), text, size=SMALL).get_extents()
+    return box.width / 2 + 1.0, 0.6 * SMALL
 
 
 def _drawn(axes: Axes, scale: float) -> NDArray[Any]:
@@ -91,7 +110,7 @@ def _drawn(axes: Axes, scale: float) -> NDArray[Any]:
     found = [np.zeros((0, 2))]
     about = np.array([(1.6, 0.0), (-1.6, 0.0), (0.0, 1.6), (0.0, -1.6)])
     for line in axes.lines:
-        corners = axes.transData.transform(line.get_xydata()) * scale
+        corners = line.get_transform().transform(line.get_xydata()) * scale
         if line.get_marker() != "None":
             found.append((corners[:, None] + about).reshape(-1, 2))
         for a, b in zip(corners[:-1], corners[1:], strict=True):
@@ -101,12 +120,16 @@ def _drawn(axes: Axes, scale: float) -> NDArray[Any]:
 
 
 def _apart(
-    at: NDArray[Any], half: NDArray[Any], room: NDArray[Any], lines: NDArray[Any]
+    at: NDArray[Any],
+    half: NDArray[Any],
+    room: NDArray[Any],
+    lines: NDArray[Any],
+    size: float = MARK,
 ) -> NDArray[Any]:
     """Offsets of the letters: each in turn goes where it disturbs the others least."""
     angles = np.arange(24) * np.pi / 12 + 0.01
     round_ = np.stack([np.cos(angles), np.sin(angles)], -1)
-    tries = (REACH[:, None, None] * round_).reshape(-1, 2)
+    tries = ((REACH + size - MARK)[:, None, None] * round_).reshape(-1, 2)
     off = np.full(at.shape, np.inf)
     for _ in range(4):
         for i in range(len(at)):
@@ -118,9 +141,9 @@ def _apart(
             outside = (spots - half[i] < room[0] + 1) | (spots + half[i] > room[1] - 1)
             cost = cost + 500.0 * outside.any(axis=-1)
             others = np.arange(len(at)) != i
-            for centre, size, price in (((at + off)[others], half[others], 300.0),
-                                        (at, np.full_like(at, 1.7), 40.0)):  # fmt: skip
-                gap = np.abs(spots[:, None] - centre) - half[i] - size
+            for centre, extent, price in (((at + off)[others], half[others], 300.0),
+                                        (at, np.full_like(at, size), 40.0)):  # fmt: skip
+                gap = np.abs(spots[:, None] - centre) - half[i] - extent
                 cost = cost + price * (gap < 0).all(axis=-1).sum(axis=-1)
             cost = cost + 12.0 * _crossings(at[i], spots, at[others], (at + off)[others])
             off[i] = here[int(cost.argmin())]
