@@ -30,7 +30,7 @@ RUNS, BASE, IMPLICIT = 3.0, 1.5e-3, 4e-3
 """Runs of the full model, with neighbours; time around them, and of an implicit run [s]."""
 PER_TURN, PER_RATE = 7.5, 0.25
 """Steps of an explicit method in a unit of the motion's time, and in one of a decay."""
-PER_ELEMENT, LEAST = 1.5e-4, 300
+PER_ELEMENT, LEAST = 1.5e-4, 30
 """Time of an element of creep [s], and elements that it may always take.  Beyond the expected time
 of the full model creep gives up.  Elements are counted, so that no clock decides a choice."""
 ORDERS = tuple(map(name_of, range(MOST_ORDERS + 1)))
@@ -39,8 +39,12 @@ RETRY = 1e4
 """Error over the tolerance up to which creep is tried again with smaller errors on the way."""
 FINER = 2
 """Runs of the full model at a finer tolerance where a quantity needs it."""
-CREEP_BASE, CREEP_TURN = 3e-3, 8e-5
-"""Time of creep, and for each unit of the motion's time [s]."""
+CREEP_BASE, CREEP_ORDER, CREEP_FIXED, SLOWER = 3e-3, 2.5e-5, 3.0, 5.0
+"""Time of creep; of an order on an element [s]; orders that the rest of the work is worth; the
+factor without heyoka."""
+CREEP_TURN, GAIN = 1.25, 3.0
+"""Elements in a unit of the motion's time; friction over the rate of the motion, over the factor
+that an order gains."""
 
 
 @dataclass(frozen=True)
@@ -258,14 +262,12 @@ def _creep(ladder: _Ladder) -> None:
     if not applies(problem):
         ladder.note("creep", 4, began, 0.0, creeping(problem)[2])
         return
-    price = CREEP_BASE + problem.last * problem.pace * CREEP_TURN
-    if explicit(problem.flow) != HEYOKA:
-        price *= 5
+    elements, price = _price_of_creep(problem)
     if price > whole and ladder.only is None:
         why = f"it would take about {1e3 * price:.2g} ms, and the full model {1e3 * whole:.2g} ms"
         ladder.rungs.append(Rung("creep", 4, 0.0, price, math.inf, False, why))
         return
-    most = max(LEAST, whole / PER_ELEMENT) if ladder.only is None else math.inf
+    most = max(LEAST + 1.5 * elements, whole / PER_ELEMENT) if ladder.only is None else math.inf
     order = ORDERS.index(ladder.only) if ladder.only in ORDERS else None
     with np.errstate(all="ignore"):
         orders, name, track = creeping(problem, most, order)
@@ -285,6 +287,15 @@ def _creep(ladder: _Ladder) -> None:
             why += ", more than one of several stretches may have"
         ladder.rungs.append(Rung(name_of(i), 4, 0.0, price, share, False, why))
     ladder.note("creep" if isinstance(track, Refused) else name, 4, began, price, track)
+
+
+def _price_of_creep(problem: Problem) -> tuple[float, float]:
+    """Expected number of elements of creep, and its expected time [s]."""
+    elements = problem.last * problem.pace * CREEP_TURN
+    gain = math.log(max(float(problem.p[1]) / (GAIN * problem.pace), 1.5))
+    orders = CREEP_FIXED + math.log(1 / problem.tolerance) / gain
+    price = CREEP_BASE + elements * orders * CREEP_ORDER
+    return elements, price * (1.0 if explicit(problem.flow) == HEYOKA else SLOWER)
 
 
 def _full(ladder: _Ladder) -> None:

@@ -24,6 +24,8 @@ FINE = 1e-12
 """Tolerance of short runs between the samples of a transient."""
 SHARE = 0.02
 """Least share of the horizon that creep must reach before slip is free again."""
+UNABLE = 10.0
+"""Error of a stretch over the tolerance above which creep is given up."""
 PATIENCE = 0.1
 """Share of the horizon that the full model runs before creep holds for the first time."""
 SHARE_OF_WINDOW = 0.1
@@ -92,6 +94,8 @@ class Climb:
     """Steps of the full model."""
     elements: int = 0
     """Elements of all stretches."""
+    lost: str = ""
+    """Why no later stretch can keep the tolerance; empty where it can."""
     bound: bool = False
     """Whether the slip follows the motion already: no transient is needed."""
     reach: float = np.inf
@@ -131,6 +135,8 @@ def creeping(
         said = _forward(climb)
         if not said and climb.now > before:
             continue
+        if climb.lost:
+            return climb.orders, "creep", Refused(climb.lost, _indicators(climb))
         why, climb.bound = why or said, False
         turns += 1
         if turns > TURNS:
@@ -172,6 +178,8 @@ def _forward(climb: Climb) -> str:
         return f"slip follows the motion only up to {problem.when(done)}"
     _use(climb, times, states, path)
     climb.elements += path.tried
+    if climb.lost:
+        return climb.lost
     climb.bound, climb.reach = path.bound, 2 * (done - begin)
     return ""
 
@@ -192,6 +200,8 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
     left = tolerance if elements.edges[-1] >= climb.problem.last else SHARE_OF_WINDOW * tolerance
     fine = [i for i, size in enumerate(sizes) if size.max() <= left]
     best = fine[0] if fine else int(np.argmin([size.max() for size in sizes]))
+    if not fine and climb.order is None and sizes[best].max() > UNABLE * tolerance:
+        climb.lost = f"its orders end at an error of {sizes[best].max():.2g}"
     if climb.order is not None:
         best = min(climb.order, len(sizes) - 1)
     chosen, size = path.orders[best], sizes[best]

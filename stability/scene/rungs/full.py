@@ -11,7 +11,7 @@ from ...motion.result import Outcome, Result, Settings
 from ...motion.run import results
 from .track import Finish, Problem, Track, decade, relative
 
-FIRST, STIFF, SHARPER, FINEST = 1e-5, 1e-2, 1e-3, 1e-15
+FIRST, STIFF, SHARPER, FINEST = 1e-4, 1e-2, 1e-3, 1e-15
 """Tolerance of the integrator over that of the scene, for an explicit method, whose cost hardly
 depends on it, and for a stiff motion; the factor of the next; the smallest."""
 COARSEST = 1e-7
@@ -126,6 +126,8 @@ def _run(
     more = np.append(more, np.full(len(track.states) - both, more.max(initial=0.0)))
     finish = track.finish
     if finish is not None:
+        ends = problem.flow.reported(np.stack([one.final, other.final]))
+        more[-1] = max(more[-1], relative(ends[1] - ends[0], ends[0]))
         late = abs(other.time + begin - finish.time)
         same = other.outcome.word == finish.kind
         finish = replace(finish, error=finish.error + late if same else np.inf)

@@ -35,8 +35,6 @@ SAFETY = 2.0
 """Factor on the third order, for the orders above it and for its sampling."""
 TRUSTED = 0.2
 """Share of the linear deviation up to which the higher orders may be an estimate of its error."""
-REACH = 30.0
-"""Ratio of a quick bound of the second order to the tolerance above which it is not computed."""
 
 
 @lru_cache(maxsize=64)
@@ -203,8 +201,8 @@ def near_steady(problem: Problem) -> dict[str, Track | Refused]:
     if size > FAR:
         why = f"the start is {size:.2g} from {near.family}, the nearest steady motion"
         return dict.fromkeys(every, Refused(why, where))
-    if size**2 > REACH * problem.tolerance and size**3 > REACH * problem.tolerance:
-        why = f"the start is {size:.2g} from {near.family}, whose cube is far above the tolerance"
+    if size**3 > problem.tolerance and size > problem.tolerance:
+        why = f"the start is {size:.2g} from {near.family}, whose cube is above the tolerance"
         return dict.fromkeys(every, Refused(why, where))
     found = modes(problem, near.member, near.family)
     if isinstance(found, Refused):
