@@ -235,7 +235,7 @@ def _near(ladder: _Ladder) -> None:
         ladder.note(LINEARISED, 0, began, 0.0, why)
         return
     with np.errstate(all="ignore"):
-        tracks = near_steady(ladder.problem)
+        tracks = near_steady(ladder.problem, always=ladder.only is not None)
     if len({id(t) for t in tracks.values()}) == 1:  # one reason for all
         ladder.note(LINEARISED, 0, began, 0.0, tracks[LINEARISED])
         return

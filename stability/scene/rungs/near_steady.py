@@ -178,18 +178,20 @@ def modes(problem: Problem, member: Floats, family: str) -> Modes | Refused:
     return Modes(system, problem.p, at, family, values, vectors, back, matrix, first, pairs, bend)
 
 
-def near_steady(problem: Problem) -> dict[str, Track | Refused]:
+def near_steady(problem: Problem, *, always: bool = False) -> dict[str, Track | Refused]:
     """The three rungs near the nearest steady motion, cheapest first.
 
     Parameters
     ----------
     problem
         The problem.
+    always
+        Whether the closed forms are computed even where none can be fine enough.
 
     Returns
     -------
     dict
-        Track or refusal by name; rungs above the first that is fine enough are left out.
+        Track or refusal by name.
     """
     every = (STEADY, LINEARISED, SECOND)
     near = problem.launches.settling.closest(problem.start, problem.p)
@@ -201,7 +203,7 @@ def near_steady(problem: Problem) -> dict[str, Track | Refused]:
     if size > FAR:
         why = f"the start is {size:.2g} from {near.family}, the nearest steady motion"
         return dict.fromkeys(every, Refused(why, where))
-    if size**3 > problem.tolerance and size > problem.tolerance:
+    if size**3 > problem.tolerance and size > problem.tolerance and not always:
         why = f"the start is {size:.2g} from {near.family}, whose cube is above the tolerance"
         return dict.fromkeys(every, Refused(why, where))
     found = modes(problem, near.member, near.family)
