@@ -21,8 +21,9 @@ from .answer import states_in_units
 from .inputs import laws_of, names_of
 from .ladder import Climbed, climb
 from .rungs.creep import applies
+from .rungs.drifting import DRIFT, drifting
 from .rungs.full import full
-from .rungs.near_steady import LINEARISED, near_steady
+from .rungs.near_steady import near_steady
 from .rungs.reduced import reduced
 from .rungs.track import Problem, Refused, Track, relative
 
@@ -261,10 +262,11 @@ def _closed(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
     """The closed forms near a steady motion."""
     kind = KINDS[0]
     if problem.launches.dry:
-        yield Row(LINEARISED, kind, why="dry friction has no linear motion")
         return
     with np.errstate(all="ignore"):
         tracks = near_steady(problem, always=True)
+    if isinstance(drift := drifting(problem), Track):
+        tracks[DRIFT] = drift
     for name, track in tracks.items():
         if isinstance(track, Refused):
             yield Row(name, kind, why=track.why)

@@ -19,6 +19,7 @@ from ..integrators.selection import HEYOKA, explicit
 from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.creep import MOST_ORDERS, applies
 from .rungs.creeping import creeping, name_of
+from .rungs.drifting import DRIFT, ROLLING, drifting
 from .rungs.full import FINEST, full
 from .rungs.near_steady import LINEARISED, SECOND, STEADY, near_steady
 from .rungs.reduced import ReducedModel, reduced
@@ -37,6 +38,9 @@ ORDERS = tuple(map(name_of, range(MOST_ORDERS + 1)))
 """Names of the orders of creep."""
 RETRY = 1e4
 """Error over the tolerance up to which creep is tried again with smaller errors on the way."""
+DRIFTS, EXPENSIVE = 10.0, 0.02
+"""Square of the distance from rolling over the tolerance up to which its drift is tried, and the
+least expected time of the full model [s]."""
 FINER = 2
 """Runs of the full model at a finer tolerance where a quantity needs it."""
 CREEP_BASE, CREEP_ORDER, CREEP_FIXED, SLOWER = 3e-3, 2.5e-5, 3.0, 5.0
@@ -122,7 +126,15 @@ def rungs_of(problem: Problem, models: Sequence[ReducedModel]) -> tuple[str, ...
         Reduced models of a user's system.
     """
     orders = ["creep", *map(name_of, range(MOST_ORDERS + 1))] if applies(problem) else []
-    every = (STEADY, LINEARISED, SECOND, *(m.name for m in models), *orders, _full_name(problem))
+    every = (
+        STEADY,
+        LINEARISED,
+        SECOND,
+        DRIFT,
+        *(m.name for m in models),
+        *orders,
+        _full_name(problem),
+    )
     return tuple(dict.fromkeys(every))
 
 
@@ -173,7 +185,7 @@ def climb(
     if only is not None:
         known("only", only, rungs_of(problem, models))
     ladder = _Ladder(problem, tuple(names), only)
-    steps: list[Callable[[], None]] = [partial(_near, ladder)]
+    steps: list[Callable[[], None]] = [partial(_near, ladder), partial(_drift, ladder)]
     steps += [partial(_own, ladder, m) for m in models if only in (None, m.name)]
     steps += [partial(_creep, ladder), partial(_full, ladder)]
     for step in steps:
@@ -243,6 +255,22 @@ def _near(ladder: _Ladder) -> None:
         if ladder.asked(name):
             ladder.note(name, 0, began, 0.0, track)
             began = time.perf_counter()
+
+
+def _drift(ladder: _Ladder) -> None:
+    """The slow drift of rolling, where it may be fine enough and the full model is expensive."""
+    problem = ladder.problem
+    law = problem.launches.law
+    if not ladder.asked(DRIFT) or law is None or not law.relaxes:
+        return
+    began = time.perf_counter()
+    if ladder.only is None:
+        near = problem.launches.settling.closest(problem.start, problem.p)
+        hopeless = near.distance**2 > DRIFTS * problem.tolerance
+        if near.family != ROLLING or hopeless or price_of_full(problem) < EXPENSIVE:
+            return
+    with np.errstate(all="ignore"):
+        ladder.note(DRIFT, 0, began, 0.0, drifting(problem))
 
 
 def _own(ladder: _Ladder, model: ReducedModel) -> None:
