@@ -19,7 +19,7 @@ from ..bodies.contact_laws import Coulomb, LinearViscous, Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from .answer import states_in_units
 from .inputs import laws_of, names_of
-from .ladder import Climbed, climb
+from .ladder import Climbed, climb, full_name
 from .rungs.creep import applies
 from .rungs.drifting import DRIFT, drifting
 from .rungs.full import full
@@ -262,6 +262,7 @@ def _closed(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
     """The closed forms near a steady motion."""
     kind = KINDS[0]
     if problem.launches.dry:
+        yield Row("linearised", kind, why="dry friction has no linear motion")
         return
     with np.errstate(all="ignore"):
         tracks = near_steady(problem, always=True)
@@ -312,13 +313,7 @@ def _creep(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
 
 def _full(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
     """The full model at the tolerance of the scene."""
-    yield _row(scene, problem, truth, KINDS[3], _full_name(problem))
-
-
-def _full_name(problem: Problem) -> str:
-    """Name of the full model in the ladder."""
-    law = problem.launches.law
-    return str(problem.flow.system.name if law is None else law.name)
+    yield _row(scene, problem, truth, KINDS[3], full_name(problem))
 
 
 def _law(scene: Any, problem: Problem, truth: Track, name: str, law: Contact) -> Iterator[Row]:
@@ -331,7 +326,7 @@ def _law(scene: Any, problem: Problem, truth: Track, name: str, law: Contact) ->
         yield Row(title, KINDS[4], why=str(error).rstrip("."))
         return
     other = replace(other, times=problem.times)
-    yield _row(scene, other, truth, KINDS[4], _full_name(other), name=title)
+    yield _row(scene, other, truth, KINDS[4], full_name(other), name=title)
 
 
 # --- dataset ---
@@ -390,7 +385,7 @@ def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
         given = {n: v for n, v in given.items() if n not in ("mass", "radius", "gravity")}
     return {
         "format": FORMAT, "title": f"models of {launches.model.title}: cost against true error",
-        "law": _full_name(problem), "horizon": scene.horizon, "time_unit": launches.unit("time"),
+        "law": full_name(problem), "horizon": scene.horizon, "time_unit": launches.unit("time"),
         "quantities": ", ".join(scene.quantities),
         "uncertain": ", ".join(f"{n} ± {v:g}" for n, v in scene.uncertain.items()),
         "parameters": json.dumps(given),

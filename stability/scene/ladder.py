@@ -133,12 +133,13 @@ def rungs_of(problem: Problem, models: Sequence[ReducedModel]) -> tuple[str, ...
         DRIFT,
         *(m.name for m in models),
         *orders,
-        _full_name(problem),
+        full_name(problem),
     )
     return tuple(dict.fromkeys(every))
 
 
-def _full_name(problem: Problem) -> str:
+def full_name(problem: Problem) -> str:
+    """Name of the full model of a problem: that of its law, or of the user's system."""
     law = problem.launches.law
     return law.name if law is not None else problem.flow.system.name
 
@@ -328,7 +329,7 @@ def _price_of_creep(problem: Problem) -> tuple[float, float]:
 
 def _full(ladder: _Ladder) -> None:
     """The full model, run where no other rung was taken."""
-    problem, name, whole = ladder.problem, _full_name(ladder.problem), price_of_full(ladder.problem)
+    problem, name, whole = ladder.problem, full_name(ladder.problem), price_of_full(ladder.problem)
     if not ladder.asked(name):
         if ladder.only is None:
             why = "the full model: not needed"
