@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ..base.checks import one_number
 from ..base.errors import ParameterError, shown
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
@@ -46,6 +48,47 @@ def laws_of(disk: Any, contact: Any) -> dict[str, Any]:
     if not found:
         raise ParameterError("contact holds no law; give one at least.")
     return found
+
+
+def weights_of(laws: Mapping[str, Any], weights: Any) -> dict[str, float]:
+    """Weights of several laws, which add up to 1.
+
+    Parameters
+    ----------
+    laws
+        The laws by name.
+    weights
+        Weights by name, or an empty mapping for equal ones.
+
+    Returns
+    -------
+    dict
+        Empty for one law.
+
+    Raises
+    ------
+    ParameterError
+        If a weight is not above 0, or does not belong to a law.
+
+    Examples
+    --------
+    >>> weights_of({"rough": None, "viscous": None}, {"rough": 1.0, "viscous": 3.0})
+    {'rough': 0.25, 'viscous': 0.75}
+    """
+    if not isinstance(weights, Mapping):
+        raise ParameterError(f"weights is {shown(weights)}; give weights by the names of laws.")
+    if weights and (len(laws) < 2 or set(weights) != set(laws)):
+        names = ", ".join(n for n in laws if n) or "no name, because there is one law"
+        raise ParameterError(
+            f"weights names {', '.join(map(str, weights))}; the laws have {names}: give one for "
+            "each."
+        )
+    found = {n: one_number(f"weight of {n}", weights.get(n, 1.0)) for n in laws}
+    for name, value in found.items():
+        if not 0 < value < math.inf:
+            raise ParameterError(f"weight of {name} is {value:g}; give a number above 0.")
+    total = sum(found.values())
+    return {n: v / total for n, v in found.items()} if len(laws) > 1 else {}
 
 
 def names_of(disk: Any, laws: Mapping[str, Any]) -> tuple[str, ...]:

@@ -18,8 +18,9 @@ SHOWN = 5
 
 
 def compare(
-    parts: Mapping[str, Answer], quantities: Sequence[str], horizon: float, tolerance: float
-) -> Answer:
+    parts: Mapping[str, Answer], quantities: Sequence[str], horizon: float, tolerance: float,
+    weights: Mapping[str, float],
+) -> Answer:  # fmt: skip
     """The answers under each law, and where they part.
 
     Parameters
@@ -32,6 +33,8 @@ def compare(
         Last time of the scene.
     tolerance
         Error that was allowed.
+    weights
+        Weight of each law; they add up to 1.
 
     Returns
     -------
@@ -54,10 +57,31 @@ def compare(
         words = "; ".join(f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items())
     lost = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.model == "none"]
     values = {n: _asked(a, quantities) for n, a in parts.items()}
+    lost += _weighed(values, quantities, weights)
     models = ", ".join(a.model for a in parts.values())
     return Answer(
         values, models, apart, (), until, "; ".join([words, *lost]) + ".", tolerance, parts=parts
     )
+
+
+def _weighed(
+    values: Mapping[str, Any], quantities: Sequence[str], weights: Mapping[str, float]
+) -> list[str]:
+    """The weight of each word, and the mean and deviation of each number, in words."""
+    said = []
+    for name in quantities:
+        each = {n: v.get(name) if len(quantities) > 1 and v else v for n, v in values.items()}
+        if all(isinstance(v, str) for v in each.values()):
+            words: dict[str, float] = {}
+            for n, v in each.items():
+                words[v] = words.get(v, 0.0) + weights[n]
+            told = ", ".join(f"{v} {w:.0%}" for v, w in words.items())
+            said.append(f"{name} by weight: {told}")
+        elif all(isinstance(v, float) for v in each.values()):
+            mean = sum(weights[n] * v for n, v in each.items())
+            spread = math.sqrt(sum(weights[n] * (v - mean) ** 2 for n, v in each.items()))
+            said.append(f"{name} by weight: {mean:.4g} ± {spread:.2g}")
+    return said
 
 
 def _asked(answer: Answer, quantities: Sequence[str]) -> Any:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import known, one_number
+from ..base.checks import flag, known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
@@ -20,7 +20,7 @@ from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
 from .answer import Answer, tell
-from .inputs import launched, laws_of, names_of
+from .inputs import launched, laws_of, names_of, weights_of
 from .ladder import Climbed, climb
 from .laws import compare
 from .linear import LINEAR, Member
@@ -30,7 +30,7 @@ from .rungs.full import full
 from .rungs.near_steady import CLOSED_FORMS
 from .rungs.reduced import ReducedModel
 from .rungs.track import MOST_SAMPLES, SPACING, Problem
-from .uncertain import Spread, apart, spread
+from .uncertain import WASTED, Spread, apart, spread
 
 LOOSEST, TIGHTEST = 0.1, 1e-13
 """Range of a scene's tolerance."""
@@ -51,6 +51,8 @@ class Scene:
     contact
         The law that is taken for the truth.  A mapping of names to laws where none is certain.  For
         a system its parameters by name.
+    weights
+        Weight of each of several laws by name, above 0; equal if left out.
     start
         States by name, or six numbers, as for `simulate`.
     horizon
@@ -65,6 +67,9 @@ class Scene:
     uncertain
         Half-width of uncertain inputs by name: of k and of the law's parameters relative to their
         values, of the states in their own units.
+    raise_tolerance
+        Whether a tolerance finer than a tenth of what the uncertain inputs allow to know is raised
+        to it.
     models
         Reduced models of a user's system, cheapest first.
     families
@@ -100,6 +105,10 @@ class Scene:
     """Names of what is asked."""
     uncertain: Mapping[str, float] = field(default_factory=dict)
     """Half-width of each uncertain input."""
+    raise_tolerance: bool = False
+    """Whether a tolerance that the uncertain inputs make vain is raised."""
+    weights: Mapping[str, float] = field(default_factory=dict)
+    """Weight of each of several laws."""
     models: Sequence[ReducedModel] = ()
     """Reduced models of a user's system."""
     families: Any = ()
@@ -119,6 +128,8 @@ class Scene:
             raise ParameterError("start is missing; give the states by name, theta at least.")
         for name, value in (
             ("tolerance", tolerance), ("horizon", horizon), ("quantities", self._asked()),
+            ("weights", weights_of(laws, self.weights)),
+            ("raise_tolerance", flag("raise_tolerance", self.raise_tolerance)),
             ("uncertain", self._widths(names_of(self.disk, laws))), ("models", self._reduced()),
         ):  # fmt: skip
             object.__setattr__(self, name, value)
@@ -234,9 +245,9 @@ class Scene:
         for name, law in laws.items():
             known_to_law = names_of(self.disk, {"": law})
             widths = {n: w for n, w in self.uncertain.items() if n in known_to_law}
-            one = replace(self, contact=law, quantities=names, uncertain=widths)
+            one = replace(self, contact=law, quantities=names, uncertain=widths, weights={})
             parts[name] = one.verify() if verify else one.answer(only=only)
-        return compare(parts, self.quantities, self.horizon, self.tolerance)
+        return compare(parts, self.quantities, self.horizon, self.tolerance, self.weights)
 
     def _answered(self, law: Any, only: str | None) -> Answer:
         """The answer under one law."""
@@ -251,6 +262,13 @@ class Scene:
         told = tell(problem, found, self.horizon)
         if self.uncertain and found.track is not None:
             told = replace(told, spread=self._spread(law, found, problem))
+            assert told.spread is not None
+            if self.raise_tolerance and told.spread.wasted and only is None:
+                enough = min(LOOSEST, WASTED * told.spread.size)
+                coarse = replace(self, tolerance=enough, raise_tolerance=False)
+                return replace(coarse._answered(law, only), notes=(
+                    f"the tolerance is raised from {self.tolerance:g} to {enough:.2g}, a tenth of "
+                    "what the uncertain inputs allow to know", *told.notes))  # fmt: skip
         return told
 
     def _linear(self, problem: Problem, law: Any, only: str | None) -> Answer:

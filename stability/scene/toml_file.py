@@ -27,7 +27,7 @@ SIZES = ("mass", "radius", "gravity")
 """Numbers of a disk in SI units: all three, or none of them."""
 LAUNCH = ("family", "at", "tilt")
 """Keys of a start near a steady motion."""
-QUESTION = ("horizon", "tolerance", "quantities")
+QUESTION = ("horizon", "tolerance", "quantities", "raise_tolerance")
 """Keys of a question."""
 LARGEST = 2**20
 """Most bytes of a file."""
@@ -135,7 +135,7 @@ def _arguments(tables: Mapping[str, Any]) -> dict[str, Any]:
     disk = _disk(tables.get("disk", {}))
     found = {
         "disk": disk,
-        "contact": _contact(tables["contact"]),
+        **_laws(tables["contact"]),
         "start": _start(tables["start"], disk),
         **_question(tables["question"]),
     }
@@ -161,18 +161,24 @@ def _disk(table: Mapping[str, Any]) -> Disk:
     return Disk(**_numbers(table, "disk"))
 
 
-def _contact(table: Mapping[str, Any]) -> Contact | dict[str, Contact]:
-    """One law, or laws by name where each entry is a table."""
+def _laws(table: Mapping[str, Any]) -> dict[str, Any]:
+    """One law, or laws by name where each entry is a table, with their weights."""
     inner = [n for n, value in table.items() if isinstance(value, Mapping)]
     if not inner:
-        return _law(table, "contact")
+        return {"contact": _law(table, "contact")}
     if len(inner) < len(table):
         other = next(n for n in table if n not in inner)
         raise ParameterError(
             f"[contact] has {shown(other)} and the table {shown(inner[0])}; give one law, or each "
             "law in a table [contact.NAME]."
         )
-    return {n: _law({"law": n, **table[n]}, f"contact.{n}") for n in inner}
+    weights = {n: table[n]["weight"] for n in inner if "weight" in table[n]}
+    every = {n: {k: v for k, v in table[n].items() if k != "weight"} for n in inner}
+    laws = {n: _law({"law": n, **one}, f"contact.{n}") for n, one in every.items()}
+    if weights and len(weights) < len(inner):
+        lost = next(n for n in inner if n not in weights)
+        raise ParameterError(f"[contact.{lost}] has no weight; give one for each law, or for none.")
+    return {"contact": laws} | ({"weights": weights} if weights else {})
 
 
 def _law(table: Mapping[str, Any], where: str) -> Contact:
@@ -218,8 +224,13 @@ def _question(table: Mapping[str, Any]) -> dict[str, Any]:
     if "horizon" not in table:
         raise ParameterError("[question] has no horizon; give the last time of interest.")
     found: dict[str, Any] = _numbers(
-        {n: v for n, v in table.items() if n != "quantities"}, "question"
+        {n: v for n, v in table.items() if n in ("horizon", "tolerance")}, "question"
     )
+    if "raise_tolerance" in table:
+        told = table["raise_tolerance"]
+        found["raise_tolerance"] = instance(
+            "raise_tolerance of [question]", told, bool, "give true or false"
+        )
     if "quantities" in table:
         asked = table["quantities"]
         every = (asked,) if isinstance(asked, str) else asked

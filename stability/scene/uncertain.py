@@ -44,7 +44,7 @@ class Spread:
     @property
     def wasted(self) -> bool:
         """Whether the tolerance is finer than a tenth of what the inputs allow to know."""
-        return self.tolerance < WASTED * self.size
+        return self.tolerance < 0.9 * WASTED * self.size
 
     def lines(self) -> list[str]:
         """The spread in words, one line for each fact."""

@@ -154,6 +154,30 @@ def test_laws_part_by_the_same_in_any_units() -> None:
     assert other.estimate == pytest.approx(one.estimate, rel=1e-6)
 
 
+def test_weights_give_the_share_of_each_outcome_and_the_mean_of_numbers() -> None:
+    laws = {"little": st.Viscous(0.3), "more": st.Viscous(3.0)}
+    start = {"theta": 1.4707963267948965, "omega3": 1.28}
+    asked = {"contact": laws, "start": start, "horizon": 30.0, "tolerance": 1e-4}
+    weights = {"little": 1.0, "more": 3.0}
+    answer = _scene(quantities="outcome", weights=weights, **asked).answer()
+    assert set(answer.value.values()) == {"lift-off", "moving"}
+    assert "lift-off 25%" in answer.sentence
+    assert "moving 75%" in answer.sentence
+    tilts = _scene(quantities="largest_tilt", weights=weights, **asked).answer()
+    mean = (tilts.value["little"] + 3 * tilts.value["more"]) / 4
+    assert f"largest_tilt by weight: {mean:.4g}" in tilts.sentence
+
+
+def test_a_vain_tolerance_is_raised_where_the_scene_says_so() -> None:
+    widths = {"theta": 1e-3}
+    fine = _scene(tolerance=1e-9, uncertain=widths).answer()
+    coarse = _scene(tolerance=1e-9, uncertain=widths, raise_tolerance=True).answer()
+    assert fine.tolerance == 1e-9
+    assert coarse.tolerance == pytest.approx(0.1 * fine.spread.size, rel=1e-3)
+    assert "the tolerance is raised" in coarse.notes[0]
+    assert not coarse.spread.wasted
+
+
 def test_linear_questions_are_those_of_the_nearest_steady_motion() -> None:
     start = {"theta": 1.56, "phi_dot": 2.1}
     asked = {"contact": st.Viscous(0.97), "start": start, "horizon": 1.0, "tolerance": 1e-9}
@@ -175,6 +199,9 @@ def test_linear_questions_are_those_of_the_nearest_steady_motion() -> None:
         ({"quantities": ("speed",)}, "known are final, path"),
         ({"quantities": 3}, "quantities is 3"),
         ({"contact": {}}, "contact holds no law"),
+        ({"weights": {"rough": 1.0}}, "weights names rough"),
+        ({"weights": 2}, "weights is 2"),
+        ({"raise_tolerance": 2}, "raise_tolerance is 2"),
         ({"disk": 3}, "disk is 3"),
         ({"quantities": ()}, "quantities is empty"),
         ({"quantities": ("final", "verdict")}, "one kind in one scene"),

@@ -82,6 +82,8 @@ class CreepPath:
     """Whether the slip still follows the motion at the end: creep may go on from there."""
     linear: Linear
     """The equation of a small deviation along the path."""
+    normal: float
+    """Least normal force on the rough path."""
     tried: int
     """Number of elements of the rough path, of which these are the first."""
     unresolved: float
@@ -186,9 +188,11 @@ def creep_path(
     orders = _orders(held, linear, path[:valid], slip[:valid], rate[:valid], tolerance)
     if not orders:
         return "the orders of creep do not converge"
-    elements = linear.elements
+    elements, least = linear.elements, float(forces[:valid, :, 2].min())
     unresolved = float(SUPER * elements.tails(orders[-1].states).max())
-    return CreepPath(elements, orders, relaxation[:valid], bound, linear, len(path), unresolved)
+    return CreepPath(
+        elements, orders, relaxation[:valid], bound, linear, least, len(path), unresolved
+    )
 
 
 def _window(held: Held, linear: Linear, path: Floats, slip: Floats, rate: Floats) -> int:

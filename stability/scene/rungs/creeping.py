@@ -88,6 +88,10 @@ class Climb:
     """Largest order used."""
     relaxation: float = np.inf
     """Least rate of decay of slip over that of its drive, on the stretches of creep."""
+    normal: float = np.inf
+    """Least normal force on the stretches of creep."""
+    slip: float = 0.0
+    """Largest slip there."""
     finish: Finish | None = None
     """The end before the horizon."""
     steps: int = 0
@@ -151,7 +155,9 @@ def creeping(
 
 
 def _indicators(climb: Climb) -> dict[str, float]:
-    return {"relaxation": climb.relaxation} if np.isfinite(climb.relaxation) else {}
+    if not np.isfinite(climb.relaxation):
+        return {}
+    return {"relaxation": climb.relaxation, "normal force": climb.normal, "slip": climb.slip}
 
 
 def _forward(climb: Climb) -> str:
@@ -225,6 +231,8 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
     climb.notes.append(f"{name_of(best)} to {told(elements.edges[-1])} on {many}")
     climb.highest = max(climb.highest, best)
     climb.relaxation = min(climb.relaxation, float(path.relaxation.min()))
+    climb.normal = min(climb.normal, path.normal)
+    climb.slip = max(climb.slip, float(np.hypot(*np.moveaxis(chosen.slip, -1, 0)).max()))
     climb.now, climb.state = float(elements.edges[-1]), six[-1, -1]
     last = (chosen.errors + deviation)[-1, -1]
     climb.carried = last + np.copysign(path.unresolved, last)
