@@ -242,12 +242,11 @@ def _lines(title: str, scene: Scene, answer: Answer, names: tuple[str, ...]) -> 
     yield ""
     yield "Errors are over 1 or the size of the value, in units of the disk (m = R = g = 1)."
     for name, one in columns.items():
-        ladder = one.report().removeprefix(one.sentence).strip("\n")
         yield ""
         if answer.parts:
             yield f"{name}: {one.sentence}"
         if one.rungs:
-            yield ladder
+            yield one.ladder()
 
 
 def _cells(

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..base.types import Floats
 from ..base.version import __version__
+from ..motion.result import Outcome
 
 if TYPE_CHECKING:
     import xarray
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 from .ladder import Climbed, Rung
 from .questions import QUESTIONS, Found, relative_error
 from .rungs.full import kept_until
-from .rungs.track import Problem, Track
+from .rungs.track import Finish, Problem, Track
 from .uncertain import Spread
 
 
@@ -60,6 +61,8 @@ class Answer:
     """How far the uncertain inputs alone move the answer; None where none were given."""
     true_error: Any = None
     """Largest difference from the full model at a fine tolerance; only after `verify`."""
+    apart: float | None = None
+    """Largest difference of two laws at the end of the time that they share; None for one law."""
     parts: Mapping[str, Answer] = field(default_factory=dict)
     """The answer under each law, where the scene has several."""
     motion: tuple[Problem, Track] | None = field(default=None, repr=False)
@@ -78,26 +81,53 @@ class Answer:
     def __repr__(self) -> str:
         return f"<Answer by {self.model}: {self.sentence}>"
 
+    def _values(self) -> list[str]:
+        """The numbers and words of the answer, a line for each quantity."""
+        asked = self.value if isinstance(self.value, dict) else {"": self.value}
+        if asked and all(isinstance(v, float) for v in asked.values()):
+            asked = {"": asked}
+        found = []
+        for name, value in asked.items():
+            label = f"{name}: " if name else ""
+            if isinstance(value, dict):
+                told = ", ".join(f"{n} = {v:.9g}" for n, v in value.items())
+            elif value is None or isinstance(value, (str, float)):
+                told = "none" if value is None else f"{value:.9g}" if value != str(value) else value
+            else:
+                continue  # a path
+            found.append(f"  {label}{told}")
+        return found
+
     def report(self) -> str:
-        """The ladder as plain text: one line for each rung, and what the answer says.
+        """The answer in words and numbers, and its ladder.
 
         Returns
         -------
         str
         """
         if self.parts:
-            lines = [self.sentence]
-            for name, part in self.parts.items():
-                lines += ["", f"{name}: {part.report()}"]
-            return "\n".join(lines)
+            told = [f"{name}: {part.report()}" for name, part in self.parts.items()]
+            return "\n\n".join([self.sentence, *told])
+        ladder = self.ladder()
+        return "\n".join([self.sentence, *self._values(), *([f"\n{ladder}"] if ladder else [])])
+
+    def ladder(self) -> str:
+        """The ladder as plain text: a line for each rung, the notes, and the uncertain inputs.
+
+        Returns
+        -------
+        str
+        """
         head = f"{'rung':<22}{'states':>6}{'cost':>12}{'error/tol':>11}  why"
-        lines = [self.sentence, "", head] if self.rungs else [self.sentence]
+        lines = [head] if self.rungs else []
+        before: Mapping[str, float] = {}
         for r in self.rungs:
             cost = f"{1e3 * r.cost:.2f} ms" if r.cost else "-"
             size = f"{r.estimate:.2g}" if math.isfinite(r.estimate) else "-"
             mark = "*" if r.chosen else " "
             lines.append(f"{mark}{r.name:<21}{r.dimension:>6}{cost:>12}{size:>11}  {r.why}")
-            if r.indicators:
+            if r.indicators and r.indicators != before:  # the closed forms share theirs
+                before = r.indicators
                 told = ", ".join(f"{n} {v:.3g}" for n, v in r.indicators.items())
                 lines.append(f"{'':<52} {told}")
         lines += [f"  {note}" for note in self.notes]
@@ -123,8 +153,7 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
     Answer
     """
     if found.track is None:
-        said = next(r.why for r in reversed(found.rungs))
-        name = found.rungs[-1].name
+        name, said = found.rungs[-1].name, found.rungs[-1].why
         return Answer(None, "none", math.inf, found.rungs, 0.0, f"{name} cannot answer: {said}.",
                       problem.tolerance)  # fmt: skip
     track, clock = found.track, float(problem.launches.scales["time"])
@@ -147,18 +176,28 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
 def _sentence(problem: Problem, found: Climbed, until: float) -> str:
     unit = "" if problem.launches.dimensionless else " s"
     end = None if found.track is None else found.track.finish
-    if not found.share <= 1:
-        size = "has no bound" if math.isinf(found.share) else (
-            f"is {found.share:.3g} times that at the horizon")  # fmt: skip
-        why = f" ({end.kind}: {end.evidence})" if end is not None else ""
-        return (
-            f"No rung answers within {problem.tolerance:g}: the error of {found.model} {size}"
-            f"{why}; the answer holds until {until:.4g}{unit}."
-        )
-    text = f"{found.model} answers within {found.share:.2g} of the tolerance"
-    if end is not None:
-        return f"{text}, until {until:.6g}{unit}: {end.kind}, {end.evidence}."
-    return f"{text}, to the horizon."
+    size = f"{found.share:.2g} of the tolerance {problem.tolerance:g}"
+    if found.share <= 1:
+        text = f"{found.model} answers, with an estimated error of {size}"
+        if end is not None:
+            return f"{text}, until {until:.6g}{unit}: {end.kind}, {_ending(end)}."
+        return f"{text}, to the horizon."
+    why = f" ({end.kind}: {_ending(end)})" if end is not None else ""
+    short = "has no bound" if math.isinf(found.share) else f"is {found.share:.3g} times that"
+    who = found.model if found.alone else "No rung"
+    verb = "misses" if found.alone else "keeps"
+    return (
+        f"{who} {verb} the tolerance {problem.tolerance:g}: the error of {found.model} {short} at "
+        f"the horizon{why}; the answer holds until {until:.4g}{unit}."
+    )
+
+
+def _ending(end: Finish) -> str:
+    """An early end in words: that of its outcome, or the reason of the run."""
+    own = next((o.value for o in Outcome if o.word == end.kind), "")
+    if end.kind in ("lift-off", "flat"):
+        return str(own).split(": ", 1)[1]
+    return end.evidence
 
 
 def in_units(problem: Problem, name: str, found: Found) -> Any:

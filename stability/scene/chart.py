@@ -168,7 +168,7 @@ def _one(scene: Any, laws: Any) -> tuple[Any, Any]:
     (_, truth), *rest = laws_of(scene.disk, scene.contact).items()
     if not rest:
         return scene, laws
-    bare = replace(scene, contact=truth, uncertain={})
+    bare = replace(scene, contact=truth, uncertain={}, weights={})
     inputs = names_of(scene.disk, {"": truth})
     known = {n: v for n, v in scene.uncertain.items() if n in inputs}
     return replace(bare, uncertain=known), dict(rest) if laws is None else laws

@@ -107,6 +107,22 @@ def names_of(disk: Any, laws: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*STATES, "k", *own)))
 
 
+def in_words(name: str, width: float, launches: Starts) -> str:
+    """An uncertain input with its half-width and unit.
+
+    Parameters
+    ----------
+    name, width
+        The input and its half-width, relative for a parameter.
+    launches
+        The launch, for the units.
+    """
+    if name not in launches.model.states:
+        return f"{name} ± {100 * width:g} %"
+    unit = launches.unit(name)
+    return f"{name} ± {width:g}" + ("" if unit == "1" else f" {unit}")
+
+
 def launched(
     disk: Any, contact: Any, start: Any, horizon: float, families: Any,
     moved: Mapping[str, float],

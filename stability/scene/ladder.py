@@ -87,6 +87,8 @@ class Climbed:
     """All rungs in order."""
     share: float
     """Largest error over the tolerance."""
+    alone: bool = False
+    """Whether this rung alone was asked for."""
 
 
 def shares(problem: Problem, track: Track, names: Sequence[str]) -> tuple[dict[str, Found], float]:
@@ -194,7 +196,7 @@ def climb(
     if ladder.taken is None:
         return Climbed("none", None, {}, tuple(ladder.rungs), math.inf)
     name, track, found, share = ladder.taken
-    return Climbed(name, track, found, tuple(ladder.rungs), share)
+    return Climbed(name, track, found, tuple(ladder.rungs), share, only is not None)
 
 
 @dataclass(eq=False)
@@ -249,8 +251,8 @@ def _near(ladder: _Ladder) -> None:
         return
     with np.errstate(all="ignore"):
         tracks = near_steady(ladder.problem, always=ladder.only is not None)
-    if len({id(t) for t in tracks.values()}) == 1:  # one reason for all
-        ladder.note(LINEARISED, 0, began, 0.0, tracks[LINEARISED])
+    if len({id(t) for t in tracks.values()}) == 1:  # one reason for all three
+        ladder.note(ladder.only or LINEARISED, 0, began, 0.0, tracks[LINEARISED])
         return
     for name, track in tracks.items():
         if ladder.asked(name):
@@ -293,7 +295,7 @@ def _creep(ladder: _Ladder) -> None:
         return
     elements, price = _price_of_creep(problem)
     if price > whole and ladder.only is None:
-        why = f"it would take about {1e3 * price:.2g} ms, and the full model {1e3 * whole:.2g} ms"
+        why = f"not tried: expected to take {price / whole:.2g} times as long as the full model"
         ladder.rungs.append(Rung("creep", 4, 0.0, price, math.inf, False, why))
         return
     most = max(LEAST + 1.5 * elements, whole / PER_ELEMENT) if ladder.only is None else math.inf
@@ -346,7 +348,7 @@ def _full(ladder: _Ladder) -> None:
         if other[1] >= share:
             break
         track, (found, share) = finer, other
-    why = "the full model; no cheaper one is fine enough"
+    why = "the full model; no cheaper one is fine enough" if ladder.only is None else "asked for"
     if share > 1:
         why = "the full model, and its own error is above the tolerance"
     cost = _since(began)

@@ -39,11 +39,12 @@ def compare(
     Returns
     -------
     Answer
-        Its values are by law; `estimate` is the largest difference between two laws at the end of
-        the time that they share, and it holds until two laws part.
+        Its values and estimates are by law.  `apart` is the largest difference between two laws at
+        the end of the time that they share.  The answer holds until two laws differ by more than
+        the tolerance.
     """
     known = {n: a for n, a in parts.items() if a.motion is not None}
-    sentences, apart, until = [], 0.0, horizon
+    sentences, apart, until, same = [], 0.0, horizon, []
     plain = all(a.motion[0].launches.dimensionless for a in known.values() if a.motion)
     unit = "" if plain else " s"
     for one, other in combinations(known, 2):
@@ -51,8 +52,14 @@ def compare(
         apart = max(apart, far)
         if when is not None:
             until = min(until, when)
-            sentences.append(f"{one} and {other} part at {when:.4g}{unit} and end {far:.3g} apart")
-    words = "; ".join(sentences[:SHOWN]) or f"all laws agree within {tolerance:g}"
+            sentences.append(
+                f"{one} and {other} differ from {when:.4g}{unit} on, by {far:.3g} at the end"
+            )
+        else:
+            same.append(f"{one} and {other} agree within the tolerance {tolerance:g}")
+    words = "; ".join([*same, *sentences][:SHOWN])
+    if not sentences:
+        words = f"all laws agree within the tolerance {tolerance:g}"
     if not known:  # linear questions
         words = "; ".join(f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items())
     lost = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.model == "none"]
@@ -60,7 +67,15 @@ def compare(
     lost += _weighed(values, quantities, weights)
     models = ", ".join(a.model for a in parts.values())
     return Answer(
-        values, models, apart, (), until, "; ".join([words, *lost]) + ".", tolerance, parts=parts
+        values,
+        models,
+        {n: a.estimate for n, a in parts.items()},
+        (),
+        until,
+        "; ".join([words, *lost]) + ".",
+        tolerance,
+        parts=parts,
+        apart=apart,
     )
 
 

@@ -16,8 +16,9 @@ from ..settling.nearest import Nearest
 from .rungs.elements import chebyshev
 from .rungs.track import Problem, Track
 
-PEAKS = 8
-"""Samples next to which the largest value is sought."""
+PEAKS, ZOOMS, FLAT_TOP = 300, 16, 0.1
+"""Intervals in which the largest tilt is sought; the most zooms into one; the range of values, over
+the distance from flat, below which a polynomial finds the largest."""
 LOCAL = 12
 """Points of a stretch on which a largest value or a crossing is found."""
 UNKNOWN = ("unresolved", "undetermined", "non-unique")
@@ -79,14 +80,31 @@ def settling_time(problem: Problem, track: Track) -> Found:
     near = _near(problem, track)
     settling, p = problem.launches.settling, problem.p
     apart = settling.distances(track.states, p, near)
+    wide = math.sqrt(problem.own) * np.maximum.accumulate(track.errors[::-1])[::-1]
+    late, when, early = (
+        _last_outside(problem, track, near, apart + shift) for shift in (wide, 0 * wide, -wide)
+    )
+    if late is None or when is None or early is None:
+        return Found(None, math.inf, "its error is larger than the distance that counts as settled")
+    return Found(when, max(late - when, when - early))
+
+
+def _last_outside(problem: Problem, track: Track, near: Nearest, apart: Floats) -> float | None:
+    """The last time at which a distance is above `settle`; 0 for never, None for at the end."""
     outside = np.flatnonzero(apart > problem.settle)
     if not outside.size:
-        return Found(0.0, 0.0, "it is there from the start")
+        return 0.0
     i = int(outside[-1])
-    times, values = _stretch(track, i, lambda x: settling.distances(x, p, near) - problem.settle)
-    when, slope = _crossing(times, values)
-    error = float(track.errors[i : i + 2].max()) * math.sqrt(problem.own) / max(slope, 1e-300)
-    return Found(when, error)
+    if i + 1 >= len(apart):
+        return None
+    settling, p = problem.launches.settling, problem.p
+    shift = float(apart[i] - settling.distances(track.states[i : i + 1], p, near)[0])
+
+    def above(states: Floats) -> Floats:
+        return settling.distances(states, p, near) + shift - problem.settle
+
+    times, values = _stretch(track, float(track.times[i]), float(track.times[i + 1]), above)
+    return _crossing(times, values)
 
 
 def lift_off_time(problem: Problem, track: Track) -> Found:  # noqa: ARG001
@@ -102,13 +120,34 @@ def lift_off_time(problem: Problem, track: Track) -> Found:  # noqa: ARG001
 def largest_tilt(problem: Problem, track: Track) -> Found:  # noqa: ARG001
     """The largest |π/2 - θ| on the way."""
     tilt = np.abs(np.pi / 2 - track.states[:, 0])
-    best, error = float(tilt.max()), track.error
-    if len(tilt) < 3:
-        return Found(best, error)
-    for i in sorted({min(max(j + d, 0), len(tilt) - 2) for j in _peaks(tilt) for d in (-1, 0)}):
-        _, values = _stretch(track, i, lambda x: np.abs(np.pi / 2 - x[:, 0]))
-        best = max(best, _largest(values))
-    return Found(best, error)
+    rate = -np.sign(np.pi / 2 - track.states[:, 0]) * track.states[:, 1]
+    best = float(tilt.max())
+    for i, bound in _peaks(track.times, tilt, rate):
+        if bound <= best:
+            break
+        low, high = float(track.times[i]), float(track.times[i + 1])
+        for _ in range(ZOOMS):  # a passage near flat is a short pulse
+            times, states = _states(track, low, high)
+            values = np.abs(np.pi / 2 - states[:, 0])
+            k = int(np.argmax(values))
+            best = max(best, float(values[k]))
+            around = times[max(k - 1, 0)], times[min(k + 1, len(times) - 1)]
+            if np.ptp(values) < FLAT_TOP * (np.pi / 2 - best) or around == (low, high):
+                best = max(best, _largest(values))
+                break
+            low, high = float(around[0]), float(around[1])
+    return Found(best, track.error)
+
+
+def _peaks(times: Floats, tilt: Floats, rate: Floats) -> list[tuple[int, float]]:
+    """Intervals in which the tilt turns, and where the tangents meet there, highest first."""
+    turns = np.flatnonzero((rate[:-1] > 0) & (rate[1:] < 0))
+    if not turns.size:
+        return []
+    a, b, h = rate[turns], rate[turns + 1], np.diff(times)[turns]
+    high = tilt[turns] + a * (tilt[turns + 1] - tilt[turns] - b * h) / (a - b)
+    order = np.argsort(high)[::-1][:PEAKS]
+    return [(int(turns[k]), float(high[k])) for k in order]
 
 
 @dataclass(frozen=True)
@@ -152,11 +191,18 @@ def _near(problem: Problem, track: Track, share: float = 0.0) -> Nearest:
     return problem.launches.settling.nearest(last + off, problem.p, problem.settle)
 
 
-def _stretch(track: Track, i: int, of: Callable[[Floats], Floats]) -> tuple[Floats, Floats]:
-    """Chebyshev points between two samples, and the values of a function of the states there."""
-    share = chebyshev(LOCAL)[0]
-    times = track.times[i] + share * (track.times[i + 1] - track.times[i])
-    return times, of(track.at(times))
+def _states(track: Track, low: float, high: float) -> tuple[Floats, Floats]:
+    """Chebyshev points between two times, and the states there."""
+    times = low + chebyshev(LOCAL)[0] * (high - low)
+    return times, track.at(times)
+
+
+def _stretch(
+    track: Track, low: float, high: float, of: Callable[[Floats], Floats]
+) -> tuple[Floats, Floats]:
+    """Chebyshev points between two times, and the values of a function of the states there."""
+    times, states = _states(track, low, high)
+    return times, of(states)
 
 
 def _polynomial(values: Floats) -> Any:
@@ -170,15 +216,6 @@ def _polynomial(values: Floats) -> Any:
     return Chebyshev(matrix @ values * 2 / (LOCAL - 1))
 
 
-def _peaks(values: Floats) -> list[int]:
-    """The samples next to the largest peaks, by the parabola through each and its neighbours."""
-    left, here, right = values[:-2], values[1:-1], values[2:]
-    bend = np.maximum(2 * here - left - right, 1e-300)
-    top = np.where((here >= left) & (here >= right), here + (right - left) ** 2 / (8 * bend), here)
-    every = np.concatenate([values[:1], top, values[-1:]])
-    return [int(i) for i in np.argsort(every)[-PEAKS:]]
-
-
 def _largest(values: Floats) -> float:
     """The largest value of the polynomial through them."""
     found = _polynomial(values)
@@ -187,11 +224,10 @@ def _largest(values: Floats) -> float:
     return float(max([values.max(), *found(real)]))
 
 
-def _crossing(times: Floats, values: Floats) -> tuple[float, float]:
-    """The last time at which values cross zero, and their slope there."""
+def _crossing(times: Floats, values: Floats) -> float:
+    """The last time at which values cross zero."""
     found = _polynomial(values)
     roots = found.roots()
     real = np.sort(roots[(np.abs(roots.imag) < 1e-9) & (np.abs(roots.real) <= 1 + 1e-9)].real)
-    half = (times[-1] - times[0]) / 2
     x = float(real[-1]) if real.size else 1.0
-    return float(times[0] + half * (1 + x)), abs(float(found.deriv()(x))) / half
+    return float(times[0] + (times[-1] - times[0]) / 2 * (1 + x))

@@ -15,12 +15,13 @@ import numpy as np
 from ..base.checks import flag, known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..bodies.disk import Disk
+from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
 from .answer import Answer, tell
-from .inputs import launched, laws_of, names_of, weights_of
+from .inputs import in_words, launched, laws_of, names_of, weights_of
 from .ladder import Climbed, climb
 from .laws import compare
 from .linear import LINEAR, Member
@@ -161,6 +162,7 @@ class Scene:
 
     def _widths(self, inputs: Sequence[str]) -> dict[str, float]:
         """Half-widths of the uncertain inputs, checked."""
+        states = self.disk.states if isinstance(self.disk, System) else STATES
         if not isinstance(self.uncertain, Mapping):
             raise ParameterError(
                 f"uncertain is {shown(self.uncertain)}; give half-widths by name, such as "
@@ -175,6 +177,11 @@ class Scene:
             size = one_number(f"uncertain {name}", width)
             if not 0 < size < math.inf:
                 raise ParameterError(f"uncertain {name} is {size:g}; give a half-width above 0.")
+            if size >= 1 and name not in states:
+                raise ParameterError(
+                    f"uncertain {name} is {size:g}, which means {100 * size:g} %; give a share of "
+                    "its value below 1, such as 0.2."
+                )
             found[name] = size
         return found
 
@@ -261,7 +268,7 @@ class Scene:
         found = climb(problem, self.quantities, tuple(self.models), only)
         told = tell(problem, found, self.horizon)
         if self.uncertain and found.track is not None:
-            told = replace(told, spread=self._spread(law, found, problem))
+            told = replace(told, spread=self._spread(law, found, problem, only))
             assert told.spread is not None
             if self.raise_tolerance and told.spread.wasted and only is None:
                 enough = min(LOOSEST, WASTED * told.spread.size)
@@ -289,9 +296,10 @@ class Scene:
             self.tolerance,
         )  # fmt: skip
 
-    def _spread(self, law: Any, found: Climbed, problem: Problem) -> Spread:
+    def _spread(self, law: Any, found: Climbed, problem: Problem, only: str | None) -> Spread:
         assert found.track is not None
-        base = {n: one.value for n, one in found.found.items() if not isinstance(one.value, str)}
+        names = [n for n in found.found if n != "path" or len(found.found) == 1]
+        base = {n: found.found[n].value for n in names if not isinstance(found.found[n].value, str)}
         word = str(QUESTIONS["outcome"].find(problem, found.track).value)
 
         def ask(name: str, by: float) -> tuple[dict[str, Any], str]:
@@ -299,12 +307,14 @@ class Scene:
                 other = self._problem(law, {name: by})
             except DomainError:
                 return dict.fromkeys(base), "no contact at the start"
-            told = climb(other, self.quantities, tuple(self.models))
-            assert told.track is not None
+            told = climb(other, self.quantities, tuple(self.models), only)
+            if told.track is None:
+                return dict.fromkeys(base), f"no answer by {only}"
             values = {n: told.found[n].value for n in base}
             return values, str(QUESTIONS["outcome"].find(other, told.track).value)
 
-        return spread(self.uncertain, base, word, ask, self.tolerance)
+        labels = {n: in_words(n, width, problem.launches) for n, width in self.uncertain.items()}
+        return spread(self.uncertain, base, word, ask, self.tolerance, labels)
 
     def verify(self) -> Answer:
         """The answer, held against the full model at a much finer tolerance.

@@ -11,6 +11,8 @@ import numpy as np
 
 from .rungs.track import relative
 
+VAIN = 0.5
+"""Share of that at which a tolerance is called wasted."""
 WASTED = 0.1
 """Share of the spread below which a finer model or tolerance is wasted."""
 
@@ -31,6 +33,8 @@ class Spread:
     """Inputs within whose uncertainty the outcome changes."""
     tolerance: float
     """Tolerance of the scene."""
+    labels: Mapping[str, str]
+    """Each input with its half-width and unit, in words."""
 
     @property
     def size(self) -> float:
@@ -44,22 +48,21 @@ class Spread:
     @property
     def wasted(self) -> bool:
         """Whether the tolerance is finer than a tenth of what the inputs allow to know."""
-        return self.tolerance < 0.9 * WASTED * self.size
+        return self.tolerance < VAIN * WASTED * self.size
 
     def lines(self) -> list[str]:
         """The spread in words, one line for each fact."""
-        found = []
-        for name, moved in self.moves.items():
-            found += [
-                f"  {given} ± {self.inputs[given]:g} moves {name} by {size:.2g}"
-                for given, size in moved.items()
-                if math.isfinite(size)
-            ]
+        found = [
+            f"  {self.labels[given]} moves {name} by {size:.2g}, over 1 or its size"
+            for name, moved in self.moves.items()
+            for given, size in moved.items()
+            if math.isfinite(size)
+        ]
         for given in self.contrary:
-            others = [w for w in self.outcomes[given] if w != self.outcome]
-            ends = " or ".join(dict.fromkeys(others))
-            width = self.inputs[given]
-            found.append(f"  {given} ± {width:g} gives {ends} in place of {self.outcome}")
+            for sign, word in zip("-+", self.outcomes[given], strict=True):
+                if word != self.outcome:
+                    label = self.labels[given].replace("±", sign)
+                    found.append(f"  {label} gives {word} in place of {self.outcome}")
         if self.contrary:
             found.append(
                 "  the outcome is not determined by what is known: it changes within the "
@@ -68,7 +71,7 @@ class Spread:
         elif self.wasted:
             found.append(
                 f"  a tolerance of {self.tolerance:g} is wasted: the inputs alone move the answer "
-                f"by {self.size:.2g}, and {WASTED * self.size:.1g} is enough"
+                f"by {self.size:.2g}, and {WASTED * self.size:.2g} is enough"
             )
         return found
 
@@ -78,8 +81,9 @@ Ask = Callable[[str, float], tuple[dict[str, Any], str]]
 
 
 def spread(
-    inputs: Mapping[str, float], base: dict[str, Any], word: str, ask: Ask, tolerance: float
-) -> Spread:
+    inputs: Mapping[str, float], base: dict[str, Any], word: str, ask: Ask, tolerance: float,
+    labels: Mapping[str, str],
+) -> Spread:  # fmt: skip
     """Ask again at both ends of each input.
 
     Parameters
@@ -94,6 +98,8 @@ def spread(
         Function that answers with one input changed.
     tolerance
         Tolerance of the scene.
+    labels
+        Each input with its half-width and unit, in words.
 
     Returns
     -------
@@ -109,7 +115,7 @@ def spread(
         outcomes[name] = tuple(told for _, told in ends)
         if any(told != word for told in outcomes[name]):
             contrary.append(name)
-    return Spread(dict(inputs), moves, outcomes, word, tuple(contrary), tolerance)
+    return Spread(dict(inputs), moves, outcomes, word, tuple(contrary), tolerance, labels)
 
 
 def apart(value: Any, other: Any) -> float:

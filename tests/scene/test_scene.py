@@ -97,7 +97,7 @@ def test_a_motion_beyond_its_horizon_of_prediction_says_until_when_it_holds() ->
     start = {"theta": math.pi / 2 - 1e-3, "omega3": 0.2}
     answer = _scene(contact=st.Rough(), start=start, horizon=400.0, tolerance=1e-12).answer()
     assert 0 < answer.until < 400.0
-    assert "No rung answers" in answer.sentence
+    assert "No rung keeps" in answer.sentence
 
 
 def test_si_units_are_those_of_the_disk() -> None:
@@ -140,8 +140,8 @@ def test_several_laws_say_where_they_part() -> None:
     answer = _scene(contact=laws, start=FAR, tolerance=1e-3, horizon=20.0).answer()
     assert set(answer.value) == set(laws)
     assert answer.until < 20.0
-    assert "rough and viscous part" in answer.sentence
-    assert "rough and stiffer part" not in answer.sentence
+    assert "rough and viscous differ from" in answer.sentence
+    assert "rough and stiffer agree" in answer.sentence
 
 
 def test_laws_part_by_the_same_in_any_units() -> None:
@@ -151,7 +151,7 @@ def test_laws_part_by_the_same_in_any_units() -> None:
     laws["viscous"] = st.Viscous(300.0 / float(disk.speed))
     start = {"theta": 1.1, "omega3": 2.0 * float(disk.rate)}
     other = st.Scene(disk, laws, start, 20.0 * float(disk.time), 1e-3).answer()
-    assert other.estimate == pytest.approx(one.estimate, rel=1e-6)
+    assert other.apart == pytest.approx(one.apart, rel=1e-6)
 
 
 def test_weights_give_the_share_of_each_outcome_and_the_mean_of_numbers() -> None:

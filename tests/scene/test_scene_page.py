@@ -254,8 +254,8 @@ def test_two_laws_part_where_their_motions_do() -> None:
     one, other = (simulated(st.Disk(), law, start, times)[:, :4] for law in laws.values())
     far = (np.abs(one - other) / np.maximum(1, np.abs(one))).max(axis=1)
     assert answer.until == pytest.approx(times[np.argmax(far > 1e-3)])
-    assert answer.estimate == pytest.approx(far[-1], abs=2e-3)
-    assert "viscous and rough part" in answer.sentence
+    assert answer.apart == pytest.approx(far[-1], abs=2e-3)
+    assert "viscous and rough differ from" in answer.sentence
     assert set(answer.parts) == set(laws)
 
 

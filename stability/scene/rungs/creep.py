@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
@@ -37,6 +38,8 @@ BENT = 3e-3
 """Correction of the path above which the slopes along it are computed again."""
 WINDOW = 0.3
 """Distance of the rough path at which creep starts again from its own state."""
+CLEAR = 0.3
+"""Least D over its value without slip."""
 STALLS = 0.7
 """Ratio of two corrections above which the orders no longer converge."""
 LAYER = 1e-3
@@ -133,6 +136,17 @@ class Held:
         found: Floats = self.mu * normal / np.sqrt(1 + (drag**2).sum(axis=-1))
         return np.where(forces[..., 2] > 0, found, 0.0)
 
+    def held_by_contact(self, path: Floats, slip: Floats) -> NDArray[np.bool_]:
+        """Whether D of the viscous law stays clear of zero with this slip, shape (E, N).
+
+        Beyond D = 0 slip grows where it decayed before.
+        """
+        if self.by_force:
+            return np.ones(path.shape[:-1], dtype=bool)
+        sine, cosine = np.sin(path[..., 0]), np.cos(path[..., 0])
+        most = self.k + cosine**2
+        return np.asarray(self.mu * slip[..., 0] * sine * cosine < (1 - CLEAR) * most)
+
 
 def applies(problem: Problem) -> bool:
     """Whether the law of a problem has creep."""
@@ -177,6 +191,7 @@ def creep_path(
     slip = held.slip(forces)
     rate = elements.derivative(slip)
     relaxation = held.relaxation(forces, rate)
+    relaxation = np.where(held.held_by_contact(path, slip), relaxation, 0.0)
     valid = _follows(relaxation)
     if valid == 0:
         return f"slip follows the motion only {relaxation[0].min():.3g} times faster than it moves"

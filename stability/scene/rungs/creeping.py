@@ -28,6 +28,8 @@ UNABLE = 10.0
 """Error of a stretch over the tolerance above which creep is given up."""
 PATIENCE = 0.1
 """Share of the horizon that the full model runs before creep holds for the first time."""
+GROWN = 2.0
+"""Factor on an error that later stretches carry."""
 SHARE_OF_WINDOW = 0.1
 """Share of the tolerance for one of several stretches of creep."""
 
@@ -157,7 +159,10 @@ def creeping(
 def _indicators(climb: Climb) -> dict[str, float]:
     if not np.isfinite(climb.relaxation):
         return {}
-    return {"relaxation": climb.relaxation, "normal force": climb.normal, "slip": climb.slip}
+    return {
+        "rate of decay of slip over that of its drive": climb.relaxation,
+        "least normal force": climb.normal, "largest slip": climb.slip,
+    }  # fmt: skip
 
 
 def _forward(climb: Climb) -> str:
@@ -199,7 +204,8 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
         deviation[..., :4] = along
     sizes = []
     for i, order in enumerate(path.orders):
-        size = relative(order.errors + deviation, order.states)
+        # signs of the parts are known, their higher orders are not
+        size = relative(np.abs(order.errors) + GROWN * np.abs(deviation), order.states)
         sizes.append(size + path.unresolved)
         name = name_of(i)
         climb.orders[name] = max(climb.orders.get(name, 0.0), float(sizes[-1].max()))

@@ -106,7 +106,7 @@ def drifting(problem: Problem) -> Track | Refused:
         return Refused("rolling has not two zero eigenvalues and decaying ones")
     slow, fast = _split(found, zero)
     manifold = SlowManifold(k, mu, float(slow[0]), float(found.member[3] + slow[1]))
-    where = {"crossing": manifold.crossing, "tilt": abs(manifold.tilt)}
+    where = {"time of crossing the threshold": manifold.crossing, "tilt": abs(manifold.tilt)}
     if problem.last > (1 - MARGIN) * manifold.crossing:
         return Refused(
             f"the drift crosses the threshold at {problem.when(manifold.crossing)}", where

@@ -20,8 +20,9 @@ FALL = 0.7
 """Power of the tolerance with which an error falls at least."""
 SLOW = 300.0
 """Friction, over the rate of the motion, above which a motion counts as stiff."""
-LOOKS, SAFETY = 201, 5.0
-"""Times at which two runs are compared, and the factor on their distance."""
+LOOKS, SAFETY, ALONG = 201, 5.0, 1e-2
+"""Times at which two runs are compared, the factor on their distance, and the ratio of tolerances
+of two runs that are compared on the way."""
 LASTING = (Outcome.MOVING, Outcome.SETTLED)
 
 
@@ -117,21 +118,50 @@ def _run(
 ) -> Track:  # fmt: skip
     [one] = _results(problem, start[None], times, tolerance, check=True)
     track = _track(problem, begin, times, one, tolerance)
+    if len(times) > 2 and np.isfinite(track.errors[-1]):
+        track = _along(problem, track, start, times, tolerance)
     if carried is None or not np.abs(carried).any():
         return track
-    [other] = _results(problem, (start + carried)[None], times, tolerance, check=False)
-    away = problem.flow.reported(other.path.states)[int(times[0] != 0) :]
+    for side in (1.0, -1.0):
+        off = (start + side * carried)[None]
+        [other] = _results(problem, off, times, tolerance, check=False)
+        track = _displaced(problem, track, begin, int(times[0] != 0), one, other)
+    return track
+
+
+def _displaced(
+    problem: Problem, track: Track, begin: float, skip: int, one: Result, other: Result
+) -> Track:
+    """The track with the error that a displaced run shows."""
+    away = problem.flow.reported(other.path.states)[skip:]
     both = min(len(away), len(track.states))
     more = relative(away[:both] - track.states[:both], track.states[:both])
     more = np.append(more, np.full(len(track.states) - both, more.max(initial=0.0)))
     finish = track.finish
-    if finish is not None:
-        ends = problem.flow.reported(np.stack([one.final, other.final]))
-        more[-1] = max(more[-1], relative(ends[1] - ends[0], ends[0]))
-        late = abs(other.time + begin - finish.time)
-        same = other.outcome.word == finish.kind
-        finish = replace(finish, error=finish.error + late if same else np.inf)
+    alike = (other.outcome in LASTING) == (one.outcome in LASTING)
+    if finish is None:
+        more[-1] = more[-1] if alike else np.inf
+        return replace(track, errors=track.errors + more)
+    ends = problem.flow.reported(np.stack([one.final, other.final]))
+    more[-1] = max(more[-1], relative(ends[1] - ends[0], ends[0]))
+    late = abs(other.time + begin - finish.time)
+    same = other.outcome.word == finish.kind
+    finish = replace(finish, error=finish.error + late if same else np.inf)
     return replace(track, errors=track.errors + more, finish=finish)
+
+
+def _along(problem: Problem, track: Track, start: Floats, times: Floats, tolerance: float) -> Track:
+    """The track with its error on the way, which may be larger than at the end."""
+    fine = decade(tolerance * ALONG, FINEST)
+    if fine >= tolerance:
+        fine = decade(tolerance / ALONG)
+    [other] = _results(problem, start[None], times, fine, check=False)
+    away = problem.flow.reported(other.path.states)[int(times[0] != 0) :]
+    both = min(len(away), len(track.states))
+    errors = track.errors.copy()
+    gaps = relative(away[:both] - track.states[:both], track.states[:both])
+    errors[:both] = np.maximum(errors[:both], SAFETY * gaps)
+    return replace(track, errors=errors)
 
 
 def _track(problem: Problem, begin: float, times: Floats, one: Result, tolerance: float) -> Track:

@@ -31,7 +31,7 @@ SAMPLES, ENDS = 32, 8
 """Samples of the third-order defect, and the times at which it is summed."""
 GROWTH = 30.0
 """Exponent of growth above which no linear motion is small."""
-SAFETY = 2.0
+SAFETY = 3.0
 """Factor on the third order, for the orders above it and for its sampling."""
 TRUSTED = 0.2
 """Share of the linear deviation up to which the higher orders may be an estimate of its error."""
@@ -199,18 +199,19 @@ def near_steady(problem: Problem, *, always: bool = False) -> dict[str, Track | 
         why = "no steady motion is known near the start"
         return dict.fromkeys(every, Refused(why))
     size = float(relative(problem.start - near.member, near.member))
-    where = {"distance": size}
+    where = {f"distance from {near.family}": size}
     if size > FAR:
         why = f"the start is {size:.2g} from {near.family}, the nearest steady motion"
         return dict.fromkeys(every, Refused(why, where))
     if size**3 > problem.tolerance and size > problem.tolerance and not always:
-        why = f"the start is {size:.2g} from {near.family}, whose cube is above the tolerance"
+        cube = f"{size:.2g}³ = {size**3:.2g} is above the tolerance"
+        why = f"the start is {size:.2g} from {near.family}, and {cube}"
         return dict.fromkeys(every, Refused(why, where))
     found = modes(problem, near.member, near.family)
     if isinstance(found, Refused):
         return dict.fromkeys(every, found)
     growth = float(found.values.real.max(initial=0.0)) * problem.last
-    where["growth"] = growth
+    where["growth exponent to the horizon"] = growth
     if growth > GROWTH or size * np.exp(min(growth, 700.0)) > FAR:
         why = f"the linear deviation from {near.family} grows e^{growth:.3g} times"
         return dict.fromkeys(every, Refused(why, where))
@@ -226,7 +227,10 @@ def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str,
     one, two = found.states(linear), found.states(second)
     why = _fails(problem, found, one[: len(looks)] + two[: len(looks)])
     small, middle = relative(one, found.member), relative(two, found.member)
-    where |= {"second order": float(middle.max()), "third order": float(sizes.max())}
+    where |= {
+        "size of the second order": float(middle.max()),
+        "size of the third order": float(sizes.max()),
+    }
     if not middle.max() + sizes.max() <= max(TRUSTED * small.max(), 1e-14):
         why = f"the orders of the deviation from {found.family} do not fall"
     if why:
