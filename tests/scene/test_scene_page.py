@@ -14,6 +14,7 @@ import stability as st
 from stability.scene.ladder import price_of_full
 from stability.scene.questions import QUESTIONS
 from stability.scene.rungs.creeping import name_of
+from stability.scene.rungs.drifting import DRIFT
 from stability.scene.rungs.near_steady import LINEARISED, SECOND, STEADY
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -70,7 +71,7 @@ def test_every_test_that_the_page_names_exists() -> None:
 
 def test_every_rung_and_quantity_is_on_the_page() -> None:
     rungs = [row[0] for row in table("| rung | states |")]
-    closed = [STEADY, LINEARISED, SECOND]
+    closed = [STEADY, LINEARISED, SECOND, DRIFT]
     assert rungs == [*closed, "a user's name", name_of(0), "creep-n", "the law's name"]
     assert {row[0] for row in table("| name | what it is |")} == set(QUESTIONS)
 
