@@ -13,10 +13,11 @@
 # %% [markdown]
 # # The least model of a rolled coin
 #
-# A US quarter is rolled on a table at 30 radians per second, almost upright.  Where is it after
-# half a second?  The answer depends on the contact law, on how well the friction is known, and on
-# the accuracy that is asked for.  A coarse question needs no equation of motion at all.  A fine one
-# needs six.  A scene finds the smallest model that is enough, and says how it knows.
+# A US quarter is rolled on a table at 30 radians per second, almost upright.  How far does it
+# tilt and turn in half a second?  The answer depends on the contact law, on how well the friction
+# is known, and on the accuracy that is asked for.  A coarse question needs no equation of motion
+# at all.  A fine one needs six.  A scene finds the smallest model that is enough, and says how it
+# knows.
 #
 # Ten minutes to read.  The tests run this notebook; its assertions state the expected output.
 
@@ -96,8 +97,9 @@ plt.close(figure)
 #
 # Now one law: viscous friction.  The tolerance is the error allowed in each state, dimensionless,
 # over 1 or the size of the state.  The rungs of the ladder, cheapest first: the steady motion
-# itself; the linear motion near it; its second order; creep, in which the slip is not a state; the
-# law itself.  The first rung whose estimated error is below the tolerance gives the answer.
+# itself; the linear motion near it; its second order; creep, in which slow slip follows from the
+# motion and is not a state; the law itself.  The first rung whose estimated error is below the
+# tolerance gives the answer.
 
 # %%
 chosen = {}

@@ -273,9 +273,12 @@ class Scene:
             if self.raise_tolerance and told.spread.wasted and only is None:
                 enough = min(LOOSEST, WASTED * told.spread.size)
                 coarse = replace(self, tolerance=enough, raise_tolerance=False)
-                return replace(coarse._answered(law, only), notes=(
+                again = coarse._answered(law, only)
+                why = (
                     f"the tolerance is raised from {self.tolerance:g} to {enough:.2g}, a tenth of "
-                    "what the uncertain inputs allow to know", *told.notes))  # fmt: skip
+                    "what the uncertain inputs allow to know"
+                )
+                return replace(again, notes=(why, *again.notes))
         return told
 
     def _linear(self, problem: Problem, law: Any, only: str | None) -> Answer:

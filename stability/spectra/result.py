@@ -174,7 +174,7 @@ class Spectrum:
         elif self.structural_zeros:
             count = self.structural_zeros
             parts.append(
-                f"{count} structural zero{'s' * (count != 1)} removed through null vectors"
+                f"{count} structural zero{'s' * int(count != 1)} removed through null vectors"
             )
         return "; ".join([*parts, *filter(None, [self.note])])
 

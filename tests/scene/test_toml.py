@@ -1,7 +1,9 @@
 """Scenes in TOML files: what they state, and what they are refused for."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +11,8 @@ import pytest
 import stability as st
 from stability.scene.toml_file import LARGEST, read, titled
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "scenes").glob("*.toml"))
+FOLDER = Path(__file__).parents[2] / "examples" / "scenes"
+EXAMPLES = sorted(FOLDER.glob("*.toml"))
 CONTACT = '[contact]\nlaw = "viscous"\nmu = 0.3\n'
 START = "[start]\ntheta = 1.4\n"
 QUESTION = "[question]\nhorizon = 5.0\n"
@@ -114,6 +117,66 @@ def test_an_example_is_a_scene_with_a_title(path: Path) -> None:
 
 def test_the_examples_are_six() -> None:
     assert len(EXAMPLES) == 6
+
+
+# --- what the comments of the examples say ---
+
+
+def _example(stem: str, **changed: Any) -> st.Scene:
+    return replace(st.Scene.from_toml(FOLDER / f"{stem}.toml"), **changed)
+
+
+def _tilts(stem: str, times: Any, **changed: Any) -> Any:
+    scene = _example(stem, **changed)
+    run = st.simulate(scene.disk, scene.contact, scene.start, times, tolerance=1e-10, check=False)
+    return np.abs(np.pi / 2 - run.theta.values)
+
+
+def test_the_spun_coin_sways_ever_more_as_its_file_says() -> None:
+    """The sway is the largest tilt in a quarter of a second, which is three of its periods."""
+    about = np.linspace(-0.125, 0.125, 251)
+    sway = {t: _tilts("spun-coin", t + about).max() for t in (1, 3, 8, 18)}
+    assert sway[1] == pytest.approx(0.001, abs=2e-4)
+    assert sway[8] == pytest.approx(0.011, abs=5e-4)
+    assert sway[18] == pytest.approx(0.4, abs=0.02)
+    scene = _example("spun-coin")
+    spectrum = st.spectrum("spinning", at=90.0, disk=scene.disk, contact=scene.contact)
+    assert spectrum.verdict.word == "unstable"
+    assert sway[3] / sway[1] == pytest.approx(math.exp(2 * spectrum.abscissa), rel=0.1)
+    assert math.log(2) / spectrum.abscissa == pytest.approx(2, abs=0.05)
+    growing = max(spectrum.eigenvalues, key=lambda value: (value.real, value.imag))
+    assert growing.imag / (2 * math.pi) == pytest.approx(14, abs=0.5)
+    longer = replace(scene, horizon=30.0, uncertain={}).answer()
+    assert longer.model == "viscous"
+    assert 20 < longer.until < 30
+
+
+def test_the_disk_near_the_threshold_lifts_off_on_both_sides_of_it() -> None:
+    scene = _example("near-threshold-roll")
+    for at, end in ((1.384, 45.2), (1.414, 56.2), (1.444, 70.4)):
+        run = st.simulate(scene.disk, scene.contact, st.launch("rolling", at=at, tilt=0.05), 80.0)
+        assert run.attrs["outcome"] == "lift-off"
+        assert float(run.end_time) == pytest.approx(end, abs=0.05)
+    spread = replace(scene, horizon=80.0).answer().spread
+    assert spread is not None
+    assert spread.contrary == ()
+    laws = [st.Viscous(1e-3), st.Viscous(0.3), st.Viscous(1e4), st.Rough()]
+    for law, value in zip(laws, [2**0.5] * 3 + [3**-0.5], strict=True):
+        [point] = st.boundaries("rolling", axis=("at", 0.2, 3.0, 101), contact=law)
+        assert float(point.value) == pytest.approx(value, rel=1e-12)
+
+
+def test_the_other_changes_that_the_files_propose_do_what_they_say() -> None:
+    raised = _example("hoop-on-a-rough-floor", raise_tolerance=True).answer()
+    assert raised.model == "creep-1"
+    assert raised.tolerance > 1e-4
+    slippery = _example("eulers-disk").answer(only="creep")
+    assert slippery.model == "none"
+    times = np.linspace(0, 8, 801)
+    assert times[_tilts("eulers-disk", times).argmax()] == pytest.approx(4, abs=0.1)
+    half = np.linspace(0, 0.5, 501)
+    sway = _tilts("rolled-coin", half, contact=st.Viscous(1.0), weights={}).max()
+    assert sway > _tilts("rolled-coin", half, contact=st.Smooth(), weights={}).max()
 
 
 # --- what is refused ---
