@@ -128,7 +128,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="folder for the charts of the examples")
     parser.add_argument("--large", action="store_true", help="more turns")
     parser.add_argument("--choice", type=int, metavar="N",
-                        help="instead: every rung of N random scenes against the choice")  # fmt: skip
+                        help="instead: N random scenes, every rung against the choice")  # fmt: skip
     parser.add_argument("--seed", type=int, default=0, help="of the random scenes")
     options = parser.parse_args()
     if options.choice is not None:
