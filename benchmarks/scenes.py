@@ -3,6 +3,7 @@
 `make bench` runs it.  For each file of examples/scenes: time, estimate and true error of every
 model.  Then the answer against the full model with its neighbours, in turns, so that a busy machine
 hits both alike; medians of the ratios.  Last, stiff launches to 1e-10 against their stored truth.
+`--choice 200` asks of 200 random scenes whether the cheapest rung was taken.
 """
 
 from __future__ import annotations
@@ -126,7 +127,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, help="folder for the charts of the examples")
     parser.add_argument("--large", action="store_true", help="more turns")
+    parser.add_argument("--choice", type=int, metavar="N",
+                        help="instead: N random scenes, every rung against the choice")  # fmt: skip
+    parser.add_argument("--seed", type=int, default=0, help="of the random scenes")
     options = parser.parse_args()
+    if options.choice is not None:
+        from choices import report
+
+        report(options.choice, options.seed)
+        return
     if options.out is not None:
         options.out.mkdir(parents=True, exist_ok=True)
     turns = 41 if options.large else 11

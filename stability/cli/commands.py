@@ -141,7 +141,7 @@ def _simulate(options: argparse.Namespace) -> None:
 def _scene(options: argparse.Namespace) -> None:
     from .scene import run
 
-    run(options)
+    run(options, _bar)
 
 
 def _compare(options: argparse.Namespace) -> None:

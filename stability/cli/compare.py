@@ -86,13 +86,15 @@ def summary(folder: Path, parts: tuple[str, ...]) -> dict[str, Any]:
     -------
     dict
         `page`, `machine`, and for each part its files and results.  Results of a chart: the
-        standings of the package's default routes.  Results of failures: the marks of each method,
+        standings of the package's default routes; of scenes the model that answers and the cheapest
+        that could.  Results of failures: the marks of each method,
         and the cells in which a default route misleads.
     """
     from ..base.provenance import machine
     from ..compare import failures as catalogue
-    from ..compare.parts import FAILURES, standings
+    from ..compare.parts import FAILURES, SCENES, standings
     from ..compare.report import part
+    from ..compare.scenes import choice
     from ..jobs.journal import Journal
 
     cells = Journal(folder).cells
@@ -101,6 +103,13 @@ def summary(folder: Path, parts: tuple[str, ...]) -> dict[str, Any]:
         one = part(name, cells)
         files = [str(folder / f) for f in one.data]
         files += [str(folder / f"{plate.stem}.png") for plate in one.plates]
+        if name == SCENES:
+            told = {n: choice(data) for n, data in one.chart.items()}
+            out[name] = {"files": files, "models": {
+                n: {"chosen": mine, "cheapest": best, "factor": ratio}
+                for n, (mine, best, ratio) in told.items()
+            }}  # fmt: skip
+            continue
         if name != FAILURES:
             out[name] = {"files": files, "standings": [vars(s) for s in standings(one)]}
             continue
@@ -138,6 +147,9 @@ def lines(found: dict[str, Any]) -> list[str]:
                 f"{name}: a default route is on the Pareto front in {front} of {len(best)} panels"
             )
             out += [f"  {s.panel}: {s.route} takes {s.factor:.3g} times {s.rival}" for s in behind]
+    for name, one in found.get("scenes", {}).get("models", {}).items():
+        told = f"scene {name}: {one['chosen']} answers"
+        out.append(f"{told}, at {one['factor']:.3g} times the time of {one['cheapest']}")
     if "failures" in found:
         for method, marks in found["failures"]["marks"].items():
             told = ", ".join(f"{n} {word}" for word, n in sorted(marks.items()))

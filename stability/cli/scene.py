@@ -6,7 +6,7 @@ import argparse
 import math
 import sys
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -45,48 +45,64 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="F.nc",
                         help="NetCDF file to write: the motion at many times, each within the "
                         "tolerance")  # fmt: skip
-    parser.add_argument("--force", action="store_true", help="replace an existing file")
+    parser.add_argument("--plot", metavar="F.png",
+                        help="figure to write (PNG, PDF or SVG): time against true error of every "
+                        "model; of several laws the first is taken for the truth")  # fmt: skip
+    parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
-def run(options: argparse.Namespace) -> None:
-    """Answer the scene of a file, write the motion, and print the answer.
+def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
+    """Answer the scene of a file, write the motion and the chart, and print the answer.
 
     Parameters
     ----------
     options
         Parsed options of `add_arguments`.
+    bar
+        Function of a unit's name that returns a progress bar, as a context manager.
     """
     from ..scene.scene import Scene
     from ..scene.toml_file import titled
+    from ..storage.files import together
 
     title, given = titled(options.file)
     scene = Scene(**given)
     names = tuple(scene.quantities)
     _refuse(options, scene)
-    target = _target(options)
-    if target is not None and "path" not in names:
+    targets, asked = _targets(options), scene
+    if "out" in targets and "path" not in names:
         scene = replace(scene, quantities=(*names, "path"))
     with waiting():
         answer = scene.verify() if options.verify else scene.answer(only=options.only)
-    if target is not None:
-        _write(options, answer, target)
+    with together():
+        if "out" in targets:
+            _write(options, answer, targets["out"])
+        if "plot" in targets:
+            with bar("models") as progress:
+                asked.plot(targets["plot"], overwrite=options.force, progress=progress)
     if options.json:
         print(json_text(_record(title, scene, answer, names, options)))
         return
     for line in _lines(title, scene, answer, names):
         print(line)
-    if target is not None:
+    if targets:
         from ..storage.targets import path_text
 
-        print(f"\nwrote {path_text(target)}")
+        print("\n" + "\n".join(f"wrote {path_text(path)}" for path in targets.values()))
 
 
 def _refuse(options: argparse.Namespace, scene: Scene) -> None:
     """Refuse options that do not fit the scene or one another."""
     from ..base.checks import known
+    from ..base.errors import listed
     from ..scene.questions import QUESTIONS
     from ..scene.rungs.near_steady import LINEARISED, SECOND, STEADY
 
+    if options.plot is not None and not set(scene.quantities) <= set(QUESTIONS):
+        raise ParameterError(
+            f"--plot is given and the scene asks for {listed(scene.quantities)}, of linear motion; "
+            "its chart is of motions."
+        )
     if options.verify and options.only is not None:
         raise ParameterError("--verify and --only are both given; give one of them.")
     asked = "--verify" if options.verify else "--only"
@@ -101,13 +117,15 @@ def _refuse(options: argparse.Namespace, scene: Scene) -> None:
         known("--only", options.only, (STEADY, LINEARISED, SECOND, "creep", scene.contact.name))
 
 
-def _target(options: argparse.Namespace) -> Path | None:
-    """The file to write, checked before anything is computed."""
-    from ..storage.targets import DATASETS, check_suffix, check_target
+def _targets(options: argparse.Namespace) -> dict[str, Path]:
+    """The files to write, checked before anything is computed."""
+    from ..storage.targets import DATASETS, PICTURES, check_suffix, check_target
 
-    if options.out is None:
-        return None
-    return check_target(check_suffix(options.out, DATASETS, "--out"), overwrite=options.force)
+    return {
+        name: check_target(check_suffix(path, kinds, f"--{name}"), overwrite=options.force)
+        for name, kinds in (("out", DATASETS), ("plot", PICTURES))
+        if (path := getattr(options, name)) is not None
+    }
 
 
 def _write(options: argparse.Namespace, answer: Answer, target: Path) -> None:
@@ -185,8 +203,11 @@ def _record(
         record["laws"] = {n: _about(a, names) for n, a in answer.parts.items()}
     if options.verify:
         record["true_error"] = _asked(answer.true_error, names)
-    if options.out is not None:
-        record["files"] = {"out": str(options.out)}
+    files = {
+        n: str(getattr(options, n)) for n in ("out", "plot") if getattr(options, n) is not None
+    }
+    if files:
+        record["files"] = files
     return record
 
 

@@ -11,6 +11,7 @@ from ..base.provenance import machine, today
 from ..storage.files import atomic_write
 from . import failures as catalogue
 from .marks import Mark
+from .scenes import sentence
 
 if TYPE_CHECKING:
     from .parts import Part, Standing
@@ -20,6 +21,7 @@ PAGE = "index.html"
 TITLES = {
     "spectrum": "Spectra: time against error",
     "motion": "Motions: work against precision",
+    "scenes": "Scenes: the least model that answers",
     "failures": "Where methods fail",
 }
 """Heading of each part."""
@@ -126,6 +128,8 @@ def _section(one: Part) -> list[str]:
     places: list[str] = []
     if one.name == "failures":
         found += _verdict(one.chart)
+    elif one.name == "scenes":
+        found.append(f"<p>{html.escape(sentence(one.chart))}</p>")
     else:
         told, places = _standings(one)
         found.append(told)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-SPECTRUM, MOTION, FAILURES = "spectrum", "motion", "failures"
+SPECTRUM, MOTION, FAILURES, SCENES = "spectrum", "motion", "failures", "scenes"
 
 METRICS = {
     "path": "the whole path", "final": "the last state", "audit": "the energy account",
@@ -49,13 +49,13 @@ class Part:
     """One complete part of a report."""
 
     name: str
-    """`spectrum`, `motion` or `failures`."""
+    """`spectrum`, `motion`, `scenes` or `failures`."""
     plates: tuple[Plate, ...]
     """Figures of the part."""
     data: tuple[str, ...]
     """Names of the files with its numbers."""
     chart: Any
-    """Dataset of a chart, or entries of the catalogue."""
+    """Dataset of a chart, entries of the catalogue, or charts of scenes by name."""
 
 
 # --- what the charts say ---

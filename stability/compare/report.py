@@ -1,4 +1,4 @@
-"""The report: both charts and the catalogue in one folder, with the numbers behind them and a page.
+"""The report: the charts and the catalogue in one folder, with the numbers behind them and a page.
 
 The folder keeps every finished cell, so a stopped run continues where it was.  Figures, tables and
 page are written when a part is complete.
@@ -22,6 +22,7 @@ from ..storage.files import atomic_write, together
 from ..storage.netcdf import packed
 from ..storage.targets import check_folder, path_text, place, refusing
 from . import failures as catalogue
+from . import scenes
 from .motion import dataset as motion_data
 from .motion import measure as works
 from .spectrum import dataset as spectral_data
@@ -30,13 +31,13 @@ from .spectrum import measure as spectral
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-from .parts import FAILURES, METRICS, MOTION, QUANTITIES, SPECTRUM, Part, Plate
+from .parts import FAILURES, METRICS, MOTION, QUANTITIES, SCENES, SPECTRUM, Part, Plate
 
 PARTS: dict[str, Callable[[], list[list[Task]]]] = {
-    SPECTRUM: spectral.tasks, MOTION: works.tasks, FAILURES: catalogue.tasks,
+    SPECTRUM: spectral.tasks, MOTION: works.tasks, SCENES: scenes.tasks, FAILURES: catalogue.tasks,
 }  # fmt: skip
 """Parts of a report, each with the function that returns its tasks."""
-ALONE = (SPECTRUM, MOTION)
+ALONE = (SPECTRUM, MOTION, SCENES)
 """Timed parts: their cells run one at a time, so that none disturbs a timing."""
 
 
@@ -56,8 +57,8 @@ def report(
         Folder of the report.  A folder with a journal is resumed if package, libraries and machine
         are the same as at its start.
     parts
-        Parts to make: `spectrum`, `motion`, `failures`.  The page also shows other parts whose
-        cells are all in the folder.
+        Parts to make: `spectrum`, `motion`, `scenes`, `failures`.  The page also shows other parts
+        whose cells are all in the folder.
     force
         Whether a folder that holds other files may be written into.
     workers
@@ -152,7 +153,7 @@ def part(name: str, cells: Mapping[str, Cell]) -> Part:
     Parameters
     ----------
     name
-        `spectrum`, `motion` or `failures`.
+        `spectrum`, `motion`, `scenes` or `failures`.
     cells
         All cells of the part by key.
 
@@ -160,7 +161,8 @@ def part(name: str, cells: Mapping[str, Cell]) -> Part:
     -------
     Part
     """
-    return {SPECTRUM: _spectrum, MOTION: _motion, FAILURES: _failures}[name](cells)
+    made = {SPECTRUM: _spectrum, MOTION: _motion, SCENES: _scenes, FAILURES: _failures}
+    return made[name](cells)
 
 
 def _spectrum(cells: Mapping[str, Cell]) -> Part:
@@ -224,6 +226,20 @@ def _motion(cells: Mapping[str, Cell]) -> Part:
         lambda: drawings.first_call_figure(chart),
     ))  # fmt: skip
     return Part(MOTION, tuple(plates), ("motion.nc", "motion.csv"), chart)
+
+
+def _scenes(cells: Mapping[str, Cell]) -> Part:
+    from ..figures.scene_chart import scene_caption, scene_figure
+
+    charts = scenes.datasets(cells)
+    plates = [
+        Plate(
+            f"scenes-{name}", f"{scenes.SCENES[name][0]} {scene_caption(data)}",
+            lambda data=data: scene_figure(data),  # type: ignore[misc]
+        )
+        for name, data in charts.items()
+    ]  # fmt: skip
+    return Part(SCENES, tuple(plates), ("scenes.csv",), charts)
 
 
 def _failures(cells: Mapping[str, Cell]) -> Part:
@@ -298,14 +314,16 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
     for name, text in _texts(one, cells).items():
         with atomic_write(folder / name, overwrite=True) as draft:
             draft.write_text(text, encoding="utf-8")
-    if one.name != FAILURES:
+    if one.name in (SPECTRUM, MOTION):
         with atomic_write(folder / f"{one.name}.nc", overwrite=True) as draft:
             draft.write_bytes(packed(one.chart))
 
 
 def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:
-    from .csv_files import boundary_csv, motion_csv, spectrum_csv
+    from .csv_files import boundary_csv, csv_text, motion_csv, spectrum_csv
 
+    if one.name == SCENES:
+        return {"scenes.csv": csv_text(scenes.COLUMNS, scenes.rows(one.chart))}
     if one.name == FAILURES:
         return {"failures.csv": catalogue.as_csv(one.chart),
                 "failures.md": catalogue.as_markdown(one.chart)}  # fmt: skip

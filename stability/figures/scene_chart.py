@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 WIDTH, BODY = 5.2, 3.1
 """Width of the figure and height of its panel [in]."""
-LEFT, RIGHT, TOP, UNDER = 0.58, 0.98, 0.14, 0.42
+LEFT, RIGHT, TOP, UNDER = 0.58, 0.98, 0.14, 0.47
 """Margins of the panel [in]."""
 LINE, KEY_LINE = 0.108, 0.15
 """Height of a line of the caption and of the key [in]."""
@@ -42,8 +42,8 @@ LOOKS: dict[str, dict[str, Any]] = {
     "other law": {"marker": "D", "color": "#D55E00", "ms": 4.4, "mfc": "white"},
 }
 """Shape and colour of each kind of model, colours of Okabe and Ito."""
-MARK = 4.6
-"""Half the size of a mark, for the labels [pt]."""
+MARK = 5.4
+"""Half the size of a mark with its ring, for the labels [pt]."""
 RING: dict[str, Any] = {"marker": "o", "ms": 9.8, "mfc": "none", "mec": "#000000", "mew": 1.0}
 """Ring about the model that is chosen."""
 WHOLE: dict[str, Any] = {"color": "#555555", "lw": 0.8, "marker": "|", "ms": 6, "mew": 0.9}
@@ -126,6 +126,7 @@ def scene_caption(dataset: xarray.Dataset) -> str:
         for key in ("parameters", "start")
     )
     horizon = f"{told['horizon']:g} {'' if unit == '1' else unit}".rstrip()
+    given += ", SI units" if unit == "s" else ""
     parts = [
         f"Models of the motion by the law {told['law']} ({given}), from {start or 'rest'}, horizon "
         f"{horizon}, tolerance {float(dataset.tolerance):g}.",
@@ -170,7 +171,7 @@ def _limits(axes: Axes, dataset: xarray.Dataset) -> None:
     low = max(min([*errors, *levels]), LOWEST)
     times = [*times, float(dataset.answer_cost)]
     axes.set(xscale="log", yscale="log", ylim=(low / 12, high * 12),
-             xlim=(min(times) / 2.2, max(times) * 2.2))  # fmt: skip
+             xlim=(min(times) / 2.2, max(times) * 3))  # fmt: skip  # most labels are at the right
     decades = np.log10(axes.get_xlim()[1] / axes.get_xlim()[0])
     axes.xaxis.set_major_locator(LogLocator(10, (1.0,) if decades > 2 else (1.0, 2.0, 5.0)))
     axes.xaxis.set_minor_locator(NullLocator())

@@ -15,11 +15,13 @@ import numpy as np
 import pytest
 import xarray
 from command_line import output, refused
+from matplotlib.text import Text
 
 import stability as st
 from stability.bodies.thin_disk.disk_equations import STATES
 from stability.cli import main
 from stability.cli.scene import waiting
+from stability.figures.canvas import save_figure
 from stability.scene.toml_file import titled
 
 FOLDER = Path(__file__).parents[2] / "examples" / "scenes"
@@ -36,6 +38,7 @@ horizon = 2.0
 tolerance = 1e-5
 """
 """A scene whose linear motion is enough."""
+LINEAR = SMALL + 'quantities = ["growth_rate", "verdict"]\n'
 NO_CONTACT = SMALL.replace("omega3 = 1.8", "theta_dot = 5.0")
 
 
@@ -284,6 +287,57 @@ def test_a_file_is_whole_or_not_there(
     assert sorted(p.name for p in tmp_path.iterdir()) == ["motion.nc", "small.toml"]
 
 
+@pytest.fixture
+def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Charts without other laws and with few repeats: times are not looked at here."""
+    monkeypatch.setattr("stability.scene.chart.other_laws", lambda *_: {})
+    monkeypatch.setattr("stability.scene.chart.LEAST", 1)
+    monkeypatch.setattr("stability.scene.chart.BUDGET", 0.0)
+
+
+@pytest.mark.usefixtures("brief")
+def test_the_chart_is_written_next_to_the_motion_and_shows_the_models_of_python(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, names = written(tmp_path, SMALL), [str(tmp_path / n) for n in ("run.nc", "run.svg")]
+    figures: list[Any] = []
+
+    def keep(figure: Any, draft: Path) -> None:
+        figures.append(figure)
+        save_figure(figure, draft)
+
+    monkeypatch.setattr("stability.figures.canvas.save_figure", keep)
+    found = ask(capsys, path, "--out", names[0], "--plot", names[1])
+    assert found["files"] == {"out": names[0], "plot": names[1]}
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["run.nc", "run.svg", "small.toml"]
+    assert Path(names[1]).read_text(encoding="utf-8").startswith("<?xml")
+    [drawn] = [{text.get_text() for text in figure.findobj(Text)} for figure in figures]
+    assert {"steady", "linearised, chosen", "second-order", "viscous"} <= drawn
+    assert "tolerance 1e-05" in drawn
+
+
+@pytest.mark.usefixtures("brief")
+def test_the_motion_and_the_chart_are_both_written_or_neither(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, names = written(tmp_path, SMALL), [str(tmp_path / n) for n in ("run.nc", "run.png")]
+    words = ["--out", names[0], "--plot", names[1]]
+
+    def full(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("stability.figures.canvas.save_figure", full)
+        assert "No space left on device" in refused(capsys, "scene", path, *words)
+    assert [p.name for p in tmp_path.iterdir()] == ["small.toml"]
+    Path(names[1]).write_text("mine")
+    assert "exists" in refused(capsys, "scene", path, *words)
+    assert Path(names[1]).read_text() == "mine"
+    text = output(capsys, "scene", path, *words, "--force")
+    assert text.endswith(f"\nwrote {names[0]}\nwrote {names[1]}\n")
+    assert Path(names[1]).read_bytes().startswith(b"\x89PNG")
+
+
 # --- what is refused ---
 
 
@@ -295,6 +349,10 @@ def test_a_file_is_whole_or_not_there(
         (SMALL, ["--only", "viscous", "--verify"], "--verify and --only are both given"),
         (SMALL, ["--out", "a.png"], "the name must end in .nc"),
         (SMALL, ["--out", "no/such/a.nc"], "does not exist"),
+        (SMALL, ["--plot", "a.nc"], "the name must end in .png, .pdf or .svg"),
+        (SMALL, ["--plot", "no/such/a.png"], "does not exist"),
+        (LINEAR, ["--plot", "a.png"], "the scene asks for growth_rate and verdict, of linear"),
+        (NO_CONTACT, ["--plot", "a.png"], "the disk is not in contact"),
         (SMALL, ["--colour"], "unrecognized arguments"),
         (SMALL, ["more.toml"], "unrecognized arguments"),
         (SMALL + "[contact.rough]\n", [], "small.toml: [contact] has 'law' and the table 'rough'"),

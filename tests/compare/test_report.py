@@ -16,7 +16,7 @@ import pytest
 import stability as st
 from stability.cli import main
 from stability.compare import failures as catalogue
-from stability.compare import parts, report
+from stability.compare import parts, report, scenes
 from stability.compare.motion import dataset as motion_data
 from stability.compare.motion import measure as works
 from stability.compare.spectrum import dataset as spectral_data
@@ -184,10 +184,10 @@ def small(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> No
         monkeypatch.setattr(module, "CHARTED", routes)
     for module in (spectral, spectral_data, parts):
         monkeypatch.setattr(module, "classes", lambda: some)
-    scenes = {n: works.CHARTED[n] for n in ("gentle", "stiff-10000")[: 1 if few else 2]}
+    charted = {n: works.CHARTED[n] for n in ("gentle", "stiff-10000")[: 1 if few else 2]}
     drivers = ("simulate", "rk4", "rough-model")[: 2 if few else 3]
     for module in (works, motion_data):
-        monkeypatch.setattr(module, "CHARTED", scenes)
+        monkeypatch.setattr(module, "CHARTED", charted)
         monkeypatch.setattr(module, "NAMES", drivers)
     if few:
         monkeypatch.setattr("stability.figures.canvas.FORMATS", (".png",))
@@ -203,6 +203,8 @@ def small(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> No
         + ["two structural zeros", "1/cosθ left by computer algebra", "non-steady operating point"]
     }
     motion = {n: catalogue.MOTION_CASES[n] for n in ("lifts off", "slides, then sticks")}
+    if few:
+        monkeypatch.setattr(scenes, "SCENES", {"sticky": scenes.SCENES["sticky"]})
     monkeypatch.setattr(catalogue, "CASES", cases)
     monkeypatch.setattr(catalogue, "MOTION_CASES", motion)
 
@@ -217,10 +219,11 @@ def test_a_report_holds_figures_numbers_and_a_page(
     assert found["failures"]["misleading"] == []
     assert found["failures"]["marks"]["ad-raw"]["wrong"] >= 2
     page = (out / "index.html").read_text()
-    for name in ("spectrum", "motion", "failures"):
+    for name in ("spectrum", "motion", "scenes", "failures"):
         for file in found[name]["files"]:
             assert Path(file).stat().st_size > 100
             assert Path(file).name in page
+    assert found["scenes"]["models"]["sticky"]["chosen"] == "creep-2"
     assert found["machine"]["processor"] in page.replace("&amp;", "&")
     assert "stability " + st.__version__ in page
     assert not [p for p in out.iterdir() if p.name.startswith(".")]
@@ -254,6 +257,52 @@ def motion_data_of(path: Path) -> Any:
 
     with xarray.open_dataset(path, engine="h5netcdf") as data:
         return data.load()
+
+
+def test_scenes_are_charted_and_the_page_says_which_model_answers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(scenes, "SCENES", {"sticky": scenes.SCENES["sticky"]})
+    monkeypatch.setattr("stability.figures.canvas.FORMATS", (".png",))
+    monkeypatch.setattr("stability.scene.chart.LEAST", 1)
+    monkeypatch.setattr("stability.scene.chart.BUDGET", 0.0)
+    cell = journal.Cell("scenes/sticky", DONE, scenes.measure("sticky"), "", 0.0)
+    Journal(tmp_path / "r").add(cell.key, cell)
+    page = report.report(tmp_path / "r", ["scenes"]).read_text()
+    rows = {
+        row["model"]: row
+        for row in csv.DictReader((tmp_path / "r" / "scenes.csv").read_text().splitlines())
+    }
+    assert [n for n, row in rows.items() if row["chosen"] == "yes"] == ["creep-2"]
+    told = scenes.SCENES["sticky"][1].verify()
+    assert float(rows["creep-2"]["true error"]) == pytest.approx(told.true_error, rel=1e-2)
+    assert float(rows["rough"]["true error"]) > 1e-6  # the tolerance
+    assert rows["linearised"]["true error"] == ""
+    assert "slip follows the motion" in page and "sticky: creep-2" in page
+    assert 'src="scenes-sticky.png"' in page
+
+
+def test_the_cheapest_fine_model_is_named_where_it_is_not_taken() -> None:
+    import numpy as np
+    import xarray
+
+    def made(costs: list[float], errors: list[float], chosen: int) -> xarray.Dataset:
+        names, kinds = ["steady", "full", "rough law"], ["closed form", "full model", "other law"]
+        return xarray.Dataset(
+            {"cost": ("model", costs), "true_error": ("model", errors), "tolerance": 1e-3,
+             "chosen": ("model", np.arange(3) == chosen)},
+            {"model": names, "kind": ("model", kinds)},
+        )  # fmt: skip
+
+    good = made([1.0, 5.0, 0.1], [1e-4, 1e-9, 1e-9], 0)  # another law is no rung
+    rash = made([1.0, 5.0, 0.1], [1e-2, 1e-9, 1e-2], 1)
+    slow = made([1.0, 5.0, 0.1], [1e-4, 1e-9, 1e-2], 1)
+    assert scenes.choice(good) == ("steady", "steady", 1.0)
+    assert scenes.choice(rash) == ("full", "full", 1.0)
+    assert scenes.choice(slow) == ("full", "steady", 5.0)
+    said = scenes.sentence({"a": good, "b": rash, "c": slow})
+    assert said.startswith("In 2 of 3 scenes")
+    assert "c: full (5 times the time of steady)" in said
 
 
 @pytest.mark.usefixtures("small")

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import stability as st
+from stability.scene.chart import chart
 from stability.scene.ladder import price_of_full
 from stability.scene.questions import QUESTIONS
 from stability.scene.rungs.creeping import name_of
@@ -74,6 +75,27 @@ def test_every_rung_and_quantity_is_on_the_page() -> None:
     closed = [STEADY, LINEARISED, SECOND, DRIFT]
     assert rungs == [*closed, "a user's name", name_of(0), "creep-n", "the law's name"]
     assert {row[0] for row in table("| name | what it is |")} == set(QUESTIONS)
+
+
+def test_the_errors_of_the_chart_are_those_of_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stability.scene.chart.LEAST", 1)  # its times are not looked at
+    monkeypatch.setattr("stability.scene.chart.BUDGET", 0.0)
+    hoop = st.Scene.from_toml(ROOT / "examples" / "scenes" / "hoop-on-a-rough-floor.toml")
+    data = chart(hoop)
+    known = np.isfinite(data.true_error.values)
+    told = {name: float(error) for name, error in table("| model of the hoop | true error |")}
+    assert set(told) == set(data.model.values[known])
+    for name, error in told.items():
+        found = float(data.true_error.sel(model=name))
+        # the error of the full model is rounding in part
+        assert found < 1e-9 if error < 1e-9 else found == pytest.approx(error, rel=0.05), name
+    assert float(data.spread) == pytest.approx(0.22, abs=0.005)
+    assert data.model.values[data.chosen.values].tolist() == ["creep-2"]
+    path = replace(hoop, quantities=("path",), uncertain={}).answer(only="creep-2").path
+    true = simulated(hoop.disk, hoop.contact, hoop.start, path.time.values[1:])
+    scale = np.array([1.0, *[float(hoop.disk.rate)] * 3, *[float(hoop.disk.speed)] * 2])
+    mine = np.stack([path[n].values[1:] for n in NAMES], axis=-1)
+    assert apart(mine / scale, true / scale) == pytest.approx(told["creep-2"], rel=0.05)
 
 
 def test_the_report_of_the_page_is_that_of_today() -> None:
