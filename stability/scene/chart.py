@@ -20,6 +20,7 @@ from ..bodies.disk import Disk
 from .answer import states_in_units
 from .inputs import laws_of, names_of
 from .ladder import Climbed, climb, full_name
+from .linear import LINEAR
 from .rungs.creep import applies
 from .rungs.drifting import DRIFT, drifting
 from .rungs.full import full
@@ -145,6 +146,8 @@ def chart(
     ['linearised']
     """
     scene, laws = _one(scene, laws)
+    if scene.quantities[0] in LINEAR:
+        raise ParameterError("a linear question has no chart; ask for a quantity of the motion.")
     problem, others = scene._problem(scene.contact), _others(scene, laws)
     if progress is not None and not callable(progress):
         raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")

@@ -31,7 +31,7 @@ from .rungs.full import full
 from .rungs.near_steady import CLOSED_FORMS
 from .rungs.reduced import ReducedModel
 from .rungs.track import MOST_SAMPLES, SPACING, Problem
-from .uncertain import WASTED, Spread, apart, spread
+from .uncertain import VAIN_WORDS, WASTED, Spread, apart, spread
 
 LOOSEST, TIGHTEST = 0.1, 1e-13
 """Range of a scene's tolerance."""
@@ -274,11 +274,8 @@ class Scene:
                 enough = min(LOOSEST, WASTED * told.spread.size)
                 coarse = replace(self, tolerance=enough, raise_tolerance=False)
                 again = coarse._answered(law, only)
-                why = (
-                    f"the tolerance is raised from {self.tolerance:g} to {enough:.2g}, a tenth of "
-                    "what the uncertain inputs allow to know"
-                )
-                return replace(again, notes=(why, *again.notes))
+                why = f"the tolerance is raised from {self.tolerance:g} to {enough:.2g}"
+                return replace(again, notes=(f"{why}: {VAIN_WORDS}", *again.notes))
         return told
 
     def _linear(self, problem: Problem, law: Any, only: str | None) -> Answer:

@@ -11,6 +11,8 @@ import numpy as np
 
 from .rungs.track import relative
 
+VAIN_WORDS = "a tenth of what the uncertain inputs allow to know"
+"""Why a tolerance is raised."""
 VAIN = 0.5
 """Share of that at which a tolerance is called wasted."""
 WASTED = 0.1

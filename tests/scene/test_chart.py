@@ -271,3 +271,10 @@ def test_a_plot_that_fails_leaves_the_old_file(
     with pytest.raises(FileError, match="No space left"):
         ROLLING.plot(taken, overwrite=True, laws={})
     assert taken.read_bytes() == b"mine" and list(tmp_path.iterdir()) == [taken]
+
+
+def test_a_linear_question_has_no_chart() -> None:
+    asked = st.Scene(contact=st.Viscous(0.3), start={"theta": 1.57, "omega3": 1.8}, horizon=2.0,
+                     quantities="growth_rate")  # fmt: skip
+    with pytest.raises(st.StabilityError, match="no chart"):
+        chart(asked)
