@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray
 
 from .ladder import Climbed, Rung
-from .questions import QUESTIONS, Found, relative_error
+from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.full import kept_until
 from .rungs.track import Problem, Track
 from .uncertain import Spread
@@ -131,7 +131,8 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
     values = {n: in_units(problem, n, one) for n, one in found.found.items()}
     if "path" in values:
         values["path"] = dataset(problem, track, found.model)
-    errors = {n: relative_error(one) for n, one in found.found.items()}
+    lost = track.finish is not None and track.finish.kind in UNKNOWN
+    errors = {n: math.inf if lost else relative_error(one) for n, one in found.found.items()}
     until = horizon if track.finish is None else float(track.finish.time) * clock
     if not found.share <= 1:
         until = min(until, kept_until(problem) * clock)

@@ -25,7 +25,7 @@ from .ladder import Climbed, climb
 from .laws import compare
 from .linear import LINEAR, Member
 from .linear import answer as answer_linear
-from .questions import QUESTIONS, relative_error
+from .questions import QUESTIONS, UNKNOWN, relative_error
 from .rungs.full import full
 from .rungs.near_steady import CLOSED_FORMS
 from .rungs.reduced import ReducedModel
@@ -128,8 +128,8 @@ class Scene:
         given = self.quantities
         names = (given,) if isinstance(given, str) else given
         every = (*QUESTIONS, *LINEAR)
-        if not isinstance(names, Sequence) or not names:
-            what = shown(given) if names else "empty"
+        if not isinstance(names, Sequence) or not len(names):
+            what = shown(given) if not isinstance(names, Sequence) else "empty"
             raise ParameterError(f"quantities is {what}; known are {', '.join(every)}.")
         for name in names:
             known("quantities", name, every)
@@ -174,8 +174,12 @@ class Scene:
             raise ParameterError(
                 f"models is {shown(self.models)}; give a list of stability.ReducedModel."
             )
-        if given and not isinstance(self.disk, System):
-            raise ParameterError("models belong to a stability.System; leave them out.")
+        if not isinstance(self.disk, System):
+            for word, value in (("models", given), ("families", self.families)):
+                if not (value is None or (isinstance(value, (tuple, list)) and not value)):
+                    raise ParameterError(
+                        f"{word} belong to a stability.System; leave them out for a disk."
+                    )
         names = [*(m.name for m in given), *CLOSED_FORMS, getattr(self.disk, "name", "")]
         double = [n for n in names if names.count(n) > 1]
         if double:
@@ -309,12 +313,7 @@ class Scene:
         problem, track = told.motion
         fine = replace(problem, tolerance=max(1e-14, min(TRUTH * self.tolerance, TRUEST)))
         truth = full(fine)
-        errors = {}
-        for name in self.quantities:
-            mine, other = (
-                QUESTIONS[name].find(p, t).value for p, t in ((problem, track), (fine, truth))
-            )
-            errors[name] = apart(other, mine)
+        errors = {n: _true(n, (problem, track), (fine, truth)) for n in self.quantities}
         return replace(told, true_error=errors if len(errors) > 1 else errors[self.quantities[0]])
 
     def plot(self, path: Any = None, *, overwrite: bool = False, **options: Any) -> Any:
@@ -369,3 +368,17 @@ class Scene:
         from .toml_file import read
 
         return cls(**read(path))
+
+
+def _true(name: str, mine: tuple[Problem, Track], fine: tuple[Problem, Track]) -> float:
+    """The true error of a quantity, of which a track and a finer one of the full model are known.
+
+    It is infinite where states are not those of the same time, or where the truth is not known.  A
+    run that cannot be made finer is no truth of its own: then the error that it states counts.
+    """
+    one, other = (QUESTIONS[name].find(*known) for known in (mine, fine))
+    ends = [None if t.finish is None else t.finish.kind for _, t in (mine, fine)]
+    if ends[1] in UNKNOWN or (ends[0] != ends[1] and not isinstance(one.value, str)):
+        return math.inf
+    far = apart(other.value, one.value)
+    return relative_error(other) if far == 0 and other.value is not None else far
