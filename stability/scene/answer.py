@@ -75,6 +75,10 @@ class Answer:
         """The rung that gave the answer."""
         return next((r for r in self.rungs if r.chosen), None)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields and the path, without the problem: its equations have no pickle."""
+        return {**self.__dict__, "path": self.path, "motion": None}
+
     def __repr__(self) -> str:
         return f"<Answer by {self.model}: {self.sentence}>"
 

@@ -12,6 +12,7 @@ import numpy as np
 from ..base.types import Floats
 from .answer import Answer
 from .rungs.track import relative
+from .uncertain import apart as distance
 
 SHOWN = 5
 """Pairs of laws that the sentence names."""
@@ -37,7 +38,8 @@ def compare(
     -------
     Answer
         Its values are by law; `estimate` is the largest difference between two laws at the end of
-        the time that they share, and it holds until two laws part.
+        the time that they share, of a linear question that of its values, and infinite where a law
+        has no answer; it holds until two laws part, or one answer no longer holds.
     """
     known = {n: a for n, a in parts.items() if a.motion is not None}
     sentences, apart, until = [], 0.0, horizon
@@ -49,15 +51,27 @@ def compare(
         if when is not None:
             until = min(until, when)
             sentences.append(f"{one} and {other} part at {when:.4g}{unit} and end {far:.3g} apart")
-    words = "; ".join(sentences[:SHOWN]) or f"all laws agree within {tolerance:g}"
-    if not known:  # linear questions
-        words = "; ".join(f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items())
     lost = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.model == "none"]
+    words = sentences[:SHOWN]
+    if not known:  # linear questions
+        words = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.model != "none"]
+        apart = max((_different(*two) for two in combinations(parts.values(), 2)), default=0.0)
+    elif len(known) > 1 and not words:
+        words = [f"all laws agree within {tolerance:g}"]
+    if lost:  # nothing is known of how far such a law is from the others
+        apart = math.inf
+    until = min([until, *(a.until for a in parts.values())])
     values = {n: _asked(a, quantities) for n, a in parts.items()}
     models = ", ".join(a.model for a in parts.values())
     return Answer(
-        values, models, apart, (), until, "; ".join([words, *lost]) + ".", tolerance, parts=parts
+        values, models, apart, (), until, "; ".join([*words, *lost]) + ".", tolerance, parts=parts
     )
+
+
+def _different(one: Answer, other: Answer) -> float:
+    """The largest difference of the values of two linear answers, over 1 or their size."""
+    pairs = [[a.value if isinstance(a.value, dict) else {"": a.value} for a in (one, other)]]
+    return max((distance(a[n], b[n]) for a, b in pairs for n in a if n in b), default=0.0)
 
 
 def _asked(answer: Answer, quantities: Sequence[str]) -> Any:

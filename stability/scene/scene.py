@@ -29,7 +29,7 @@ from .questions import QUESTIONS, UNKNOWN, relative_error
 from .rungs.full import full
 from .rungs.near_steady import CLOSED_FORMS
 from .rungs.reduced import ReducedModel
-from .rungs.track import MOST_SAMPLES, SPACING, Problem
+from .rungs.track import MOST_SAMPLES, SPACING, Problem, Track
 from .uncertain import Spread, apart, spread
 
 LOOSEST, TIGHTEST = 0.1, 1e-13

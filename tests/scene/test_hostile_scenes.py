@@ -1,8 +1,10 @@
-"""Scenes that are wrong, extreme, or beyond what any model knows: a sentence, or an honest answer."""
+"""Scenes that are wrong, extreme, or beyond all models: a sentence, or an honest answer."""
 
 from __future__ import annotations
 
 import math
+import pickle
+from concurrent.futures import ThreadPoolExecutor
 
 import casadi as ca
 import numpy as np
@@ -79,10 +81,10 @@ def _reduced(down=_down, up=_up) -> st.Scene:
 @pytest.mark.parametrize(
     ("maps", "words"),
     [
-        ({"down": lambda x, p: ("a", p[1:])}, "down of slow is 'a'"),
-        ({"down": lambda x, p: ([[1], [2, 3]], p[1:])}, "down of slow is"),
-        ({"down": lambda x, p: ([1j], p[1:])}, "a real number is needed"),
-        ({"up": lambda x, p: "a"}, "up of slow is 'a'"),
+        ({"down": lambda _, p: ("a", p[1:])}, "down of slow is 'a'"),
+        ({"down": lambda _, p: ([[1], [2, 3]], p[1:])}, "down of slow is"),
+        ({"down": lambda _, p: ([1j], p[1:])}, "a real number is needed"),
+        ({"up": lambda *_: "a"}, "up of slow is 'a'"),
         ({"up": lambda x, p: _up(x, p) + 0j}, "up of slow is"),
         ({"up": lambda x, p: _up(x, p) * np.nan}, "up of slow gives NaN"),
     ],
@@ -137,6 +139,50 @@ def test_a_motion_without_a_first_step_ends_at_its_start() -> None:
 def test_a_linear_question_of_creep_has_its_reason() -> None:
     start = st.launch("tumbling", at=0.7, tilt=0.0, disk=st.Disk())
     answer = _scene(contact=st.Creep1(100.0), start=start, quantities="verdict").answer()
-    same = st.spectrum("tumbling", at=0.7, contact=st.Viscous(100.0))  # of which it is the slow part
+    same = st.spectrum("tumbling", at=0.7, contact=st.Viscous(100.0))  # it has the fast modes too
     assert answer.value == same.verdict.word == "unstable"
     assert "largest real part" in answer.sentence
+
+
+# --- several laws ---
+
+
+def test_laws_that_refuse_the_start_agree_in_nothing() -> None:
+    laws = {"creep": st.Creep1(1.0), "viscous": st.Viscous(0.3)}
+    one = _scene(contact=laws).answer()
+    assert (one.parts["creep"].model, one.value["creep"]) == ("none", None)
+    assert one.estimate == math.inf
+    assert one.until == 0.0
+    assert "agree" not in one.sentence
+    none = _scene(contact=laws, start={"theta": 0.5, "theta_dot": 8.0}).answer()
+    assert (none.estimate, none.until) == (math.inf, 0.0)
+
+
+def test_laws_of_other_growth_differ_by_the_difference_of_their_rates() -> None:
+    laws = {"soft": st.Viscous(0.3), "stiff": st.Viscous(0.9)}
+    answer = _scene(contact=laws, quantities="growth_rate").answer()
+    one, other = answer.value.values()
+    assert answer.estimate == pytest.approx(abs(one - other))
+    assert one != other
+
+
+# --- copies and threads ---
+
+
+@pytest.mark.parametrize("contact", [st.Viscous(300.0), {"a": st.Viscous(300.0), "b": st.Rough()}])
+def test_an_answer_and_its_scene_have_a_pickle(contact) -> None:
+    scene = _scene(contact=contact, uncertain={"theta": 1e-3}, quantities=("final", "outcome"))
+    answer = scene.answer()
+    same, again = pickle.loads(pickle.dumps((answer, scene)))
+    assert same.report() == answer.report()
+    for name, part in (answer.parts or {"": answer}).items():
+        kept = same.parts[name] if name else same
+        assert kept.path.identical(part.path)
+    assert again.answer().value == answer.value
+
+
+def test_scenes_in_threads_have_the_answers_that_they_have_alone() -> None:
+    scenes = [_scene(contact=st.Viscous(10.0**n), horizon=10.0) for n in (0, 1, 2, 3)] * 2
+    alone = [scene.answer().value for scene in scenes]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(lambda scene: scene.answer().value, scenes)) == alone
