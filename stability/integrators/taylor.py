@@ -239,9 +239,8 @@ def _end(leg: Leg, outcome: Any, time: float, state: Floats, states: Floats) -> 
         if event:
             return _on_guard(leg, time, state)
         return End(UNRESOLVED, time, state, f"heyoka stopped: {outcome}")
-    good = int(np.isfinite(states).all(axis=1).sum()) - 1  # the start is one of them, if any is
-    if good < 0:
-        return End(UNRESOLVED, float(leg.times[0]), leg.start, f"heyoka stopped: {outcome}")
+    states = states if len(states) else leg.start[None]
+    good = max(0, int(np.isfinite(states).all(axis=1).sum()) - 1)  # the start is one of them
     return End(UNRESOLVED, float(leg.times[good]), states[good], f"heyoka stopped: {outcome}")
 
 

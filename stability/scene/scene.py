@@ -311,6 +311,9 @@ class Scene:
         if told.motion is None:
             return told
         problem, track = told.motion
+        if track.finish is not None and track.finish.kind in UNKNOWN:  # no finer run knows more
+            lost = dict.fromkeys(self.quantities, math.inf)
+            return replace(told, true_error=lost if len(lost) > 1 else math.inf)
         fine = replace(problem, tolerance=max(1e-14, min(TRUTH * self.tolerance, TRUEST)))
         truth = full(fine)
         errors = {n: _true(n, (problem, track), (fine, truth)) for n in self.quantities}

@@ -22,6 +22,8 @@ SLOW = 300.0
 """Friction, over the rate of the motion, above which a motion counts as stiff."""
 LOOKS, SAFETY = 201, 5.0
 """Times at which two runs are compared, and the factor on their distance."""
+BRIEF = 0.25
+"""Share of the computing time of a run for each that finds until when an answer holds."""
 LASTING = (Outcome.MOVING, Outcome.SETTLED)
 
 
@@ -73,6 +75,7 @@ def kept_until(problem: Problem) -> float:
         The problem.
     """
     times = np.linspace(0.0, problem.last, LOOKS)
+    problem = replace(problem, max_seconds=BRIEF * problem.max_seconds)
     one, other = (
         problem.flow.reported(run.path.states)
         for tolerance in (100 * FINEST, FINEST)
