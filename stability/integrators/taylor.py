@@ -99,7 +99,9 @@ def _expressions(flow: Flow) -> tuple[list[Any], list[Any], list[Any]]:
         if name == NO_CONTACT and flow.friction:
             continue  # it vanishes with gn D only: a change of both signs would hide in the product
         product = product * guard
-    watched = [ca.SX(g) for g in flow.guards.values()] if own else [product]
+    # a guard of the parameters alone never changes on the way, and heyoka takes no such event
+    moving = [ca.SX(g) for g in flow.guards.values() if ca.depends_on(ca.SX(g), flow.x)]
+    watched = moving if own else [product]
     program = Program(ca.Function("taylor", [flow.x, flow.p], [flow.rhs, *watched]))
     symbols = [hy.make_vars(name) for name in flow.names]
     parameters = [hy.par[i] for i in range(flow.p.numel())]
@@ -237,6 +239,7 @@ def _end(leg: Leg, outcome: Any, time: float, state: Floats, states: Floats) -> 
         if event:
             return _on_guard(leg, time, state)
         return End(UNRESOLVED, time, state, f"heyoka stopped: {outcome}")
+    states = states if len(states) else leg.start[None]
     good = max(0, int(np.isfinite(states).all(axis=1).sum()) - 1)  # the start is one of them
     return End(UNRESOLVED, float(leg.times[good]), states[good], f"heyoka stopped: {outcome}")
 

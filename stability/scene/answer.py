@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     import xarray
 
 from .ladder import Climbed, Rung
-from .questions import QUESTIONS, Found, relative_error
+from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.full import kept_until
 from .rungs.track import Finish, Problem, Track
-from .uncertain import Spread
+from .uncertain import Spread, apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +77,10 @@ class Answer:
     def chosen(self) -> Rung | None:
         """The rung that gave the answer."""
         return next((r for r in self.rungs if r.chosen), None)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields and the path, without the problem: its equations have no pickle."""
+        return {**self.__dict__, "path": self.path, "motion": None}
 
     def __repr__(self) -> str:
         return f"<Answer by {self.model}: {self.sentence}>"
@@ -160,7 +164,8 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
     values = {n: in_units(problem, n, one) for n, one in found.found.items()}
     if "path" in values:
         values["path"] = dataset(problem, track, found.model)
-    errors = {n: relative_error(one) for n, one in found.found.items()}
+    lost = track.finish is not None and track.finish.kind in UNKNOWN
+    errors = {n: math.inf if lost else relative_error(one) for n, one in found.found.items()}
     until = horizon if track.finish is None else float(track.finish.time) * clock
     if not found.share <= 1:
         until = min(until, kept_until(problem) * clock)
@@ -198,6 +203,31 @@ def _ending(end: Finish) -> str:
     if end.kind in ("lift-off", "flat"):
         return str(own).split(": ", 1)[1]
     return end.evidence
+
+
+def held_against(name: str, mine: tuple[Problem, Track], fine: tuple[Problem, Track]) -> float:
+    """The true error of a quantity, of which a track and a finer one of the full model are known.
+
+    A run that cannot be made finer is no truth of its own: then the error that it states counts.
+
+    Parameters
+    ----------
+    name
+        Name of the quantity.
+    mine, fine
+        The problem and its track, and those of the finer run.
+
+    Returns
+    -------
+    float
+        Infinite where states are not those of the same time, or where the truth is not known.
+    """
+    one, other = (QUESTIONS[name].find(*known) for known in (mine, fine))
+    ends = [None if t.finish is None else t.finish.kind for _, t in (mine, fine)]
+    if ends[1] in UNKNOWN or (ends[0] != ends[1] and not isinstance(one.value, str)):
+        return math.inf
+    far = apart(other.value, one.value)
+    return relative_error(other) if far == 0 and other.value is not None else far
 
 
 def in_units(problem: Problem, name: str, found: Found) -> Any:

@@ -39,6 +39,9 @@ def laws_of(disk: Any, contact: Any) -> dict[str, Any]:
     if not isinstance(disk, Disk):
         raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk or a System.")
     found = dict(contact) if isinstance(contact, Mapping) else {"": contact}
+    for name in found if isinstance(contact, Mapping) else ():
+        if not (isinstance(name, str) and name.strip() and name.isprintable()):
+            raise ParameterError(f"contact names a law {shown(name)}; give each law a word.")
     for law in found.values():
         if not isinstance(law, Contact):
             raise ParameterError(

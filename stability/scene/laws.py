@@ -12,6 +12,7 @@ import numpy as np
 from ..base.types import Floats
 from .answer import Answer
 from .rungs.track import relative
+from .uncertain import apart as distance
 
 SHOWN = 5
 """Pairs of laws that the sentence names."""
@@ -40,8 +41,9 @@ def compare(
     -------
     Answer
         Its values and estimates are by law.  `apart` is the largest difference between two laws at
-        the end of the time that they share.  The answer holds until two laws differ by more than
-        the tolerance.
+        the end of the time that they share, of a linear question that of its values, and infinite
+        where a law has no answer.  The answer holds until two laws differ by more than the
+        tolerance, or one answer no longer holds.
     """
     known = {n: a for n, a in parts.items() if a.motion is not None}
     sentences, apart, until, same = [], 0.0, horizon, []
@@ -57,26 +59,23 @@ def compare(
             )
         else:
             same.append(f"{one} and {other} agree within the tolerance {tolerance:g}")
-    words = "; ".join([*same, *sentences][:SHOWN])
-    if not sentences:
-        words = f"all laws agree within the tolerance {tolerance:g}"
-    if not known:  # linear questions
-        words = "; ".join(f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items())
     lost = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.model == "none"]
+    words = [*same, *sentences][:SHOWN]
+    if not known:  # linear questions
+        words = [f"{n}: {a.sentence.rstrip('.')}" for n, a in parts.items() if a.model != "none"]
+        apart = max((_different(*two) for two in combinations(parts.values(), 2)), default=0.0)
+    elif len(known) > 1 and not sentences:
+        words = [f"all laws agree within the tolerance {tolerance:g}"]
+    if lost:  # nothing is known of how far such a law is from the others
+        apart = math.inf
+    until = min([until, *(a.until for a in parts.values())])
     values = {n: _asked(a, quantities) for n, a in parts.items()}
     lost += _weighed(values, quantities, weights)
-    models = ", ".join(a.model for a in parts.values())
     return Answer(
-        values,
-        models,
-        {n: a.estimate for n, a in parts.items()},
-        (),
-        until,
-        "; ".join([words, *lost]) + ".",
-        tolerance,
-        parts=parts,
-        apart=apart,
-    )
+        values, ", ".join(a.model for a in parts.values()),
+        {n: a.estimate for n, a in parts.items()}, (), until, "; ".join([*words, *lost]) + ".",
+        tolerance, parts=parts, apart=apart,
+    )  # fmt: skip
 
 
 def _weighed(
@@ -97,6 +96,12 @@ def _weighed(
             spread = math.sqrt(sum(weights[n] * (v - mean) ** 2 for n, v in each.items()))
             said.append(f"{name} by weight: {mean:.4g} ± {spread:.2g}")
     return said
+
+
+def _different(one: Answer, other: Answer) -> float:
+    """The largest difference of the values of two linear answers, over 1 or their size."""
+    pairs = [[a.value if isinstance(a.value, dict) else {"": a.value} for a in (one, other)]]
+    return max((distance(a[n], b[n]) for a, b in pairs for n in a if n in b), default=0.0)
 
 
 def _asked(answer: Answer, quantities: Sequence[str]) -> Any:

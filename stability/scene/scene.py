@@ -20,18 +20,18 @@ from ..bodies.thin_disk.disk_families import FAMILIES
 from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
-from .answer import Answer, tell
+from .answer import Answer, held_against, tell
 from .inputs import in_words, launched, laws_of, names_of, weights_of
 from .ladder import Climbed, climb
 from .laws import compare
 from .linear import LINEAR, Member
 from .linear import answer as answer_linear
-from .questions import QUESTIONS, relative_error
+from .questions import QUESTIONS, UNKNOWN, relative_error
 from .rungs.full import full
 from .rungs.near_steady import CLOSED_FORMS
 from .rungs.reduced import ReducedModel
 from .rungs.track import MOST_SAMPLES, SPACING, Problem
-from .uncertain import VAIN_WORDS, WASTED, Spread, apart, spread
+from .uncertain import VAIN_WORDS, WASTED, Spread, spread
 
 LOOSEST, TIGHTEST = 0.1, 1e-13
 """Range of a scene's tolerance."""
@@ -140,8 +140,8 @@ class Scene:
         given = self.quantities
         names = (given,) if isinstance(given, str) else given
         every = (*QUESTIONS, *LINEAR)
-        if not isinstance(names, Sequence) or not names:
-            what = shown(given) if names else "empty"
+        if not isinstance(names, Sequence) or not len(names):
+            what = shown(given) if not isinstance(names, Sequence) else "empty"
             raise ParameterError(f"quantities is {what}; known are {', '.join(every)}.")
         for name in names:
             known("quantities", name, every)
@@ -192,8 +192,12 @@ class Scene:
             raise ParameterError(
                 f"models is {shown(self.models)}; give a list of stability.ReducedModel."
             )
-        if given and not isinstance(self.disk, System):
-            raise ParameterError("models belong to a stability.System; leave them out.")
+        if not isinstance(self.disk, System):
+            for word, value in (("models", given), ("families", self.families)):
+                if not (value is None or (isinstance(value, (tuple, list)) and not value)):
+                    raise ParameterError(
+                        f"{word} belong to a stability.System; leave them out for a disk."
+                    )
         names = [*(m.name for m in given), *CLOSED_FORMS, getattr(self.disk, "name", "")]
         double = [n for n in names if names.count(n) > 1]
         if double:
@@ -335,14 +339,12 @@ class Scene:
         if told.motion is None:
             return told
         problem, track = told.motion
+        if track.finish is not None and track.finish.kind in UNKNOWN:  # no finer run knows more
+            lost = dict.fromkeys(self.quantities, math.inf)
+            return replace(told, true_error=lost if len(lost) > 1 else math.inf)
         fine = replace(problem, tolerance=max(1e-14, min(TRUTH * self.tolerance, TRUEST)))
         truth = full(fine)
-        errors = {}
-        for name in self.quantities:
-            mine, other = (
-                QUESTIONS[name].find(p, t).value for p, t in ((problem, track), (fine, truth))
-            )
-            errors[name] = apart(other, mine)
+        errors = {n: held_against(n, (problem, track), (fine, truth)) for n in self.quantities}
         return replace(told, true_error=errors if len(errors) > 1 else errors[self.quantities[0]])
 
     def plot(self, path: Any = None, *, overwrite: bool = False, **options: Any) -> Any:

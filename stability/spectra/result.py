@@ -172,7 +172,7 @@ class Spectrum:
             if self.proof.escalated:
                 parts.insert(0, "double precision left it open")
         elif self.structural_zeros:
-            count = self.structural_zeros
+            count = int(self.structural_zeros)  # NumPy's truth value multiplies no text
             parts.append(
                 f"{count} structural zero{'s' * int(count != 1)} removed through null vectors"
             )

@@ -378,7 +378,117 @@ def _law_methods(r: random.Random, place: Path) -> Call:  # noqa: ARG001
     return getattr(law, name), [[0.3, 0.4], 1.0, mu], {}
 
 
+QUANTITIES = ("final", "path", "outcome", "settling_time", "lift_off_time", "largest_tilt")
+LINEAR = ("verdict", "growth_rate", "boundary")
+RUNGS = ("steady", "linearised", "second-order", "creep", "rough", "creep-1", "viscous")
+
+
+def _scene_words(r: random.Random) -> dict[str, Any]:
+    laws = [st.Viscous(10 ** r.uniform(-2, 4)), st.LinearViscous(mu=10 ** r.uniform(-2, 4)),
+            st.Coulomb(r.uniform(0.1, 0.5)), st.Rough(), st.Smooth()]  # fmt: skip
+    contact: Any = r.choice(laws)
+    if r.random() < 0.15:
+        contact = dict(zip("ab", r.sample(laws, 2), strict=True))
+    asked = r.sample(QUANTITIES, r.randint(1, 3))
+    if r.random() < 0.15 and not isinstance(contact, st.Coulomb | dict):
+        asked = [r.choice(LINEAR)]
+    words = {
+        "disk": st.Disk(k=r.uniform(0.25, 0.5)), "contact": contact,
+        "start": {"theta": r.uniform(1.2, 1.9), "omega3": r.uniform(0, 1)},
+        "horizon": 10 ** r.uniform(-1, 1.3), "tolerance": 10 ** r.uniform(-9, -1),
+        "quantities": tuple(asked),
+    }  # fmt: skip
+    if r.random() < 0.3:
+        words["uncertain"] = {n: 10 ** r.uniform(-6, -2) for n in r.sample(["theta", "k"], 1)}
+    return words
+
+
+def _system_words(r: random.Random) -> dict[str, Any]:
+    family, asked = r.choice([(), (families()[0],)]), r.sample(QUANTITIES[:4], r.randint(1, 2))
+    return {
+        "disk": systems()[0], "contact": {"g": r.uniform(0.5, 2), "d": r.uniform(0, 1)},
+        "start": [r.uniform(-1, 1), r.uniform(-1, 1)], "horizon": r.uniform(1, 20),
+        "quantities": asked, "families": family, "uncertain": r.choice([{}, {"g": 0.1}]),
+    }  # fmt: skip
+
+
+def _answered(
+    disk: Any, contact: Any, start: Any, horizon: Any, tolerance: Any = 1e-6, quantities: Any = (),
+    uncertain: Any = None, families: Any = (),
+) -> Any:  # fmt: skip
+    """The answer to a scene, and all that it says."""
+    more = {} if uncertain is None else {"uncertain": uncertain}
+    scene = st.Scene(
+        disk, contact, start, horizon, tolerance, quantities, families=families, **more
+    )
+    answer = scene.answer()
+    return answer, answer.path, answer.report()
+
+
+def _verified(
+    disk: Any, contact: Any, start: Any, horizon: Any, tolerance: Any = 1e-6, quantities: Any = (),
+    uncertain: Any = None, families: Any = (),
+) -> Any:  # fmt: skip
+    """The same, held against the full model."""
+    more = {} if uncertain is None else {"uncertain": uncertain}
+    return st.Scene(
+        disk, contact, start, horizon, tolerance, quantities, families=families, **more
+    ).verify()
+
+
+@_call
+def _scene(r: random.Random, place: Path) -> Call:  # noqa: ARG001
+    return st.Scene, [], _scene_words(r)
+
+
+@_call
+def _scene_told(r: random.Random, place: Path) -> Call:  # noqa: ARG001
+    return r.choice([_answered, _verified]), [], _scene_words(r)
+
+
+@_call
+def _scene_of_system(r: random.Random, place: Path) -> Call:  # noqa: ARG001
+    return r.choice([_answered, _verified]), [], _system_words(r)
+
+
+@_call
+def _scene_only(r: random.Random, place: Path) -> Call:  # noqa: ARG001
+    words = {"contact": st.Viscous(10 ** r.uniform(1, 3)), "quantities": ("final",)}
+    return st.Scene(**_scene_words(r) | words).answer, [], {"only": r.choice(RUNGS)}
+
+
+@_call
+def _scene_file(r: random.Random, place: Path) -> Call:
+    folder = Path(st.__file__).parents[1] / "examples" / "scenes"
+    path = r.choice(sorted(folder.glob("*.toml")))
+    if r.random() < 0.5:  # some of its characters are others
+        text = list(path.read_text(encoding="utf-8"))
+        for _ in range(r.randint(1, 4)):
+            text[r.randrange(len(text))] = r.choice('0-.e[]{}"=,#\n x\0é')
+        path = place / "scene.toml"
+        path.write_text("".join(text), encoding="utf-8")
+        return _refusing, [path], {}
+    return st.Scene.from_toml, [path], {}
+
+
+def _refusing(path: Path) -> Any:
+    """A scene, or nothing where its file is refused as it may be."""
+    try:
+        return st.Scene.from_toml(path)
+    except st.StabilityError as error:
+        if found := too_much(str(error)):
+            raise AssertionError(found) from error
+        return None
+
+
+@_call
+def _reduced_model(r: random.Random, place: Path) -> Call:  # noqa: ARG001
+    system = systems()[0]
+    return st.ReducedModel, ["slow", system, lambda x, p: (x, p), lambda x, p: x], {}  # noqa: ARG005
+
+
 WEIGHTY = (
+    "scene_told", "scene_told", "scene_of_system", "scene_only",
     "spectrum", "stability_map", "boundaries", "drift", "hopf", "launch", "simulate",
     "spectrum_own", "map_own", "boundaries_own", "branch", "system", "mass_matrix",
     "system_methods", "family",

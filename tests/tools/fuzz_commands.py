@@ -28,6 +28,8 @@ SPECTRAL = ("viscous", "linear-viscous", "smooth", "rough")
 DISKS = ("quarter", "le-saux", "gymnastics-hoop")
 METHODS = ("auto", "heyoka", "dop853", "lsoda", "radau", "bdf", "cvodes", "idas")
 VERDICTS = {"stable", "unstable", "neutral", "undecided"}
+SCENES = ("spun-coin", "stiff-launch", "near-threshold-roll")
+"""Scenes of one viscous law among the examples."""
 INTERRUPTED = ("atlas", "chart", "failures", "report")
 """Commands of minutes, which are stopped by Ctrl-C after a moment where they begin at all."""
 MOMENT = 1.0
@@ -52,8 +54,8 @@ OPTIONS = (
     "--certify", "--json", "--x", "--y", "--out", "--plot", "--levels", "--modes", "--verdict-only",
     "--checkpoint", "--force", "--resolution", "--theta", "--theta-dot", "--phi-dot", "--omega3",
     "--slip-x", "--slip-y", "--epsilon", "--time", "--points", "--method", "--tolerance",
-    "--no-check", "--pose", "--film", "--tilt", "--latex", "--workers", "--help", "--version", "-h",
-    "--nothing", "-x", "-1",
+    "--no-check", "--verify", "--only", "--pose", "--film", "--tilt", "--latex", "--workers",
+    "--help", "--version", "-h", "--nothing", "-x", "-1",
 )  # fmt: skip
 
 Words = list[str]
@@ -174,6 +176,17 @@ def _simulate(r: random.Random) -> Words:
     return words + ["--film", "x.html"] * (r.random() < 0.05) + body
 
 
+def _scene(r: random.Random) -> Words:
+    folder = Path(__file__).resolve().parents[2] / "examples" / "scenes"
+    words = ["scene", str(folder / f"{r.choice(SCENES)}.toml")]
+    kind = r.random()
+    if kind < 0.3:
+        words += ["--verify"]
+    elif kind < 0.6:
+        words += ["--only", r.choice(["steady", "linearised", "second-order", "creep", "viscous"])]
+    return words + ["--out", "out.nc"] * (kind > 0.8)
+
+
 def _long(r: random.Random) -> Words:
     name = r.choice(INTERRUPTED)
     words = [name, "--out", "new"]
@@ -182,7 +195,9 @@ def _long(r: random.Random) -> Words:
     return words[:1] + ["spectrum"] * (name == "chart") + words[1:] + ["--workers", "1"]
 
 
-MAKERS = (_spectrum,) * 8 + (_map,) * 4 + (_table,) * 2 + (_simulate,) * 5 + (_long,)
+MAKERS = (
+    (_spectrum,) * 8 + (_map,) * 4 + (_table,) * 2 + (_simulate,) * 5 + (_scene,) * 2 + (_long,)
+)  # fmt: skip
 
 
 def _mutated(r: random.Random, words: Words) -> Words:

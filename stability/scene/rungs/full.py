@@ -23,6 +23,8 @@ SLOW = 300.0
 LOOKS, SAFETY, ALONG = 201, 5.0, 1e-2
 """Times at which two runs are compared, the factor on their distance, and the ratio of tolerances
 of two runs that are compared on the way."""
+BRIEF = 0.25
+"""Share of the computing time of a run for each that finds until when an answer holds."""
 LASTING = (Outcome.MOVING, Outcome.SETTLED)
 
 
@@ -74,6 +76,7 @@ def kept_until(problem: Problem) -> float:
         The problem.
     """
     times = np.linspace(0.0, problem.last, LOOKS)
+    problem = replace(problem, max_seconds=BRIEF * problem.max_seconds)
     one, other = (
         problem.flow.reported(run.path.states)
         for tolerance in (100 * FINEST, FINEST)

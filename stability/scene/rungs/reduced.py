@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.checks import instance
+from ...base.checks import instance, real_numbers
 from ...base.errors import ParameterError, shown
 from ...base.types import Floats
 from ...bodies.model import system_model
@@ -67,7 +67,7 @@ class ReducedModel:
     """States, shape (…, n), and parameters of this system → full states, shape (…, s)."""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name.strip():
+        if not (isinstance(self.name, str) and self.name.strip() and self.name.isprintable()):
             raise ParameterError(f"the name of a reduced model is {shown(self.name)}; give a word.")
         instance("system", self.system, System, "give a stability.System")
         for word in ("down", "up"):
@@ -97,12 +97,12 @@ def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
     -------
     Track or Refused
     """
-    given = model.down(problem.start, problem.p)
+    given = model.down(problem.start.copy(), problem.p.copy())  # a map may write into them
     if not isinstance(given, (tuple, list)) or len(given) != 2:
         raise ParameterError(
             f"down of {model.name} gives {shown(given)}; give the pair (states, parameters)."
         )
-    x, p = (np.asarray(v, dtype=float) for v in given)
+    x, p = (real_numbers(f"down of {model.name}", v) for v in given)
     flow = model.flow
     if x.shape != (len(model.system.states),) or p.shape != (len(model.system.parameters),):
         raise ParameterError(
@@ -119,12 +119,14 @@ def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
     own = len(model.system.states)
 
     def lifted(states: Floats) -> Floats:
-        full: Floats = np.asarray(model.up(states[..., :own], p), dtype=float)
+        full = real_numbers(f"up of {model.name}", model.up(states[..., :own].copy(), p.copy()))
         if full.shape != (*states.shape[:-1], len(problem.start)):
             raise ParameterError(
                 f"up of {model.name} gives shape {full.shape}; give {len(problem.start)} states "
                 "along the last axis."
             )
+        if not np.isfinite(full).all():
+            raise ParameterError(f"up of {model.name} gives NaN or infinite states.")
         return full
 
     many = run.at(elements.times.ravel()).reshape(*elements.times.shape, -1)
