@@ -327,8 +327,7 @@ class Scene:
         -------
         Answer
             With `true_error`: the difference of the values, over 1 or their size, by quantity where
-            several were asked for, and at the samples of a path.  It is None for a linear question,
-            whose rungs prove their errors.
+            several were asked for; None for a linear question, whose rungs prove their errors.
         """
         laws, began = laws_of(self.disk, self.contact), time.perf_counter()
         if len(laws) > 1:

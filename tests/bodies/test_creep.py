@@ -181,3 +181,9 @@ def test_orders_are_in_their_order() -> None:
     assert [law.name for law in CREEP] == ["rough", "creep-1", "creep-2", "creep-3"]
     for lower, upper in itertools.pairwise(CREEP[1:]):
         assert upper.order == lower.order + 1
+
+
+def test_a_flat_disk_is_refused_as_flat_and_with_a_number() -> None:
+    with pytest.raises(st.StabilityError, match="strictly between 0 and π") as told:
+        st.simulate(st.Disk(), st.Creep1(300.0), {"theta": 0.0, "omega3": 1.0}, 1.0)
+    assert "nan" not in str(told.value)

@@ -156,9 +156,9 @@ def _conditions(x: ca.SX, p: ca.SX, contact: type[Contact]):  # type: ignore[no-
         if issubclass(contact, Creep):
             more = (Condition(_relaxation(x, p) - LEAST_RELAXATION, CREEPS),)
         return (
-            *more,
             Condition(x[0], flat),
             Condition(math.pi - x[0], flat),
+            *more,  # has no value at a flat disk
             Condition(
                 observables["determinant"],
                 "D = {value:.3g} is not positive: no contact force holds the disk on the plane "
