@@ -141,7 +141,7 @@ def scene_caption(dataset: xarray.Dataset) -> str:
         parts.append(f"They end in another way: {', '.join(ends)}.")
     out = _named(dataset, np.isnan(dataset.true_error.values))
     if out:
-        parts.append(f"They do not apply: {', '.join(out)}.")
+        parts.append(f"Without an answer here: {', '.join(out)}.")
     parts.append(f"Stability {told['stability_version']}, {told['created'][:10]}.")
     return " ".join(parts)
 
