@@ -149,7 +149,7 @@ def test_the_caption_says_what_was_computed_and_what_has_no_mark(
     for part in ("the law viscous (k = 0.25, mu = 100, SI units)", "from theta = 1.4",
                  "horizon 0.5 s", "tolerance 0.0001", "the full model, much finer",
                  "uncertain by mu ± 0.1", "end in another way: smooth law",
-                 "not apply: viscous law, μ = 100"):  # fmt: skip
+                 "answer here: viscous law, μ = 100"):  # fmt: skip
         assert part in told
     shown = " ".join(t.get_text() for t in figure.texts)
     assert " ".join(shown.split()) == told
