@@ -10,6 +10,7 @@ from stability.compare.motion.reference_motions import scene as reference
 from stability.motion.starts import gather
 from stability.scene.rungs.creep import creep_path, held_of, transient
 from stability.scene.rungs.creeping import creeping
+from stability.scene.rungs.full import full
 from stability.scene.rungs.track import Problem, Track, relative
 
 START = np.array([1.3, 0.1, 0.4, 1.1, 0.0, 0.0])
@@ -88,3 +89,10 @@ def test_little_friction_is_refused_with_the_number() -> None:
     _, _, told = creeping(_problem(1.0, 5.0, 1e-6))
     assert not isinstance(told, Track)
     assert "horizon ends before the slip has decayed" in told.why
+
+
+def test_a_start_whose_error_has_no_bound_gives_an_end_of_which_nothing_is_known() -> None:
+    problem = _problem(0.3, 2.0, 1e-6)
+    track = full(problem, 0.0, problem.start, np.full(6, np.inf))
+    assert np.isinf(track.errors).all()
+    assert np.isfinite(track.states).all()

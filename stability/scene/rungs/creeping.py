@@ -151,6 +151,8 @@ def creeping(
         if climb.highest < 0 and ahead - climb.now > PATIENCE * problem.last:
             return climb.orders, "creep", Refused(why, _indicators(climb))
         _by_full(climb, problem.last if turns == TURNS else min(ahead, problem.last))
+        if climb.lost and climb.now < problem.last:
+            return climb.orders, "creep", Refused(climb.lost, _indicators(climb))
     if climb.highest < 0:
         return climb.orders, "creep", Refused(why or "creep reaches nothing", _indicators(climb))
     return climb.orders, name_of(climb.highest), _joined(climb)
@@ -256,7 +258,9 @@ def _by_full(climb: Climb, last: float) -> None:
     climb.steps += track.steps
     climb.finish = track.finish
     climb.now, climb.state = float(track.times[-1]), track.states[-1]
-    climb.carried = climb.carried * 0 + track.errors[-1] / max(1.0, 6**0.5)
+    climb.carried = np.full(6, track.errors[-1] / 6**0.5)
+    if not np.isfinite(climb.carried).all():
+        climb.lost = "the error of the full model between two stretches has no bound"
 
 
 def _joined(climb: Climb) -> Track:

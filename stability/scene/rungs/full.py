@@ -125,6 +125,8 @@ def _run(
         track = _along(problem, track, start, times, tolerance)
     if carried is None or not np.abs(carried).any():
         return track
+    if not np.isfinite(carried).all():
+        return replace(track, errors=np.full(len(track.errors), np.inf))
     for side in (1.0, -1.0):
         off = (start + side * carried)[None]
         [other] = _results(problem, off, times, tolerance, check=False)
