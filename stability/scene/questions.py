@@ -21,6 +21,8 @@ PEAKS, ZOOMS, FLAT_TOP = 300, 16, 0.1
 the distance from flat, below which a polynomial finds the largest."""
 LOCAL = 12
 """Points of a stretch on which a largest value or a crossing is found."""
+SIDES = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
+"""Sides to which the end is displaced by its error: every other state, and the rest."""
 UNKNOWN = ("unresolved", "undetermined", "non-unique")
 """Ends after which nothing is known."""
 
@@ -67,7 +69,10 @@ def outcome(problem: Problem, track: Track) -> Found:
     if not np.isfinite(track.errors[-1]):
         return Found("unresolved", math.inf, "the error of the end has no bound")
     near = _near(problem, track)
-    if track.errors[-1] > near.reach and near.settled != _near(problem, track, 1.0).settled:
+    sides = [near.settled]
+    if track.errors[-1] > near.reach:
+        sides += [_near(problem, track, side).settled for side in SIDES]
+    if len(set(sides)) > 1:
         return Found("moving", math.inf, "settling is proved for the end, not for one in its error")
     return Found("settled" if near.settled else "moving", 0.0, near.evidence)
 
@@ -184,10 +189,11 @@ QUESTIONS = {
 """Every quantity of a motion by name."""
 
 
-def _near(problem: Problem, track: Track, share: float = 0.0) -> Nearest:
-    """The nearest steady motion of the end, displaced by a share of its error."""
+def _near(problem: Problem, track: Track, side: tuple[float, float] = (0.0, 0.0)) -> Nearest:
+    """The nearest steady motion of the end, displaced by its error to one side."""
     last = track.states[-1]
-    off = share * track.errors[-1] * np.maximum(1.0, np.abs(last)) * signs(len(last))
+    share = np.where(np.arange(len(last)) % 2, *side) * signs(len(last))
+    off = share * track.errors[-1] * np.maximum(1.0, np.abs(last))
     return problem.launches.settling.nearest(last + off, problem.p, problem.settle)
 
 

@@ -225,3 +225,13 @@ def test_the_report_names_every_rung() -> None:
     text = answer.report()
     assert all(r.name in text for r in answer.rungs)
     assert sum(line.startswith("*") for line in text.splitlines()) == 1
+
+
+def test_a_model_at_rest_does_not_settle_a_motion_that_is_not_proved_to_settle() -> None:
+    start = [1.57075668, -4.64442598e-07, 1.97033107, -5.62374806e-06, 0.0, 0.0]
+    asked = {"contact": st.LinearViscous(0.0011), "start": start, "horizon": 110.0}
+    scene = _scene(disk=st.Disk(k=0.5), quantities="outcome", tolerance=1e-4, **asked)
+    steady = scene.answer(only="steady")
+    assert steady.estimate == math.inf
+    run = st.simulate(st.Disk(k=0.5), st.LinearViscous(0.0011), start, 110.0)
+    assert scene.answer().value == run.attrs["outcome"] == "moving"
