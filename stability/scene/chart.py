@@ -18,12 +18,12 @@ from ..bodies.contact import Contact
 from ..bodies.contact_laws import Coulomb, LinearViscous, Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from .answer import states_in_units
-from .inputs import laws_of, names_of
+from .inputs import known_to, laws_of
 from .ladder import Climbed, climb, full_name
 from .linear import LINEAR
 from .rungs.creep import applies
 from .rungs.drifting import DRIFT, drifting
-from .rungs.full import full
+from .rungs.full import truth_of
 from .rungs.near_steady import near_steady
 from .rungs.reduced import reduced
 from .rungs.track import Problem, Refused, Track, relative
@@ -35,8 +35,8 @@ FORMAT = "stability chart scene 1"
 """Attribute `format` of a chart."""
 KINDS = ("closed form", "reduced model", "creep", "full model", "other law")
 """Kinds of models."""
-TRUTH, FINEST = 1e-3, 1e-14
-"""Tolerance of the truth over that of the scene, and the smallest."""
+FINEST = 1e-14
+"""Smallest tolerance of an order of creep."""
 LOOSEST = 0.1
 """Largest error of an order of creep that is charted."""
 JUST_ABOVE = 1.5
@@ -151,7 +151,7 @@ def chart(
     problem, others = scene._problem(scene.contact), _others(scene, laws)
     if progress is not None and not callable(progress):
         raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
-    truth = full(replace(problem, tolerance=max(FINEST, TRUTH * problem.tolerance)))
+    _, truth = truth_of(problem)
     steps: list[Callable[[], Iterator[Row]]] = [
         lambda: _closed(scene, problem, truth), lambda: _own(scene, problem, truth),
         lambda: _creep(scene, problem, truth), lambda: _full(scene, problem, truth),
@@ -172,9 +172,8 @@ def _one(scene: Any, laws: Any) -> tuple[Any, Any]:
     if not rest:
         return scene, laws
     bare = replace(scene, contact=truth, uncertain={}, weights={})
-    inputs = names_of(scene.disk, {"": truth})
-    known = {n: v for n, v in scene.uncertain.items() if n in inputs}
-    return replace(bare, uncertain=known), dict(rest) if laws is None else laws
+    widths = known_to(scene.disk, truth, scene.uncertain)
+    return replace(bare, uncertain=widths), dict(rest) if laws is None else laws
 
 
 def _others(scene: Any, laws: Any) -> dict[str, Contact]:

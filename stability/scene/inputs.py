@@ -110,6 +110,20 @@ def names_of(disk: Any, laws: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*STATES, "k", *own)))
 
 
+def known_to(disk: Any, law: Any, widths: Mapping[str, float]) -> dict[str, float]:
+    """The half-widths of those uncertain inputs that one law has.
+
+    Parameters
+    ----------
+    disk, law
+        The disk or a system, and one law.
+    widths
+        Half-widths by name.
+    """
+    inputs = names_of(disk, {"": law})
+    return {n: w for n, w in widths.items() if n in inputs}
+
+
 def in_words(name: str, width: float, launches: Starts) -> str:
     """An uncertain input with its half-width and unit.
 

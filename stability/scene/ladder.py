@@ -21,7 +21,7 @@ from .rungs.creep import MOST_ORDERS, applies
 from .rungs.creeping import creeping, name_of
 from .rungs.drifting import DRIFT, ROLLING, drifting
 from .rungs.full import FINEST, full
-from .rungs.near_steady import LINEARISED, SECOND, STEADY, near_steady
+from .rungs.near_steady import CLOSED_FORMS, LINEARISED, near_steady
 from .rungs.reduced import ReducedModel, reduced
 from .rungs.track import Problem, Refused, Track
 
@@ -127,17 +127,9 @@ def rungs_of(problem: Problem, models: Sequence[ReducedModel]) -> tuple[str, ...
     models
         Reduced models of a user's system.
     """
-    orders = ["creep", *map(name_of, range(MOST_ORDERS + 1))] if applies(problem) else []
-    every = (
-        STEADY,
-        LINEARISED,
-        SECOND,
-        DRIFT,
-        *(m.name for m in models),
-        *orders,
-        full_name(problem),
-    )
-    return tuple(dict.fromkeys(every))
+    orders = ("creep", *ORDERS) if applies(problem) else ()
+    own = [m.name for m in models]
+    return tuple(dict.fromkeys((*CLOSED_FORMS, DRIFT, *own, *orders, full_name(problem))))
 
 
 def full_name(problem: Problem) -> str:
@@ -242,7 +234,7 @@ def _since(began: float) -> float:
 
 def _near(ladder: _Ladder) -> None:
     """The three closed forms near a steady motion."""
-    if not ladder.asked(STEADY, LINEARISED, SECOND):
+    if not ladder.asked(*CLOSED_FORMS):
         return
     began = time.perf_counter()
     if ladder.problem.launches.dry:

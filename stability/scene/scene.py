@@ -21,13 +21,13 @@ from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
 from .answer import Answer, held_against, tell
-from .inputs import in_words, launched, laws_of, names_of, weights_of
+from .inputs import in_words, known_to, launched, laws_of, names_of, weights_of
 from .ladder import Climbed, climb
 from .laws import compare
 from .linear import LINEAR, Member
 from .linear import answer as answer_linear
 from .questions import QUESTIONS, UNKNOWN, relative_error
-from .rungs.full import full
+from .rungs.full import truth_of
 from .rungs.near_steady import CLOSED_FORMS
 from .rungs.reduced import ReducedModel
 from .rungs.track import MOST_SAMPLES, SPACING, Problem
@@ -35,8 +35,6 @@ from .uncertain import VAIN_WORDS, WASTED, Spread, spread
 
 LOOSEST, TIGHTEST = 0.1, 1e-13
 """Range of a scene's tolerance."""
-TRUTH, TRUEST = 1e-3, 1e-6
-"""Tolerance of the full model in `verify`, over that of the scene, and its largest."""
 POINTS = 201
 """Samples of a path."""
 
@@ -254,8 +252,7 @@ class Scene:
             names = tuple(dict.fromkeys((*names, "path")))
         parts = {}
         for name, law in laws.items():
-            known_to_law = names_of(self.disk, {"": law})
-            widths = {n: w for n, w in self.uncertain.items() if n in known_to_law}
+            widths = known_to(self.disk, law, self.uncertain)
             one = replace(self, contact=law, quantities=names, uncertain=widths, weights={})
             parts[name] = one.verify() if verify else one.answer(only=only)
         return compare(parts, self.quantities, self.horizon, self.tolerance, self.weights)
@@ -341,9 +338,8 @@ class Scene:
         if track.finish is not None and track.finish.kind in UNKNOWN:  # no finer run knows more
             lost = dict.fromkeys(self.quantities, math.inf)
             return replace(told, true_error=lost if len(lost) > 1 else math.inf)
-        fine = replace(problem, tolerance=max(1e-14, min(TRUTH * self.tolerance, TRUEST)))
-        truth = full(fine)
-        errors = {n: held_against(n, (problem, track), (fine, truth)) for n in self.quantities}
+        truth = truth_of(problem)
+        errors = {n: held_against(n, (problem, track), truth) for n in self.quantities}
         return replace(told, true_error=errors if len(errors) > 1 else errors[self.quantities[0]])
 
     def plot(self, path: Any = None, *, overwrite: bool = False, **options: Any) -> Any:

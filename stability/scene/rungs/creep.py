@@ -197,10 +197,12 @@ def creep_path(
         return f"slip follows the motion only {relaxation[0].min():.3g} times faster than it moves"
     bound = valid == len(path)
     linear = Linear.along(elements.first(valid), slope[:valid])
-    near = _window(held, linear, path[:valid], slip[:valid], rate[:valid])
+    rates, _ = held.motion(path[:valid], slip[:valid], rate[:valid])
+    change = linear.solve(rates - linear.elements.derivative(path[:valid]), np.zeros(4))
+    near = _window(change, path[:valid])
     if near < valid:
-        valid, bound, linear = near, True, linear.first(near)
-    orders = _orders(held, linear, path[:valid], slip[:valid], rate[:valid], tolerance)
+        valid, bound, linear, change = near, True, linear.first(near), change[:near]
+    orders = _orders(held, linear, path[:valid], slip[:valid], rate[:valid], change, tolerance)
     if not orders:
         return "the orders of creep do not converge"
     elements, least = linear.elements, float(forces[:valid, :, 2].min())
@@ -210,23 +212,20 @@ def creep_path(
     )
 
 
-def _window(held: Held, linear: Linear, path: Floats, slip: Floats, rate: Floats) -> int:
+def _window(change: Floats, path: Floats) -> int:
     """Number of elements, one at least, on which the rough path is near: there orders converge."""
-    rates, _ = held.motion(path, slip, rate)
-    change = linear.solve(rates - linear.elements.derivative(path), np.zeros(4))
     far = np.flatnonzero(~(relative(change, path).max(axis=1) < WINDOW))
     return max(1, int(far[0])) if far.size else len(path)
 
 
 def _orders(
-    held: Held, linear: Linear, path: Floats, slip: Floats, rate: Floats, tolerance: float
-) -> tuple[Order, ...]:
-    """Orders until the error is below the tolerance, or the corrections no longer fall."""
+    held: Held, linear: Linear, path: Floats, slip: Floats, rate: Floats, change: Floats,
+    tolerance: float,
+) -> tuple[Order, ...]:  # fmt: skip
+    """Orders from the first change on, until one is fine enough or they no longer fall."""
     found, size, elements = [], np.inf, linear.elements
     now, zero = Order(path, np.zeros_like(slip)), np.zeros(4)
     for _ in range(MOST_ORDERS + 1):
-        rates, _ = held.motion(now.path, slip, rate)
-        change = linear.solve(rates - elements.derivative(now.path), zero)
         then = Order(now.path + change, slip)
         errors = np.concatenate([change, slip - now.slip], axis=-1)
         before, size = size, float(relative(errors, then.states).max())
@@ -243,6 +242,8 @@ def _orders(
             break
         slip = held.slip(forces)
         rate = elements.derivative(slip)
+        rates, _ = held.motion(now.path, slip, rate)
+        change = linear.solve(rates - elements.derivative(now.path), zero)
     return tuple(found)
 
 

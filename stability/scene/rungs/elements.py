@@ -2,7 +2,7 @@
 
 A path is known at Chebyshev points of each element.  The derivative is a matrix, so the defect of
 the path in any equations is an evaluation, without a run of them.  A linear equation along the path
-(`propagate`) gives the error that a defect causes, and the sensitivity to a parameter.
+(`Linear`, or `carried` where it is stiff) gives the error that a defect causes.
 """
 
 from __future__ import annotations

@@ -16,6 +16,8 @@ FIRST, STIFF, SHARPER, FINEST = 1e-4, 1e-2, 1e-3, 1e-15
 depends on it, and for a stiff motion; the factor of the next; the smallest."""
 COARSEST = 1e-7
 """Largest tolerance of the integrator: above it an error does not scale with the tolerance."""
+TRUTH, COARSE_TRUTH, TRUEST = 1e-3, 1e-6, 1e-14
+"""Tolerance of the truth over that of the scene, its largest and its smallest."""
 FALL = 0.7
 """Power of the tolerance with which an error falls at least."""
 SLOW = 300.0
@@ -65,6 +67,19 @@ def full(
         if track.errors[-1] <= problem.tolerance or asked <= FINEST or hope > problem.tolerance:
             return best
         asked = decade(asked * SHARPER, FINEST)
+
+
+def truth_of(problem: Problem) -> tuple[Problem, Track]:
+    """The full model at a much finer tolerance: the problem with it, and its track.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    """
+    tolerance = max(TRUEST, min(TRUTH * problem.tolerance, COARSE_TRUTH))
+    fine = replace(problem, tolerance=tolerance)
+    return fine, full(fine)
 
 
 def kept_until(problem: Problem) -> float:
@@ -181,8 +196,6 @@ def _track(problem: Problem, begin: float, times: Floats, one: Result, tolerance
         if one.path.end is not None and (not len(when) or when[-1] < finish.time):
             when = np.append(when, finish.time)
             reported = np.vstack([reported, problem.flow.reported(one.final)[None]])
-    if not np.isfinite(size) and one.outcome is Outcome.UNRESOLVED:
-        size = np.inf
     errors = np.full(len(when), size)
     errors[when == 0.0] = 0.0
 

@@ -193,7 +193,7 @@ def near_steady(problem: Problem, *, always: bool = False) -> dict[str, Track | 
     dict
         Track or refusal by name.
     """
-    every = (STEADY, LINEARISED, SECOND)
+    every = CLOSED_FORMS
     near = problem.launches.settling.closest(problem.start, problem.p)
     if near.member is None:
         why = "no steady motion is known near the start"
@@ -234,7 +234,7 @@ def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str,
     if not middle.max() + sizes.max() <= max(TRUSTED * small.max(), 1e-14):
         why = f"the orders of the deviation from {found.family} do not fall"
     if why:
-        return dict.fromkeys((STEADY, LINEARISED, SECOND), Refused(why, where))
+        return dict.fromkeys(CLOSED_FORMS, Refused(why, where))
     here = slice(len(looks), None)
     third = np.interp(times, np.append(0.0, looks), np.append(0.0, np.maximum.accumulate(sizes)))
     third += 1e-15 * (1 + np.abs(found.values).max() * times)
