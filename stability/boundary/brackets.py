@@ -22,9 +22,9 @@ from ..base.errors import NoMemberError
 from ..base.verdict import Verdict, best
 from ..spectra.certificate import member_at, of_member, structural_zeros
 from ..spectra.problem import Problem
-from ..systems.enclosure import ball_unknowns, characteristic, matrix_polynomial
-from ..systems.multiplicity import certain
-from ..systems.structural_zeros import structure
+from ..systems.structure.enclosure import ball_unknowns, characteristic, matrix_polynomial
+from ..systems.structure.multiplicity import certain
+from ..systems.structure.structural_zeros import structure
 from .critical import frequency
 from .crossings import BoundaryPoint, Crossing
 

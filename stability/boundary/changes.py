@@ -21,7 +21,7 @@ from ..spectra.arguments import prepare
 from ..spectra.certificate import verdict as certified
 from ..spectra.problem import Problem
 from ..systems.family import Family
-from ..systems.structural_zeros import structure
+from ..systems.structure.structural_zeros import structure
 from .brackets import AxisScan, at_point, bracket, crossing_rate, refine
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved

@@ -24,7 +24,7 @@ from ..algebra.exact.real_roots import complex_roots, sign_at, specialised
 from ..algebra.exact.routh import on_the_axis
 from ..base.verdict import Verdict
 from ..systems.family import Family
-from ..systems.structural_zeros import SAMPLE_BITS
+from ..systems.structure.structural_zeros import SAMPLE_BITS
 
 
 def frequency(polynomial: Sequence[Any], *, even: bool = False) -> float:

@@ -43,8 +43,8 @@ from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_polynomials import exact_polynomial
 from ..spectra.disk_problem import disk_problem
 from ..spectra.problem import Problem
-from ..systems.enclosure import ball_unknowns
 from ..systems.family import Family
+from ..systems.structure.enclosure import ball_unknowns
 from .changes import along
 from .crossings import Crossing
 from .search import Mark, search

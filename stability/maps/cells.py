@@ -26,8 +26,8 @@ from ..spectra.certificate import verdict
 from ..spectra.deflation import deflate
 from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
-from ..systems.multiplicity import certain
-from ..systems.structural_zeros import structure
+from ..systems.structure.multiplicity import certain
+from ..systems.structure.structural_zeros import structure
 from .dataset import EXACT, GRAPH, OWN
 from .growth_rates import GrowthKernel, steady_memory
 from .verdict_tiles import GridVerdicts

@@ -16,7 +16,7 @@ from ..base.verdict import CODES
 from ..base.version import __version__
 from ..bodies.thin_disk.disk_quantities import disk_quantities
 from ..spectra.problem import Problem
-from ..systems.structural_zeros import structure
+from ..systems.structure.structural_zeros import structure
 
 if TYPE_CHECKING:
     import xarray

@@ -25,10 +25,10 @@ from ..algebra.exact.root_balls import clustered, exact_roots, isolated
 from ..algebra.exact.routh import on_the_axis
 from ..algebra.routh_balls import hurwitz_sign, product, verdict_polynomial
 from ..base.verdict import Verdict, best
-from ..systems.enclosure import characteristic
 from ..systems.family import Family
-from ..systems.multiplicity import Member, certain
-from ..systems.structural_zeros import structure
+from ..systems.structure.enclosure import characteristic
+from ..systems.structure.multiplicity import Member, certain
+from ..systems.structure.structural_zeros import structure
 from .eigenvalues import NOT_STEADY, in_words
 from .problem import Problem
 

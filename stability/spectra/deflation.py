@@ -17,7 +17,7 @@ from ..algebra.linear_systems import contraction, inverse_of, null_vector, solve
 from ..algebra.running_error import TINY, UNIT, RunningError, running_error_arrays
 from ..base.types import Floats
 from ..systems.family import Family
-from ..systems.structural_zeros import structure
+from ..systems.structure.structural_zeros import structure
 
 
 def grows(

@@ -26,10 +26,10 @@ from ..base.checks import checked
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..systems.enclosure import characteristic
 from ..systems.family import Family, listing
-from ..systems.multiplicity import certain
-from ..systems.structural_zeros import SAMPLE_BITS, SAMPLES, sampled, structure
+from ..systems.structure.enclosure import characteristic
+from ..systems.structure.multiplicity import certain
+from ..systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled, structure
 
 DERIVED = ("conditions", "scale")
 """Methods that only a derived polynomial may override."""

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
-from ..systems.structural_zeros import structure
+from ..systems.structure.structural_zeros import structure
 from .deflation import Place, Reduced
 from .eigenvalues import Eigenpairs, decide, eigenvalues
 from .problem import Problem, broadcast_shape
 
 if TYPE_CHECKING:
-    from ..systems.multiplicity import Member
+    from ..systems.structure.multiplicity import Member
 
 from ..base.types import Complexes, Floats
 
@@ -40,7 +40,7 @@ class Rows:
     """
 
     def __init__(self, problem: Problem, *, exact: bool) -> None:
-        from ..systems.multiplicity import certain
+        from ..systems.structure.multiplicity import certain
 
         self.problem, self.exact = problem, exact
         family = problem.family

@@ -16,9 +16,9 @@ from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ..base.types import Floats, fields_of
+from .equations import Equations
 from .family_graph import FamilyGraph, Frame
 from .steadiness import rate_noise, step_noise
-from .system import System
 from .system_checks import check_family, tables
 
 STEP = 1e-11
@@ -73,16 +73,16 @@ class Family:
 
     Examples
     --------
-    >>> import casadi as ca
+    >>> import casadi as ca, stability as st
     >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
-    >>> pendulum = System("pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
+    >>> pendulum = st.System("pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
     ...                   states=("angle", "rate"), parameters=("g",))
-    >>> hanging = Family(pendulum, "hanging", at=("g",), held={"angle": 0, "rate": 0})
+    >>> hanging = st.Family(pendulum, "hanging", at=("g",), held={"angle": 0, "rate": 0})
     >>> hanging.member([9.81], [])
     array([0., 0.])
     """
 
-    system: System
+    system: Equations
     """The equations of motion."""
     name: str
     """Name of the family in messages and files."""
@@ -110,7 +110,7 @@ class Family:
     __getstate__ = fields_of
 
     def __post_init__(self) -> None:
-        instance("system", self.system, System, "give a stability.System")
+        instance("system", self.system, Equations, "give a stability.System")
         check_family(self)
         for name in (*self.held, *self.unknown, *self.equations):
             self.system.index(name)

@@ -13,7 +13,7 @@ from ..algebra.exact.number_fields import RATIONAL_AT
 from ..algebra.number_types import Algebra, casadi_algebra
 from ..algebra.program import Program
 from ..algebra.upright import Upright
-from .system import System
+from .equations import Equations
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
 """Options for CasADi's root-finder, to the last digit; `Family` checks the root afterwards."""
@@ -23,7 +23,7 @@ FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail
 class Frame:
     """A system with the parts that a family fixes."""
 
-    system: System
+    system: Equations
     """The equations of motion."""
     at: Sequence[str]
     """Names of the family parameters."""

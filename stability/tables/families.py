@@ -8,7 +8,7 @@ from functools import lru_cache
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, disk_family
-from ..systems.structural_zeros import structure
+from ..systems.structure.structural_zeros import structure
 from .conditions import scan
 
 

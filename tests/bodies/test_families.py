@@ -181,7 +181,7 @@ def test_a_root_that_is_not_proved_is_not_handed_out() -> None:
     from flint import arb
 
     from stability.algebra.balls import precision
-    from stability.systems.enclosure import ball_unknowns
+    from stability.systems.structure.enclosure import ball_unknowns
 
     x, a = ca.SX.sym("x"), ca.SX.sym("a")
     system = st.System("fold", x, a, a - x**2, states=("x",), parameters=("a",))

@@ -10,7 +10,7 @@ from stability.algebra.exact.function_field import FunctionField
 from stability.algebra.exact.number_fields import NotExact, characteristic, vanishes
 from stability.algebra.exact.root_balls import clustered
 from stability.base.errors import DomainError, ParameterError
-from stability.systems.multiplicity import certain, identity
+from stability.systems.structure.multiplicity import certain, identity
 
 
 def _system(name: str, states: str, rhs, parameters: str = "p") -> st.System:
@@ -429,7 +429,7 @@ def test_a_root_at_zero_is_enclosed(p: float, rate: float) -> None:
     from flint import arb
 
     from stability.algebra.balls import precision
-    from stability.systems.enclosure import ball_unknowns
+    from stability.systems.structure.enclosure import ball_unknowns
 
     system = _system("zero", "yz", lambda x, q: (-(x[0] + q) * x[0], rate * q * x[0] * x[1]))
     branch = st.Family(

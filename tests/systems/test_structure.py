@@ -8,7 +8,7 @@ from sympy import Matrix, Rational, Symbol, factor, symbols
 import stability as st
 from stability.algebra.number_types import sympy_algebra
 from stability.algebra.program import Program
-from stability.systems.structural_zeros import structure
+from stability.systems.structure.structural_zeros import structure
 
 K, MU, W, S, C = symbols("k mu w s c", positive=True)
 LAM = Symbol("lam")

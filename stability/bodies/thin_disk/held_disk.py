@@ -12,7 +12,7 @@ from functools import lru_cache
 import casadi as ca
 
 from ...algebra.program import Program
-from ...systems.system import eliminate
+from ...systems.equations import eliminate
 from ..contact_laws import Rough
 from .disk_equations import DiskBody
 

@@ -257,8 +257,8 @@ def exact_edge(
     from ...algebra.balls import precision
     from ...algebra.routh_balls import hurwitz_sign, verdict_polynomial
     from ...bodies.thin_disk.disk_families import disk_family
-    from ...systems.enclosure import characteristic
-    from ...systems.structural_zeros import structure
+    from ...systems.structure.enclosure import characteristic
+    from ...systems.structure.structural_zeros import structure
 
     near = edge(family, law, k, mu, low, high)
     member = disk_family(family, law)

@@ -25,9 +25,9 @@ from ...bodies.law_names import law_named
 from ...bodies.thin_disk.disk_families import FAMILIES, disk_family
 from ...spectra.disk_problem import disk_problem
 from ...spectra.problem import Problem
-from ...systems.enclosure import characteristic
 from ...systems.family import Family
-from ...systems.structural_zeros import structure
+from ...systems.structure.enclosure import characteristic
+from ...systems.structure.structural_zeros import structure
 
 BITS = 1024
 """First working precision of the truth [bits]."""

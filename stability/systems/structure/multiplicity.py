@@ -17,9 +17,9 @@ import numpy as np
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
 from scipy.sparse.csgraph import connected_components
 
-from ..algebra.balls import precision
-from ..algebra.exact.function_field import FunctionField
-from ..algebra.exact.number_fields import (
+from ...algebra.balls import precision
+from ...algebra.exact.function_field import FunctionField
+from ...algebra.exact.number_fields import (
     EXACT,
     NotExact,
     NumberField,
@@ -27,10 +27,10 @@ from ..algebra.exact.number_fields import (
     rational,
     vanishes,
 )
-from ..algebra.number_types import balls
-from ..base.errors import NoMemberError, StabilityError
+from ...algebra.number_types import balls
+from ...base.errors import NoMemberError, StabilityError
+from ..family import Family
 from .enclosure import ball_unknowns, matrix_polynomial
-from .family import Family
 from .structural_zeros import structure
 
 ROOT_BITS = 512

@@ -7,12 +7,12 @@ from functools import lru_cache
 
 from flint import arb
 
-from ..algebra.balls import precision
-from ..algebra.number_types import balls
-from ..algebra.routh_balls import ROUGH
-from ..base.errors import StabilityError
+from ...algebra.balls import precision
+from ...algebra.number_types import balls
+from ...algebra.routh_balls import ROUGH
+from ...base.errors import StabilityError
+from ..family import Family
 from .enclosure import ball_unknowns, matrix_polynomial
-from .family import Family
 
 SAMPLES = 3
 """Random members at which the structure of a spectrum is established."""

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from ..algebra.number_types import balls
-from ..base.errors import NoMemberError
-from .family import Family, listing
+from ...algebra.number_types import balls
+from ...base.errors import NoMemberError
+from ..family import Family, listing
 
 
 def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[Any]:

@@ -1,0 +1,349 @@
+"""A dynamical system as one CasADi graph: named states, parameters, rates, observables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Self
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..algebra.program import Program
+from ..base.checks import broadcast, known, rows
+from ..base.errors import DomainError, ParameterError, shown
+from ..base.types import fields_of
+from .condition import Condition
+from .system_checks import check_implicit, check_system, expression, mapping, names
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """The record of equations of motion that families read; `System` is its public name.
+
+    Parameters and errors are those of `stability.systems.system.System`.
+    """
+
+    name: str
+    """Name of the system in messages and files."""
+    x: ca.SX
+    """State symbols, shape (n,)."""
+    p: ca.SX
+    """Parameter symbols, shape (m,)."""
+    rhs: ca.SX
+    """Rates of the states, shape (n,)."""
+    states: tuple[str, ...]
+    """State names, in order."""
+    parameters: tuple[str, ...] = ()
+    """Parameter names, in order."""
+    observables: Mapping[str, ca.SX] = field(default_factory=dict)
+    """Expressions in x and p by name."""
+    conditions: tuple[Condition, ...] = ()
+    """Quantities that must be positive."""
+    units: Mapping[str, str] = field(default_factory=dict)
+    """SI unit by name."""
+    mass: ca.SX | None = None
+    """Mass matrix of the implicit form, or None."""
+    forcing: ca.SX | None = None
+    """Right-hand side of the implicit form, or None."""
+    unknowns: tuple[str, ...] = ()
+    """Names of the implicit form's unknowns: accelerations and contact forces."""
+
+    __getstate__ = fields_of
+
+    def __post_init__(self) -> None:
+        for what in ("states", "parameters", "unknowns"):
+            object.__setattr__(self, what, names(what, getattr(self, what)))
+        for what in ("observables", "units"):
+            object.__setattr__(self, what, mapping(what, getattr(self, what)))
+        seen = {n: expression(f"observable {n}", e) for n, e in self.observables.items()}
+        object.__setattr__(self, "observables", seen)
+        if (self.mass is None) != (self.forcing is None):
+            raise ParameterError("mass and forcing belong together; give both or none.")
+        if self.mass is not None:
+            size = len(self.unknowns)
+            object.__setattr__(self, "mass", expression("mass", self.mass, size, size))
+            object.__setattr__(self, "forcing", expression("forcing", self.forcing, size, 1))
+        given = self.conditions
+        if not isinstance(given, (tuple, list)) or not all(isinstance(c, Condition) for c in given):
+            raise ParameterError(
+                f"conditions is {shown(given)}; give a tuple of stability.Condition."
+            )
+        object.__setattr__(self, "conditions", tuple(given))
+        check_system(self)
+
+    @classmethod
+    def from_mass_matrix(
+        cls,
+        name: str,
+        x: ca.SX,
+        p: ca.SX,
+        mass: ca.SX,
+        forcing: ca.SX,
+        *,
+        unknowns: Sequence[str],
+        rates: Mapping[str, Any],
+        pivots: Sequence[tuple[int, int]] | None = None,
+        observables: Any = None,
+        **others: Any,
+    ) -> Self:
+        """A system from mass · u = forcing, where u holds accelerations and constraint forces.
+
+        Parameters
+        ----------
+        name, x, p
+            As in the constructor.
+        mass, forcing
+            Square matrix and column in x and p.
+        unknowns
+            Names of u: `d_STATE` for the rate of a state; other names are forces.
+        rates
+            Rates of the states that are not among the unknowns, expressions by state name.
+        pivots
+            (row, column) of each elimination step, with a nonzero pivot at every valid state;
+            natural order when left out.
+        observables
+            Function (solution by name, pivot values) → mapping of expressions, or None.
+        **others
+            `states`, `parameters`, `conditions`, `units` as in the constructor.
+
+        Returns
+        -------
+        Equations
+            An instance of the class that was called.
+
+        Examples
+        --------
+        >>> x, m = ca.SX.sym("x", 2), ca.SX.sym("m")
+        >>> s = Equations.from_mass_matrix("spring", x, m, m, -x[0], unknowns=("d_v",),
+        ...     rates={"q": x[1]}, states=("q", "v"), parameters=("m",))
+        >>> s.rates([1.0, 0.0], [4.0])
+        array([ 0.  , -0.25])
+        """
+        for word in others:
+            known("keyword", word, ("states", "parameters", "conditions", "units"))
+        sought = names("unknowns", unknowns)
+        given = {n: expression(f"rate of {n}", e, 1, 1) for n, e in mapping("rates", rates).items()}
+        matrix = expression("mass", mass, len(sought), len(sought))
+        right = expression("forcing", forcing, len(sought), 1)
+        states = others.get("states", ())
+        order = check_implicit(matrix, sought, given, pivots, states)
+        solution, values = eliminate(matrix, right, order)
+        solved = dict(zip(sought, solution, strict=True))
+        rhs = ca.vertcat(*[given[s] if s in given else solved[f"d_{s}"] for s in states])
+        if observables is not None and not callable(observables):
+            raise ParameterError(f"observables is {shown(observables)}; give a function or None.")
+        extra = observables(solved, values) if observables else {}
+        conditions = others.pop("conditions", ())
+        if callable(conditions):
+            conditions = conditions(extra)
+        return cls(
+            name, x, p, ca.SX(rhs), observables=extra, conditions=conditions,
+            mass=matrix, forcing=right, unknowns=sought, **others,
+        )  # fmt: skip
+
+    @cached_property
+    def jacobian(self) -> ca.SX:
+        """∂f/∂x by automatic differentiation, shape (n, n)."""
+        return ca.jacobian(self.rhs, self.x)
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """CasADi function (x, p) → (rates, observables…); build one in each process."""
+        outputs = [self.rhs, *self.observables.values()]
+        names = ["rates", *self.observables]
+        return ca.Function(_identifier(self.name), [self.x, self.p], outputs, ["x", "p"], names)
+
+    @cached_property
+    def _program(self) -> Program:
+        return Program(self.function)
+
+    @cached_property
+    def _jacobian_program(self) -> Program:
+        return Program(ca.Function("jacobian", [self.x, self.p], [self.jacobian]))
+
+    @cached_property
+    def _condition_program(self) -> Program:
+        values = [c.value for c in self.conditions]
+        return Program(ca.Function("conditions", [self.x, self.p], values))
+
+    def _arguments(self, x: ArrayLike, p: ArrayLike) -> tuple[list[Any], tuple[int, ...]]:
+        xs, ps = rows("x", x, self.states), rows("p", p, self.parameters)
+        shape = broadcast(x=xs.shape[:-1], p=ps.shape[:-1])
+        arguments = [list(np.moveaxis(xs, -1, 0)), list(np.moveaxis(ps, -1, 0))]
+        return arguments, shape
+
+    def check(self, x: ArrayLike, p: ArrayLike) -> None:
+        """Refuse a state at which the equations have no meaning, with the reason.
+
+        Parameters
+        ----------
+        x, p
+            States and parameters, shapes (…, n) and (…, m).
+
+        Raises
+        ------
+        DomainError
+            If a condition fails; the message names the condition and its value.
+        """
+        arguments, shape = self._arguments(x, p)
+        values = self._condition_program.arrays(arguments, shape) if self.conditions else []
+        for condition, value in zip(self.conditions, values, strict=True):
+            bad = ~(value > 0)
+            if bad.any():
+                raise DomainError(condition.refusal(float(value[bad].flat[0])))
+
+    def rates(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.float64]:
+        """Rates of the states.
+
+        Parameters
+        ----------
+        x
+            States, shape (…, n), dimensionless for the disk.
+        p
+            Parameters, shape (…, m).
+
+        Returns
+        -------
+        ndarray
+            f(x, p), shape (…, n).
+
+        Raises
+        ------
+        DomainError
+            Where the equations have no meaning.
+        """
+        self.check(x, p)
+        return self._finite(self._program.arrays(*self._arguments(x, p))[0])[..., 0]
+
+    def linearise(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.float64]:
+        """The Jacobian ∂f/∂x by automatic differentiation at any state.
+
+        Parameters
+        ----------
+        x, p
+            As in `rates`.
+
+        Returns
+        -------
+        ndarray
+            Shape (…, n, n).
+
+        Raises
+        ------
+        DomainError
+            Where the equations have no meaning.
+        """
+        self.check(x, p)
+        return self._finite(self._jacobian_program.arrays(*self._arguments(x, p))[0])
+
+    def observe(self, x: ArrayLike, p: ArrayLike) -> dict[str, NDArray[np.float64]]:
+        """Every observable at states.
+
+        Parameters
+        ----------
+        x, p
+            As in `rates`.
+
+        Returns
+        -------
+        dict
+            Arrays of the leading shape by name.
+
+        Raises
+        ------
+        DomainError
+            Where the equations have no meaning.
+        """
+        self.check(x, p)
+        values = map(self._finite, self._program.arrays(*self._arguments(x, p))[1:])
+        return {
+            name: value[..., 0, 0] if value.shape[-2:] == (1, 1) else value[..., 0]
+            for name, value in zip(self.observables, values, strict=True)
+        }
+
+    def _finite(self, values: Any) -> NDArray[np.float64]:
+        array: NDArray[np.float64] = np.asarray(values)
+        if not np.isfinite(array).all():
+            raise DomainError(
+                f"{self.name}: values are not finite there, or overflow double precision; give "
+                "another state, with values nearer to 1."
+            )
+        return array
+
+    def index(self, state: str) -> int:
+        """Position of a state by name.
+
+        Parameters
+        ----------
+        state
+            One of `states`.
+
+        Raises
+        ------
+        NameUnknownError
+            If there is no such state.
+        """
+        return self.states.index(known("state", state, self.states))
+
+
+def eliminate(
+    mass: ca.SX, forcing: ca.SX, pivots: Sequence[tuple[int, int]]
+) -> tuple[list[ca.SX], list[ca.SX]]:
+    """Solve mass · u = forcing symbolically, with stated pivots.
+
+    The order of the pivots decides the divisors.  An order whose pivots never vanish in the domain
+    leaves no removable singularity, such as the factor 1/cosθ that a computer algebra system may
+    leave.
+
+    Parameters
+    ----------
+    mass
+        Square SX matrix.
+    forcing
+        SX column.
+    pivots
+        (row, column) of each step; each row and column once.
+
+    Returns
+    -------
+    solution, values
+        u as a list of expressions, and the value of each pivot in order.
+
+    Examples
+    --------
+    >>> u, pivots = eliminate(ca.SX([[0.0, 2.0], [4.0, 0.0]]), ca.SX([2.0, 4.0]), [(0, 1), (1, 0)])
+    >>> u
+    [SX(1), SX(1)]
+    """
+    size = mass.size1()
+    rows = [[mass[i, j] for j in range(size)] for i in range(size)]
+    right = [forcing[i] for i in range(size)]
+    used: list[int] = []
+    values = []
+    for row, column in pivots:
+        used.append(row)
+        pivot = rows[row][column]
+        values.append(pivot)
+        for other in range(size):
+            if other in used or rows[other][column].is_zero():
+                continue
+            factor = rows[other][column] / pivot
+            for j in range(size):
+                rows[other][j] = rows[other][j] - factor * rows[row][j]
+            rows[other][column] = ca.SX(0)
+            right[other] = right[other] - factor * right[row]
+    solution: dict[int, ca.SX] = {}
+    for row, column in reversed(pivots):
+        total = right[row]
+        for j, value in solution.items():
+            total = total - rows[row][j] * value
+        solution[column] = total / rows[row][column]
+    return [solution[j] for j in range(size)], values
+
+
+def _identifier(name: str) -> str:
+    """A name that CasADi accepts: letters and digits only."""
+    return "f" + "".join(c for c in name if c.isascii() and c.isalnum())
