@@ -306,7 +306,7 @@ def normal_form(family: Family, a: Sequence[Any], q: Sequence[Any]) -> NormalFor
     a, q = ([arb(v) for v in values] for values in (a, q))
     u = ball_unknowns(family, a, q)
     known = dict(zip((*family.at, *family.unknown), (*a, *u), strict=True))
-    held = {n: arb.pi() / 2 if isinstance(v, Upright) else arb(v) for n, v in family.held.items()}
+    held = {n: arb.pi() / 2 if isinstance(v, Upright) else arb(v) for n, v in family.fixed.items()}
     state = [(known | held)[n] for n in family.system.states]
     matrix = acb_mat(arb_mat(family.graph.matrix.dense(balls(), [a, u, q])))
     try:

@@ -114,9 +114,12 @@ def members(family: Family, states: Floats, p: Floats) -> Floats | None:
     values = [p[family.system.parameters.index(n)] for n in family.parameters]
     a, q = _at(family, states, p), np.tile(np.array(values, dtype=float), (len(states), 1))
     try:
-        return family.checked_states(a, family.solve(a, q), q)
+        found = family.checked_states(a, family.solve(a, q), q)
     except StabilityError:
         return None
+    moving = [family.system.index(n) for n in family.left_out]
+    found[:, moving] = states[:, moving]  # a state left out has any value
+    return found
 
 
 def _proved(family: Family, state: Floats, member: Floats, p: Floats) -> tuple[str, Any]:
@@ -129,7 +132,7 @@ def _proved(family: Family, state: Floats, member: Floats, p: Floats) -> tuple[s
     system = family.system
     known = dict(zip(system.states, (arb(v) for v in state.tolist()), strict=True))
     y = [known[n] for n in system.states if n in family.at]
-    fixed = dict(zip(system.states, member.tolist(), strict=True)) | dict(family.held)
+    fixed = dict(zip(system.states, member.tolist(), strict=True)) | family.fixed
     e = [
         known[n] - (arb.pi() / 2 if isinstance(v, Upright) else arb(float(v)))
         for n, v in ((n, fixed[n]) for n in system.states if n not in family.at)
@@ -174,7 +177,7 @@ def _surroundings(family: Family, along: list[str], across: list[str]) -> Surrou
     y, e = (ca.SX.sym(name, len(names)) for name, names in (("y", along), ("e", across)))
     u, p = ca.SX.sym("u", len(family.unknown)), ca.SX.sym("p", len(system.parameters))
     fixed: dict[str, Any] = {n: constants(v) if not isinstance(v, Upright) else v
-                             for n, v in family.held.items()}  # fmt: skip
+                             for n, v in family.fixed.items()}  # fmt: skip
     fixed |= dict(zip(family.unknown, ca.vertsplit(u), strict=False))
     moving = dict(zip(along, ca.vertsplit(y) if along else [], strict=True))
     off = dict(zip(across, ca.vertsplit(e), strict=True))

@@ -27,7 +27,7 @@ from ..algebra.routh_balls import hurwitz_sign, product, verdict_polynomial
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.enclosure import characteristic
-from ..systems.structure.multiplicity import Member, certain
+from ..systems.structure.multiplicity import Member, certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .eigenvalues import NOT_STEADY, in_words
 from .problem import Problem
@@ -316,7 +316,7 @@ def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
     """
     if not certain(family):
         return None  # the number of zeros is proved for single members only
-    even = family.conservative
+    even = family.conservative or symmetric(family)
     coefficients = characteristic(family, a, q)
     sign = hurwitz_sign(verdict_polynomial(coefficients, structure(family).zeros, even))
     return {1: best(even=even), -1: Verdict.UNSTABLE}.get(sign)

@@ -53,10 +53,15 @@ def grows(
     >>> st.spectrum(rest, at=1.0).nonlinear.word
     'grows like t in the linear flow'
     """
-    if zeros < 2:
-        return np.zeros(len(a), dtype=bool)
     with np.errstate(all="ignore"):
         matrix, error = tracked_matrix(family, a, q, u, roundings)
+        kept = [i for i, n in enumerate(family.system.states) if n not in family.left_out]
+        zeros -= len(family.left_out)
+        if zeros < 2:
+            return np.zeros(len(a), dtype=bool)
+        if family.left_out:  # the other states are a system of their own
+            pick = np.ix_(np.arange(len(a)), kept, kept)
+            matrix, error = matrix[pick], error[pick]
         for axis in (2, 1):  # rows and columns of like size, by powers of two: exact, same rank
             size = np.abs(matrix).max(axis=axis, keepdims=True)
             scale = np.exp2(-np.round(np.log2(np.where(size > 0, size, 1.0))))
@@ -174,12 +179,18 @@ def _linearised(
     matrix, error = running_error_arrays(graph.matrix, arguments, a.shape[:1])[0]
     steps: list[Deflation] = []
     sound: list[NDArray[np.bool_]] = []
+    states = list(family.system.states)
+    for name in family.left_out[:zeros]:  # no other rate depends on it: no rounding at all
+        matrix, error = _dropped(matrix, error, states.index(name), steps)
+        states.remove(name)
+        sound.append(np.ones(len(a), dtype=bool))
+    left = zeros - len(steps)
     tangents, doubts = tangent_vectors(family, arguments, a.shape[:1])
-    for index in range(min(zeros, tangents.shape[-1])):
+    for index in range(min(left, tangents.shape[-1])):
         vector, doubt = _push(tangents[..., index], doubts[..., index], steps)
         matrix, error, within = _deflate(matrix, error, vector, doubt, steps, watch)
         sound.append(within)
-    for _ in range(zeros - min(zeros, tangents.shape[-1])):
+    for _ in range(left - min(left, tangents.shape[-1])):
         if not np.isfinite(matrix).all():
             break
         vector, doubt = null_vector(matrix, error)
@@ -187,6 +198,19 @@ def _linearised(
         sound.append(within)
     supported = np.cumprod(np.array(sound, dtype=int).reshape(len(sound), len(a)), axis=0)
     return Reduced(matrix, error, steps, supported.sum(axis=0))
+
+
+def _dropped(
+    matrix: Floats, error: Floats, index: int, steps: list[Deflation]
+) -> tuple[Floats, Floats]:
+    """The linearisation without a state that no remaining rate depends on: e is a null vector."""
+    count, size = matrix.shape[:2]
+    kept = [i for i in range(size) if i != index]
+    order = np.tile(np.array([index, *kept], dtype=np.intp), (count, 1))
+    none = np.zeros((count, size - 1))
+    steps.append(Deflation(order, none, none, matrix[:, index, kept]))
+    pick = np.ix_(np.arange(count), kept, kept)
+    return matrix[pick], error[pick]
 
 
 def _arguments(

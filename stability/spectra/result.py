@@ -92,6 +92,9 @@ class Spectrum:
     this is not tested."""
     note: str = ""
     """A sentence if there are fewer structural zeros than at typical members, or empty."""
+    symmetric: bool = False
+    """Whether the spectrum is proved symmetric under λ → -λ at every member of the family: λ²
+    decides, and beyond *unstable* there is *neutral*."""
     pairs: Eigenpairs | None = None
     """Eigenpairs from the eigensolver, dimensionless; None if not needed, or for many points."""
     solver: EigenSolver = lapack
@@ -135,7 +138,9 @@ class Spectrum:
     @property
     def nonlinear(self) -> Any:
         """`Nonlinear`, or an object array of them, shape (…): behaviour of the nonlinear motion."""
-        harmless = self.structural_zeros == self.family.tangents
+        # states left out name no member: the motion of the others is a system of its own
+        known = self.family.tangents + len(self.family.left_out)
+        harmless = self.structural_zeros == known
         stable = Nonlinear.ASYMPTOTIC if harmless else Nonlinear.OPEN
         if self.family.drifts:
             stable = Nonlinear.DRIFTS
@@ -164,7 +169,7 @@ class Spectrum:
         if self.codes.ndim:
             raise ParameterError("reason is for a single spectrum; ask for one point.")
         bound = f"largest real part {self.abscissa:.3g}, error bound {self.abscissa_error:.1g}"
-        if self.family.conservative and not self.certified:
+        if self.symmetric and not self.certified:
             bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound
         parts = [bound]
         if self.proof is not None and self.proof.bits != NOT_ASKED:

@@ -40,7 +40,7 @@ class Rows:
     """
 
     def __init__(self, problem: Problem, *, exact: bool) -> None:
-        from ..systems.structure.multiplicity import certain
+        from ..systems.structure.multiplicity import certain, symmetric
 
         self.problem, self.exact = problem, exact
         family = problem.family
@@ -62,6 +62,9 @@ class Rows:
         self.zeros = structure(family).zeros
         self.certain = problem.derived or certain(family)
         """Whether the number of zeros is proved at every member of the family."""
+        declared = family.conservative and self.certain
+        self.symmetric = declared or (not problem.derived and symmetric(family))
+        """Whether the spectrum is proved symmetric under λ → -λ at every member."""
         self._members: dict[int, Member] = {}
         if not self.certain:
             self.zeros = min(self._proved_zeros() if exact else self._supported())
@@ -105,7 +108,7 @@ class Rows:
             Eigenvectors; None where the values came from a formula, or for members in several
             pieces, to save memory.
         """
-        even = self.problem.family.conservative and self.certain
+        even = self.symmetric
         pairs = None
 
         def piece(rows: slice) -> tuple[NDArray[Any], ...]:
@@ -125,7 +128,7 @@ class Rows:
         from .deflation import grows
 
         family, place = self.problem.family, self.place
-        if self.zeros == family.tangents or self.problem.derived:
+        if self.zeros == family.tangents + len(family.left_out) or self.problem.derived:
             return None
 
         def piece(rows: slice) -> tuple[NDArray[np.bool_]]:

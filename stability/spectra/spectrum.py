@@ -119,6 +119,7 @@ def spectrum(
         _shaped(scale, shape),
         grows=rows.grows(),
         note=rows.note,
+        symmetric=rows.symmetric,
         pairs=pairs,
         solver=chosen(),
     )

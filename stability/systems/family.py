@@ -18,6 +18,7 @@ from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ..base.types import Floats, fields_of
 from .equations import Equations
 from .family_graph import FamilyGraph, Frame
+from .ignorable import acting_on, hidden_pairs, ignorable
 from .steadiness import rate_noise, step_noise
 from .system_checks import check_family, tables
 
@@ -34,7 +35,8 @@ class Family:
     """A family of steady motions of a `System`, named by one or more parameters `at`.
 
     Every state is either named in `at`, held at a value, or solved for.  A member is a root of the
-    rates of the states in `equations`; `member` checks that the other rates vanish too.
+    rates of the states in `equations`; `member` checks that the other rates vanish too.  Ignorable
+    states (`System.ignorable`, such as a heading) may be left out, and then need not rest.
 
     Parameters
     ----------
@@ -121,10 +123,17 @@ class Family:
                 )
         given = [*self.held, *self.unknown, *(n for n in self.at if n in self.system.states)]
         for state in self.system.states:
-            if given.count(state) != 1:
+            if given.count(state) != 1 and (state in given or state not in self.left_out):
                 raise ParameterError(
                     f"state {shown(state)} of family {self.name} is given {given.count(state)} "
                     "times; name each state once, in at, held or unknown."
+                )
+        for state in self.left_out:
+            other = acting_on(self.system, state, given)
+            if other:
+                raise ParameterError(
+                    f"family {self.name} leaves {state} out, but the rate of {other} depends on "
+                    f"it; leave {other} out too, or give {state}."
                 )
         if len(self.unknown) != len(self.equations):
             raise ParameterError(
@@ -137,12 +146,36 @@ class Family:
         """Names of the system's parameters that `at` does not take."""
         return tuple(n for n in self.system.parameters if n not in self.at)
 
+    # --- states that may move ---
+
+    @cached_property
+    def left_out(self) -> tuple[str, ...]:
+        """Ignorable states that the family does not name, in an order in which each acts only on
+        those before it.  Their values do not matter, and their rates need not vanish."""
+        given = {*self.held, *self.unknown, *self.at}
+        if given.issuperset(self.system.states):
+            return ()
+        return tuple(n for n in ignorable(self.system) if n not in given)
+
+    @cached_property
+    def resting(self) -> tuple[int, ...]:
+        """Positions of the states whose rates vanish at a steady motion."""
+        return tuple(i for i, n in enumerate(self.system.states) if n not in self.left_out)
+
+    @property
+    def fixed(self) -> dict[str, float | Upright]:
+        """Values of the states that the family fixes: those held, and 0 for those left out."""
+        return {**self.held, **dict.fromkeys(self.left_out, 0.0)}
+
     # --- the graph at the family ---
 
     @cached_property
     def graph(self) -> FamilyGraph:
         """The system's graph read at this family; built at first use."""
-        return FamilyGraph(Frame(self.system, self.at, self.held, self.unknown, self.equations))
+        zero = hidden_pairs(self.system, self.left_out) if self.left_out else ()
+        return FamilyGraph(
+            Frame(self.system, self.at, self.fixed, self.unknown, self.equations, zero)
+        )
 
     @property
     def closed(self) -> bool:
@@ -370,6 +403,7 @@ class Family:
     def _require_steady(self, a: Floats, u: Floats, q: Floats) -> None:
         arguments = [columns(a), columns(u), columns(q)]
         rates = self.graph.rates.arrays(arguments, a.shape[:1])[0][..., 0]
+        rates[:, [self.system.index(n) for n in self.left_out]] = 0.0
         if not rates.any():
             return
         with np.errstate(all="ignore"):
@@ -386,11 +420,13 @@ class Family:
         if over.any():
             row = int(np.argmax(over.any(axis=1)))
             which = int(np.argmax(np.where(over[row], np.abs(rates[row]), -1.0)))
+            remedy = "add its rate to the family's equations, or give what is held to all its digits"
+            if self.system.states[which] in ignorable(self.system):
+                remedy = "it is ignorable, so leave it out of the family"
             raise NoMemberError(
                 f"{self.name} at {listing(self.at, a[row])} is not steady: "
                 f"{self.system.states[which]} still changes at {abs(rates[row, which]):.3g}, and "
-                f"rounding accounts for {bound[row, which]:.1g} of that at most; add its rate to "
-                "the family's equations, or give what is held to all its digits."
+                f"rounding accounts for {bound[row, which]:.1g} of that at most; {remedy}."
             )
 
     # --- inputs ---

@@ -33,6 +33,8 @@ class Frame:
     """First guesses of the states solved for."""
     equations: Sequence[str]
     """States whose rates must vanish."""
+    zero: Sequence[tuple[int, int]] = ()
+    """Entries of the linearisation that are proved zero, whatever the graph holds."""
 
 
 class Constants:
@@ -102,6 +104,7 @@ class FamilyGraph:
 
     def __init__(self, frame: Frame) -> None:
         self._system = system = frame.system
+        self._zero = frame.zero
         others = [n for n in system.parameters if n not in frame.at]
         a, u, q = ([ca.SX.sym(n) for n in names] for names in (frame.at, frame.unknown, others))
         self._inputs = [ca.vertcat(*s) if s else ca.SX(0, 1) for s in (a, u, q)]
@@ -148,6 +151,8 @@ class FamilyGraph:
             f[i] = value
         for (i, j), value in zip(graph.places[1], slopes, strict=True):
             jac[i, j] = value
+        for i, j in self._zero:
+            jac[i, j] = 0
         return f, ca.sparsify(jac)
 
     @staticmethod

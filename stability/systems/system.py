@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .equations import Equations
+from .ignorable import ignorable
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,3 +48,26 @@ class System(Equations):
     >>> pendulum.rates([0.5, 0.0], [9.81])
     array([ 0.        , -4.70316453])
     """
+
+    @property
+    def ignorable(self) -> tuple[str, ...]:
+        """Names of the states that no other motion depends on, such as a heading or a place.
+
+        The rates of all other states, and all conditions, are proved not to depend on them.  Among
+        themselves they form chains (a place depends on a heading) without a cycle.  A family may
+        leave them out: their values then do not matter, their rates need not vanish, and each
+        gives one structural zero, by proof.  A state that is constant by its equation counts as a
+        parameter, and is not among them.
+
+        Source: derivation in `stability.systems.ignorable`; tests/systems/test_ignorable.py.
+
+        Examples
+        --------
+        >>> import casadi as ca
+        >>> x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 0)
+        >>> cart = System("cart", x, p, ca.vertcat(x[1] * ca.cos(x[2]), -x[1], x[1]),
+        ...               states=("place", "speed", "heading"))
+        >>> cart.ignorable
+        ('place', 'heading')
+        """
+        return tuple(n for n in self.states if n in ignorable(self))

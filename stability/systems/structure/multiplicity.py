@@ -15,8 +15,6 @@ from typing import Any
 
 import numpy as np
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
-from scipy.sparse.csgraph import connected_components
-
 from ...algebra.balls import precision
 from ...algebra.exact.function_field import FunctionField
 from ...algebra.exact.number_fields import (
@@ -30,6 +28,7 @@ from ...algebra.exact.number_fields import (
 from ...algebra.number_types import balls
 from ...base.errors import NoMemberError, StabilityError
 from ..family import Family
+from . import pattern
 from .enclosure import ball_unknowns, matrix_polynomial
 from .structural_zeros import structure
 
@@ -48,7 +47,7 @@ class Identity:
     zeros: int
     """Number of eigenvalues that are zero identically in parameters and unknowns."""
     even: bool
-    """Whether the polynomial without these zeros is even in λ identically."""
+    """Whether the spectrum is symmetric under λ → -λ identically: det(λ - A) is even or odd."""
 
 
 @lru_cache(maxsize=64)
@@ -69,11 +68,22 @@ def identity(family: Family) -> Identity:
     cut = len(family.at), len(family.at) + len(family.unknown)
     parts = symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]
     tangents, zeros, even = 0, 0, False
+    stored = _stored(family)  # sparsity needs no arithmetic, at any size
     with suppress(ArithmeticError):
         zero = _on_the_branch(family, parts)
         tangents = _fixed_directions(family, parts, zero)
         zeros, even = _zero_pattern(_blocks(_matrix(family, *parts), zero), zero)
-    return Identity(max(zeros, tangents), even)
+    zeros = max(zeros, tangents, pattern.zeros(stored), len(family.left_out))
+    return Identity(zeros, even or pattern.mirrored(stored))
+
+
+def _stored(family: Family) -> pattern.Pattern:
+    """Whether the graph holds each entry of the linearisation."""
+    graph = family.graph.matrix
+    out = np.zeros(graph.shapes[0], dtype=bool)
+    for i, j in graph.places[0]:
+        out[i, j] = True
+    return out
 
 
 def _on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[Any], bool]:
@@ -108,6 +118,18 @@ def certain(family: Family) -> bool:
     return proved.zeros >= sampled.zeros and (proved.even or not family.conservative)
 
 
+def symmetric(family: Family) -> bool:
+    """Whether the spectrum without structural zeros is proved even in λ at every member.
+
+    Parameters
+    ----------
+    family
+        The family; it need not be declared conservative.
+    """
+    # samples first: they cost little, and a spectrum that is not even shows it
+    return structure(family).even and certain(family) and identity(family).even
+
+
 def _matrix(
     family: Family, a: Sequence[Any], u: Sequence[Any], q: Sequence[Any]
 ) -> list[list[Any]]:
@@ -121,10 +143,15 @@ def _blocks(
     matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes
 ) -> list[list[list[Any]]]:
     """Diagonal blocks of the block triangular form: their polynomials multiply to the whole."""
-    pattern = np.array([[not zero(entry) for entry in row] for row in matrix])
-    _, labels = connected_components(pattern, directed=True, connection="strong")
-    members = [np.flatnonzero(labels == label) for label in np.unique(labels)]
+    members = pattern.components(_nonzero(matrix, zero))
     return [[[matrix[i][j] for j in some] for i in some] for some in members]
+
+
+def _nonzero(
+    matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes
+) -> pattern.Pattern:
+    """Whether each entry is not proved to be zero."""
+    return np.array([[not zero(entry) for entry in row] for row in matrix])
 
 
 def _whole(matrix: list[list[Any]]) -> list[Any]:
@@ -137,15 +164,22 @@ def _zero_pattern(blocks: list[list[list[Any]]], zero: Callable[[Any], bool]) ->
     zeros, even = 0, True
     mixed: list[list[Any]] = []
     for block in blocks:
-        poly = characteristic(block)
+        try:
+            poly = characteristic(block)
+        except NotExact:  # too large: the places of its zero entries still prove something
+            places = _nonzero(block, zero)
+            zeros += pattern.zeros(places)
+            even = even and pattern.mirrored(places)
+            continue
         low = next(i for i, c in enumerate(poly) if not zero(c))
         zeros += low
         rest = poly[low:]
         if not _is_even(rest, zero):
             mixed.append(rest)
-    if mixed:  # a product of blocks may be even where no single block is: (λ - a)(λ + a)
-        even = _is_even(reduce(_product, mixed), zero)
-    return zeros, even
+    if mixed and even:  # a product may be even where no single block is: (λ - a)(λ + a)
+        with suppress(NotExact):
+            return zeros, _is_even(reduce(_product, mixed), zero)
+    return zeros, even and not mixed
 
 
 def _is_even(poly: Sequence[Any], zero: Callable[[Any], bool]) -> bool:
@@ -166,13 +200,14 @@ def _fixed_directions(
     """Number of tangents of the family that are null vectors at every isolated root.
 
     The rates outside the solved equations must vanish identically.  All rates then vanish along
-    the branch, and the chain rule gives A·∂x/∂at = 0.
+    the branch, and the chain rule gives A·∂x/∂at = 0.  Ignorable states stand apart: the block of
+    the other states has these tangents, and each ignorable state one zero of its own.
     """
     solved = set() if family.closed else {family.system.index(n) for n in family.equations}
     with suppress(ArithmeticError):
         rates = family.graph.rates.dense(EXACT, parts)
-        if all(i in solved or zero(rate) for i, (rate,) in enumerate(rates)):
-            return len([n for n in family.at if n in family.system.states])
+        if all(i in solved or zero(rates[i][0]) for i in family.resting):
+            return family.tangents + len(family.left_out)
     return 0
 
 
@@ -226,7 +261,7 @@ class Member:
         with precision(ROOT_BITS):
             place = [self.balls(self.a), self._root, self.balls(self.q)]
             rates = self.family.graph.rates.dense(balls(), place)
-        return all(arb(rate).contains(0) for (rate,) in rates)
+        return all(arb(rates[i][0]).contains(0) for i in self.family.resting)
 
     def _exact(self) -> None:
         """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""
@@ -290,17 +325,21 @@ class Member:
     def _as_expressions(self) -> list[bool]:
         """Flags of the coefficients, with sines, roots and unknowns as indeterminates."""
         family = self.family
-        size = len(family.system.states) + 1
-        known = [i < identity(family).zeros for i in range(size)]
+        proved, size = identity(family), len(family.system.states)
+        known = pattern.known_coefficients(size, proved.zeros, even=proved.even)
         if self.enclosed_only:
             return known
         field = FunctionField([*family.unknown])
         given = [[field.number(v) for v in some] for some in (self.a, self.q)]
-        try:
-            poly = _whole(_matrix(family, given[0], field.symbols, given[1]))
-        except NotExact:
-            return known
-        return [k or vanishes(c) for k, c in zip(known, poly, strict=True)]
+        own = known
+        with suppress(NotExact):
+            matrix = _matrix(family, given[0], field.symbols, given[1])
+            places = _nonzero(matrix)
+            own = pattern.known_coefficients(
+                size, pattern.zeros(places), even=pattern.mirrored(places)
+            )
+            own = [o or vanishes(c) for o, c in zip(own, _whole(matrix), strict=True)]
+        return [k or o for k, o in zip(known, own, strict=True)]
 
     def enclosed(self) -> list[Any]:
         """Coefficients as balls at the current precision; proved zeros are exact.

@@ -122,6 +122,7 @@ def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
             break
     solved = family.unknown and not family.closed  # another root may be arbitrarily close
     rests = [
-        arb(rate).contains(0) if solved else arb(rate).abs_lower() < ROUGH for (rate,) in rates
+        arb(rates[i][0]).contains(0) if solved else arb(rates[i][0]).abs_lower() < ROUGH
+        for i in family.resting
     ]
     return [n and s for n, s in zip(near, small, strict=True)], all(rests)

@@ -1,0 +1,197 @@
+"""Ignorable states: coordinates such as a heading or a place, found in a system's graph.
+
+State j acts on state i if the rate of i is not proved independent of j.  A proof is the absence of
+j from the graph of the rate, or an identity: with two symbols in place of j the two rates are equal
+as expressions.  A sample that shows no change is no proof.
+
+A state is ignorable if its rate is not identically zero, and no path of such actions leads from it
+to a cycle, to a condition, or to a state that is not ignorable.  So the rates of the other states
+do not depend on ignorable states, and among ignorable states the linearisation is strictly
+triangular: each gives an eigenvalue that is exactly zero, at every state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from ..algebra.balls import precision
+from ..algebra.exact.function_field import FunctionField
+from ..algebra.exact.number_fields import EXACT, vanishes
+from ..algebra.number_types import balls
+from ..algebra.program import Program
+from ..base.errors import StabilityError
+from .equations import Equations
+
+BITS = 200
+"""Precision of the samples that show which independence an identity might prove."""
+MOST_TRIED = 2000
+"""Most identities that are tried for one system."""
+
+
+@dataclass(frozen=True, eq=False)
+class Influence:
+    """Which state acts on which rate, and on which condition."""
+
+    acts: NDArray[np.bool_]
+    """Whether rate i may depend on state j, shape (n, n)."""
+    guards: NDArray[np.bool_]
+    """Whether a condition may depend on state j, shape (n,)."""
+    still: NDArray[np.bool_]
+    """Whether rate i is zero identically, shape (n,)."""
+    hidden: tuple[tuple[int, int], ...]
+    """Pairs (i, j) where the graph of rate i holds state j, but does not depend on it by proof."""
+
+
+@lru_cache(maxsize=64)
+def influence(system: Equations) -> Influence:
+    """Which state acts on which rate; no action is left out without a proof.
+
+    Parameters
+    ----------
+    system
+        The system.
+
+    Returns
+    -------
+    Influence
+    """
+    conditions = ca.vertcat(*[c.value for c in system.conditions])
+    inputs, outputs = [system.x, system.p], [ca.densify(system.rhs), ca.densify(ca.SX(conditions))]
+    graph = ca.Function("rates", inputs, outputs)
+    size = len(system.states)
+    acts = np.zeros((size, size), dtype=bool)
+    rows, columns = graph.jac_sparsity(0, 0).get_triplet()
+    acts[rows, columns] = True
+    guards = np.zeros(size, dtype=bool)
+    if system.conditions:
+        guards[graph.jac_sparsity(1, 0).get_triplet()[1]] = True
+    still = np.array([bool(system.rhs[i].is_zero()) for i in range(size)])
+    hidden = []
+    for i, j in _suspects(system, acts):
+        if _independent(system, i, j):
+            hidden.append((i, j))
+            acts[i, j] = False
+    for i in np.flatnonzero(~still & ~acts.any(axis=1)):
+        still[i] = _zero(system, int(i))
+    return Influence(acts, guards, still, tuple(hidden))
+
+
+def _suspects(system: Equations, acts: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Pairs (i, j) in the graph for which a change of state j alone shows no change of rate i."""
+    size = len(system.states)
+    try:
+        program = Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
+    except StabilityError:  # a branch or a comparison: what the graph holds counts as an action
+        return []
+    with precision(BITS):
+        x = [(arb(3 + 2 * i).sqrt() / 5).mid() for i in range(size)]
+        p = [(arb(2 + 3 * i).sqrt() / 2).mid() for i in range(len(system.parameters))]
+        first = _values(program, x, p)
+        out = []
+        for j in np.flatnonzero(acts.any(axis=0)):
+            moved = [v * 9 / 8 if i == j else v for i, v in enumerate(x)]
+            second = _values(program, moved, p)
+            for i in np.flatnonzero(acts[:, j]):
+                if (first[i] - second[i]).contains(0):
+                    out.append((int(i), int(j)))
+    return out[:MOST_TRIED]
+
+
+def _values(program: Program, x: Sequence[Any], p: Sequence[Any]) -> list[Any]:
+    try:
+        found: list[Any] = [arb(v) for v in program.run(balls(), [list(x), list(p)])[0]]
+    except ZeroDivisionError:
+        return [arb("nan")] * len(x)
+    return found
+
+
+def _rate(system: Equations, i: int) -> Program:
+    return Program(ca.Function("rate", [system.x, system.p], [ca.densify(system.rhs[i])]))
+
+
+def _independent(system: Equations, i: int, j: int) -> bool:
+    """Whether rate i with two symbols in place of state j is the same expression."""
+    field = FunctionField([*system.states, *system.parameters, "other"])
+    size = len(system.states)
+    x, p, other = field.symbols[:size], field.symbols[size:-1], field.symbols[-1]
+    try:
+        program = _rate(system, i)
+        first = program.run(EXACT, [x, p])[0][0]
+        second = program.run(EXACT, [[*x[:j], other, *x[j + 1 :]], p])[0][0]
+        return vanishes(first - second)
+    except (ArithmeticError, StabilityError):
+        return False
+
+
+def _zero(system: Equations, i: int) -> bool:
+    """Whether rate i, on which no state acts, is zero as an expression."""
+    field = FunctionField([*system.states, *system.parameters])
+    size = len(system.states)
+    try:
+        value = _rate(system, i).run(EXACT, [field.symbols[:size], field.symbols[size:]])[0][0]
+        return vanishes(value)
+    except (ArithmeticError, StabilityError):
+        return False
+
+
+@lru_cache(maxsize=64)
+def ignorable(system: Equations) -> tuple[str, ...]:
+    """Ignorable states in an order in which each acts only on those before it.
+
+    Parameters
+    ----------
+    system
+        The system.
+
+    Returns
+    -------
+    tuple of str
+        The largest such set.
+    """
+    known = influence(system)
+    out = known.guards | known.still
+    order: list[int] = []
+    while True:  # next come the states that act on nothing but what is there already
+        rest = np.ones(len(out), dtype=bool)
+        rest[order] = False
+        free = np.flatnonzero(rest & ~out & ~known.acts[rest].any(axis=0))
+        if not len(free):
+            return tuple(system.states[i] for i in order)
+        order += map(int, free)
+
+
+def hidden_pairs(system: Equations, columns: Collection[str]) -> list[tuple[int, int]]:
+    """Entries (i, j) of the linearisation that are zero by an identity, not by sparsity.
+
+    Parameters
+    ----------
+    system
+        The system.
+    columns
+        Names of the states j.
+    """
+    return [(i, j) for i, j in influence(system).hidden if system.states[j] in columns]
+
+
+def acting_on(system: Equations, state: str, among: Collection[str]) -> str:
+    """The first of some states whose rate depends on a state, or an empty string.
+
+    Parameters
+    ----------
+    system
+        The system.
+    state
+        The state that acts.
+    among
+        Names of the states acted on.
+    """
+    column = influence(system).acts[:, system.index(state)]
+    return next((n for n, a in zip(system.states, column, strict=True) if a and n in among), "")

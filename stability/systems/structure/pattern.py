@@ -1,0 +1,119 @@
+"""What the places of zero entries alone prove about a characteristic polynomial.
+
+A coefficient of det(λ - A) is a sum over sets of disjoint cycles in the graph of the entries that
+are not zero (F. Harary, SIAM Rev. 4 (1962) 202-210).  So sparsity proves zeros and symmetry for any
+values, at any size, without one product.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse.csgraph import connected_components
+
+Pattern = NDArray[np.bool_]
+
+
+def components(pattern: Pattern) -> list[NDArray[np.intp]]:
+    """Indices of the diagonal blocks of the block triangular form.
+
+    Parameters
+    ----------
+    pattern
+        Whether each entry may differ from zero, shape (n, n).
+
+    Examples
+    --------
+    >>> [c.tolist() for c in components(np.array([[1, 1], [0, 1]], dtype=bool))]
+    [[1], [0]]
+    """
+    _, labels = connected_components(pattern, directed=True, connection="strong")
+    return [np.flatnonzero(labels == label) for label in np.unique(labels)]
+
+
+def zeros(pattern: Pattern) -> int:
+    """Number of eigenvalues that are zero for all values of the entries.
+
+    Parameters
+    ----------
+    pattern
+        As for `components`.
+
+    Returns
+    -------
+    int
+        n minus the largest number of states that disjoint cycles cover.
+
+    Examples
+    --------
+    >>> zeros(np.array([[0, 1, 0], [0, 0, 1], [0, 1, 0]], dtype=bool))  # a chain into a pair
+    1
+    """
+    size = len(pattern)
+    weight = np.where(pattern, 1, -size - 1)
+    np.fill_diagonal(weight, np.diag(pattern).astype(int))  # a state outside every cycle
+    rows, columns = linear_sum_assignment(weight, maximize=True)
+    return size - int(weight[rows, columns].sum())
+
+
+def mirrored(pattern: Pattern) -> bool:
+    """Whether the spectrum is symmetric under λ → -λ for all values of the entries.
+
+    This holds if every cycle is even: within each block a change of the signs of some states R then
+    gives R A R = -A, as under a reversal of time.
+
+    Parameters
+    ----------
+    pattern
+        As for `components`.
+
+    Examples
+    --------
+    >>> mirrored(np.array([[0, 1], [1, 0]], dtype=bool)), mirrored(np.eye(2, dtype=bool))
+    (True, False)
+    """
+    return all(_two_sides(pattern[np.ix_(some, some)]) for some in components(pattern))
+
+
+def _two_sides(block: Pattern) -> bool:
+    """Whether signs ±1 of the states exist that differ wherever an entry is not zero."""
+    either = block | block.T
+    if np.diag(block).any():
+        return False
+    sign = np.zeros(len(block), dtype=int)
+    sign[0], waiting = 1, [0]
+    while waiting:
+        here = waiting.pop()
+        for there in np.flatnonzero(either[here]):
+            if sign[there] == 0:
+                sign[there] = -sign[here]
+                waiting.append(int(there))
+            elif sign[there] == sign[here]:
+                return False
+    return True
+
+
+def known_coefficients(size: int, count: int, *, even: bool) -> list[bool]:
+    """Whether each coefficient of det(λ - A), lowest first, is zero for these reasons.
+
+    Parameters
+    ----------
+    size
+        Number of states n.
+    count
+        Number of zero eigenvalues.
+    even
+        Whether the spectrum is symmetric under λ → -λ.
+
+    Returns
+    -------
+    list of bool
+        n + 1 entries.
+
+    Examples
+    --------
+    >>> known_coefficients(3, 0, even=True)  # λ³ + a λ
+    [True, False, True, False]
+    """
+    return [i < count or (even and (size - i) % 2 == 1) for i in range(size + 1)]
