@@ -9,6 +9,7 @@ balls, gives different verdicts at its two ends.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from ..base.verdict import Verdict, best
 from ..spectra.certificate import member_at, of_member, structural_zeros
 from ..spectra.problem import Problem
 from ..systems.structure.enclosure import ball_unknowns, characteristic, matrix_polynomial
-from ..systems.structure.multiplicity import certain
+from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .critical import frequency
 from .crossings import BoundaryPoint, Crossing
@@ -54,6 +55,11 @@ class AxisScan:
         self._near: list[float] | None = None
         self._solution: tuple[int, list[Any], list[Any]] | None = None
         self._known: dict[tuple[float, int], list[Any]] = {}
+
+    @cached_property
+    def even(self) -> bool:
+        """Whether λ² decides: the family is conservative, or proved symmetric under λ → -λ."""
+        return self.problem.family.conservative or symmetric(self.problem.family)
 
     def coefficients(self, value: float, bits: int) -> list[Any]:
         """Characteristic polynomial at a point of the line, at a precision in bits; cached."""
@@ -114,7 +120,7 @@ class AxisScan:
         """The polynomial whose Hurwitz stability is the verdict."""
         family = self.problem.family
         return verdict_polynomial(
-            self.coefficients(value, bits), structure(family).zeros, family.conservative
+            self.coefficients(value, bits), structure(family).zeros, self.even
         )
 
     def sign(self, value: float) -> int:
@@ -169,7 +175,7 @@ class AxisScan:
         return self._by_member(value) if own else (Verdict.UNDECIDED, False)
 
     def _word(self, sign: int) -> tuple[Verdict, bool]:
-        even = self.problem.family.conservative
+        even = self.even
         return (best(even=even) if sign > 0 else Verdict.UNSTABLE), even
 
     def _by_member(self, value: float) -> tuple[Verdict, bool]:
@@ -302,7 +308,7 @@ def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:
     family = line.problem.family
     with precision(BITS):
         coefficients = line.coefficients(root, BITS)[structure(family).zeros :]
-    value = frequency(coefficients, even=family.conservative)
+    value = frequency(coefficients, even=line.even)
     *_, rate, _ = line.problem.arrays(line.fixed | {line.axis: root})
     return value * float(rate[0])
 

@@ -29,6 +29,7 @@ from ...algebra.number_types import balls
 from ...base.errors import NoMemberError, StabilityError
 from ..family import Family
 from . import pattern
+from .entries import with_symbols
 from .enclosure import ball_unknowns, matrix_polynomial
 from .structural_zeros import structure
 
@@ -72,7 +73,10 @@ def identity(family: Family) -> Identity:
     with suppress(ArithmeticError):
         zero = _on_the_branch(family, parts)
         tangents = _fixed_directions(family, parts, zero)
-        zeros, even = _zero_pattern(_blocks(_matrix(family, *parts), zero), zero)
+        sampled = structure(family)
+        zeros, even = _zero_pattern(
+            _blocks(_matrix(family, *parts), zero), zero, (sampled.zeros, sampled.even)
+        )
     zeros = max(zeros, tangents, pattern.zeros(stored), len(family.left_out))
     return Identity(zeros, even or pattern.mirrored(stored))
 
@@ -159,8 +163,23 @@ def _whole(matrix: list[list[Any]]) -> list[Any]:
     return reduce(_product, map(characteristic, _blocks(matrix)))
 
 
-def _zero_pattern(blocks: list[list[list[Any]]], zero: Callable[[Any], bool]) -> tuple[int, bool]:
-    """Zeros of the product of the blocks' polynomials, and whether the rest is even."""
+def _zero_pattern(
+    blocks: list[list[list[Any]]], zero: Callable[[Any], bool], wanted: tuple[int, bool]
+) -> tuple[int, bool]:
+    """Zeros of the product of the blocks' polynomials, and whether the rest is even.
+
+    Symbols in place of the entries cost least, and often prove all that the samples show.
+    """
+    quick = _zeros_and_parity(with_symbols(blocks, zero), vanishes)
+    if quick[0] >= wanted[0] and quick[1] >= wanted[1]:
+        return quick
+    full = _zeros_and_parity(blocks, zero)
+    return max(quick[0], full[0]), quick[1] or full[1]
+
+
+def _zeros_and_parity(
+    blocks: list[list[list[Any]]], zero: Callable[[Any], bool]
+) -> tuple[int, bool]:
     zeros, even = 0, True
     mixed: list[list[Any]] = []
     for block in blocks:
@@ -338,6 +357,10 @@ class Member:
             own = pattern.known_coefficients(
                 size, pattern.zeros(places), even=pattern.mirrored(places)
             )
+            blocks = with_symbols(_blocks(matrix), vanishes)
+            count, even = _zeros_and_parity(blocks, vanishes)
+            more = pattern.known_coefficients(size, count, even=even)
+            own = [o or m for o, m in zip(own, more, strict=True)]
             own = [o or vanishes(c) for o, c in zip(own, _whole(matrix), strict=True)]
         return [k or o for k, o in zip(known, own, strict=True)]
 
