@@ -29,7 +29,7 @@ from ..systems.family import Family
 from ..systems.structure.enclosure import characteristic
 from ..systems.structure.multiplicity import Member, certain, symmetric
 from ..systems.structure.structural_zeros import structure
-from .eigenvalues import NOT_STEADY, in_words
+from .eigenvalues import BY_ACCIDENT, NO_PROOF_OF_ZERO, NOT_STEADY, in_words
 from .problem import Problem
 
 BITS = 128
@@ -57,7 +57,7 @@ class Certificate:
     abscissa_error: float
     """Proved bound on the error of the largest real part."""
     bits: int
-    """Precision of the balls that decided; 0 for rational arithmetic, `NOT_STEADY` for no proof."""
+    """Precision of the balls that decided; 0 for rational arithmetic; or a key of `REASONS`."""
 
     @property
     def how(self) -> str:
@@ -215,23 +215,25 @@ def of_member(member: Member, zeros: int) -> tuple[Verdict, int]:
     Returns
     -------
     verdict, bits
-        Bits are 0 for rational arithmetic and `NOT_STEADY` for a member that is not steady.
+        Bits are 0 for rational arithmetic; where there is no proof, a key of `REASONS` may say why.
     """
     if not member.steady:  # a root of the equations that is not a steady motion
         return Verdict.UNDECIDED, NOT_STEADY
     decided, bits = _without(member, zeros)
+    if decided is Verdict.UNDECIDED and bits == MOST_BITS and member.seems_zero(zeros, MOST_BITS):
+        return decided, NO_PROOF_OF_ZERO
     if decided is Verdict.UNSTABLE or certain(member.family):
         return decided, bits
     low, high = member.structural
     if zeros == low < high and _without(member, high)[0] is not decided:
-        return Verdict.UNDECIDED, bits  # a zero that is not left out may be structural
+        return Verdict.UNDECIDED, BY_ACCIDENT  # a zero that is not left out may be structural
     return decided, bits
 
 
 def _without(member: Member, zeros: int) -> tuple[Verdict, int]:
     if member.rational is not None:
         if any(c != 0 for c in member.rational[:zeros]):  # these zeros are not proved
-            return Verdict.UNDECIDED, 0
+            return Verdict.UNDECIDED, NO_PROOF_OF_ZERO
         return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
     return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]))
 

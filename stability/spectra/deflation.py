@@ -55,7 +55,7 @@ def grows(
     """
     with np.errstate(all="ignore"):
         matrix, error = tracked_matrix(family, a, q, u, roundings)
-        kept = [i for i, n in enumerate(family.system.states) if n not in family.left_out]
+        kept = np.array(family.resting, dtype=np.intp)
         zeros -= len(family.left_out)
         if zeros < 2:
             return np.zeros(len(a), dtype=bool)
@@ -205,8 +205,8 @@ def _dropped(
 ) -> tuple[Floats, Floats]:
     """The linearisation without a state that no remaining rate depends on: e is a null vector."""
     count, size = matrix.shape[:2]
-    kept = [i for i in range(size) if i != index]
-    order = np.tile(np.array([index, *kept], dtype=np.intp), (count, 1))
+    kept = np.delete(np.arange(size), index)
+    order = np.tile(np.concatenate([[index], kept]).astype(np.intp), (count, 1))
     none = np.zeros((count, size - 1))
     steps.append(Deflation(order, none, none, matrix[:, index, kept]))
     pick = np.ix_(np.arange(count), kept, kept)

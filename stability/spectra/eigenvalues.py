@@ -20,6 +20,16 @@ from .deflation import Reduced
 
 NOT_STEADY = -2
 """Value instead of bits, where a rate is proved nonzero at the root of the equations."""
+BY_ACCIDENT = -3
+"""Value instead of bits, where an eigenvalue is zero and it is open whether by structure."""
+NO_PROOF_OF_ZERO = -4
+"""Value instead of bits, where an eigenvalue seems to be zero by structure, without a proof."""
+REASONS = {
+    NOT_STEADY: "no steady motion: at the root of the equations another rate is not zero",
+    BY_ACCIDENT: "an eigenvalue is zero here, and nothing proves that it is structural",
+    NO_PROOF_OF_ZERO: "an eigenvalue seems to be zero, and nothing proves that it is zero",
+}
+"""Reason in words, for each of these values."""
 POOR = 8
 """Ratio of a residual to its rounding error above which vectors are refined."""
 SPARE = 2.0**-20
@@ -34,6 +44,8 @@ def in_words(bits: int) -> str:
     bits
         Precision of the balls, 0 for rational arithmetic.
     """
+    if bits < 0:
+        return "no arithmetic"
     return f"balls of {bits} bits" if bits else "rational arithmetic"
 
 

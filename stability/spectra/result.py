@@ -15,7 +15,7 @@ from ..base.types import Complexes, Floats
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
 from ..systems.family import Family
 from .deflation import Place
-from .eigenvalues import NOT_STEADY, Eigenpairs, in_words
+from .eigenvalues import REASONS, Eigenpairs, in_words
 from .modes import Modes, lift, mode_labels, track
 
 GROWS = -2
@@ -33,7 +33,7 @@ class Proof:
     """Proved bound on the error of the abscissa, shape (…)."""
     bits: NDArray[np.int64]
     """Precision of the balls that decided each verdict, 0 for rational arithmetic, shape (…);
-    `NOT_ASKED` for double precision, `NOT_STEADY` where a member is proved not to be steady."""
+    `NOT_ASKED` for double precision, a key of `REASONS` where the proof fails for that reason."""
     escalated: bool = False
     """Whether only points were certified that double precision left undecided."""
     own: bool = False
@@ -41,8 +41,8 @@ class Proof:
 
     def sentence(self, *, certified: bool) -> str:
         """Result of the proof of a single spectrum, in words."""
-        if self.bits == NOT_STEADY:
-            return "no steady motion: at the root of the equations another rate is not zero"
+        if int(self.bits) in REASONS:
+            return REASONS[int(self.bits)]
         far = "proved" if certified else "undecided within the budget of precision"
         source = " from the family's polynomial" if self.own else ""
         return f"{far} in {in_words(int(self.bits))}{source}"
@@ -139,8 +139,8 @@ class Spectrum:
     def nonlinear(self) -> Any:
         """`Nonlinear`, or an object array of them, shape (…): behaviour of the nonlinear motion."""
         # states left out name no member: the motion of the others is a system of its own
-        known = self.family.tangents + len(self.family.left_out)
-        harmless = self.structural_zeros == known
+        explained = self.family.tangents + len(self.family.left_out)
+        harmless = self.structural_zeros == explained
         stable = Nonlinear.ASYMPTOTIC if harmless else Nonlinear.OPEN
         if self.family.drifts:
             stable = Nonlinear.DRIFTS
@@ -169,7 +169,7 @@ class Spectrum:
         if self.codes.ndim:
             raise ParameterError("reason is for a single spectrum; ask for one point.")
         bound = f"largest real part {self.abscissa:.3g}, error bound {self.abscissa_error:.1g}"
-        if self.symmetric and not self.certified:
+        if (self.symmetric or self.family.conservative) and not self.certified:
             bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound
         parts = [bound]
         if self.proof is not None and self.proof.bits != NOT_ASKED:
@@ -181,7 +181,11 @@ class Spectrum:
             parts.append(
                 f"{count} structural zero{'s' * int(count != 1)} removed through null vectors"
             )
-        return "; ".join([*parts, *filter(None, [self.note])])
+        left = ", ".join(n for n in self.family.system.states if n in self.family.left_out)
+        ignored = f"{left} {'are' if ',' in left else 'is'} ignorable" if left else ""
+        found = self.symmetric and self.certified and not self.family.conservative
+        symmetric = "symmetric under λ → -λ by structure" if found else ""
+        return "; ".join([*parts, *filter(None, [symmetric, ignored, self.note])])
 
     @cached_property
     def modes(self) -> Modes:

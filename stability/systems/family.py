@@ -150,8 +150,10 @@ class Family:
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
-        """Ignorable states that the family does not name, in an order in which each acts only on
-        those before it.  Their values do not matter, and their rates need not vanish."""
+        """Ignorable states that the family does not name; each acts only on those before it.
+
+        Their values do not matter, and their rates need not vanish.
+        """
         given = {*self.held, *self.unknown, *self.at}
         if given.issuperset(self.system.states):
             return ()
@@ -420,9 +422,10 @@ class Family:
         if over.any():
             row = int(np.argmax(over.any(axis=1)))
             which = int(np.argmax(np.where(over[row], np.abs(rates[row]), -1.0)))
-            remedy = "add its rate to the family's equations, or give what is held to all its digits"
-            if self.system.states[which] in ignorable(self.system):
-                remedy = "it is ignorable, so leave it out of the family"
+            remedy = "it is ignorable, so leave it out of the family"
+            if self.system.states[which] not in ignorable(self.system):
+                remedy = "add its rate to the family's equations, or give what is held "
+                remedy += "to all its digits"
             raise NoMemberError(
                 f"{self.name} at {listing(self.at, a[row])} is not steady: "
                 f"{self.system.states[which]} still changes at {abs(rates[row, which]):.3g}, and "

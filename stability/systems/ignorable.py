@@ -79,8 +79,8 @@ def influence(system: Equations) -> Influence:
         if _independent(system, i, j):
             hidden.append((i, j))
             acts[i, j] = False
-    for i in np.flatnonzero(~still & ~acts.any(axis=1)):
-        still[i] = _zero(system, int(i))
+    for i in map(int, np.flatnonzero(~still & ~acts.any(axis=1))):
+        still[i] = _zero(system, i)
     return Influence(acts, guards, still, tuple(hidden))
 
 
@@ -99,9 +99,8 @@ def _suspects(system: Equations, acts: NDArray[np.bool_]) -> list[tuple[int, int
         for j in np.flatnonzero(acts.any(axis=0)):
             moved = [v * 9 / 8 if i == j else v for i, v in enumerate(x)]
             second = _values(program, moved, p)
-            for i in np.flatnonzero(acts[:, j]):
-                if (first[i] - second[i]).contains(0):
-                    out.append((int(i), int(j)))
+            suspects = map(int, np.flatnonzero(acts[:, j]))
+            out += [(i, int(j)) for i in suspects if (first[i] - second[i]).contains(0)]
     return out[:MOST_TRIED]
 
 

@@ -7,31 +7,32 @@ family, as an identity of expressions, or otherwise exactly at the given member.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property
 from typing import Any
 
-import numpy as np
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
+
 from ...algebra.balls import precision
 from ...algebra.exact.function_field import FunctionField
 from ...algebra.exact.number_fields import (
     EXACT,
     NotExact,
     NumberField,
-    characteristic,
     rational,
     vanishes,
 )
 from ...algebra.number_types import balls
-from ...base.errors import NoMemberError, StabilityError
+from ...base.errors import NoMemberError
 from ..family import Family
 from . import pattern
-from .entries import with_symbols
 from .enclosure import ball_unknowns, matrix_polynomial
-from .structural_zeros import structure
+from .entries import with_symbols
+from .identities import blocks_of, exact_matrix, nonzero, whole_polynomial, zeros_and_parity
+from .identities import certain as certain
+from .identities import identity as identity
+from .identities import symmetric as symmetric
 
 ROOT_BITS = 512
 """Precision of a root's enclosure, before the search for its exact form."""
@@ -39,198 +40,6 @@ LOCAL_BITS = 1024
 """Precision of the samples next to a given member."""
 OFFSETS = (40, 80, 120)
 """Exponents n of relative distances 2⁻ⁿ of these samples; the first on one branch is used."""
-
-
-@dataclass(frozen=True)
-class Identity:
-    """Properties of a family's characteristic polynomial at every member, on every branch."""
-
-    zeros: int
-    """Number of eigenvalues that are zero identically in parameters and unknowns."""
-    even: bool
-    """Whether the spectrum is symmetric under λ → -λ identically: det(λ - A) is even or odd."""
-
-
-@lru_cache(maxsize=64)
-def identity(family: Family) -> Identity:
-    """Zeros of the characteristic polynomial that are identities of expressions.
-
-    Parameters
-    ----------
-    family
-        The family.
-
-    Returns
-    -------
-    Identity
-        A lower bound: an expression that is too large to compute counts as not proved.
-    """
-    symbols = FunctionField([*family.at, *family.unknown, *family.parameters]).symbols
-    cut = len(family.at), len(family.at) + len(family.unknown)
-    parts = symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]
-    tangents, zeros, even = 0, 0, False
-    stored = _stored(family)  # sparsity needs no arithmetic, at any size
-    with suppress(ArithmeticError):
-        zero = _on_the_branch(family, parts)
-        tangents = _fixed_directions(family, parts, zero)
-        sampled = structure(family)
-        zeros, even = _zero_pattern(
-            _blocks(_matrix(family, *parts), zero), zero, (sampled.zeros, sampled.even)
-        )
-    zeros = max(zeros, tangents, pattern.zeros(stored), len(family.left_out))
-    return Identity(zeros, even or pattern.mirrored(stored))
-
-
-def _stored(family: Family) -> pattern.Pattern:
-    """Whether the graph holds each entry of the linearisation."""
-    graph = family.graph.matrix
-    out = np.zeros(graph.shapes[0], dtype=bool)
-    for i, j in graph.places[0]:
-        out[i, j] = True
-    return out
-
-
-def _on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[Any], bool]:
-    """Test whether an expression is zero at every member: identically, or by the equation."""
-    if family.closed or len(family.unknown) != 1:
-        return vanishes
-    residual, _ = family.graph.residual.run(EXACT, parts)
-    equation = residual[0].num
-
-    def zero(value: Any) -> bool:
-        if vanishes(value) or not hasattr(value, "num"):
-            return bool(vanishes(value))
-        return bool(divmod(value.num, equation)[1] == 0)
-
-    return zero
-
-
-def certain(family: Family) -> bool:
-    """Whether the sampled structure is proved for every member.
-
-    Parameters
-    ----------
-    family
-        The family.
-    """
-    sampled = structure(family)
-    if not sampled.steady:
-        return False
-    if not sampled.zeros and not family.conservative:
-        return True
-    proved = identity(family)
-    return proved.zeros >= sampled.zeros and (proved.even or not family.conservative)
-
-
-def symmetric(family: Family) -> bool:
-    """Whether the spectrum without structural zeros is proved even in λ at every member.
-
-    Parameters
-    ----------
-    family
-        The family; it need not be declared conservative.
-    """
-    # samples first: they cost little, and a spectrum that is not even shows it
-    return structure(family).even and certain(family) and identity(family).even
-
-
-def _matrix(
-    family: Family, a: Sequence[Any], u: Sequence[Any], q: Sequence[Any]
-) -> list[list[Any]]:
-    try:
-        return family.graph.matrix.dense(EXACT, [list(a), list(u), list(q)])
-    except (ZeroDivisionError, StabilityError) as error:
-        raise NotExact(str(error)) from None
-
-
-def _blocks(
-    matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes
-) -> list[list[list[Any]]]:
-    """Diagonal blocks of the block triangular form: their polynomials multiply to the whole."""
-    members = pattern.components(_nonzero(matrix, zero))
-    return [[[matrix[i][j] for j in some] for i in some] for some in members]
-
-
-def _nonzero(
-    matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes
-) -> pattern.Pattern:
-    """Whether each entry is not proved to be zero."""
-    return np.array([[not zero(entry) for entry in row] for row in matrix])
-
-
-def _whole(matrix: list[list[Any]]) -> list[Any]:
-    """det(λ - A) by powers of λ, lowest first."""
-    return reduce(_product, map(characteristic, _blocks(matrix)))
-
-
-def _zero_pattern(
-    blocks: list[list[list[Any]]], zero: Callable[[Any], bool], wanted: tuple[int, bool]
-) -> tuple[int, bool]:
-    """Zeros of the product of the blocks' polynomials, and whether the rest is even.
-
-    Symbols in place of the entries cost least, and often prove all that the samples show.
-    """
-    quick = _zeros_and_parity(with_symbols(blocks, zero), vanishes)
-    if quick[0] >= wanted[0] and quick[1] >= wanted[1]:
-        return quick
-    full = _zeros_and_parity(blocks, zero)
-    return max(quick[0], full[0]), quick[1] or full[1]
-
-
-def _zeros_and_parity(
-    blocks: list[list[list[Any]]], zero: Callable[[Any], bool]
-) -> tuple[int, bool]:
-    zeros, even = 0, True
-    mixed: list[list[Any]] = []
-    for block in blocks:
-        try:
-            poly = characteristic(block)
-        except NotExact:  # too large: the places of its zero entries still prove something
-            places = _nonzero(block, zero)
-            zeros += pattern.zeros(places)
-            even = even and pattern.mirrored(places)
-            continue
-        low = next(i for i, c in enumerate(poly) if not zero(c))
-        zeros += low
-        rest = poly[low:]
-        if not _is_even(rest, zero):
-            mixed.append(rest)
-    if mixed and even:  # a product may be even where no single block is: (λ - a)(λ + a)
-        with suppress(NotExact):
-            return zeros, _is_even(reduce(_product, mixed), zero)
-    return zeros, even and not mixed
-
-
-def _is_even(poly: Sequence[Any], zero: Callable[[Any], bool]) -> bool:
-    return len(poly) % 2 == 1 and all(zero(c) for c in poly[1::2])
-
-
-def _product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
-    out: list[Any] = [0] * (len(p) + len(q) - 1)
-    for i, x in enumerate(p):
-        for j, y in enumerate(q):
-            out[i + j] = out[i + j] + x * y
-    return out
-
-
-def _fixed_directions(
-    family: Family, parts: Sequence[Sequence[Any]], zero: Callable[[Any], bool]
-) -> int:
-    """Number of tangents of the family that are null vectors at every isolated root.
-
-    The rates outside the solved equations must vanish identically.  All rates then vanish along
-    the branch, and the chain rule gives A·∂x/∂at = 0.  Ignorable states stand apart: the block of
-    the other states has these tangents, and each ignorable state one zero of its own.
-    """
-    solved = set() if family.closed else {family.system.index(n) for n in family.equations}
-    with suppress(ArithmeticError):
-        rates = family.graph.rates.dense(EXACT, parts)
-        if all(i in solved or zero(rates[i][0]) for i in family.resting):
-            return family.tangents + len(family.left_out)
-    return 0
-
-
-# --- one member ---
 
 
 class Member:
@@ -284,11 +93,11 @@ class Member:
 
     def _exact(self) -> None:
         """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""
-        matrix = _matrix(self.family, self.a, self._unknowns(), self.q)
+        matrix = exact_matrix(self.family, self.a, self._unknowns(), self.q)
         if all(isinstance(entry, (int, fmpq)) for row in matrix for entry in row):
             self.rational = poly = fmpq_mat(matrix).charpoly().coeffs()
         else:
-            poly = _whole(matrix)
+            poly = whole_polynomial(matrix)
         self._flags = [vanishes(c) for c in poly]
 
     def _unknowns(self) -> list[Any]:
@@ -352,16 +161,16 @@ class Member:
         given = [[field.number(v) for v in some] for some in (self.a, self.q)]
         own = known
         with suppress(NotExact):
-            matrix = _matrix(family, given[0], field.symbols, given[1])
-            places = _nonzero(matrix)
+            matrix = exact_matrix(family, given[0], field.symbols, given[1])
+            places = nonzero(matrix)
             own = pattern.known_coefficients(
                 size, pattern.zeros(places), even=pattern.mirrored(places)
             )
-            blocks = with_symbols(_blocks(matrix), vanishes)
-            count, even = _zeros_and_parity(blocks, vanishes)
+            blocks = with_symbols(blocks_of(matrix), vanishes)
+            count, even = zeros_and_parity(blocks, vanishes)
             more = pattern.known_coefficients(size, count, even=even)
             own = [o or m for o, m in zip(own, more, strict=True)]
-            own = [o or vanishes(c) for o, c in zip(own, _whole(matrix), strict=True)]
+            own = [o or vanishes(c) for o, c in zip(own, whole_polynomial(matrix), strict=True)]
         return [k or o for k, o in zip(known, own, strict=True)]
 
     def enclosed(self) -> list[Any]:
@@ -377,6 +186,20 @@ class Member:
         a, q = self.balls(self.a), self.balls(self.q)
         poly = matrix_polynomial(self.family, a, ball_unknowns(self.family, a, q, self.near), q)
         return [arb(0) if flag else c for flag, c in zip(self.flags, poly, strict=True)]
+
+    def seems_zero(self, power: int, bits: int) -> bool:
+        """Whether the first coefficient without a proof of zero cannot be told from zero.
+
+        Parameters
+        ----------
+        power
+            Number of coefficients left out.
+        bits
+            Precision of the balls.
+        """
+        with precision(bits), suppress(NoMemberError):
+            return bool(next(c for c in self.enclosed()[power:] if not c == 0).contains(0))
+        return False
 
     def zeros(self) -> int:
         """Number of eigenvalues proved zero at this member: a lower bound unless all is exact."""
