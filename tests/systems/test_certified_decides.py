@@ -1,0 +1,86 @@
+"""Certified is never weaker than plain, and neither is wrong: planted systems judged over Q.
+
+STABILITY_SEED chooses other systems for the long campaign, STABILITY_SYSTEMS how many.
+"""
+
+import os
+from collections import Counter
+from fractions import Fraction
+
+import pytest
+from planted_structure import Planted, planted, polynomial, verdict_of, zeros_of
+
+import stability as st
+from stability.base.errors import DomainError
+
+SEED = int(os.environ.get("STABILITY_SEED", "1"))
+SYSTEMS = int(os.environ.get("STABILITY_SYSTEMS", "4000"))
+WAYS = {"double": {"escalate": False}, "default": {}, "certified": {"certify": True}}
+
+
+def asked(one: Planted, p: float, seed: int, count: Counter[str]) -> list[str]:
+    """What is wrong with the three answers about one member."""
+    truth = polynomial(one.matrix(Fraction(p)))
+    planted_zeros = zeros_of(one)
+    wrong, words = [], {}
+    for way, options in WAYS.items():
+        try:
+            found = st.spectrum(one.family, at=p, **one.extra, **options)
+        except DomainError as error:
+            if planted_zeros == len(truth) - 1 and "every eigenvalue is zero" in str(error):
+                count["nothing to judge"] += 1
+                return []
+            raise
+        words[way] = word = found.verdict.word
+        count[f"{way} {word}"] += 1
+        dropped = found.structural_zeros
+        said = f"{seed} {one.chosen} p = {p!r} {way}: {word}, {dropped} zeros; {found.reason}"
+        if any(truth[:dropped]) or dropped > planted_zeros:
+            wrong.append(f"zeros dropped that are none: {said}")
+        elif word != "undecided" and word != verdict_of(truth, dropped):
+            wrong.append(f"truth {verdict_of(truth, dropped)}: {said}")
+        elif word == "undecided" and way == "certified" and not one.extra:
+            wrong.append(f"left open over Q: {said}")
+    for way in ("double", "default"):
+        if words[way] not in ("undecided", words["certified"]):
+            wrong.append(f"certified is weaker: {seed} {one.chosen} p = {p!r} {words}")
+    return wrong
+
+
+def campaign(seeds: range, *, irrational: bool) -> tuple[list[str], Counter[str]]:
+    wrong, count = [], Counter[str]()
+    for seed in seeds:
+        one = planted(seed, irrational=irrational)
+        for p in one.asked:
+            wrong += asked(one, p, seed, count)
+    return wrong, count
+
+
+@pytest.mark.parametrize("irrational", [False, True])
+def test_no_verdict_is_wrong_and_certified_decides_what_plain_decides(irrational: bool) -> None:
+    wrong, count = campaign(range(60), irrational=irrational)
+    assert not wrong, "\n".join(wrong[:20])
+    assert all(count[f"certified {w}"] > 20 for w in ("unstable", "neutral", "stable"))
+    assert irrational or not count["certified undecided"]
+
+
+def test_the_judge_knows_every_verdict() -> None:
+    def poly(*coefficients: int) -> list[Fraction]:
+        return [Fraction(c) for c in coefficients]
+
+    for coefficients, dropped, word in (
+        (poly(1, 2, 1), 0, "stable"), (poly(1, 0, 2, 0, 1), 0, "neutral"),  # (λ² + 1)²
+        (poly(-1, 0, 1), 0, "unstable"), (poly(0, 1, 1), 0, "neutral"),
+        (poly(0, 1, 1), 1, "stable"),
+        (poly(1, 0, 0, 0, 1), 0, "unstable"), (poly(1, 1, 1, 1), 0, "neutral"),  # (λ² + 1)(λ + 1)
+    ):  # fmt: skip
+        assert verdict_of(coefficients, dropped) == word
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("irrational", [False, True])
+def test_the_campaign_over_thousands_of_planted_systems(irrational: bool) -> None:
+    first = 10**6 * SEED
+    wrong, count = campaign(range(first, first + SYSTEMS // 2), irrational=irrational)
+    print("\n" + ", ".join(f"{word} {n}" for word, n in sorted(count.items())))
+    assert not wrong, "\n".join(wrong[:20])
