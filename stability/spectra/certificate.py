@@ -15,7 +15,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from flint import acb, arb, fmpq_poly
+from flint import acb, arb, ctx, fmpq_poly
 from numpy.typing import ArrayLike
 
 from ..algebra.balls import MIXED, precision, upper
@@ -251,6 +251,8 @@ def _enclosed_verdict(polynomial: Balls) -> Verdict | None:
     sign = hurwitz_sign(verdict_polynomial(rest, 0, even))
     if sign == 0:
         sign = _sign_by_roots(isolated(rest, even))
+    if sign == 0 and ctx.prec <= FINE_BITS:  # a ball of a cluster holds all roots of the cluster
+        sign = _sign_by_roots(clustered(rest))
     if sign > 0:
         return Verdict.NEUTRAL if even or extra else Verdict.STABLE
     return Verdict.UNSTABLE if sign else None

@@ -18,6 +18,9 @@ from . import pattern
 from .entries import with_symbols
 from .structural_zeros import structure
 
+MOST_STATES = 16
+"""States of the largest block whose symmetry is sought by multiplying expressions out."""
+
 
 @dataclass(frozen=True)
 class Identity:
@@ -156,13 +159,23 @@ def _zero_pattern(
 ) -> tuple[int, bool]:
     """Zeros of the product of the blocks' polynomials, and whether the rest is even.
 
-    Symbols in place of the entries cost least, and often prove all that the samples show.
+    The places of zero entries cost nothing, symbols in place of the others little.  What samples
+    do not show is not tried.
     """
-    quick = zeros_and_parity(with_symbols(blocks, zero), vanishes)
-    if quick[0] >= wanted[0] and quick[1] >= wanted[1]:
-        return quick
-    full = zeros_and_parity(blocks, zero)
-    return max(quick[0], full[0]), quick[1] or full[1]
+    places = [nonzero(block, zero) for block in blocks]
+    count, even = sum(map(pattern.zeros, places)), all(map(pattern.mirrored, places))
+    large = max(map(len, blocks)) > MOST_STATES
+
+    def enough() -> bool:
+        return count >= wanted[0] and (even or large or not wanted[1])
+
+    if not enough() and not large:
+        more = zeros_and_parity(with_symbols(blocks, zero), vanishes)
+        count, even = max(count, more[0]), even or more[1]
+    if not enough():
+        more = zeros_and_parity(blocks, zero)
+        count, even = max(count, more[0]), even or more[1]
+    return count, even
 
 
 def zeros_and_parity(

@@ -29,7 +29,14 @@ from ..family import Family
 from . import pattern
 from .enclosure import ball_unknowns, matrix_polynomial
 from .entries import with_symbols
-from .identities import blocks_of, exact_matrix, nonzero, whole_polynomial, zeros_and_parity
+from .identities import (
+    MOST_STATES,
+    blocks_of,
+    exact_matrix,
+    nonzero,
+    whole_polynomial,
+    zeros_and_parity,
+)
 from .identities import certain as certain
 from .identities import identity as identity
 from .identities import symmetric as symmetric
@@ -70,8 +77,10 @@ class Member:
         self.steady = self._rests()
         """Whether no rate is proved to differ from zero at the root of the solved equations."""
         if self.steady and not self.enclosed_only:
-            with suppress(NotExact):
+            try:
                 self._exact()
+            except NotExact:
+                self._flags = self._as_expressions()
 
     def _enclosed_root(self) -> list[Any] | None:
         """The solved unknowns, to many digits; None without unknowns or where no root is proved."""
@@ -155,7 +164,7 @@ class Member:
         family = self.family
         proved, size = identity(family), len(family.system.states)
         known = pattern.known_coefficients(size, proved.zeros, even=proved.even)
-        if self.enclosed_only:
+        if self.enclosed_only or (size > MOST_STATES and self._all_known(known)):
             return known
         field = FunctionField([*family.unknown])
         given = [[field.number(v) for v in some] for some in (self.a, self.q)]
@@ -170,8 +179,32 @@ class Member:
             count, even = zeros_and_parity(blocks, vanishes)
             more = pattern.known_coefficients(size, count, even=even)
             own = [o or m for o, m in zip(own, more, strict=True)]
-            own = [o or vanishes(c) for o, c in zip(own, whole_polynomial(matrix), strict=True)]
+            poly = whole_polynomial(matrix)
+            own = [o or vanishes(c) for o, c in zip(own, poly, strict=True)]
+            if self._has_value():  # entries such as √2, whose products are rational
+                self.rational = [_plain(c) for c in poly]
         return [k or o for k, o in zip(known, own, strict=True)]
+
+    def _all_known(self, known: list[bool]) -> bool:
+        """Whether every coefficient that is not known to be zero is proved nonzero by balls."""
+        self._flags = known  # `enclosed` reads them
+        try:
+            with precision(ROOT_BITS):
+                return not any(c.contains(0) for c in self.enclosed() if not c == 0)
+        except NoMemberError:
+            return False
+        finally:
+            self._flags = None
+
+    def _has_value(self) -> bool:
+        """Whether a root is proved, and balls there are finite: the rules of √ hold for √-2 too."""
+        if self.near is not None and self._root is None:
+            return False
+        with precision(ROOT_BITS):
+            root = self._root or self.balls([rational(v) for v in self.family.unknown.values()])
+            place = [self.balls(self.a), root, self.balls(self.q)]
+            entries = self.family.graph.matrix.dense(balls(), place)
+        return all(arb(e).is_finite() for row in entries for e in row)
 
     def enclosed(self) -> list[Any]:
         """Coefficients as balls at the current precision; proved zeros are exact.
@@ -268,3 +301,8 @@ def _simplest(ball: Any) -> Any:
             return None
         rest = 1 / rest
     return None
+
+
+def _plain(value: Any) -> Any:
+    """A coefficient as a rational; `NotExact` where it has indeterminates."""
+    return fmpq(value) if isinstance(value, (int, fmpq)) else value.plain()

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components, min_weight_full_bipartite_matching
 
 Pattern = NDArray[np.bool_]
 
@@ -50,11 +50,13 @@ def zeros(pattern: Pattern) -> int:
     >>> zeros(np.array([[0, 1, 0], [0, 0, 1], [0, 1, 0]], dtype=bool))  # a chain into a pair
     1
     """
-    size = len(pattern)
-    weight = np.where(pattern, 1, -size - 1)
-    np.fill_diagonal(weight, np.diag(pattern).astype(int))  # a state outside every cycle
-    rows, columns = linear_sum_assignment(weight, maximize=True)
-    return size - int(weight[rows, columns].sum())
+    if not len(pattern):
+        return 0
+    cost = pattern.astype(float)
+    outside = np.flatnonzero(~np.diag(pattern))
+    cost[outside, outside] = 2.0  # a state outside every cycle
+    rows, columns = min_weight_full_bipartite_matching(csr_array(cost))
+    return int(cost[rows, columns].sum()) - len(pattern)
 
 
 def mirrored(pattern: Pattern) -> bool:
