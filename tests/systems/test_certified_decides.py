@@ -14,7 +14,7 @@ import stability as st
 from stability.base.errors import DomainError
 
 SEED = int(os.environ.get("STABILITY_SEED", "1"))
-SYSTEMS = int(os.environ.get("STABILITY_SYSTEMS", "4000"))
+SYSTEMS = int(os.environ.get("STABILITY_SYSTEMS", "2000"))
 WAYS = {"double": {"escalate": False}, "default": {}, "certified": {"certify": True}}
 
 
@@ -56,11 +56,13 @@ def campaign(seeds: range, *, irrational: bool) -> tuple[list[str], Counter[str]
     return wrong, count
 
 
-@pytest.mark.parametrize("irrational", [False, True])
-def test_no_verdict_is_wrong_and_certified_decides_what_plain_decides(irrational: bool) -> None:
-    wrong, count = campaign(range(60), irrational=irrational)
+@pytest.mark.parametrize(("irrational", "systems"), [(False, 40), (True, 12)])
+def test_no_verdict_is_wrong_and_certified_decides_what_plain_decides(
+    irrational: bool, systems: int
+) -> None:
+    wrong, count = campaign(range(systems), irrational=irrational)
     assert not wrong, "\n".join(wrong[:20])
-    assert all(count[f"certified {w}"] > 20 for w in ("unstable", "neutral", "stable"))
+    assert all(count[f"certified {w}"] > systems / 3 for w in ("unstable", "neutral", "stable"))
     assert irrational or not count["certified undecided"]
 
 
@@ -81,6 +83,7 @@ def test_the_judge_knows_every_verdict() -> None:
 @pytest.mark.parametrize("irrational", [False, True])
 def test_the_campaign_over_thousands_of_planted_systems(irrational: bool) -> None:
     first = 10**6 * SEED
-    wrong, count = campaign(range(first, first + SYSTEMS // 2), irrational=irrational)
+    some = SYSTEMS // (4 if irrational else 1)
+    wrong, count = campaign(range(first, first + some), irrational=irrational)
     print("\n" + ", ".join(f"{word} {n}" for word, n in sorted(count.items())))
     assert not wrong, "\n".join(wrong[:20])
