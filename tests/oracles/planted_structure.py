@@ -161,11 +161,12 @@ def polynomial(rows: list[list[Fraction]]) -> list[Fraction]:
     """
     n = len(rows)
     out, work = [Fraction(1)], [[Fraction(0)] * n for _ in range(n)]
+    full = [[(m, a) for m, a in enumerate(row) if a] for row in rows]
     for k in range(1, n + 1):
         work = [[x + (out[-1] if i == j else 0) for j, x in enumerate(row)]
                 for i, row in enumerate(work)]  # fmt: skip
-        work = [[sum((rows[i][m] * work[m][j] for m in range(n)), Fraction(0)) for j in range(n)]
-                for i in range(n)]  # fmt: skip
+        work = [[sum((a * work[m][j] for m, a in some if work[m][j]), Fraction(0))
+                 for j in range(n)] for some in full]  # fmt: skip
         out.append(-sum((work[i][i] for i in range(n)), Fraction(0)) / k)
     return out[::-1]
 

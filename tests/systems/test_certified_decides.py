@@ -18,10 +18,9 @@ SYSTEMS = int(os.environ.get("STABILITY_SYSTEMS", "2000"))
 WAYS = {"double": {"escalate": False}, "default": {}, "certified": {"certify": True}}
 
 
-def asked(one: Planted, p: float, seed: int, count: Counter[str]) -> list[str]:
+def asked(one: Planted, p: float, planted_zeros: int, seed: int, count: Counter[str]) -> list[str]:
     """What is wrong with the three answers about one member."""
     truth = polynomial(one.matrix(Fraction(p)))
-    planted_zeros = zeros_of(one)
     wrong, words = [], {}
     for way, options in WAYS.items():
         try:
@@ -47,22 +46,23 @@ def asked(one: Planted, p: float, seed: int, count: Counter[str]) -> list[str]:
     return wrong
 
 
-def campaign(seeds: range, *, irrational: bool) -> tuple[list[str], Counter[str]]:
+def campaign(seeds: range, *, irrational: bool, points: int) -> tuple[list[str], Counter[str]]:
     wrong, count = [], Counter[str]()
     for seed in seeds:
         one = planted(seed, irrational=irrational)
-        for p in one.asked:
-            wrong += asked(one, p, seed, count)
+        zeros = zeros_of(one)
+        for p in one.asked[:points]:
+            wrong += asked(one, p, zeros, seed, count)
     return wrong, count
 
 
-@pytest.mark.parametrize(("irrational", "systems"), [(False, 40), (True, 12)])
+@pytest.mark.parametrize(("irrational", "systems"), [(False, 24), (True, 9)])
 def test_no_verdict_is_wrong_and_certified_decides_what_plain_decides(
     irrational: bool, systems: int
 ) -> None:
-    wrong, count = campaign(range(systems), irrational=irrational)
+    wrong, count = campaign(range(systems), irrational=irrational, points=3)
     assert not wrong, "\n".join(wrong[:20])
-    assert all(count[f"certified {w}"] > systems / 3 for w in ("unstable", "neutral", "stable"))
+    assert all(count[f"certified {w}"] > 2 for w in ("unstable", "neutral", "stable"))
     assert irrational or not count["certified undecided"]
 
 
@@ -84,6 +84,6 @@ def test_the_judge_knows_every_verdict() -> None:
 def test_the_campaign_over_thousands_of_planted_systems(irrational: bool) -> None:
     first = 10**6 * SEED
     some = SYSTEMS // (4 if irrational else 1)
-    wrong, count = campaign(range(first, first + some), irrational=irrational)
+    wrong, count = campaign(range(first, first + some), irrational=irrational, points=5)
     print("\n" + ", ".join(f"{word} {n}" for word, n in sorted(count.items())))
     assert not wrong, "\n".join(wrong[:20])
