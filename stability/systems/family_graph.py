@@ -34,7 +34,7 @@ class Frame:
     equations: Sequence[str]
     """States whose rates must vanish."""
     zero: Sequence[tuple[int, int]] = ()
-    """Entries of the linearisation that are proved zero, whatever the graph holds."""
+    """Entries of the linearisation that are proved zero, for any entry of the graph."""
 
 
 class Constants:

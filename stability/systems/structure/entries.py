@@ -44,7 +44,7 @@ def with_symbols(
             for _, key in row:
                 if key is not None:
                     keys.setdefault(key, len(keys))
-    # one field for all: the same symbol in two fields would stand for two expressions
+    # one field for all: the same symbol in two fields would mean two expressions
     symbols = FunctionField([f"e{i}" for i in range(len(keys))]).symbols
     return [
         [[c if key is None else symbols[keys[key]] * c for c, key in row] for row in block]
