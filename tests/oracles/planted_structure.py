@@ -147,7 +147,8 @@ def planted(seed: int, *, irrational: bool = False) -> Planted:
         rates = rates * ca.sqrt(r)
     system = st.System("planted", x, ca.vertcat(p, r) if irrational else p, rates, states, names)
     family = st.Family(system, "rest", at=("p",), held=dict.fromkeys(states, 0.0))
-    near = [p0, math.nextafter(p0, 9), p0 - 2.0**-40, p0 + 0.75, draw.choice([-3.0, 0.1, 1.7])]
+    next_to = math.nextafter(p0, 9) if p0 else 2.0**-60
+    near = [p0, next_to, p0 - 2.0**-40, p0 + 0.75, draw.choice([-3.0, 0.1, 1.7])]
     return Planted(family, entries, near, chosen, {"r": 2.0} if irrational else {})
 
 

@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from flint import fmpq, fmpq_poly
+from flint import acb, fmpq, fmpq_poly
 
 from ...base.verdict import Verdict
+from .isolation import halved_roots
+
+FAR = 250
+"""Bits by which the sizes of roots differ, above which real roots are found by halving."""
 
 
 def on_the_axis(factors: Sequence[Any]) -> Verdict:
@@ -34,9 +38,8 @@ def on_the_axis(factors: Sequence[Any]) -> Verdict:
         neutral = neutral or zeros > 0 or symmetric.degree() > 0
         if not _hurwitz(rest):
             return Verdict.UNSTABLE
-        for square, _ in squares(symmetric):
-            if not (square.imag == 0 and square.real < 0):
-                return Verdict.UNSTABLE
+        if not _squares_negative(symmetric):
+            return Verdict.UNSTABLE
     return Verdict.NEUTRAL if neutral else Verdict.STABLE
 
 
@@ -71,12 +74,47 @@ def squares(symmetric: Any) -> list[Any]:
     """The roots λ² of an even polynomial over Q, as (ball, multiplicity)."""
     if symmetric.degree() < 1:
         return []
-    found: list[Any] = fmpq_poly(symmetric.coeffs()[::2]).numer().complex_roots()
-    return found
+    whole = fmpq_poly(symmetric.coeffs()[::2]).numer()
+    if _spread(whole) > FAR:  # Flint's search for complex roots would take minutes
+        found = []
+        for factor, count in whole.factor_squarefree()[1]:
+            real = halved_roots(factor)
+            if len(real) < factor.degree():
+                break
+            found += [(acb(root), count) for root in real]
+        else:
+            return found
+    roots: list[Any] = whole.complex_roots()
+    return roots
+
+
+def _spread(p: Any) -> float:
+    """Bound on the ratio of the largest and the smallest root, in bits."""
+    bits = [int(abs(c)).bit_length() for c in p.coeffs()]
+    size = len(bits) - 1
+    high = max((b - bits[-1] + 1) / (size - i) for i, b in enumerate(bits[:-1]) if b)
+    low = min((bits[0] - b - 1) / i for i, b in enumerate(bits) if i and b)
+    return high - low
+
+
+def _squares_negative(symmetric: Any) -> bool:
+    """Whether all roots λ² of an even polynomial over Q are real and negative, by Routh's array.
+
+    Source: Hermite-Biehler, for q(λ²) + λ q'(λ²) with q without multiple roots.
+    """
+    if symmetric.degree() < 1:
+        return True
+    whole = fmpq_poly(symmetric.coeffs()[::2])
+    plain = whole / whole.gcd(whole.derivative())
+    slope = plain.derivative().coeffs()
+    mixed: list[Any] = []
+    for i, c in enumerate(plain.coeffs()):
+        mixed += [c, slope[i] if i < len(slope) else fmpq(0)]
+    return _hurwitz(fmpq_poly(mixed))
 
 
 def _hurwitz(p: Any) -> bool:
-    """Routh's array over Q, for a polynomial without mirrored roots."""
+    """Routh's array over Q: whether all roots lie in the open left half-plane."""
     rows = list(reversed(p.coeffs()))
     here, following = rows[::2], rows[1::2]
     while following:
