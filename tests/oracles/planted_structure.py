@@ -59,7 +59,8 @@ class Drawn(random.Random):
         off: Entry = lambda p: p - number(p, p0)  # noqa: E731
         return self.choice(
             [
-                constant(size), constant(size), constant(tiny), constant(0.0),
+                constant(size), constant(size), constant(0.0),
+                lambda p: number(p, tiny) * (1 + p * p),  # a number alone would be rounded away
                 lambda p: -1 - p * p, off, lambda p: off(p) * off(p), lambda p: -off(p) * off(p),
                 lambda p: (p + 1) * (p - 1) - p * p + 1,  # zero, and the graph does not show it
             ]
