@@ -21,7 +21,7 @@ VAIN = 0.5
 """Share of that at which a tolerance is called wasted."""
 WASTED = 0.1
 """Share of the spread below which a finer model or tolerance is wasted."""
-CHEAP = 0.05
+CHEAP = 0.02
 """Expected time of sensitivities that is always spent, also where displaced runs cost less [s]."""
 SENSITIVITY, DISPLACED = "sensitivity from the graph", "displaced runs"
 """The two routes to how far an input moves the answer."""

@@ -240,18 +240,20 @@ class Linear:
         Parameters
         ----------
         defect
-            δ at the points, shape (E, N, n).
+            δ at the points, shape (E, N, n), or (E, N, n, c) for c solutions at once.
         start
-            e at the first edge, shape (n,).
+            e at the first edge, shape (n,), or (n, c).
 
         Returns
         -------
         ndarray
-            e at the points, shape (E, N, n).
+            e at the points, of the shape of the defect.
         """
         h, (middle, last) = self.elements.gaps, self.matrices
-        inner = _between(self.elements, defect)[..., None]
-        every = np.ascontiguousarray(defect.swapaxes(0, 1))[..., None]
+        count, points, n = defect.shape[:3]
+        inner = _between(self.elements, defect.reshape(count, points, -1))
+        inner = inner.reshape(points - 1, count, n, -1)
+        every = np.ascontiguousarray(defect.reshape(count, points, n, -1).swapaxes(0, 1))
         second = inner + h / 2 * (middle @ every[:-1])
         third = inner + h / 2 * (middle @ second)
         push = h / 6 * (every[:-1] + 2 * (second + third) + every[1:] + h * (last @ third))
@@ -260,12 +262,12 @@ class Linear:
             np.matmul(step, now, out=then)
             then += more
         starts = np.empty(found.shape[1:])
-        at = start
-        for i, (over, own) in enumerate(zip(self.transfer[-1], found[-1, ..., 0], strict=True)):
-            starts[i, :, 0] = at
+        at = start.reshape(n, -1)
+        for i, (over, own) in enumerate(zip(self.transfer[-1], found[-1], strict=True)):
+            starts[i] = at
             at = over @ at + own
-        whole = (found + self.transfer @ starts)[..., 0]
-        return np.ascontiguousarray(whole.swapaxes(0, 1))
+        whole = (found + self.transfer @ starts).swapaxes(0, 1)
+        return np.ascontiguousarray(whole.reshape(defect.shape))
 
 
 def carried(elements: Elements, matrices: Floats, defect: Floats, start: Floats) -> Floats:

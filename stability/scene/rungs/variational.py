@@ -18,18 +18,26 @@ from numpy.typing import NDArray
 
 from ...algebra.program import Program
 from ...base.types import Floats
+from ...integrators.dense import dense
+from ...integrators.leg import Leg
+from ...integrators.selection import HEYOKA, explicit
 from ...systems.equations import Equations
-from .elements import Elements, carried
+from .elements import Elements, Linear, carried
 from .full import between
 from .track import Finish, Problem, Refused, Track, decade, relative
 
-POINTS, LENGTH = 12, 1.0
+POINTS, LENGTH = 12, 1.5
 """Points of an element, and its first length in units of the motion's own time."""
-RESOLVED, SMOOTH = 1e-9, 1e-7
+RESOLVED, SMOOTH = 1e-7, 1e-5
 """Size of the last coefficients of an element above which it is divided: of the path, and of the
 sensitivities over their largest value."""
+EASY, CORRECTIONS, EXACT = 40.0, 5, 1e-7
+"""Norm of the slope over an element, above which it is stiff; the most corrections of steps where
+it is not, and the size of a correction over the solution at which they end."""
 SPLITS = 12
 """Most divisions of an element."""
+STEPS, MOST_STEPS = 5, 1_000_000
+"""Steps of the Taylor method in an element, and the most of all."""
 STIFF, GRADED = 8.0, 3.0
 """Fastest rate over an element above which the first elements are short, and their growth."""
 FINE = 1e-12
@@ -47,7 +55,7 @@ BRIEF, SUBSTEPS, NEWTON = 0.5, 8, 8
 and Kutta in it; steps of Newton's method."""
 DOUBT = 0.3
 """Defect of a model's path, carried, above which its sensitivities are those of another path."""
-PER_NUMBER = 4e-10
+PER_NUMBER = 2.4e-10
 """Time for the linear equation of an element over the cube of its unknowns [s]."""
 CURVES = "the answer is not linear within its uncertainty"
 """Why a sensitivity says too little."""
@@ -68,12 +76,48 @@ def _rates(system: Equations) -> Program:
 
 
 def _run(program: Program, states: Floats, p: Floats) -> list[Floats]:
-    """Values at states, shape (…, n)."""
+    """Values at states, shape (…, n), and parameters that fit."""
     with np.errstate(all="ignore"):
         found: list[Floats] = program.arrays(
-            [list(np.moveaxis(states, -1, 0)), list(p)], states.shape[:-1]
+            [list(np.moveaxis(states, -1, 0)), list(np.moveaxis(p, -1, 0))], states.shape[:-1]
         )
     return found
+
+
+class Variation:
+    """The linear equation e' = A(t) e + δ(t) along a path, solved to the accuracy of its elements.
+
+    Where it is not stiff, steps of Runge and Kutta are corrected by the defect that they leave.
+    That is many times cheaper than collocation, which solves a stiff one.
+
+    Parameters
+    ----------
+    elements
+        Division of time.
+    slope
+        A at the points, shape (E, N, n, n).
+    """
+
+    def __init__(self, elements: Elements, slope: Floats) -> None:
+        self.elements, self.slope = elements, slope
+        fastest = np.abs(slope).sum(axis=3).max(axis=(1, 2)) * elements.lengths
+        easy = float(fastest.max()) < EASY
+        self._steps = Linear.along(elements, slope) if easy else None
+
+    def solve(self, drive: Floats, start: Floats) -> Floats:
+        """The solutions for drives of shape (E, N, n, c) and starts of shape (n, c)."""
+        if self._steps is None:
+            return carried(self.elements, self.slope, drive, start)
+        found = self._steps.solve(drive, start)
+        size = np.abs(found).max(axis=(0, 1, 2))
+        none, flat = np.zeros_like(start), (*drive.shape[:2], -1)
+        for _ in range(CORRECTIONS):
+            rate = self.elements.derivative(found.reshape(flat)).reshape(drive.shape)
+            more = self._steps.solve(drive + self.slope @ found - rate, none)
+            found = found + more
+            if not (np.abs(more).max(axis=(0, 1, 2)) > EXACT * size).any():
+                return found
+        return carried(self.elements, self.slope, drive, start)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +130,10 @@ class Forward:
     """Division of time."""
     states: Floats
     """The path at the points, shape (E, N, n)."""
-    slopes: tuple[Floats, Floats, Floats]
-    """Rates, ∂f/∂x and ∂f/∂p at the points."""
+    slopes: tuple[Floats, Floats]
+    """Rates and ∂f/∂p at the points."""
+    equation: Variation
+    """The linear equation along the path."""
     starts: Floats
     """Change of the start along each direction, shape (n, c)."""
     parameters: Floats
@@ -108,27 +154,27 @@ class Forward:
         changes, curvature
             The change and what is in it beyond the sensitivity, shape (c, 2, E, N, n).
         """
-        n, system = self.problem.own, self.problem.flow.system
-        rates, slope, by_p = self.slopes
-        defect = np.empty((*self.first.shape, 2))
-        start = np.empty((n, self.first.shape[-1], 2))
-        for i, pair in enumerate(others):
-            for j, (other, sign) in enumerate(zip(pair, (-1.0, 1.0), strict=True)):
-                linear = sign * self.first[..., i]
-                [there] = _run(_rates(system), self.states + linear, other.p)
-                straight = (slope @ linear[..., None])[..., 0] + by_p @ (
-                    sign * self.parameters[:, i]
-                )
-                defect[..., i, j] = there[..., 0] - rates - straight
-                start[:, i, j] = other.start[:n] - self.problem.start[:n] - sign * self.starts[:, i]
-        flat = defect.reshape(*defect.shape[:3], -1)
-        bad = ~np.isfinite(flat).all(axis=(0, 1, 2))
-        flat[..., bad] = 0.0
-        found = carried(self.elements, slope, flat, start.reshape(n, -1))
-        found[..., bad] = np.inf
-        curvature = np.moveaxis(found.reshape(defect.shape), (3, 4), (0, 1))
-        both = np.moveaxis(np.stack([-self.first, self.first], axis=-1), (3, 4), (0, 1))
-        return both + curvature, curvature
+        n = self.problem.own
+        signs = np.tile([-1.0, 1.0], len(others))
+        linear = np.repeat(self.first, 2, axis=-1) * signs
+        changed = np.repeat(self.parameters, 2, axis=-1) * signs
+        displaced = np.moveaxis(self.states[..., None] + linear, -1, 0)
+        p = np.array([other.p for pair in others for other in pair])
+        [there] = _run(_rates(self.problem.flow.system), displaced, p[:, None, None])
+        rates, by_p = self.slopes
+        straight = rates[..., None] + self.equation.slope @ linear + by_p @ changed
+        defect = np.moveaxis(there[..., 0], 0, -1) - straight
+        start = np.array([other.start[:n] for pair in others for other in pair]).T
+        start = start - self.problem.start[:n, None] - np.repeat(self.starts, 2, axis=-1) * signs
+        bad = ~np.isfinite(defect).all(axis=(0, 1, 2))
+        defect[..., bad] = 0.0
+        curvature = self.equation.solve(defect, start)
+        curvature[..., bad] = np.inf
+        shape = (len(others), 2, *self.states.shape)
+        changes, bends = (
+            np.moveaxis(v, -1, 0).reshape(shape) for v in (linear + curvature, curvature)
+        )
+        return changes, bends
 
 
 def forward(
@@ -161,7 +207,7 @@ def forward(
         return Refused("dry friction sticks and slips, so that the motion has no derivative")
     limit = RESOLVED if exact else max(RESOLVED, track.error)
     most = seconds / (3 * PER_NUMBER * ((POINTS - 1) * problem.own) ** 3)
-    elements = _first_elements(problem, track)
+    elements = _first_elements(problem, track, exact=exact)
     for _ in range(SPLITS):
         if not len(elements.lengths) <= most:
             return Refused("the linear equations along the path cost more than displaced runs")
@@ -181,18 +227,24 @@ def forward(
     return Refused("the path is not smooth enough")
 
 
-def _first_elements(problem: Problem, track: Track) -> Elements:
-    """Equal elements, and short ones at the start where a part of the motion decays fast."""
-    last = float(track.times[-1])
+def _first_elements(problem: Problem, track: Track, *, exact: bool) -> Elements:
+    """Some steps of an explicit method each, or equal elements, and short ones at a fast start."""
+    last, n = float(track.times[-1]), problem.own
+    _, slope, _ = _run(_slopes(problem.flow.system), track.states[:1, :n], problem.p)
+    known = bool(np.isfinite(slope).all())
+    rate = float(np.abs(np.linalg.eigvals(slope[0])).max()) if known else 0.0
+    if exact and rate < STIFF * problem.pace / LENGTH and explicit(problem.flow) == HEYOKA:
+        span, y = np.array([0.0, last]), problem.flow.pack(problem.start)
+        run = dense(
+            Leg(problem.flow, problem.flow_p, y, span, FINE, MOST_STEPS, problem.max_seconds)
+        )
+        inner = run.steps[STEPS:-1:STEPS]
+        return Elements(np.concatenate([[0.0], inner[inner < last], [last]]), POINTS)
     count = max(1, int(np.ceil(last * problem.pace / LENGTH)))
     edges = np.linspace(0.0, last, count + 1)
-    n, length = problem.own, last / count
-    _, slope, _ = _run(_slopes(problem.flow.system), track.states[:1, :n], problem.p)
-    if np.isfinite(slope).all():
-        rate = float(np.abs(np.linalg.eigvals(slope[0])).max())
-        if rate * length > STIFF:
-            powers = np.arange(np.floor(np.log(rate * length) / np.log(GRADED)) + 1)
-            edges = np.union1d(edges, GRADED**powers / rate)
+    if rate * last > STIFF * count:
+        powers = np.arange(np.floor(np.log(rate * last / count) / np.log(GRADED)) + 1)
+        edges = np.union1d(edges, GRADED**powers / rate)
     return Elements(edges, POINTS)
 
 
@@ -219,18 +271,20 @@ def _solved(
     rates, slope, by_p = _run(program, states, problem.p)
     if not exact and np.isfinite(rates).all() and np.isfinite(slope).all():
         defect = rates[..., 0] - elements.derivative(states)
-        error = carried(elements, slope, defect, problem.start[:n] - states[0, 0])
+        off = (problem.start[:n] - states[0, 0])[:, None]
+        error = Variation(elements, slope).solve(defect[..., None], off)[..., 0]
         if not relative(error, states).max() < DOUBT:
             return Refused("the path of the model is too far from that of the full one")
         states = states + error
         rates, slope, by_p = _run(program, states, problem.p)
     if not all(np.isfinite(v).all() for v in (rates, slope, by_p)):
         return Refused("the rates have no derivative along the path")
-    first = carried(elements, slope, by_p @ parameters, starts)
+    equation = Variation(elements, slope)
+    first = equation.solve(by_p @ parameters, starts)
     if not np.isfinite(first).all():
         return Refused("the sensitivities grow beyond all numbers")
-    slopes = rates[..., 0], slope, by_p
-    return Forward(problem, elements, states, slopes, starts, parameters, first)
+    slopes = rates[..., 0], by_p
+    return Forward(problem, elements, states, slopes, equation, starts, parameters, first)
 
 
 def _rough_in(found: Forward, limit: float) -> NDArray[np.bool_]:
@@ -273,10 +327,17 @@ def nearby(
     found = forward(problem, track, starts, parameters, exact=exact, seconds=seconds)
     if isinstance(found, Refused):
         return found
-    changes, curvature = found.displaced(others)
+    changes, bends = found.displaced(others)
+    flow, p = problem.flow, np.array([[other.flow_p for other in pair] for pair in others])
+    with np.errstate(all="ignore"):
+        here, _ = flow.margins(flow.pack(found.states), problem.flow_p)
+        there, _ = flow.margins(flow.pack(found.states + changes), p[:, :, None, None])
     ends: list[Pair | Refused] = []
-    for pair, change, bend in zip(others, changes, curvature, strict=True):
-        one, other = (_end(found, track, *given) for given in zip(pair, change, bend, strict=True))
+    for pair, *given in zip(others, changes, bends, there, strict=True):
+        one, other = (
+            _end(found, track, end, change, bend, (here, margins))
+            for end, change, bend, margins in zip(pair, *given, strict=True)
+        )
         if isinstance(one, Refused) or isinstance(other, Refused):
             ends.append(one if isinstance(one, Refused) else other)  # type: ignore[arg-type]
         else:
@@ -285,8 +346,9 @@ def nearby(
 
 
 def _end(
-    found: Forward, track: Track, other: Problem, change: Floats, bend: Floats
-) -> tuple[Problem, Track] | Refused:
+    found: Forward, track: Track, other: Problem, change: Floats, bend: Floats,
+    margins: tuple[Floats, Floats],
+) -> tuple[Problem, Track] | Refused:  # fmt: skip
     """Problem and track at one end of an input."""
     other = replace(other, times=found.problem.times)
     if not np.isfinite(change).all():
@@ -298,31 +360,31 @@ def _end(
         return Refused(CURVES)
     rest = share * found.elements.at(track.times, curve[..., None])[:, 0]
     if track.finish is None:
-        if not _stands(found, other, change, np.inf):
+        if not _stands(margins, found.elements.times >= 0):
             return Refused("a guard is as near as the change")
         return other, _track(found, track, change, track.errors + rest)
-    return _ended(found, track, other, change, rest)
+    return _ended(found, track, other, (change, rest), margins)
 
 
-def _stands(found: Forward, other: Problem, change: Floats, before: float) -> bool:
-    """Whether every guard stays positive before a time, and well above what the change takes."""
-    flow = found.problem.flow
-    inside = found.elements.times < before
-    here, there = (
-        flow.margins(flow.pack(v[inside]), of.flow_p)[0]
-        for v, of in ((found.states, found.problem), (found.states + change, other))
-    )
+def _stands(margins: tuple[Floats, Floats], inside: NDArray[np.bool_]) -> bool:
+    """Whether every guard is positive at some points, and well above what the change takes."""
+    here, there = (v[inside] for v in margins)
     return bool((here > CLEAR * np.abs(there - here)).all() and (there > 0).all())
 
 
 def _ended(
-    found: Forward, track: Track, other: Problem, change: Floats, rest: Floats
+    found: Forward,
+    track: Track,
+    other: Problem,
+    given: tuple[Floats, Floats],
+    margins: tuple[Floats, Floats],
 ) -> tuple[Problem, Track] | Refused:
     """The track at one end of an input, where the motion ends before the horizon.
 
     The time of the guard's zero moves by -(∂g · S δ)/(∂g · f), and by Newton's method beyond that.
     """
     assert track.finish is not None
+    change, rest = given
     flow, kind = found.problem.flow, track.finish.kind
     if kind not in flow.guards:
         return Refused("the motion ends in a way that has no derivative")
@@ -343,7 +405,7 @@ def _ended(
     if abs(late - steps[0]) > CURVED * abs(late) + 1e-12 or end > found.problem.last:
         return Refused("the time of the end is not linear within its uncertainty")
     sure = min(end, track.finish.time - 2 * CLEAR * abs(late))
-    if not _stands(found, other, change, sure):
+    if not _stands(margins, found.elements.times < sure):
         return Refused("a guard is as near as the change")
     moved = _track(found, track, change, track.errors + rest)
     keep = track.times < end
