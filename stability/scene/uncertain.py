@@ -75,7 +75,7 @@ class Spread:
         ]
         ways = dict.fromkeys(self.routes.values())
         for way in ways:
-            found.append(f"  by {way}: {', '.join(n for n, v in self.routes.items() if v == way)}")
+            found.append(f"  {', '.join(n for n, v in self.routes.items() if v == way)}: {way}")
         for given in self.contrary:
             for sign, word in zip("-+", self.outcomes[given], strict=True):
                 if word != self.outcome:
@@ -90,6 +90,11 @@ class Spread:
             found.append(
                 f"  a tolerance of {self.tolerance:g} is wasted: the inputs alone move the answer "
                 f"by {self.size:.2g}, and {WASTED * self.size:.2g} is enough"
+            )
+        if self.enough and not self.contrary:
+            found.append(
+                f"  the model is finer than is of use: the error of {self.enough} is below "
+                f"{WASTED * self.size:.2g}, a tenth of what the inputs move"
             )
         return found
 
@@ -132,7 +137,7 @@ def spread(
         ends = straight[name]
         routes[name] = SENSITIVITY
         if isinstance(ends, str):
-            routes[name] = f"{DISPLACED}: {ends}"
+            routes[name] = f"{DISPLACED}, because {ends}"
             ends = case.asked(pairs[name], ask)
         for quantity, (middle, *others) in ends.values.items():
             moves[quantity][name] = max(apart(middle, other) for other in others)
@@ -190,7 +195,7 @@ class _Case:
     ) -> dict[str, _Ends | str]:
         """Both ends of each input by sensitivities, or why they do not give them."""
         whole = {n: (a, b) for n, (a, b) in pairs.items() if a is not None and b is not None}
-        out: dict[str, _Ends | str] = dict.fromkeys(pairs, "no contact at the start of an end")
+        out: dict[str, _Ends | str] = dict.fromkeys(pairs, "an end has no contact at the start")
         why = self._unable()
         if why or not whole:
             return out | dict.fromkeys(whole, why)

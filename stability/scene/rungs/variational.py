@@ -28,9 +28,9 @@ from .track import Finish, Problem, Refused, Track, decade, relative
 
 POINTS, LENGTH = 12, 1.5
 """Points of an element, and its first length in units of the motion's own time."""
-RESOLVED, SMOOTH = 1e-7, 1e-5
-"""Size of the last coefficients of an element above which it is divided: of the path, and of the
-sensitivities over their largest value."""
+SMOOTH, FINER = 1e-5, 1e-2
+"""Size of the last coefficients of the sensitivities, over their largest value, above which an
+element is divided; the share of it for the path."""
 EASY, CORRECTIONS, EXACT = 40.0, 5, 1e-7
 """Norm of the slope over an element, above which it is stiff; the most corrections of steps where
 it is not, and the size of a correction over the solution at which they end."""
@@ -50,11 +50,14 @@ CLEAR = 2.0
 """Least margin of a guard, over what the change takes of it."""
 TURNED = 2.0
 """Most by which the rate of a guard at its zero may change."""
-BRIEF, SUBSTEPS, NEWTON = 0.5, 8, 8
+NOISE = 1e-9
+"""Size of a sensitivity below which its last coefficients are rounding."""
+BRIEF, SUBSTEPS, NEWTON = 0.5, 8, 4
 """Longest change of the end's time, in units of the motion's own time; steps of the method of Runge
 and Kutta in it; steps of Newton's method."""
-DOUBT = 0.3
-"""Defect of a model's path, carried, above which its sensitivities are those of another path."""
+DOUBT, CLOSE = 0.3, 1e-5
+"""Error of a model's path above which its sensitivities are those of another path, and correction
+below which none follows."""
 PER_NUMBER = 2.4e-10
 """Time for the linear equation of an element over the cube of its unknowns [s]."""
 CURVES = "the answer is not linear within its uncertainty"
@@ -202,10 +205,12 @@ def forward(
     Returns
     -------
     Forward or Refused
+
+    Source: tests/scene/test_sensitivities.py holds them against closed forms and differences.
     """
     if problem.launches.dry:
         return Refused("dry friction sticks and slips, so that the motion has no derivative")
-    limit = RESOLVED if exact else max(RESOLVED, track.error)
+    limit = FINER * SMOOTH if exact else max(FINER * SMOOTH, track.error)
     most = seconds / (3 * PER_NUMBER * ((POINTS - 1) * problem.own) ** 3)
     elements = _first_elements(problem, track, exact=exact)
     for _ in range(SPLITS):
@@ -219,7 +224,7 @@ def forward(
             found = _solved(problem, elements, states, (starts, parameters), exact=exact)
             if isinstance(found, Refused):
                 return found
-            coarse = _rough_in(found, limit)
+            coarse = _rough_in(found, max(SMOOTH, limit))
             if not coarse.any():
                 return found
         halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
@@ -269,14 +274,19 @@ def _solved(
     n, program = problem.own, _slopes(problem.flow.system)
     starts, parameters = directions
     rates, slope, by_p = _run(program, states, problem.p)
-    if not exact and np.isfinite(rates).all() and np.isfinite(slope).all():
-        defect = rates[..., 0] - elements.derivative(states)
+    for _ in range(0 if exact else NEWTON):  # the path of another model is corrected
+        if not (np.isfinite(rates).all() and np.isfinite(slope).all()):
+            break
+        defect = rates - elements.derivative(states)[..., None]
         off = (problem.start[:n] - states[0, 0])[:, None]
-        error = Variation(elements, slope).solve(defect[..., None], off)[..., 0]
-        if not relative(error, states).max() < DOUBT:
+        error = Variation(elements, slope).solve(defect, off)[..., 0]
+        size = relative(error, states).max()
+        if not size < DOUBT:
             return Refused("the path of the model is too far from that of the full one")
         states = states + error
         rates, slope, by_p = _run(program, states, problem.p)
+        if size < CLOSE:
+            break
     if not all(np.isfinite(v).all() for v in (rates, slope, by_p)):
         return Refused("the rates have no derivative along the path")
     equation = Variation(elements, slope)
@@ -290,9 +300,9 @@ def _solved(
 def _rough_in(found: Forward, limit: float) -> NDArray[np.bool_]:
     """Which elements do not resolve the sensitivities."""
     size = np.abs(found.first).max(axis=(0, 1, 2), keepdims=True)
-    share = found.first / np.where(size > 0, size, 1.0)
+    share = found.first / np.maximum(size, NOISE)
     tails = found.elements.tails(share.reshape(*share.shape[:2], -1))
-    return np.asarray(tails > max(SMOOTH, limit))
+    return np.asarray(tails > limit)
 
 
 Pair = tuple[tuple[Problem, Track], tuple[Problem, Track]]
