@@ -12,8 +12,8 @@ import numpy as np
 from ..base.errors import DomainError
 from .ladder import Climbed, full_name
 from .questions import QUESTIONS
+from .rungs.nearby import nearby
 from .rungs.track import Problem, Refused, Track, relative
-from .rungs.variational import nearby
 
 VAIN_WORDS = "a tenth of what the uncertain inputs allow to know"
 """Why a tolerance is raised."""
