@@ -46,7 +46,7 @@ NOISE = 1e-9
 """Size of a sensitivity below which its last coefficients are rounding."""
 NEWTON = 4
 """Most corrections of the path of another model."""
-DOUBT, CLOSE = 0.3, 1e-4
+DOUBT, CLOSE = 0.3, 1e-5
 """Error of a model's path above which its sensitivities are those of another path, and correction
 below which none follows."""
 PER_NUMBER = 2.4e-10
