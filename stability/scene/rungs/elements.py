@@ -16,6 +16,8 @@ from ...base.types import Floats
 
 POINTS = 16
 """Chebyshev points of an element."""
+TOGETHER = 128
+"""Elements whose equations are solved at once, for memory."""
 
 
 @lru_cache(maxsize=8)
@@ -243,17 +245,19 @@ class Linear:
         Parameters
         ----------
         defect
-            δ at the points, shape (E, N, n).
+            δ at the points, shape (E, N, n), or (E, N, n, c) for c solutions at once.
         start
-            e at the first edge, shape (n,).
+            e at the first edge, shape (n,), or (n, c).
 
         Returns
         -------
         ndarray
-            e at the points, shape (E, N, n).
+            e at the points, of the shape of the defect.
         """
-        inner = _between(self.elements, defect)[..., None]
-        every = np.ascontiguousarray(defect.swapaxes(0, 1))[..., None]
+        count, points, n = defect.shape[:3]
+        inner = _between(self.elements, defect.reshape(count, points, -1))
+        inner = inner.reshape(points - 1, count, n, -1)
+        every = np.ascontiguousarray(defect.reshape(count, points, n, -1).swapaxes(0, 1))
         push = self.step @ every[:-1] + 4 * (self.half @ inner) + every[1:]
         push *= self.elements.gaps / 6
         found = np.zeros(every.shape)
@@ -261,12 +265,12 @@ class Linear:
             np.matmul(step, now, out=then)
             then += more
         starts = np.empty(found.shape[1:])
-        at = start
-        for i, (over, own) in enumerate(zip(self.transfer[-1], found[-1, ..., 0], strict=True)):
-            starts[i, :, 0] = at
+        at = start.reshape(n, -1)
+        for i, (over, own) in enumerate(zip(self.transfer[-1], found[-1], strict=True)):
+            starts[i] = at
             at = over @ at + own
-        whole = (found + self.transfer @ starts)[..., 0]
-        return np.ascontiguousarray(whole.swapaxes(0, 1))
+        whole = (found + self.transfer @ starts).swapaxes(0, 1)
+        return np.ascontiguousarray(whole.reshape(defect.shape))
 
 
 def _exponential(matrices: Floats) -> Floats:
@@ -292,14 +296,14 @@ def carried(elements: Elements, matrices: Floats, defect: Floats, start: Floats)
     matrices
         A at the points, shape (E, N, n, n).
     defect
-        δ at the points, shape (E, N, n).
+        δ at the points, shape (E, N, n), or (E, N, n, c) for c solutions at once.
     start
-        e at the first edge, shape (n,).
+        e at the first edge, shape (n,), or (n, c).
 
     Returns
     -------
     ndarray
-        e at the points, shape (E, N, n).
+        e at the points, of the shape of the defect.
 
     Examples
     --------
@@ -308,24 +312,34 @@ def carried(elements: Elements, matrices: Floats, defect: Floats, start: Floats)
     >>> float(carried(some, matrices, defect, np.zeros(1))[-1, -1, 0].round(9))
     1.0
     """
+    found = np.empty(defect.shape)
+    many = found.reshape(*defect.shape[:3], -1)
+    drive, at = defect.reshape(many.shape), start.reshape(defect.shape[2], -1)
+    for first in range(0, len(found), TOGETHER):
+        part = slice(first, first + TOGETHER)
+        solved = _collocated(elements, elements.lengths[part], matrices[part], drive[part])
+        n = len(at)
+        for one, out in zip(solved, many[part], strict=True):
+            out[0] = at
+            out[1:] = one[..., :n] @ at + one[..., n:]
+            at = out[-1]
+    return found
+
+
+def _collocated(elements: Elements, lengths: Floats, matrices: Floats, defect: Floats) -> Floats:
+    """On each element the solutions from unit starts, and from no start with each defect."""
     derivative = chebyshev(elements.points)[1]
-    count, points, n = defect.shape
+    count, points, n, columns = defect.shape
     rows = points - 1
     table = np.zeros((count, rows, n, rows, n))
     state, point = np.arange(n), np.arange(rows)
-    table[:, :, state, :, state] = derivative[1:, 1:] / elements.lengths[:, None, None]
+    table[:, :, state, :, state] = derivative[1:, 1:] / lengths[:, None, None]
     table[:, point, :, point, :] -= np.moveaxis(matrices[:, 1:], 1, 0)
-    first = -derivative[1:, 0] / elements.lengths[:, None]
-    right = np.zeros((count, rows, n, n + 1))
+    first = -derivative[1:, 0] / lengths[:, None]
+    right = np.zeros((count, rows, n, n + columns))
     right[..., :n] = first[:, :, None, None] * np.eye(n)
-    right[..., n] = defect[:, 1:]
+    right[..., n:] = defect[:, 1:]
     size = rows * n
-    solved = np.linalg.solve(table.reshape(count, size, size), right.reshape(count, size, n + 1))
-    solved = solved.reshape(count, rows, n, n + 1)
-    found = np.empty(defect.shape)
-    at = start
-    for i, one in enumerate(solved):
-        found[i, 0] = at
-        found[i, 1:] = one[..., :n] @ at + one[..., n]
-        at = found[i, -1]
-    return found
+    flat = right.reshape(count, size, n + columns)
+    solved = np.linalg.solve(table.reshape(count, size, size), flat)
+    return solved.reshape(count, rows, n, n + columns)

@@ -33,9 +33,9 @@ GROWTH = 30.0
 """Exponent of growth above which no linear motion is small."""
 SAFETY = 3.0
 """Factor on the third order, for the orders above it and for its sampling."""
-COST, DOUBTFUL = 2.5e-3, 4.0
-"""Time of the closed forms [s], and how many times as long the full model must be expected to take
-where the third order may be above the tolerance at the horizon."""
+DOUBTFUL = 0.01
+"""Expected time of the full model [s] up to which the closed forms are left out where their third
+order may be above the tolerance at the horizon."""
 TRUSTED = 0.2
 """Share of the linear deviation up to which the higher orders may be an estimate of its error."""
 
@@ -167,9 +167,9 @@ class Modes:
 
 
 def _vain(problem: Problem, size: float, price: float) -> bool:
-    """Whether the full model may be done before the closed forms are."""
-    doubtful = size**3 * max(1.0, problem.last) > problem.tolerance
-    return size > problem.tolerance and price < COST * (DOUBTFUL if doubtful else 1.0)
+    """Whether the full model may be done before the closed forms have turned out too coarse."""
+    doubtful = size**3 * max(1.0, problem.last) > problem.tolerance < size
+    return price < DOUBTFUL and doubtful
 
 
 def _hopeless(problem: Problem, size: float) -> bool:
