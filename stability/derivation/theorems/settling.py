@@ -133,6 +133,8 @@ def _bounded_speeds() -> tuple[bool, str]:
 
 def _is_positive(minor: Any) -> bool:
     """Whether s^n (a + b s²) is positive for k > 0 and 0 < s² ≤ 1, by its values at both ends."""
+    if minor == 0:
+        return False
     y = sympy.Symbol("y")  # sin²θ
     poly = sympy.Poly(sympy.expand(minor.subs(SIN, sympy.sqrt(y))), y)
     while poly.eval(0) == 0:
