@@ -92,7 +92,7 @@ def boundary_shape() -> Theorem:
     proof.step("number of roots of R with A < 0, 0 < x < 1: none for k < k_f, one, simple, for "
                "k_f < k < 1/2", "its changes in k: zeros of the leading coefficient, the "
                "discriminant, R at both ends; Sturm's count at one k in each cell", _counts)
-    proof.step("k_f = 0.32913651894767… is the one root of 128k³+196k²+31k-36 in (0, 1/2)",
+    proof.step("k_f = 0.32913651889476… is the one root of 128k³+196k²+31k-36 in (0, 1/2)",
                "Sturm, root isolation", _fold)
     proof.step("k = 1/2: R has no root with 0 < x < 1", "Sturm", _hoop)
     proof.conclude("k < k_f outside the zeros of those polynomials: no turning point, so M_b falls "
@@ -108,7 +108,7 @@ def boundary_shape() -> Theorem:
     return Theorem(
         "shape of tumbling's boundary",
         ("M_b(θ), on the part of 0 < θ < π/2 where it exists, with M2 = 24k/((2k+1)(4k+3)) and "
-         "k_f = 0.32913651894767… the root of 128k³+196k²+31k-36:",
+         "k_f = 0.32913651889476… the root of 128k³+196k²+31k-36:",
          "k ≤ k_f: M_b falls strictly from ∞ to M2; elliptic.",
          "k_f < k < 1/2: M_b falls from ∞ to one minimum M_f(k) < M2 (elliptic) and then rises to "
          "M2 (hyperbolic).",
@@ -222,7 +222,7 @@ def _holds_fold(low: Expr, high: Expr) -> bool:
 
 def _fold() -> tuple[bool, str]:
     poly = sympy.Poly(FOLD, K)
-    near = sympy.Rational(32913651894767, 10**14)
+    near = sympy.Rational(32913651889476, 10**14)
     width = sympy.Rational(1, 10**14)
     one = poly.count_roots(0, HALF) == 1 and poly.eval(0) < 0
     ratio = sympy.cancel(turning()[0].eval(0) / FOLD)
