@@ -26,13 +26,7 @@ FOLD = 128 * K**3 + 196 * K**2 + 31 * K - 36
 
 
 def slope_form() -> sympy.Poly:
-    """H(N, x) with the sign of dM_b/dsinθ at N = N_b: N ∂G/∂N - 2(1-x) ∂G/∂x.
-
-    Examples
-    --------
-    >>> slope_form().degree()
-    2
-    """
+    """H(N, x) with the sign of dM_b/dsinθ at N = N_b: N ∂G/∂N - 2(1-x) ∂G/∂x."""
     a, b, c = coefficients()
     g = a * N**2 + b * N + c
     return sympy.Poly(sympy.expand(N * sympy.diff(g, N) - 2 * (1 - X) * sympy.diff(g, X)), N)
@@ -46,11 +40,6 @@ def turning() -> tuple[sympy.Poly, Expr]:
     ------
     ValueError
         If the resultant has no single factor of this kind.
-
-    Examples
-    --------
-    >>> turning()[0].degree()
-    6
     """
     a, b, c = coefficients()
     condition = sympy.Poly(sympy.expand(a * N**2 + b * N + c), N)
@@ -67,44 +56,71 @@ def turning() -> tuple[sympy.Poly, Expr]:
 
 @lru_cache(maxsize=1)
 def boundary_shape() -> Theorem:
-    """The shape of M_b in θ.
-
-    Examples
-    --------
-    >>> boundary_shape().proved
-    True
-    """
+    """The shape of M_b in θ; some seconds at first use."""
     proof = Proof()
-    proof.step("M_b is the boundary wherever A < 0", "theorem `tumbling for every k`",
-               lambda: tumbling().proved)
-    proof.step("as θ rises to π/2, M_b tends to M2; its slope in x = cos²θ there has the sign of "
-               "36 - 31k - 196k² - 128k³", "expansion of N_b at x = 0", _upright)
-    proof.step("at the other end M_b tends to infinity for k < 1/2",
-               "A → 0 with B > 0 and C > 0 (k ≤ (√7-1)/6); otherwise sinθ → 0 with N_b > 0, as "
-               "A < 0 < C at x = 1", _other_end)
-    proof.step("k = 1/2: M_b tends to 0 as θ → 0", "C vanishes like 1 - x, with A < 0 and B < 0 at "
-               "x = 1; M_b = N_b/sinθ", _hoop_end)
-    proof.step("dM_b/dsinθ has the sign of H(N_b) = N ∂G/∂N - 2(1-x) ∂G/∂x, with "
-               "G = A N² + B N + C", "implicit differentiation with N = M sinθ; ∂G/∂N < 0 at N_b",
-               _slope_identity)
-    proof.step("H(N_b) = 0 only where R(x, k) = 0", "resultant of G and H in N: R, times a factor "
-               "that does not vanish for 0 < x < 1", _other_factor)
-    proof.step("number of roots of R with A < 0, 0 < x < 1: none for k < k_f, one, simple, for "
-               "k_f < k < 1/2", "its changes in k: zeros of the leading coefficient, the "
-               "discriminant, R at both ends; Sturm's count at one k in each cell", _counts)
-    proof.step("k_f = 0.32913651889476… is the one root of 128k³+196k²+31k-36 in (0, 1/2)",
-               "Sturm, root isolation", _fold)
+    proof.step(
+        "M_b is the boundary wherever A < 0",
+        "theorem `tumbling for every k`",
+        lambda: tumbling().proved,
+    )
+    proof.step(
+        "as θ rises to π/2, M_b tends to M2; its slope in x = cos²θ there has the sign of "
+        "36 - 31k - 196k² - 128k³",
+        "expansion of N_b at x = 0",
+        _upright,
+    )
+    proof.step(
+        "at the other end M_b tends to infinity for k < 1/2",
+        "A → 0 with B > 0 and C > 0 (k ≤ (√7-1)/6); otherwise sinθ → 0 with N_b > 0, as "
+        "A < 0 < C at x = 1",
+        _other_end,
+    )
+    proof.step(
+        "k = 1/2: M_b tends to 0 as θ → 0",
+        "C vanishes like 1 - x, with A < 0 and B < 0 at x = 1; M_b = N_b/sinθ",
+        _hoop_end,
+    )
+    proof.step(
+        "dM_b/dsinθ has the sign of H(N_b) = N ∂G/∂N - 2(1-x) ∂G/∂x, with G = A N² + B N + C",
+        "implicit differentiation with N = M sinθ; ∂G/∂N < 0 at N_b",
+        _slope_identity,
+    )
+    proof.step(
+        "H(N_b) = 0 only where R(x, k) = 0",
+        "resultant of G and H in N: R, times a factor that does not vanish for 0 < x < 1",
+        _other_factor,
+    )
+    proof.step(
+        "number of roots of R with A < 0, 0 < x < 1: none for k < k_f, one, simple, for "
+        "k_f < k < 1/2",
+        "its changes in k: zeros of the leading coefficient, the "
+        "discriminant, R at both ends; Sturm's count at one k in each cell",
+        _counts,
+    )
+    proof.step(
+        "k_f = 0.32913651889476… is the one root of 128k³+196k²+31k-36 in (0, 1/2)",
+        "Sturm, root isolation",
+        _fold,
+    )
     proof.step("k = 1/2: R has no root with 0 < x < 1", "Sturm", _hoop)
-    proof.conclude("k < k_f outside the zeros of those polynomials: no turning point, so M_b falls "
-                   "in θ from ∞ to M2; k_f < k < 1/2: M_b comes from ∞, rises to M2 at the end, "
-                   "and has at most one turning point, so exactly one minimum, below M2; "
-                   "k = 1/2: it rises from 0 to 6/5", "ends and number of turning points")
-    proof.conclude("the same at those zeros in k", "M_b is analytic in x and continuous in k: a "
-                   "limit of monotone (one-minimum) functions is so too, and not constant on an "
-                   "interval, as it tends to ∞; for k > k_f its slope at the end is not zero")
-    proof.conclude("elliptic where M_b falls in θ, hyperbolic where it rises",
-                   "the drift is to smaller θ (theorem `tumbling for every k`): to stable members "
-                   "where M_b falls; there dM_b/dθ ≠ 0, so the pair crosses with nonzero speed")
+    proof.conclude(
+        "k < k_f outside the zeros of those polynomials: no turning point, so M_b falls "
+        "in θ from ∞ to M2; k_f < k < 1/2: M_b comes from ∞, rises to M2 at the end, "
+        "and has at most one turning point, so exactly one minimum, below M2; "
+        "k = 1/2: it rises from 0 to 6/5",
+        "ends and number of turning points",
+    )
+    proof.conclude(
+        "the same at those zeros in k",
+        "M_b is analytic in x and continuous in k: a "
+        "limit of monotone (one-minimum) functions is so too, and not constant on an "
+        "interval, as it tends to ∞; for k > k_f its slope at the end is not zero",
+    )
+    proof.conclude(
+        "elliptic where M_b falls in θ, hyperbolic where it rises",
+        "the drift is to smaller θ (theorem `tumbling for every k`): to stable members "
+        "where M_b falls; there dM_b/dθ ≠ 0, so the pair crosses with nonzero speed",
+    )
     return Theorem(
         "shape of tumbling's boundary",
         ("M_b(θ), on the part of 0 < θ < π/2 where it exists, with M2 = 24k/((2k+1)(4k+3)) and "
@@ -154,7 +170,7 @@ def _slope_identity() -> bool:
     h = N * g_n - 2 * s**2 * g_x
     a, b, c = coefficients()
     g = a * N**2 + b * N + c
-    stated = (h.subs({g_n: sympy.diff(g, N), g_x: sympy.diff(g, X)}).subs(s**2, 1 - X))
+    stated = h.subs({g_n: sympy.diff(g, N), g_x: sympy.diff(g, X)}).subs(s**2, 1 - X)
     return equal(s**2 * g_n * m_slope, -h) and equal(stated, slope_form().as_expr())
 
 
@@ -191,11 +207,6 @@ def inside(k: Expr) -> int:
     ----------
     k
         Rational inertia factor at which R vanishes at neither end.
-
-    Examples
-    --------
-    >>> inside(sympy.Rational(1, 4)), inside(sympy.Rational(2, 5))
-    (0, 1)
     """
     r = sympy.Poly(turning()[0].as_expr().subs(K, k), X, domain="QQ")
     lead = (1 - 3 * k) * (1 + 2 * k)

@@ -83,12 +83,18 @@ def premises(proof: Proof, family: str, kinds: set[str]) -> None:
         words = "; ".join(f"{o.name}: {o.proof}" for o in found.obligations)
         return set(found.conditions) == kinds and found.zeros == 1, words
 
-    proof.step("apart from the one structural zero: stable where every deciding polynomial "
-               f"({', '.join(sorted(kinds))}) is positive, unstable where one is negative",
-               "characteristic polynomial over Q from the graph; Liénard and Chipart; the other "
-               "conditions are proved positive for k in (0, 1/2]", reduced)
-    proof.step("linear viscous friction with c = mu has the same linearisation",
-               "first derivatives of both forces at vA = 0, gn = 1", same_linearisation)
+    proof.step(
+        "apart from the one structural zero: stable where every deciding polynomial "
+        f"({', '.join(sorted(kinds))}) is positive, unstable where one is negative",
+        "characteristic polynomial over Q from the graph; Liénard and Chipart; the other "
+        "conditions are proved positive for k in (0, 1/2]",
+        reduced,
+    )
+    proof.step(
+        "linear viscous friction with c = mu has the same linearisation",
+        "first derivatives of both forces at vA = 0, gn = 1",
+        same_linearisation,
+    )
 
 
 def same_linearisation() -> bool:
@@ -114,13 +120,18 @@ def drift(proof: Proof, family: str, energy: Expr) -> None:
     energy
         Derivative of the members' energy by what names them, positive factors left out.
     """
-    proof.step("an eigenvector of λ ≠ 0 has slip",
-               "linearised about φ̇ ≠ 0, ω₃ = 0 with vA = 0: ω̇₃ = 0, φ̇ sinθ θ̇ = 0, k sinθ φ̈ = 0",
-               needs_slip)
-    proof.step("on a flutter boundary the oscillation drifts along the family to smaller "
-               f"{'φ̇' if family == 'spinning' else 'θ'}",
-               "dE/dt = -mu gn |vA|², averaged over the oscillation, is negative; the energy of "
-               "the members rises along the family", lambda: _rises(family, energy))
+    proof.step(
+        "an eigenvector of λ ≠ 0 has slip",
+        "linearised about φ̇ ≠ 0, ω₃ = 0 with vA = 0: ω̇₃ = 0, φ̇ sinθ θ̇ = 0, k sinθ φ̈ = 0",
+        needs_slip,
+    )
+    proof.step(
+        "on a flutter boundary the oscillation drifts along the family to smaller "
+        f"{'φ̇' if family == 'spinning' else 'θ'}",
+        "dE/dt = -mu gn |vA|², averaged over the oscillation, is negative; the energy of "
+        "the members rises along the family",
+        lambda: _rises(family, energy),
+    )
 
 
 def needs_slip() -> bool:
@@ -145,4 +156,3 @@ def _rises(family: str, slope: Expr) -> bool:
         return same(found, slope) and slope.free_symbols <= {K, PHI}
     found = energy.subs(PHI**2, 1 / (K * SIN)).diff(SIN) * COS
     return same(found, slope) and slope.free_symbols <= {COS}
-

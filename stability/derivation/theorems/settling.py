@@ -50,39 +50,65 @@ def settling() -> Theorem:
     """
     proof, rows = Proof(), motion()
     nx, ny, nz, e1, e2, e3 = (r.subs(RESTING) for r in rows.rows)
-    proof.step("dE/dt = -mu gn |vA|² (viscous), -c |vA|² (linear viscous): zero only for vA = 0",
-               "identity dE/dt = F·vA for every force, with the force of each law", _losses)
-    proof.step("the rates are analytic where sinθ > 0 and D > 0",
-               "determinant of the equations: 2k² sinθ D, with D = k + cos²θ - mu vx sinθ cosθ "
-               "(viscous), k + cos²θ (linear viscous)", _determinants)
-    proof.step("where sinθ ≥ ε the energy bounds every speed, as it never rises",
-               "kinetic energy: a quadratic form of the speeds whose leading minors are positive",
-               _bounded_speeds)
-    proof.step("vA = 0 on an interval: ω₃ is constant and φ̇θ̇ = 0 there",
-               "Euler along 3̂: 2kω̇₃ = 0; Newton along ŷ: φ̇θ̇ sinθ = ω̇₃",
-               lambda: same(e3, 2 * K * SPIN_DOT) and same(ny, PHI * THETA_DOT * SIN - SPIN_DOT))
-    proof.step("if also θ̇ ≠ 0: φ̇ = 0, and ω₃ = 0",
-               "Euler along 1̂ with φ̇ = φ̈ = 0: 2kω₃θ̇ = 0",
-               lambda: same(e1.subs({PHI: 0, PHI_DDOT: 0}), 2 * K * SPIN * THETA_DOT))
-    proof.step("then θ̈ = -cosθ/(1+k) and θ̇² cosθ = sinθ cosθ/(1+k)",
-               "Newton along x̂ and ẑ and Euler along 2̂ with φ̇ = ω₃ = 0, solved",
-               lambda: _nutation(nx, nz, e2))
-    proof.step("a contradiction: where cosθ ≠ 0, θ̇² = sinθ/(1+k) gives θ̈ = cosθ/(2(1+k)), and "
-               "cosθ = 0 throughout needs θ̇ = 0",
-               "derivative of θ̇² - sinθ/(1+k); the two values of θ̈ differ by 3cosθ/(2(1+k))",
-               _contradiction)
-    proof.step("so θ̇ = 0 on the interval, and the motion there is steady",
-               "Euler along 1̂ with θ̇ = θ̈ = 0: k φ̈ sinθ = 0; ω₃ is constant",
-               lambda: same(e1.subs(THETA_DOT, 0), -K * SIN * PHI_DDOT))
-    proof.step("every steady motion is rolling, spinning or tumbling",
-               "theorem `steady motions under any friction`", lambda: any_law().proved)
-    proof.step("each level of energy holds at most 2 + 2 + 4 steady motions",
-               "energies (1+2k)ω₃²/2 + 1, kφ̇²/2 + 1 and 3 sinθ/2: at most two values of ω₃, two of "
-               "φ̇, and two of θ with two signs of φ̇", _levels)
-    proof.conclude("the motion converges to one steady motion",
-                   "LaSalle: its limit set is not empty, connected, invariant, with one energy and "
-                   "vA = 0; so it consists of steady motions of one energy, finitely many, hence "
-                   "of one")
+    proof.step(
+        "dE/dt = -mu gn |vA|² (viscous), -c |vA|² (linear viscous): zero only for vA = 0",
+        "identity dE/dt = F·vA for every force, with the force of each law",
+        _losses,
+    )
+    proof.step(
+        "the rates are analytic where sinθ > 0 and D > 0",
+        "determinant of the equations: 2k² sinθ D, with D = k + cos²θ - mu vx sinθ cosθ "
+        "(viscous), k + cos²θ (linear viscous)",
+        _determinants,
+    )
+    proof.step(
+        "where sinθ ≥ ε the energy bounds every speed, as it never rises",
+        "kinetic energy: a quadratic form of the speeds whose leading minors are positive",
+        _bounded_speeds,
+    )
+    proof.step(
+        "vA = 0 on an interval: ω₃ is constant and φ̇θ̇ = 0 there",
+        "Euler along 3̂: 2kω̇₃ = 0; Newton along ŷ: φ̇θ̇ sinθ = ω̇₃",
+        lambda: same(e3, 2 * K * SPIN_DOT) and same(ny, PHI * THETA_DOT * SIN - SPIN_DOT),
+    )
+    proof.step(
+        "if also θ̇ ≠ 0: φ̇ = 0, and ω₃ = 0",
+        "Euler along 1̂ with φ̇ = φ̈ = 0: 2kω₃θ̇ = 0",
+        lambda: same(e1.subs({PHI: 0, PHI_DDOT: 0}), 2 * K * SPIN * THETA_DOT),
+    )
+    proof.step(
+        "then θ̈ = -cosθ/(1+k) and θ̇² cosθ = sinθ cosθ/(1+k)",
+        "Newton along x̂ and ẑ and Euler along 2̂ with φ̇ = ω₃ = 0, solved",
+        lambda: _nutation(nx, nz, e2),
+    )
+    proof.step(
+        "a contradiction: where cosθ ≠ 0, θ̇² = sinθ/(1+k) gives θ̈ = cosθ/(2(1+k)), and "
+        "cosθ = 0 throughout needs θ̇ = 0",
+        "derivative of θ̇² - sinθ/(1+k); the two values of θ̈ differ by 3cosθ/(2(1+k))",
+        _contradiction,
+    )
+    proof.step(
+        "so θ̇ = 0 on the interval, and the motion there is steady",
+        "Euler along 1̂ with θ̇ = θ̈ = 0: k φ̈ sinθ = 0; ω₃ is constant",
+        lambda: same(e1.subs(THETA_DOT, 0), -K * SIN * PHI_DDOT),
+    )
+    proof.step(
+        "every steady motion is rolling, spinning or tumbling",
+        "theorem `steady motions under any friction`",
+        lambda: any_law().proved,
+    )
+    proof.step(
+        "each level of energy holds at most 2 + 2 + 4 steady motions",
+        "energies (1+2k)ω₃²/2 + 1, kφ̇²/2 + 1 and 3 sinθ/2: at most two values of ω₃, two of "
+        "φ̇, and two of θ with two signs of φ̇",
+        _levels,
+    )
+    proof.conclude(
+        "the motion converges to one steady motion",
+        "LaSalle: its limit set is not empty, connected, invariant, with one energy and "
+        "vA = 0; so it consists of steady motions of one energy, finitely many, hence "
+        "of one",
+    )
     return Theorem(
         "every bounded motion settles",
         ("Under viscous or linear viscous friction, a motion for all t > 0 along which sinθ ≥ ε, "

@@ -50,27 +50,50 @@ def spinning() -> Theorem:
     """
     proof = Proof()
     premises(proof, "spinning", {"static", "flutter"})
-    proof.step("unstable for φ̇² < 1/k; let v = φ̇² - 1/k > 0", "the static polynomial is kφ̇² - 1",
-               lambda: equal(deciding("spinning").conditions["static"], K * SQUARE - 1))
-    proof.step("the flutter polynomial is a2 v² + a1 v + a0", "expansion", lambda: (True, "; ".join(
-        f"a{2 - i} = {sympy.factor(c)}" for i, c in enumerate(coefficients()))))
-    proof.step("a2 > 0 for mu*² < M1, 0 at M1, < 0 above", "a2 is linear in mu*², with sign of slope "
-               "and place of zero", lambda: _falls_through(coefficients()[0], M1))
-    proof.step("a0 > 0 for mu*² < M2, 0 at M2, < 0 above", "a0/mu*² is linear in mu*², with sign of "
-               "slope and place of zero",
-               lambda: _falls_through(sympy.cancel(coefficients()[2] / M), M2))
-    proof.step("M1 < M2", "sign of M2 - M1 for k in (0, 1/2] (Sturm)",
-               lambda: positive_in_k(M2 - M1))
-    proof.step("a1 > 0 for mu*² ≤ M1, and a1 < 0 for mu*² ≥ M2",
-               "-a1 is convex in mu*², negative at 0 and at M1, positive at M2 (Sturm in k)", _middle)
-    proof.step("mu*² ≤ M1: no root v > 0, stable; mu*² ≥ M2: no root v > 0, unstable; between: one "
-               "simple root, stable below it and unstable above",
-               "Descartes' rule: signs (+ or 0, +, +), (-, -, - or 0) and (-, ±, +)",
-               lambda: all(step.proved for step in proof.steps))
+    proof.step(
+        "unstable for φ̇² < 1/k; let v = φ̇² - 1/k > 0",
+        "the static polynomial is kφ̇² - 1",
+        lambda: equal(deciding("spinning").conditions["static"], K * SQUARE - 1),
+    )
+    proof.step(
+        "the flutter polynomial is a2 v² + a1 v + a0",
+        "expansion",
+        lambda: (
+            True,
+            "; ".join(f"a{2 - i} = {sympy.factor(c)}" for i, c in enumerate(coefficients())),
+        ),
+    )
+    proof.step(
+        "a2 > 0 for mu*² < M1, 0 at M1, < 0 above",
+        "a2 is linear in mu*², with sign of slope and place of zero",
+        lambda: _falls_through(coefficients()[0], M1),
+    )
+    proof.step(
+        "a0 > 0 for mu*² < M2, 0 at M2, < 0 above",
+        "a0/mu*² is linear in mu*², with sign of slope and place of zero",
+        lambda: _falls_through(sympy.cancel(coefficients()[2] / M), M2),
+    )
+    proof.step(
+        "M1 < M2", "sign of M2 - M1 for k in (0, 1/2] (Sturm)", lambda: positive_in_k(M2 - M1)
+    )
+    proof.step(
+        "a1 > 0 for mu*² ≤ M1, and a1 < 0 for mu*² ≥ M2",
+        "-a1 is convex in mu*², negative at 0 and at M1, positive at M2 (Sturm in k)",
+        _middle,
+    )
+    proof.step(
+        "mu*² ≤ M1: no root v > 0, stable; mu*² ≥ M2: no root v > 0, unstable; between: one "
+        "simple root, stable below it and unstable above",
+        "Descartes' rule: signs (+ or 0, +, +), (-, -, - or 0) and (-, ±, +)",
+        lambda: all(step.proved for step in proof.steps),
+    )
     drift(proof, "spinning", K * PHI)
-    proof.conclude("the boundary is elliptic: the drift leads from unstable members, at larger φ̇, "
-                   "to stable ones", "the steps above; the root is simple, so the pair crosses the "
-                   "axis with nonzero speed (Orlando's formula)")
+    proof.conclude(
+        "the boundary is elliptic: the drift leads from unstable members, at larger φ̇, "
+        "to stable ones",
+        "the steps above; the root is simple, so the pair crosses the "
+        "axis with nonzero speed (Orlando's formula)",
+    )
     return Theorem(
         "spinning for every k",
         ("Let M1 = 4k/(2k+1)² and M2 = 24k/((2k+1)(4k+3)); mu*² = mu² g R, and φ̇ is in √(g/R).",

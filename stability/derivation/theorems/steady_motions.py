@@ -61,34 +61,53 @@ def any_law() -> Theorem:
     steady = [r.subs(STEADY) for r in rows.rows]
     nx, ny, nz, e1, e2, e3 = steady
     free = {FORCE_X: 0, FORCE_Y: 0} | AT_REST
-    proof.step("dE/dt = F·vA for every force F at the contact",
-               "identity: Newton times the centre's velocity plus Euler times the angular velocity",
-               lambda: power_theorem(rows))
-    proof.step("vA = 0 and F = 0: energy is constant, so F·vA = 0, which the law allows at vA = 0 "
-               "alone, where F = 0",
-               "step 1; the energy depends on the states alone",
-               lambda: rows.energy.free_symbols <= {SIN, COS, K, THETA_DOT, PHI, SPIN, SLIP_X,
-                                                    SLIP_Y} and proof.steps[0].proved)
-    proof.step("gn = 1: the normal force is the weight", "Newton along ẑ: 1 - gn = 0",
-               lambda: same(nz, 1 - NORMAL))
+    proof.step(
+        "dE/dt = F·vA for every force F at the contact",
+        "identity: Newton times the centre's velocity plus Euler times the angular velocity",
+        lambda: power_theorem(rows),
+    )
+    proof.step(
+        "vA = 0 and F = 0: energy is constant, so F·vA = 0, which the law allows at vA = 0 "
+        "alone, where F = 0",
+        "step 1; the energy depends on the states alone",
+        lambda: (
+            rows.energy.free_symbols <= {SIN, COS, K, THETA_DOT, PHI, SPIN, SLIP_X, SLIP_Y}
+            and proof.steps[0].proved
+        ),
+    )
+    proof.step(
+        "gn = 1: the normal force is the weight",
+        "Newton along ẑ: 1 - gn = 0",
+        lambda: same(nz, 1 - NORMAL),
+    )
     proof.step("φ̇ω₃ = 0", "Newton along x̂: φ̇ω₃ = 0", lambda: same(nx.subs(free), PHI * SPIN))
-    proof.step("if φ̇ = 0: cosθ = 0, with ω₃ free: rolling", "Euler along 2̂: cosθ = 0",
-               lambda: same(e2.subs(free).subs(PHI, 0), COS))
-    proof.step("if φ̇ ≠ 0: ω₃ = 0, and cosθ = 0 (spinning) or kφ̇² sinθ = 1 (tumbling)",
-               "Euler along 2̂: cosθ (1 - kφ̇² sinθ) = 0",
-               lambda: same(e2.subs(free).subs(SPIN, 0), COS * (1 - K * PHI**2 * SIN)))
-    proof.step("conversely each of the three is steady under every such law",
-               "with F = 0 and gn = 1 all six rows vanish on each family", lambda: _converse(steady))
-    proof.step("no equation is left that could exclude or add a member",
-               "Newton along ŷ and Euler along 1̂ and 3̂ vanish for F = 0",
-               lambda: all(r.subs(free) == 0 for r in (ny, e1, e3)))
+    proof.step(
+        "if φ̇ = 0: cosθ = 0, with ω₃ free: rolling",
+        "Euler along 2̂: cosθ = 0",
+        lambda: same(e2.subs(free).subs(PHI, 0), COS),
+    )
+    proof.step(
+        "if φ̇ ≠ 0: ω₃ = 0, and cosθ = 0 (spinning) or kφ̇² sinθ = 1 (tumbling)",
+        "Euler along 2̂: cosθ (1 - kφ̇² sinθ) = 0",
+        lambda: same(e2.subs(free).subs(SPIN, 0), COS * (1 - K * PHI**2 * SIN)),
+    )
+    proof.step(
+        "conversely each of the three is steady under every such law",
+        "with F = 0 and gn = 1 all six rows vanish on each family",
+        lambda: _converse(steady),
+    )
+    proof.step(
+        "no equation is left that could exclude or add a member",
+        "Newton along ŷ and Euler along 1̂ and 3̂ vanish for F = 0",
+        lambda: all(r.subs(free) == 0 for r in (ny, e1, e3)),
+    )
     proof.conclude("every steady motion is rolling, spinning or tumbling", "the steps above")
     return Theorem(
         "steady motions under any friction",
         ("The steady motions are exactly rolling (θ = π/2, φ̇ = 0), spinning (θ = π/2, ω₃ = 0) and "
          "tumbling (ω₃ = 0, kφ̇² sinθ = 1), with vA = 0 in each.",),
         ("0 < θ < π, k > 0",
-         "the contact law: F·vA < 0 where vA ≠ 0, and F = 0 where vA = 0; nothing else about F",
+         "the law of friction at gn = 1: F·vA < 0 where vA ≠ 0, F = 0 where vA = 0; nothing else",
          "steady: θ, θ̇ = 0, φ̇, ω₃ and vA are constant"),
         tuple(proof.steps),
         (f"{FILE}::test_no_other_steady_motion_is_found_under_several_laws",),
@@ -115,29 +134,52 @@ def dry_rough_smooth() -> Theorem:
     proof, rows = Proof(), motion()
     nx, ny, nz, e1, e2, e3 = (r.subs(STEADY) for r in rows.rows)
     held = {FORCE_X: PHI * SPIN, FORCE_Y: 0} | AT_REST
-    proof.step("a steady motion with vA = 0 needs F = (φ̇ω₃, 0) and gn = 1",
-               "Newton along x̂, ŷ, ẑ and Euler along 3̂ with vA = 0",
-               lambda: same(nx.subs(AT_REST), PHI * SPIN - FORCE_X) and same(nz, 1 - NORMAL)
-               and same(ny.subs(AT_REST), -FORCE_Y) and same(e3.subs(AT_REST), -FORCE_Y))
-    proof.step("rough: the steady motions are (2k+1)φ̇ω₃ sinθ = cosθ (kφ̇² sinθ - 1)",
-               "Euler along 2̂ with this force; Euler along 1̂ vanishes",
-               lambda: same(e2.subs(held), ROUGH) and simplified(e1.subs(held)) == 0)
-    proof.step("this surface is smooth in (θ, φ̇, ω₃)",
-               "its derivative by ω₃ is (2k+1)φ̇ sinθ ≠ 0 where φ̇ ≠ 0; where φ̇ = 0, cosθ = 0 and its "
-               "derivative by θ is -1", _surface)
-    proof.step("it holds rolling, spinning and tumbling",
-               "substitution of each family",
-               lambda: all(simplified(ROUGH.subs(f)) == 0 for f in (
-                   UPRIGHT | {PHI: 0}, UPRIGHT | {SPIN: 0}, {SPIN: 0, SIN: 1 / (K * PHI**2)})))
-    proof.step("its two dimensions are the two structural zeros of the rough disk",
-               "multiplicity of λ in det(λ - A) over Q(k, s, φ̇), from the graph", _rough_zeros)
-    proof.step("Coulomb: the steady motions are those of the rough disk with |φ̇ω₃| ≤ mu",
-               "in slip F·vA = -mu gn |vA| < 0, so none slides (dE/dt = F·vA ≠ 0); at rest the "
-               "force of step 1 must satisfy |F| ≤ mu gn", lambda: power_theorem(rows))
-    proof.step("smooth: the steady motions are 2kφ̇ω₃ sinθ = cosθ (kφ̇² sinθ - 1), "
-               "the slip that of a centre without horizontal velocity",
-               "Euler along 2̂ with F = 0 and slip (0, ω₃); all rows vanish",
-               lambda: same(e2.subs({FORCE_X: 0, NORMAL: 1}), SMOOTH) and _smooth_rest())
+    proof.step(
+        "a steady motion with vA = 0 needs F = (φ̇ω₃, 0) and gn = 1",
+        "Newton along x̂, ŷ, ẑ and Euler along 3̂ with vA = 0",
+        lambda: (
+            same(nx.subs(AT_REST), PHI * SPIN - FORCE_X)
+            and same(nz, 1 - NORMAL)
+            and same(ny.subs(AT_REST), -FORCE_Y)
+            and same(e3.subs(AT_REST), -FORCE_Y)
+        ),
+    )
+    proof.step(
+        "rough: the steady motions are (2k+1)φ̇ω₃ sinθ = cosθ (kφ̇² sinθ - 1)",
+        "Euler along 2̂ with this force; Euler along 1̂ vanishes",
+        lambda: same(e2.subs(held), ROUGH) and simplified(e1.subs(held)) == 0,
+    )
+    proof.step(
+        "this surface is smooth in (θ, φ̇, ω₃)",
+        "its derivative by ω₃ is (2k+1)φ̇ sinθ ≠ 0 where φ̇ ≠ 0; where φ̇ = 0, cosθ = 0 and its "
+        "derivative by θ is -1",
+        _surface,
+    )
+    proof.step(
+        "it holds rolling, spinning and tumbling",
+        "substitution of each family",
+        lambda: all(
+            simplified(ROUGH.subs(f)) == 0
+            for f in (UPRIGHT | {PHI: 0}, UPRIGHT | {SPIN: 0}, {SPIN: 0, SIN: 1 / (K * PHI**2)})
+        ),
+    )
+    proof.step(
+        "its two dimensions are the two structural zeros of the rough disk",
+        "multiplicity of λ in det(λ - A) over Q(k, s, φ̇), from the graph",
+        _rough_zeros,
+    )
+    proof.step(
+        "Coulomb: the steady motions are those of the rough disk with |φ̇ω₃| ≤ mu",
+        "in slip F·vA = -mu gn |vA| < 0, so none slides (dE/dt = F·vA ≠ 0); at rest the "
+        "force of step 1 must satisfy |F| ≤ mu gn",
+        lambda: power_theorem(rows),
+    )
+    proof.step(
+        "smooth: the steady motions are 2kφ̇ω₃ sinθ = cosθ (kφ̇² sinθ - 1), "
+        "the slip that of a centre without horizontal velocity",
+        "Euler along 2̂ with F = 0 and slip (0, ω₃); all rows vanish",
+        lambda: same(e2.subs({FORCE_X: 0, NORMAL: 1}), SMOOTH) and _smooth_rest(),
+    )
     proof.conclude("the statements hold", "the steps above")
     return Theorem(
         "steady motions of the rough, dry and smooth disk",

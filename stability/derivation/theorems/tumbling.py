@@ -37,11 +37,6 @@ def coefficients() -> tuple[Expr, Expr, Expr]:
     ------
     ValueError
         If the condition is not of this form.
-
-    Examples
-    --------
-    >>> sympy.factor(coefficients()[2])
-    -96*k**3*x*(3*k*x - k - x)
     """
     condition = sympy.expand(deciding("tumbling").conditions["flutter"].subs(M, N / SIN))
     folded = sympy.Integer(0)
@@ -65,36 +60,58 @@ def coefficients() -> tuple[Expr, Expr, Expr]:
 
 @lru_cache(maxsize=1)
 def tumbling() -> Theorem:
-    """Tumbling for every k and θ.
-
-    Examples
-    --------
-    >>> tumbling().proved
-    True
-    """
+    """Tumbling for every k and θ; some seconds at first use."""
     proof = Proof()
     premises(proof, "tumbling", {"flutter"})
-    proof.step("with N = mu*² sinθ and x = cos²θ the flutter polynomial is A N² + B N + C, times a "
-               "positive factor", "expansion, sin²θ = 1 - x",
-               lambda: (True, "; ".join(f"{name} = {sympy.factor(c)}" for name, c in
-                                        zip("ABC", coefficients(), strict=True))))
-    proof.step("A has the sign of (1-3k)(1+2k)x - k",
-               "factors of A: the other is positive for k in (0, 1/2], 0 < x < 1", _sign_of_a)
-    proof.step("C > 0", "C is x times a polynomial that is positive for k < 1/2, 0 < x < 1; at "
-               "k = 1/2 it is x (1 - x) times a positive number", _c_is_positive)
-    proof.step("B² - 4AC = 16k²(2k+1)² [2k+(2-3k)x]² E, with E a quadratic polynomial in x",
-               "identity", _discriminant)
-    proof.step("A ≥ 0 for some x < 1 needs k < (√7-1)/6 = 0.27429…",
-               "(1-3k)(1+2k) - k = 1 - 2k - 6k² falls in k and vanishes there", _limit)
-    proof.step("where A ≥ 0, B > 0: then A N² + B N + C > 0 for every N > 0",
-               "B/(4k(2k+1)) = 6k² + k(8-25k)x + (2-7k+9k²-36k³)x², each coefficient positive for "
-               "k ≤ 0.2743 (Sturm)", _b_is_positive)
-    proof.step("where A < 0 < C, A N² + B N + C has one positive root N_b, simple, and is positive "
-               "exactly for 0 ≤ N < N_b", "Descartes' rule: one change of sign, C > 0; "
-               "N_b = 2C/(√(B²-4AC) - B)", _root)
+    proof.step(
+        "with N = mu*² sinθ and x = cos²θ the flutter polynomial is A N² + B N + C, times a "
+        "positive factor",
+        "expansion, sin²θ = 1 - x",
+        lambda: (
+            True,
+            "; ".join(
+                f"{name} = {sympy.factor(c)}" for name, c in zip("ABC", coefficients(), strict=True)
+            ),
+        ),
+    )
+    proof.step(
+        "A has the sign of (1-3k)(1+2k)x - k",
+        "factors of A: the other is positive for k in (0, 1/2], 0 < x < 1",
+        _sign_of_a,
+    )
+    proof.step(
+        "C > 0",
+        "C is x times a polynomial that is positive for k < 1/2, 0 < x < 1; at "
+        "k = 1/2 it is x (1 - x) times a positive number",
+        _c_is_positive,
+    )
+    proof.step(
+        "B² - 4AC = 16k²(2k+1)² [2k+(2-3k)x]² E, with E a quadratic polynomial in x",
+        "identity",
+        _discriminant,
+    )
+    proof.step(
+        "A ≥ 0 for some x < 1 needs k < (√7-1)/6 = 0.27429…",
+        "(1-3k)(1+2k) - k = 1 - 2k - 6k² falls in k and vanishes there",
+        _limit,
+    )
+    proof.step(
+        "where A ≥ 0, B > 0: then A N² + B N + C > 0 for every N > 0",
+        "B/(4k(2k+1)) = 6k² + k(8-25k)x + (2-7k+9k²-36k³)x², each coefficient positive for "
+        "k ≤ 0.2743 (Sturm)",
+        _b_is_positive,
+    )
+    proof.step(
+        "where A < 0 < C, A N² + B N + C has one positive root N_b, simple, and is positive "
+        "exactly for 0 ≤ N < N_b",
+        "Descartes' rule: one change of sign, C > 0; N_b = 2C/(√(B²-4AC) - B)",
+        _root,
+    )
     drift(proof, "tumbling", sympy.Rational(3, 2) * COS)
-    proof.conclude("the statements hold for 0 < θ < π/2, and by reflection for π/2 < θ < π",
-                   "the steps above; the conditions hold sinθ alone")
+    proof.conclude(
+        "the statements hold for 0 < θ < π/2, and by reflection for π/2 < θ < π",
+        "the steps above; the conditions hold sinθ alone",
+    )
     return Theorem(
         "tumbling for every k",
         ("Let x = cos²θ and mu*² = mu² g R.",
