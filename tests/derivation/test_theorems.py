@@ -7,6 +7,7 @@ Kane's equations (tests/data/kane_polynomials.json), and two derivations of the 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import lru_cache
@@ -122,7 +123,7 @@ def inertia(rng: np.random.Generator) -> Fraction:
     return Fraction(int(rng.integers(1, 5001)), 10**4)
 
 
-def beside(value: Fraction, rng: np.random.Generator) -> Fraction:
+def next_to(value: Fraction, rng: np.random.Generator) -> Fraction:
     """A number a relative 1e-12 below or above."""
     return value * (1 + (NEAR if rng.random() < 0.5 else -NEAR))
 
@@ -158,18 +159,20 @@ def spinning_points(count: int, seed: int) -> list[tuple[Fraction, Fraction, Fra
         m1, m2 = thresholds(k)
         between = m1 + (m2 - m1) * Fraction(int(rng.integers(1, 1000)), 1000)
         anywhere = Fraction(int(10 ** rng.uniform(0, 8)), 10**4)
-        m = [m1, m2, beside(m1, rng), beside(m2, rng), between, between, anywhere][rng.integers(7)]
+        m = [m1, m2, next_to(m1, rng), next_to(m2, rng), between, between, anywhere][
+            rng.integers(7)
+        ]
         z = 1 / k + Fraction(int(10 ** rng.uniform(0, 12)), 10**6)
         choice = rng.integers(6)
         if choice == 0:
-            z = beside(1 / k, rng)
+            z = next_to(1 / k, rng)
         elif choice == 1:
             z *= 10**15
         elif choice >= 4 and m1 < m < m2:
             with mpmath.workdps(80):
                 edge = 1 / real(k) + spinning_excess()(real(k), real(m))
                 # next to its ends the excess v* is itself small or large: a part of v*
-                z = 1 / k + beside(rational(edge - 1 / real(k), 60), rng)
+                z = 1 / k + next_to(rational(edge - 1 / real(k), 60), rng)
         out.append((k, m, z))
     return out
 
@@ -229,10 +232,10 @@ def tumbling_points(count: int, seed: int) -> list[tuple[Fraction, Fraction, Fra
         lead = (1 - 3 * k) * (1 + 2 * k)
         with mpmath.workdps(80):
             if rng.random() < 0.2 and 0 < k < lead:  # next to A = 0, at a large mu
-                x = beside(k / lead, rng)
+                x = next_to(k / lead, rng)
                 s, m = rational(mpmath.sqrt(1 - real(x))), m * 10**20
             elif rng.random() < 0.5 and not steep(k, s):
-                m = beside(rational(tumbling_boundary()(real(k), real(s)), 60), rng)
+                m = next_to(rational(tumbling_boundary()(real(k), real(s)), 60), rng)
         if m > 0 and 0 < s < 1:
             out.append((k, m, s))
     return out
@@ -309,8 +312,10 @@ def test_the_boundary_of_tumbling_has_the_stated_shape(k: Fraction, shape: str) 
 # --- completeness ---
 
 
-def any_force(x: Array, k: Array, law: Callable[[Array], Array], per_weight: bool) -> Array:
-    """State rates by Kane's equations for F = law(slip), or normal force times it."""
+def any_motion(
+    x: Array, k: Array, law: Callable[[Array], Array], per_weight: bool
+) -> tuple[Array, Array]:
+    """State rates and normal force by Kane's equations, F = law(slip) or normal force times it."""
     system = kane_system("linear-viscous")
     point = [np.sin(x[0]), np.cos(x[0]), 0.0, 1.0, *x[1:], k, 0 * k]
 
@@ -327,7 +332,7 @@ def any_force(x: Array, k: Array, law: Callable[[Array], Array], per_weight: boo
         if per_weight:
             matrix[..., 6 + i, 5] = -force[i]
     solved = np.linalg.solve(matrix, forcing[..., None])[..., 0]
-    return stacked(system.rates(*point, *np.moveaxis(solved, -1, 0)[:5]))
+    return stacked(system.rates(*point, *np.moveaxis(solved, -1, 0)[:5])), solved[..., 5]
 
 
 FORCES: dict[str, tuple[Callable[[Array], Array], bool]] = {
@@ -349,7 +354,7 @@ def steady_roots(name: str, starts: int, seed: int) -> tuple[Array, Array]:
 
     def residual(y: Array) -> Array:
         x = np.stack([y[0], 0 * y[0], *y[1:]])
-        return any_force(x, k, law, per_weight)[..., [1, 2, 3, 4, 5]]
+        return any_motion(x, k, law, per_weight)[0][..., [1, 2, 3, 4, 5]]
 
     for _ in range(40):
         value = residual(y)
@@ -409,8 +414,8 @@ def test_rough_and_smooth_motions_off_the_surface_are_not_steady(law: str) -> No
     on, _ = circling(law, 300, 7)
     assert np.abs(on.rates[:, kept]).max() < 1e-10
     for off in (-1e-3, 1e-3):
-        beside_it, _ = circling(law, 300, 7, off)
-        assert np.abs(beside_it.rates[:, kept]).max(axis=1).min() > 1e-5
+        off_it, _ = circling(law, 300, 7, off)
+        assert np.abs(off_it.rates[:, kept]).max(axis=1).min() > 1e-5
 
 
 def test_dry_friction_holds_a_steady_motion_exactly_inside_the_cone() -> None:
@@ -503,3 +508,105 @@ def test_many_bounded_launches_end_settled() -> None:
     assert settled > 150
     assert len(falls) < 20
     assert max(falls, default=0.0) < 0.9
+
+
+# --- dry friction ---
+
+
+def response(x: Array, k: Array) -> tuple[Array, Array, Array, Array]:
+    """Slip acceleration and normal force without friction, and their change with the force."""
+    fixed = [
+        any_motion(x, k, lambda v, f=force: 0 * v + np.array(f)[:, None], False)
+        for force in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
+    ]
+    (rates, normal), *others = fixed
+    gain = np.stack([r[:, 4:] - rates[:, 4:] for r, _ in others], axis=-1)
+    lift = np.stack([n - normal for _, n in others], axis=-1)
+    return rates[:, 4:], normal, gain, lift
+
+
+def continuations_from_rest(x: Array, k: Array, mu: Array) -> tuple[Array, Array]:
+    """Number of continuations in contact, and whether the contact is pressed."""
+    free, normal, gain, lift = response(x, k)
+    lam = np.concatenate([[0.0], np.logspace(-7, 7, 6000)])
+    # the linear map of each force, normal force included: A = free + gain F
+    shifted = gain[:, None] + lam[None, :, None, None] * np.eye(2)
+    right = -np.broadcast_to(free[:, None, :, None], (len(k), len(lam), 2, 1))
+    force = np.linalg.solve(shifted, right)[..., 0]
+    psi = np.hypot(force[..., 0], force[..., 1])
+    psi -= mu[:, None] * (normal[:, None] + np.einsum("nlj,nj->nl", force, lift))
+    roots = (np.sign(psi[:, 1:]) != np.sign(psi[:, :-1])).sum(axis=1)
+    return roots + (psi[:, 0] < 0), normal > 0
+
+
+def test_the_number_of_continuations_from_rest_is_as_stated() -> None:
+    rng = np.random.default_rng(13)
+    n = 500
+    k = rng.uniform(0.02, 0.5, n)
+    speeds = rng.normal(size=(3, n)) * 1.5
+    x = np.stack([rng.uniform(0.05, np.pi - 0.05, n), *speeds, np.zeros(n), np.zeros(n)])
+    below = 2 * np.sqrt(k * (k + 1)) * (1 - 10 ** rng.uniform(-4, 0, n) * 0.999)
+    count, pressed = continuations_from_rest(x, k, below)
+    assert (count[pressed] == 1).all()
+    assert pressed.sum() > 150 and (~pressed).sum() > 50
+    assert (count[~pressed] % 2 == 0).all()
+    count, pressed = continuations_from_rest(x, k, below * 10 ** rng.uniform(0, 1, n))
+    assert (count % 2 == pressed).all()
+
+
+def test_just_above_the_threshold_the_same_count_finds_three() -> None:
+    """The state of docs/dry-friction.md: sticking, and slip in two directions."""
+    start = [1.1405036155603199, -0.003713908095680414 * 0.9999, 1.82547123230798,
+             1.1032082780622803, 0, 0]  # fmt: skip
+    x, k = np.array(start)[:, None], np.array([0.25])
+    count, pressed = continuations_from_rest(x, k, np.array([1.1191520227386447]))
+    assert pressed.all()
+    assert count.tolist() == [3]
+
+
+def test_d_runs_to_zero_in_slip_exactly_where_stated() -> None:
+    """dD/dt times D next to D = 0 from Kane's equations, against the formula."""
+    rng = np.random.default_rng(14)
+    n = 400
+    k, theta = rng.uniform(0.05, 0.5, n), rng.uniform(0.2, np.pi - 0.2, n)
+    s, c = np.sin(theta), np.cos(theta)
+    across = rng.uniform(0.2, 0.95, n)  # |cos a|
+    u, v = across * np.sign(c), np.sqrt(1 - across**2) * rng.choice([-1, 1], n)
+    small, speed = 1e-9, 0.7
+    mu = (k + c * c) * (1 - small) / (s * c * u)
+    x = np.stack([theta, *rng.normal(size=(3, n)), speed * u, speed * v])
+    rates, normal = any_motion(x, k, lambda slip: -mu * slip / np.hypot(*slip), True)
+    d = k + c * c - mu * s * c * u
+    turn = (x[4] * rates[:, 5] - x[5] * rates[:, 4]) / speed**2
+    d_dot = -2 * s * c * x[1] - mu * (c * c - s * s) * x[1] * u + mu * s * c * v * turn
+    weight = normal * d
+    stated = mu * weight * v * v * (k - (2 * k + 1) * c * c) / (2 * k * speed)
+    assert d * d_dot == pytest.approx(stated, rel=1e-4, abs=1e-5)
+    clear = (np.abs(stated) > 1e-3) & (weight > 0)
+    falls = c * c > k / (2 * k + 1)
+    assert ((d_dot < 0) == falls)[clear].all()
+    assert falls[clear].sum() > 20 and (~falls[clear]).sum() > 20
+
+
+# --- the table ---
+
+
+def test_the_table_lists_statements_steps_and_tests(capsys: pytest.CaptureFixture[str]) -> None:
+    from stability.cli.commands import main
+
+    assert main(["table", "theorems"]) in (0, None)
+    printed = capsys.readouterr().out
+    assert "(recomputed)" in printed.splitlines()[0]
+    proved = [PROOFS[name]() for name in PROOFS]
+    steps = sum(len(t.steps) for t in proved)
+    assert printed.count("[proved]") == len(proved) + steps
+    assert "FAILS" not in printed and "NOT PROVED" not in printed
+    for theorem in proved:
+        for refuter in theorem.refuters:
+            file, test = refuter.split("::")
+            assert refuter in printed
+            assert file == "tests/derivation/test_theorems.py" and callable(globals()[test])
+    assert main(["table", "theorems", "--json"]) in (0, None)
+    rows = json.loads(capsys.readouterr().out)["rows"]
+    assert [r["name"] for r in rows] == [t.name for t in proved]
+    assert all(r["proved"] and all(s["proved"] for s in r["steps"]) for r in rows)

@@ -177,7 +177,7 @@ def _slope_identity() -> bool:
 def _other_factor() -> tuple[bool, str]:
     _, rest = turning()
     _, factors = sympy.factor_list(rest)
-    for factor, power in factors:
+    for factor, _ in factors:
         if factor.has(X):
             poly = sympy.Poly(factor, X)
             # linear in x with values of one sign at both ends
@@ -187,7 +187,6 @@ def _other_factor() -> tuple[bool, str]:
                 return False, f"the factor {factor} may vanish"
         elif not (positive_in_k(factor) or positive_in_k(-factor)):
             return False, f"the factor {factor} may vanish"
-        del power
     return True, f"R = {turning()[0].as_expr()}"
 
 

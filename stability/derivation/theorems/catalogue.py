@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from .boundary_shape import boundary_shape
+from .dry_friction import dry_friction
 from .record import Theorem
 from .settling import settling
 from .spinning import spinning
@@ -18,6 +19,7 @@ PROOFS: dict[str, Callable[[], Theorem]] = {
     "spinning": spinning,
     "tumbling": tumbling,
     "tumbling-shape": boundary_shape,
+    "dry-friction": dry_friction,
 }
 """Functions that prove a theorem, in the order of the table."""
 

@@ -35,7 +35,7 @@ FILE = "tests/derivation/test_theorems.py"
 
 
 def power_theorem(rows: Motion) -> bool:
-    """Whether dE/dt is the force times the slip, whatever the force: rows times velocities.
+    """Whether dE/dt is the force times the slip, for every force: rows times velocities.
 
     Parameters
     ----------
