@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
 
-from ..derivation.theorems.record import Step
+from ..derivation.proof import Step
 
 WIDTH = 100
 """Columns of the text."""

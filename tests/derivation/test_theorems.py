@@ -23,10 +23,10 @@ from kane_disk import Solution, fixed_axes, kane_system
 from numpy.typing import NDArray
 
 import stability as st
+from stability.derivation.proof import Proof, Theorem
 from stability.derivation.theorems import spinning as spinning_theorem
 from stability.derivation.theorems import tumbling as tumbling_theorem
 from stability.derivation.theorems.catalogue import PROOFS
-from stability.derivation.theorems.record import Proof, Theorem
 from stability.motion.result import BY_CODE
 from stability.tables.theorems import theorem_lines
 

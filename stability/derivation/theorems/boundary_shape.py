@@ -13,7 +13,7 @@ from typing import Any
 import sympy
 
 from ..characteristic import K
-from .record import Proof, Theorem
+from ..proof import Proof, Theorem
 from .signs import HALF, cells, equal, positive_in_k
 from .spinning import M2
 from .steady_motions import FILE

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ..proof import Theorem
 from .boundary_shape import boundary_shape
 from .dry_friction import dry_friction
-from .record import Theorem
 from .settling import settling
 from .spinning import spinning
 from .steady_motions import any_law, dry_rough_smooth

@@ -12,6 +12,7 @@ from typing import Any
 import sympy
 
 from ..characteristic import COS, MU, SIN, K
+from ..proof import Proof, Theorem
 from .motion import (
     FORCE_X,
     FORCE_Y,
@@ -26,7 +27,6 @@ from .motion import (
     motion,
     simplified,
 )
-from .record import Proof, Theorem
 from .steady_motions import FILE
 
 Expr = Any

@@ -10,6 +10,7 @@ import sympy
 
 from ..characteristic import COS, SIN, K, derive
 from ..hurwitz import Obligation, decisive
+from ..proof import Proof
 from .motion import (
     NORMAL,
     PHI,
@@ -24,7 +25,6 @@ from .motion import (
     same,
     simplified,
 )
-from .record import Proof
 from .settling import RESTING
 
 Expr = Any

@@ -8,6 +8,7 @@ from typing import Any
 import sympy
 
 from ..characteristic import COS, MU, SIN, K
+from ..proof import Proof, Theorem
 from .motion import (
     FORCE_X,
     FORCE_Y,
@@ -29,7 +30,6 @@ from .motion import (
     same,
     simplified,
 )
-from .record import Proof, Theorem
 from .steady_motions import FILE, UPRIGHT, any_law, power_theorem
 
 LAWS = ("viscous", "linear-viscous")

@@ -8,9 +8,9 @@ from typing import Any
 import sympy
 
 from ..characteristic import SQUARE, K, M
+from ..proof import Proof, Theorem
 from .flutter import deciding, drift, premises
 from .motion import PHI
-from .record import Proof, Theorem
 from .signs import equal, positive_in_k
 from .steady_motions import FILE
 

@@ -7,6 +7,7 @@ from functools import lru_cache
 import sympy
 
 from ..characteristic import COS, SIN, K, derive
+from ..proof import Proof, Theorem
 from .motion import (
     FORCE_X,
     FORCE_Y,
@@ -23,7 +24,6 @@ from .motion import (
     same,
     simplified,
 )
-from .record import Proof, Theorem
 
 AT_REST = {NORMAL: 1, SLIP_X: 0, SLIP_Y: 0}
 UPRIGHT = {SIN: 1, COS: 0}

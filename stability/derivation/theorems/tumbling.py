@@ -8,8 +8,8 @@ from typing import Any
 import sympy
 
 from ..characteristic import COS, SIN, K, M
+from ..proof import Proof, Theorem
 from .flutter import deciding, drift, premises
-from .record import Proof, Theorem
 from .signs import equal, positive_in_k, positive_in_strip
 from .steady_motions import FILE
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ...base.errors import StabilityError
+from ..base.errors import StabilityError
 
 
 @dataclass(frozen=True)
