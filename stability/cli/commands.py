@@ -222,7 +222,7 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "name",
         metavar="NAME",
-        help="families, conditions, drift, hopf, launches or completeness",
+        help="families, conditions, drift, hopf, launches, theorems or completeness",
     )
     sub.add_argument("--k", type=_list, help="inertia factors, comma-separated")
     sub.add_argument("--mu", type=_list, help="friction coefficients, comma-separated")
