@@ -55,9 +55,9 @@ def family_named(place: str) -> Any:
     finally:
         sys.path[:] = before
     if not isinstance(table.get(name), Family):
-        names = sorted(n for n, v in table.items() if isinstance(v, Family))
+        names = sorted(n for n, v in table.items() if isinstance(v, Family)) or ["none"]
         raise NameUnknownError(
-            f"{shown(name)} is no family of {module}; its families are {', '.join(names) or 'none'}."
+            f"{shown(name)} is no family of {module}; its families are {', '.join(names)}."
         )
     return table[name]
 

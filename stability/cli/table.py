@@ -76,7 +76,8 @@ def _of_system(options: argparse.Namespace) -> None:
         raise ParameterError("--latex and --json are both given; give one of them.")
     family = family_named(options.system)
     positive = tuple(options.positive.split(",")) if options.positive else ()
-    found = conditions(family, positive=positive, **numbers(options.parameter))
+    given: dict[str, Any] = {**numbers(options.parameter)}
+    found = conditions(family, positive=positive, **given)
     form = "latex" if options.latex else "json" if options.json else "text"
     print(printed(found, form=form))
 

@@ -16,13 +16,15 @@ from ..algebra.exact.hurwitz_forms import Budget
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.routh import on_the_axis
 from ..algebra.polynomial import Polynomial
-from ..base.checks import instance, known, real_numbers, rows
-from ..base.errors import DomainError, ParameterError, StabilityError, shown
+from ..base.checks import instance, known, one_number, rows
+from ..base.checks import positive as above_zero
+from ..base.errors import ParameterError, StabilityError, shown
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .general.deduction import Deduction, domain_of
 from .general.elimination import Reading, whole
+from .general.records import Factor, SignCondition, Variable, Witness
 
 MOST_TERMS = 4000
 """Largest number of terms of a polynomial; beyond it the work ends."""
@@ -30,74 +32,6 @@ SECONDS = 60.0
 """Time after which the work ends."""
 BITS = (128, 512, 2048)
 """Precisions of the balls in which signs at a member are sought."""
-
-
-@dataclass(frozen=True)
-class Variable:
-    """A variable of the polynomials."""
-
-    name: str
-    """Name as it occurs in a polynomial: `v`, `sin(theta)`, `sqrt(b)`."""
-    kind: str
-    """Kind: parameter, state, unknown, sine, cosine, root or function."""
-    meaning: str
-    """What it is, in words."""
-
-
-@dataclass(frozen=True)
-class Factor:
-    """A factor of the characteristic polynomial, irreducible over Q."""
-
-    coefficients: tuple[Polynomial, ...]
-    """Coefficients by powers of λ, lowest first."""
-    even: bool
-    """Whether only even powers of λ occur: its roots come in pairs ±λ."""
-    multiplicity: int
-    """How often it occurs."""
-
-    @property
-    def degree(self) -> int:
-        """Degree in λ."""
-        return len(self.coefficients) - 1
-
-
-@dataclass(frozen=True)
-class Witness:
-    """A member at which the sign of a condition is proved."""
-
-    point: Mapping[str, Fraction]
-    """Family parameters and parameters, exactly."""
-    sign: int
-    """1 or -1."""
-
-
-@dataclass(frozen=True)
-class SignCondition:
-    """A polynomial that is positive wherever a factor has all its roots in the left half-plane."""
-
-    name: str
-    """What it is, such as `constant term` or `Hurwitz determinant 3`."""
-    factor: int
-    """Index of the factor of the characteristic polynomial."""
-    kind: str
-    """What happens where it vanishes: static (an eigenvalue is 0), flutter (a pair on the
-    imaginary axis, or two pairs that meet there), or auxiliary."""
-    status: str
-    """positive or negative (proved in the whole domain), follows (from another condition),
-    changes (both signs occur at members), open (neither is proved), or zero (identically)."""
-    polynomial: Polynomial
-    """The polynomial, without factors of proved sign."""
-    whole: Polynomial
-    """The polynomial with all its factors."""
-    proof: str
-    """Proof of the status, or of the signs of the factors that are left out."""
-    witnesses: tuple[Witness, ...] = ()
-    """Members with proved signs; one of each sign where the status is `changes`."""
-
-    @property
-    def decides(self) -> bool:
-        """Whether the verdict depends on its sign."""
-        return self.status in ("changes", "open", "zero", "negative")
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +144,8 @@ class Conditions:
             if name not in values:
                 raise ParameterError(f"{name} is missing; give a number for {', '.join(names)}.")
         point = [_exact(values[n], n) for n in names]
-        self._deduction.check(point)
+        if not self._deduction.members.check(point):
+            return Verdict.UNDECIDED
         signs = [_sign(c.polynomial(*point)) for c in self.deciding]
         if -1 in signs:
             return Verdict.UNSTABLE
@@ -245,7 +180,9 @@ class Conditions:
         """
         point = self._point(at, parameters)
         return dict(
-            zip((v.name for v in self.variables), self._deduction.values(point), strict=True)
+            zip(
+                (v.name for v in self.variables), self._deduction.members.values(point), strict=True
+            )
         )
 
     def verdict(self, at: ArrayLike, **parameters: float) -> Verdict:
@@ -282,7 +219,7 @@ class Conditions:
         point = {n: rational(v) for n, v in zip(self.family.at, a, strict=True)}
         for name, value in parameters.items():
             known("parameter", name, self.family.parameters)
-            point[name] = rational(_number(name, value))
+            point[name] = rational(one_number(name, value))
         for name in self.family.parameters:
             if name in self.given:
                 own = fmpq(self.given[name].numerator, self.given[name].denominator)
@@ -297,17 +234,8 @@ def _exact(value: Any, name: str) -> Any:
     if isinstance(value, (int, Fraction)):
         return fmpq(value.numerator, value.denominator)
     if isinstance(value, float):
-        return rational(_number(name, value))
+        return rational(one_number(name, value))
     return value
-
-
-def _number(name: str, value: Any) -> float:
-    number = real_numbers(name, value)
-    if number.size != 1:
-        raise ParameterError(f"{name} has shape {number.shape}; give one number.")
-    if not math.isfinite(float(number.item())):
-        raise ParameterError(f"{name} is {shown(value)}; give a finite number.")
-    return float(number.item())
 
 
 def _sign(value: Any) -> int | None:
@@ -366,9 +294,9 @@ def conditions(
     """
     instance("family", family, Family, "give a stability.Family")
     intervals = _intervals(family, positive, between or {})
-    values = {known("parameter", n, family.parameters): rational(_number(n, v))
+    values = {known("parameter", n, family.parameters): rational(one_number(n, v))
               for n, v in parameters.items()}  # fmt: skip
-    budget = Budget(_limit("terms", terms), _limit("seconds", seconds))
+    budget = Budget(whole_number("terms", terms, 1), float(above_zero("seconds", seconds)))
     zeros = structure(family)
     if not zeros.steady:
         raise StabilityError(
@@ -424,13 +352,6 @@ def _record(deduction: Deduction, budget: Budget) -> Conditions:
     )
 
 
-def _limit(name: str, value: Any) -> Any:
-    number = _number(name, value)
-    if not number > 0:
-        raise ParameterError(f"{name} is {shown(value)}; give a positive number.")
-    return value
-
-
 def _intervals(
     family: Family, positive: Sequence[str], between: Mapping[str, tuple[float, float]]
 ) -> dict[str, tuple[Any, Any]]:
@@ -448,7 +369,3 @@ def _intervals(
         low, high = (None if math.isinf(v) else rational(v) for v in limits)
         out[name] = (low, high)
     return out
-
-
-__all__ = ["Conditions", "DomainError", "Factor", "SignCondition", "Variable", "Witness",
-           "conditions"]  # fmt: skip

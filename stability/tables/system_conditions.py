@@ -14,43 +14,45 @@ DIGITS = 12
 """Digits of a coefficient in text; longer ones are rounded and marked."""
 WIDTH = 72
 """Characters of a line of a formula in LaTeX, roughly."""
-GREEK = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa",
-         "lambda", "mu", "nu", "xi", "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega",
-         "Gamma", "Delta", "Theta", "Lambda", "Xi", "Pi", "Sigma", "Phi", "Psi", "Omega")  # fmt: skip
+GREEK = frozenset(
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau phi "
+    "chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega".split()
+)
 """Names that LaTeX writes as Greek letters."""
-ROUNDED = f"≈: coefficients divided by a positive number, rounded to {DIGITS} digits; exact in JSON"
+ROUNDED = (
+    f"≈: coefficients divided by a positive number and rounded to {DIGITS} digits; exact in JSON."
+)
 """Note below a text with rounded coefficients."""
 
 
-def _rounded(poly: Polynomial) -> bool:
-    return any(abs(c) >= 10**DIGITS for c, _ in poly.terms)
+def _size(*polys: Polynomial) -> int:
+    """What coefficients are divided by: 1, or the largest one where some have many digits."""
+    largest = max((abs(c) for p in polys for c, _ in p.terms), default=1)
+    return largest if largest >= 10**DIGITS else 1
 
 
-def _terms(poly: Polynomial) -> list[tuple[str, str, tuple[int, ...]]]:
+def _terms(poly: Polynomial, size: int) -> list[tuple[str, str, tuple[int, ...]]]:
     """(sign, coefficient, exponents) of each term; long coefficients become decimals."""
-    largest = max((abs(c) for c, _ in poly.terms), default=1)
-    long = _rounded(poly)
-    out = []
-    for c, exponents in poly.terms:
-        size = f"{abs(c) / largest:.{DIGITS}g}" if long else str(abs(c))
-        out.append(("-" if c < 0 else "+", size, exponents))
-    return out
+    return [
+        ("-" if c < 0 else "+", str(abs(c)) if size == 1 else f"{abs(c) / size:.{DIGITS}g}", e)
+        for c, e in poly.terms
+    ]
 
 
-def _text(poly: Polynomial) -> str:
+def _text(poly: Polynomial, size: int = 0) -> str:
     """A polynomial as text, with ≈ where its coefficients are rounded."""
-    return f"≈ {_plain(poly)}" if _rounded(poly) else _plain(poly)
-
-
-def _plain(poly: Polynomial) -> str:
+    size = size or _size(poly)
     words = []
-    for sign, size, exponents in _terms(poly):
-        powers = [n + (f"**{e}" if e > 1 else "")
-                  for n, e in zip(poly.variables, exponents, strict=True) if e]  # fmt: skip
-        words += [sign, "*".join([size] * (size != "1" or not powers) + powers)]
-    joined = " ".join(words) or "0"
-    return joined[2:] if joined.startswith("+") else joined.replace("- ", "-", 1) if (
-        joined.startswith("- ")) else joined  # fmt: skip
+    for sign, number, exponents in _terms(poly, size):
+        powers = [
+            n + (f"**{e}" if e > 1 else "")
+            for n, e in zip(poly.variables, exponents, strict=True)
+            if e
+        ]
+        words += [sign, "*".join([number] * (number != "1" or not powers) + powers)]
+    joined = (" ".join(words) or "0").removeprefix("+ ")
+    joined = f"-{joined[2:]}" if joined.startswith("- ") else joined
+    return joined if size == 1 else f"≈ {joined}"
 
 
 def lines(found: Conditions) -> list[str]:
@@ -80,7 +82,10 @@ def lines(found: Conditions) -> list[str]:
     for factor in found.factors:
         power = f" (to the power {factor.multiplicity})" if factor.multiplicity > 1 else ""
         out += [f"      of degree {factor.degree} in λ{power}"]
-        out += [f"        λ^{k}: {_text(c)}" for k, c in enumerate(factor.coefficients) if c.terms]
+        size = _size(*factor.coefficients)
+        out += [
+            f"        λ^{k}: {_text(c, size)}" for k, c in enumerate(factor.coefficients) if c.terms
+        ]
     out += [""]
     for c in found.conditions:
         mark = "decides" if c.decides else "holds"
@@ -94,7 +99,7 @@ def lines(found: Conditions) -> list[str]:
         out += [f"    {b.kind} boundary: {_text(b.polynomial)} = 0"]
     out += [f"    left out: {sentence}" for sentence in found.left_out]
     out += ["", f"    {_rule(found)}", ""]
-    if any(_rounded(p) for p in _polynomials(found)):
+    if any(_size(p) > 1 for p in _polynomials(found)):
         out += [ROUNDED]
     return [*out, f"Degree {found.degree} in λ, at most {found.terms} terms."]
 
@@ -212,7 +217,7 @@ def _converted(text: str) -> str:
 def _formula(poly: Polynomial, relation: str) -> str:
     """A polynomial with a relation as displayed mathematics, broken into lines."""
     parts = []
-    for sign, size, exponents in _terms(poly):
+    for sign, size, exponents in _terms(poly, _size(poly)):
         powers = [symbol(n) if e == 1 else f"{{{symbol(n)}}}^{{{e}}}"
                   for n, e in zip(poly.variables, exponents, strict=True) if e]  # fmt: skip
         size = re.sub(r"e([+-])0*(\d+)", r" \\cdot 10^{\1\2}", size).replace("{+", "{")
@@ -227,7 +232,7 @@ def _formula(poly: Polynomial, relation: str) -> str:
             row = ""
         row = f"{row} {part}".strip()
     rows.append(f"{row} {relation}")
-    mark = r"\approx{}" if _rounded(poly) else ""
+    mark = r"\approx{}" if _size(poly) > 1 else ""
     body = " \\\\\n  & ".join(rows)
     return f"\\[\n  \\begin{{aligned}}\n  {mark}& {body}\n  \\end{{aligned}}\n\\]"
 
@@ -264,7 +269,7 @@ def latex(found: Conditions) -> str:
         out += [f"{escaped(_words(c.kind, c.name))}:", _formula(c.polynomial, "> 0")]
     if not found.deciding:
         out += [escaped(found.rule)]
-    if any(_rounded(c.polynomial) for c in found.deciding):
+    if any(_size(c.polynomial) > 1 for c in found.deciding):
         out += [rf"Where $\approx$ is written, coefficients are rounded to {DIGITS} digits."]
     out += [escaped(sentence) for sentence in found.left_out]
     return "\n".join(out)
@@ -290,7 +295,8 @@ def escaped(text: str) -> str:
     """
     table = {"\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "_": r"\_", "&": r"\&",
              "%": r"\%", "#": r"\#", "$": r"\$", "^": r"\^{}", "~": r"\~{}", "<": "$<$",
-             ">": "$>$", "λ": r"$\lambda$", "²": "$^2$", "…": r"\dots{}", "≈": r"$\approx$"}  # fmt: skip
+             ">": "$>$",
+             "λ": r"$\lambda$", "²": "$^2$", "…": r"\dots{}", "≈": r"$\approx$"}  # fmt: skip
     plain = "".join(table.get(c, c) for c in text)
     return "".join(c if c.isascii() else "?" for c in plain)
 

@@ -267,7 +267,9 @@ class Triangular:
             self._open = others
             return True
         self._open = [divisor] + [
-            remainder(f, divisor, index, self.field.reduced)[0] if f.degrees()[index] >= degree else f
+            remainder(f, divisor, index, self.field.reduced)[0]
+            if f.degrees()[index] >= degree
+            else f
             for f in others
         ]
         return True

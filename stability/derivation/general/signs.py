@@ -6,64 +6,22 @@ A proof is a sentence that a reader can repeat.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from flint import fmpq, fmpq_poly
+from flint import fmpq
 
 from ...algebra.exact.hurwitz_forms import by_power, factors
-from .elimination import occurring, text
+from ...algebra.exact.triangular import occurring
+from .bounds import Bounds, number_of, real_roots, univariate
+from .elimination import text
 
 Poly = Any
 """An `fmpq_mpoly`."""
 MOST_TERMS = 4000
 """Terms of a polynomial, after a substitution, beyond which no proof is sought."""
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """An interval of a variable; None means no bound."""
-
-    low: Any = None
-    """Lower bound, a rational."""
-    high: Any = None
-    """Upper bound, a rational."""
-    at_low: bool = False
-    """Whether the lower bound itself is allowed."""
-    at_high: bool = False
-    """Whether the upper bound itself is allowed."""
-
-    @property
-    def free(self) -> bool:
-        """Whether there is no bound."""
-        return self.low is None and self.high is None
-
-    def holds(self, value: Any) -> bool:
-        """Whether a rational or a whole ball lies inside."""
-        inside = self.low is None or value > self.low or (self.at_low and value == self.low)
-        below = self.high is None or value < self.high or (self.at_high and value == self.high)
-        return bool(inside and below)
-
-    def outside(self, value: Any) -> bool:
-        """Whether a rational or a whole ball lies outside."""
-        under = self.low is not None and (
-            value < self.low or (value == self.low and not self.at_low)
-        )
-        over = self.high is not None and (
-            value > self.high or (value == self.high and not self.at_high)
-        )
-        return bool(under or over)
-
-    def narrowed(self, low: Any, high: Any, allowed: bool) -> Bounds:
-        """The interval cut by another one, whose bounds are allowed or not."""
-        bottom, at_low, top, at_high = self.low, self.at_low, self.high, self.at_high
-        if low is not None and (bottom is None or low >= bottom):
-            bottom, at_low = low, allowed and (at_low or low != bottom)
-        if high is not None and (top is None or high <= top):
-            top, at_high = high, allowed and (at_high or high != top)
-        return Bounds(bottom, top, at_low, at_high)
 
 
 @dataclass(frozen=True)
@@ -97,6 +55,8 @@ class Domain:
         """Bounds by index of the variable."""
         self.facts: list[tuple[Poly, str]] = []
         """(polynomial that is positive, reason)."""
+        self.natural: set[int] = set()
+        """Variables whose closed bounds hold for every number: sines and cosines."""
         self.nonzero: list[Poly] = []
         """Polynomials that do not vanish."""
         self._waiting: list[tuple[Poly, str]] = []
@@ -107,6 +67,15 @@ class Domain:
         return text(poly, lambda i: self.names[i])
 
     # --- what is known ---
+
+    def interval(self, index: int) -> str:
+        """The bounds of a variable as text."""
+        limits, name = self.bounds[index], self.names[index]
+        below = "" if limits.low is None else f"{limits.low} <{'=' * limits.at_low} "
+        above = "" if limits.high is None else f" <{'=' * limits.at_high} {limits.high}"
+        if below and not above:
+            return f"{name} >{'=' * limits.at_low} {limits.low}"
+        return f"{below}{name}{above}"
 
     def bound(self, index: int, low: Any = None, high: Any = None, *, closed: bool = False) -> None:
         """Narrow the interval of a variable.
@@ -148,7 +117,7 @@ class Domain:
             return
         (index,) = occurring(poly)
         parts = by_power(poly, index)
-        edge = -_number(parts.get(0)) / _number(parts[1])
+        edge = -number_of(parts.get(0)) / number_of(parts[1])
         limits = self.bounds.get(index, Bounds())
         self.bounds[index] = Bounds(
             limits.low, limits.high, limits.at_low and limits.low != edge,
@@ -162,7 +131,7 @@ class Domain:
         if len(variables) == 1 and poly.total_degree() == 1:
             (index,) = variables
             parts = by_power(poly, index)
-            edge = -_number(parts.get(0)) / _number(parts[1])
+            edge = -number_of(parts.get(0)) / number_of(parts[1])
             if parts[1].leading_coefficient() > 0:
                 self.bound(index, low=edge)
             else:
@@ -215,7 +184,7 @@ class Domain:
             A polynomial.
         """
         if poly.is_constant():
-            return "a positive number" if _number(poly) > 0 else None
+            return "a positive number" if number_of(poly) > 0 else None
         key = str(poly)
         if key not in self._known:
             self._known[key] = self._proof(poly)
@@ -234,7 +203,7 @@ class Domain:
             return None
         (index,) = occurring(poly)
         parts = by_power(poly, index)
-        slope, edge = _number(parts[1]), -_number(parts.get(0)) / _number(parts[1])
+        slope, edge = number_of(parts[1]), -number_of(parts.get(0)) / number_of(parts[1])
         limits = self.bounds.get(index, Bounds())
         nearest, at = (limits.low, limits.at_low) if slope > 0 else (limits.high, limits.at_high)
         if nearest is None or (nearest - edge) * slope < 0 or (nearest == edge and at):
@@ -281,6 +250,7 @@ class Domain:
 
     def _squares(self, poly: Poly) -> bool:
         """Whether no term is negative: even powers, and variables that are not negative."""
+
         def even(index: int) -> bool:
             low = self.bounds.get(index, Bounds()).low
             return low is not None and bool(low >= 0)
@@ -386,12 +356,6 @@ def _between(low: Any, high: Any) -> str:
     return f"({joined})/(1 + t)" if len(top) > 1 else f"{joined}/(1 + t)"
 
 
-def _number(poly: Any) -> Any:
-    if poly is None or poly == 0:
-        return fmpq(0)
-    return poly.leading_coefficient()
-
-
 def _ratio(p: Poly, q: Poly) -> Any:
     """p/q where it is a number, otherwise None."""
     if len(p) != len(q):
@@ -408,78 +372,3 @@ def _homogeneous(poly: Poly, index: int, top: Poly, bottom: Poly) -> Poly:
     for power, part in parts.items():
         out = out + part * top**power * bottom ** (degree - power)
     return out
-
-
-def univariate(poly: Poly, index: int) -> Any:
-    """A polynomial in one variable as an `fmpq_poly`.
-
-    Parameters
-    ----------
-    poly
-        The polynomial; no other variable occurs.
-    index
-        Index of the variable.
-    """
-    parts = by_power(poly, index)
-    return fmpq_poly([_number(parts.get(k)) for k in range(max(parts) + 1)])
-
-
-def real_roots(poly: Any) -> list[Any]:
-    """Real roots of an `fmpq_poly` as balls, sorted; a rational root is exact.
-
-    Parameters
-    ----------
-    poly
-        The polynomial, not zero.
-    """
-    found: list[Any] = []
-    for factor, _ in poly.numer().factor()[1]:
-        if factor.degree() == 1:
-            found.append(fmpq(-int(factor[0]), int(factor[1])))
-        elif factor.degree() > 1:
-            found += [r.real for r, _ in factor.complex_roots() if r.imag == 0]
-    return sorted(found, key=lambda r: float(r.p) / float(r.q) if isinstance(r, fmpq) else float(r))
-
-
-def between(roots: Sequence[Any], low: Any, high: Any) -> Iterator[Any]:
-    """Rationals between neighbouring roots and beyond the outer ones, within open bounds.
-
-    Parameters
-    ----------
-    roots
-        Sorted balls or rationals.
-    low, high
-        Rationals or None.
-    """
-    inner = [r if isinstance(r, fmpq) else r.mid().fmpq() for r in roots]
-    inner = [r for r in inner if (low is None or r > low) and (high is None or r < high)]
-    first = low if low is not None else (min(inner, default=fmpq(0)) - 1) * 2
-    last = high if high is not None else (max(inner, default=fmpq(0)) + 1) * 2
-    edges = [first, *inner, max(last, first + 1)] if high is None else [first, *inner, last]
-    for a, b in zip(edges, edges[1:], strict=False):
-        if a < b:
-            yield short(a, b)
-
-
-def short(low: Any, high: Any) -> Any:
-    """The decimal of fewest digits well inside an interval.
-
-    Parameters
-    ----------
-    low, high
-        Rationals, low below high.
-
-    Examples
-    --------
-    >>> short(fmpq(1, 3), fmpq(1, 2))
-    2/5
-    """
-    slack = (high - low) / 10
-    middle, scale = (low + high) / 2, fmpq(1)
-    while scale < high - low:
-        scale *= 10
-    while True:
-        value = fmpq(int((middle / scale + fmpq(1, 2)).floor())) * scale
-        if low + slack < value < high - slack:
-            return value
-        scale /= 10
