@@ -8,15 +8,16 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
 from flint import fmpq, fmpq_poly
 from numpy.typing import ArrayLike
 
 from ..algebra.balls import precision
-from ..algebra.exact.hurwitz_forms import Budget
+from ..algebra.exact.hurwitz_forms import Budget, TooLarge
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.routh import on_the_axis
 from ..algebra.polynomial import Polynomial
-from ..base.checks import instance, known, one_number, rows
+from ..base.checks import instance, known, one_number, rows, whole_number
 from ..base.checks import positive as above_zero
 from ..base.errors import ParameterError, StabilityError, shown
 from ..base.verdict import Verdict, best
@@ -213,7 +214,7 @@ class Conditions:
         return found
 
     def _point(self, at: ArrayLike, parameters: Mapping[str, float]) -> dict[str, Any]:
-        a = rows("at", at, self.family.at)
+        a = rows("at", np.atleast_1d(np.asarray(at, dtype=object)), self.family.at)
         if a.ndim != 1:
             raise ParameterError(f"at has shape {a.shape}; give one member.")
         point = {n: rational(v) for n, v in zip(self.family.at, a, strict=True)}
@@ -307,10 +308,11 @@ def conditions(
         reading = Reading(family, values, budget)
         found = whole(reading)
     except NotExact as reason:
-        size = len(family.system.states)
+        large = isinstance(reason, TooLarge)
+        why = f"is too large: {reason}" if large else f"has no exact form here ({reason})"
         raise StabilityError(
-            f"{family.name}: the characteristic polynomial, of degree {size} in λ, has no exact "
-            f"form here ({reason}); {budget.said()}; verdicts need no formula."
+            f"{family.name}: the characteristic polynomial, of degree {len(family.system.states)} "
+            f"in λ, {why}; verdicts, boundaries and maps need no formula."
         ) from None
     if found.zeros < zeros.zeros:
         raise StabilityError(
@@ -364,8 +366,9 @@ def _intervals(
         out[known("positive", name, names)] = (fmpq(0), None)
     for name, limits in between.items():
         known("between", name, names)
-        if len(limits) != 2 or not float(limits[0]) < float(limits[1]):
+        ends = np.asarray(limits, dtype=float) if np.ndim(limits) == 1 else np.zeros(0)
+        if ends.shape != (2,) or not ends[0] < ends[1]:
             raise ParameterError(f"between of {name} is {shown(limits)}; give (low, high).")
-        low, high = (None if math.isinf(v) else rational(v) for v in limits)
+        low, high = (None if math.isinf(v) else rational(v) for v in ends)
         out[name] = (low, high)
     return out

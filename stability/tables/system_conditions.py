@@ -193,7 +193,7 @@ def symbol(name: str) -> str:
 def _letter(word: str) -> str:
     if word in GREEK:
         return f"\\{word}"
-    if len(word) == 1 or word.isdigit():
+    if word.isascii() and (len(word) == 1 or word.isdigit()):
         return word
     safe = "".join(c for c in word if c.isascii() and c.isalnum())
     return rf"\mathit{{{safe or 'x'}}}"

@@ -16,6 +16,10 @@ Poly = Any
 """An `fmpq_mpoly`."""
 
 
+class TooLarge(NotExact):
+    """The work exceeds its limits; the message says terms and seconds."""
+
+
 class Budget:
     """Limits of exact work: terms of a polynomial, terms of one product, seconds.
 
@@ -42,13 +46,13 @@ class Budget:
         """Count the terms of polynomials, and end the work beyond the limits."""
         self.largest = max(self.largest, *map(len, polynomials))
         if self.largest > self.terms or self.spent > self.seconds:
-            raise NotExact(self.said())
+            raise TooLarge(self.said())
 
     def product(self, p: Poly, q: Poly) -> Poly:
         """A product, refused beforehand where it is certain to take long."""
         if len(p) * len(q) > 100 * self.terms:
             self.largest = max(self.largest, len(p), len(q))
-            raise NotExact(self.said())
+            raise TooLarge(self.said())
         out = p * q
         self.watch(out)
         return out
@@ -140,6 +144,7 @@ def _leading_minors(rows: list[list[Poly]], budget: Budget) -> list[Poly]:
             for j in range(k + 1, size):
                 value = budget.product(work[i][j], pivot) - budget.product(work[i][k], work[k][j])
                 work[i][j] = value if previous is None else value / previous
+                budget.watch(work[i][j])
         previous = pivot
     return out
 
@@ -159,6 +164,7 @@ def _determinant(rows: list[list[Poly]], budget: Budget) -> Poly:
                 value = budget.product(work[i][j], work[k][k])
                 value = value - budget.product(work[i][k], work[k][j])
                 work[i][j] = value if previous is None else value / previous
+                budget.watch(work[i][j])
         previous = work[k][k]
     return work[-1][-1] * sign
 

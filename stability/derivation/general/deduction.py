@@ -20,6 +20,8 @@ from .signs import Domain
 
 Poly = Any
 """An `fmpq_mpoly`."""
+LONGEST = 20_000
+"""Product of the terms of two conditions beyond which neither is derived from the other."""
 KINDS = {"sin": "sine", "cos": "cosine", "sqrt": "root"}
 """Kind of a variable by its function."""
 
@@ -151,8 +153,8 @@ class Deduction:
                 )
                 named = _plain(coefficients)
             rows += [self._row(place, *entry) for entry in self._monic(named, coefficients)]
-        self._follow(rows)
-        self.members.witness(rows)
+        self._follow(rows, budget)
+        self.members.witness(rows, budget)
         return [self._said(row) for row in rows]
 
     def _smallest(self, a: Sequence[Poly], budget: Budget) -> list[tuple[str, str, Poly, int]]:
@@ -196,13 +198,16 @@ class Deduction:
         return {"name": name, "factor": place, "kind": kind, "status": status, "rest": rest,
                 "all": poly, "proof": "; ".join(sign.reasons), "witnesses": ()}  # fmt: skip
 
-    def _follow(self, rows: list[dict[str, Any]]) -> None:
+    def _follow(self, rows: list[dict[str, Any]], budget: Budget) -> None:
         """Mark conditions that follow from another one of the same list."""
         asked = [r for r in rows if r["status"] == "open"]
         for row in sorted(asked, key=lambda r: (r["kind"] != "auxiliary", -len(r["rest"]))):
             for other in asked:
-                if other is row or other["status"] != "open":
+                size = len(row["rest"]) * len(other["rest"])
+                if other is row or other["status"] != "open" or size > LONGEST:
                     continue
+                if budget.spent > budget.seconds:
+                    return
                 same = other["rest"] == row["rest"]
                 name = f"`{other['name']}`"
                 proof = f"is the same as {name}" if same else self.domain.implied(

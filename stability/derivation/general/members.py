@@ -9,6 +9,7 @@ from typing import Any
 from flint import arb, fmpq
 
 from ...algebra.balls import precision
+from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.triangular import occurring
 from ...base.errors import DomainError, NoMemberError
@@ -40,50 +41,53 @@ class Members:
     def __init__(self, reading: Reading, whole: Whole, domain: Domain) -> None:
         self.reading, self.whole, self.domain = reading, whole, domain
 
-    def witness(self, rows: list[dict[str, Any]]) -> None:
+    def witness(self, rows: list[dict[str, Any]], budget: Budget) -> None:
         """Members with proved signs of the conditions that are open.
 
         Parameters
         ----------
         rows
             Fields of conditions; `witnesses` and `status` are set.
+        budget
+            The search ends when the time is over.
         """
-        waiting = {id(r): r for r in rows if r["status"] == "open"}
-        found: dict[int, dict[int, Any]] = {key: {} for key in waiting}
-        for point in self._candidates(list(waiting.values())):
-            if not waiting:
+        waiting = [r for r in rows if r["status"] == "open"]
+        found: dict[int, dict[int, Any]] = {id(r): {} for r in waiting}
+        chance = random.Random(0)  # the same members each time
+        points = [self._near(chance, trial) for trial in range(TRIALS)]
+        for point in points:
+            left = [r for r in waiting if len(found[id(r)]) < 2]
+            if not left or budget.spent > budget.seconds:
                 break
-            try:
-                with precision(WITNESS_BITS):
-                    values = self.values(point)
-                    if not self.check(values):
-                        continue
-                    known = dict(enumerate(values))
-                    signs = {k: evaluate(r["rest"], known) for k, r in waiting.items()}
-            except (NoMemberError, DomainError, ZeroDivisionError, NotExact):
-                continue
-            for key, value in signs.items():
-                for sign in (1, -1):
-                    if value * sign > 0:
-                        found[key].setdefault(sign, point)
-                if len(found[key]) == 2:
-                    waiting.pop(key)
-        for row in rows:
-            if id(row) in found:
-                both = found[id(row)]
-                row["witnesses"] = tuple(sorted(both.items(), reverse=True))
-                row["status"] = "changes" if len(both) == 2 else "open"
+            self._signs(point, left, found)
+        for row in waiting:
+            besides = (p for point in points[:4] for p in self._beside(row["rest"], point))
+            for point in besides:
+                if len(found[id(row)]) == 2 or budget.spent > budget.seconds:
+                    break
+                self._signs(point, [row], found)
+        for row in waiting:
+            both = found[id(row)]
+            row["witnesses"] = tuple(sorted(both.items(), reverse=True))
+            row["status"] = "changes" if len(both) == 2 else "open"
 
-    def _candidates(self, rows: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-        """Members near the typical one, then those between roots of a condition."""
-        chance = random.Random(0)
-        points = []
-        for trial in range(TRIALS):
-            points.append(self._near(chance, trial))
-            yield points[-1]
-        for row in rows:
-            for point in points[:4]:
-                yield from self._beside(row["rest"], point)
+    def _signs(
+        self, point: dict[str, Any], rows: list[dict[str, Any]], found: dict[int, dict[int, Any]]
+    ) -> None:
+        """Record the signs at a member, where there is one inside the domain."""
+        try:
+            with precision(WITNESS_BITS):
+                values = self.values(point)
+                if not self.check(values):
+                    return
+                known = dict(enumerate(values))
+                for row in rows:
+                    value = evaluate(row["rest"], known)
+                    sign = 1 if value > 0 else -1 if value < 0 else 0
+                    if sign:
+                        found[id(row)].setdefault(sign, point)
+        except (NoMemberError, DomainError, ZeroDivisionError, NotExact):
+            return
 
     def _near(self, chance: random.Random, trial: int) -> dict[str, Any]:
         family = self.reading.family
