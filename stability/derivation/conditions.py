@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_poly
+from flint import arb, fmpq, fmpq_poly
 from numpy.typing import ArrayLike
 
 from ..algebra.balls import precision
@@ -17,6 +17,7 @@ from ..algebra.exact.hurwitz_forms import Budget, TooLarge
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.routh import on_the_axis
 from ..algebra.polynomial import Polynomial
+from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
 from ..base.checks import instance, known, one_number, rows, whole_number
 from ..base.checks import positive as above_zero
 from ..base.errors import ParameterError, StabilityError, shown
@@ -157,7 +158,19 @@ class Conditions:
             polys = [[fmpq(c(*point)) for c in f.coefficients] for f in self.factors]
             zeros = [fmpq_poly([0, 1])] * self._extra_zeros
             return on_the_axis([*map(fmpq_poly, polys), *zeros])
-        return Verdict.UNDECIDED
+        return self._by_routh(point, best(even=even)) if self.left_out else Verdict.UNDECIDED
+
+    def _by_routh(self, point: Sequence[Any], good: Verdict) -> Verdict:
+        """The verdict from Routh's array in balls, where determinants were too large."""
+        signs = []
+        for factor in self.factors:
+            balls = [arb(c(*point)) for c in factor.coefficients]
+            turned = [c if balls[-1] > 0 else -c for c in balls]
+            known = bool(turned[-1] > 0)
+            signs.append(hurwitz_sign(verdict_polynomial(turned, 0, factor.even)) if known else 0)
+        if -1 in signs:
+            return Verdict.UNSTABLE
+        return Verdict.UNDECIDED if 0 in signs else good
 
     def values(self, at: ArrayLike, **parameters: float) -> dict[str, Any]:
         """Values of the variables at a member: rationals, or balls where these are irrational.
