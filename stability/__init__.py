@@ -45,6 +45,7 @@ _HOME = {
     "maps.stream": ("stream_map",),
     "algebra.exact.known_polynomial": ("Exact", "ExactPolynomial"),
     "bodies.thin_disk.disk_polynomials": ("exact_polynomial",),
+    "derivation.conditions": ("conditions", "Conditions"),
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
     "motion.simulate": ("simulate",),
@@ -98,6 +99,8 @@ if TYPE_CHECKING:
     from .boundary.hopf import HopfPoint as HopfPoint
     from .boundary.hopf import hopf as hopf
     from .compare.report import report as report
+    from .derivation.conditions import Conditions as Conditions
+    from .derivation.conditions import conditions as conditions
     from .figures.launch.animate import animate as animate
     from .maps.netcdf import read_map as read_map
     from .maps.netcdf import write_map as write_map
