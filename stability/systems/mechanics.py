@@ -154,6 +154,7 @@ def mechanics(
     if left:
         states = [s for s in states if s not in left]
         graph = _without(model, graph, states, left, len(limits))
+    graph = graph.shared()
     table = dict(zip((*model.coordinates, *model.velocities), ca.vertsplit(ca.vertcat(q, u)),
                      strict=True))  # fmt: skip
     return System(
@@ -176,9 +177,17 @@ class _Graph:
 
     def replaced(self, symbols: ca.SX, values: ca.SX) -> _Graph:
         """The same with values in place of symbols."""
+        return self._renewed(ca.substitute(self._entries(), [symbols], [values]))
+
+    def shared(self) -> _Graph:
+        """The same with each expression that occurs twice computed once."""
+        return self._renewed(ca.cse(self._entries()))
+
+    def _entries(self) -> list[ca.SX]:
         limits = [c.value for c in self.conditions]
-        entries = [self.mass, self.forcing, *self.rates.values(), *self.seen.values(), *limits]
-        found = ca.substitute(entries, [symbols], [values])
+        return [self.mass, self.forcing, *self.rates.values(), *self.seen.values(), *limits]
+
+    def _renewed(self, found: list[ca.SX]) -> _Graph:
         rates = dict(zip(self.rates, found[2:], strict=False))
         seen = dict(zip(self.seen, found[2 + len(rates) :], strict=False))
         rest = found[2 + len(rates) + len(seen) :]
