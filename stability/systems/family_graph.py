@@ -76,8 +76,18 @@ class Constants:
 
             return apply
 
+        def power(x: Any, exponent: Any) -> Any:
+            if met is not None:
+                met.append(("pow", x))
+            return self._power(x, exponent)
+
+        def size(x: Any) -> Any:
+            if met is not None:
+                met.append(("fabs", x))
+            return ca.fabs(x)
+
         table = {name: kept(name) for name in plain.functions if name not in ("pow", "fabs")}
-        return Algebra("casadi", self, table | {"pow": self._power, "fabs": ca.fabs})
+        return Algebra("casadi", self, table | {"pow": power, "fabs": size})
 
     def _kept(self, value: float) -> ca.SX:
         """A number, also zero, as a symbol: acos(0) is not rational."""
@@ -94,7 +104,9 @@ class Constants:
 
 
 def rounded(name: str, x: Any) -> bool:
-    """Whether CasADi would round a function of an argument as soon as it builds the expression.
+    """Whether CasADi's own number for a function of an argument may be wrong.
+
+    CasADi rounds functions of numbers as soon as it builds an expression, and gives |x| a slope at 0.
 
     Parameters
     ----------
@@ -104,6 +116,8 @@ def rounded(name: str, x: Any) -> bool:
         Its argument.
     """
     known = isinstance(x, ca.SX) and x.is_constant()
+    if name in ("pow", "fabs"):
+        return bool(known or name == "fabs")
     return bool(known and float(x) != RATIONAL_AT.get(name, (float(x), 0))[0])
 
 
