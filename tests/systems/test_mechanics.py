@@ -23,8 +23,9 @@ def states(count: int, size: int, seed: int = 1) -> Any:
 
 def lost(system: st.System, x: Any, p: Any) -> Any:
     """dE/dt + power by the graph's own slope of the energy: zero where the equations are right."""
-    slope = ca.Function("s", [system.x, system.p], [ca.jtimes(
-        system.observables["energy"], system.x, system.rhs) + system.observables["power"]])  # fmt: skip
+    seen = system.observables
+    rate = ca.jtimes(seen["energy"], system.x, system.rhs) + seen["power"]
+    slope = ca.Function("slope", [system.x, system.p], [rate])
     return np.array([float(slope(row, p)) for row in x])
 
 
@@ -183,7 +184,7 @@ def test_independent_velocities_leave_no_zero_of_the_constraint() -> None:
     for zeros, family in zip((2, 3), families, strict=True):
         found = st.spectrum(family, at=2.0, **values)
         assert found.structural_zeros == zeros
-        assert found.eigenvalues[~np.isnan(found.eigenvalues)] == pytest.approx([rate])
+        assert found.eigenvalues == pytest.approx([rate])
 
 
 def test_a_heading_that_the_rates_contain_is_not_ignorable() -> None:
@@ -195,7 +196,7 @@ def test_a_heading_that_the_rates_contain_is_not_ignorable() -> None:
 
 
 def rolling_disk(**options: Any) -> st.System:
-    """m = R = g = 1, moments k, k, 2k; the lowest point of a thin disk does not slip."""
+    """Units m = R = g = 1, moments k, k, 2k; the lowest point of a thin disk does not slip."""
     q = ca.vertcat(*symbols("x", "y", "z", "phi", "theta", "psi"))
     u = ca.vertcat(*symbols("dx", "dy", "dz", "dphi", "dtheta", "dpsi"))
     k = ca.SX.sym("k")
@@ -207,7 +208,8 @@ def rolling_disk(**options: Any) -> st.System:
     parts = [ca.dot(omega, e) for e in (radius, level, axis)]
     kinetic = (ca.sumsqr(u[:3]) + k * (parts[0] ** 2 + parts[1] ** 2 + 2 * parts[2] ** 2)) / 2
     return st.mechanics(
-        q, u, k, kinetic=kinetic, potential=q[2], velocity_constraints=u[:3] + ca.cross(omega, radius),
+        q, u, k, kinetic=kinetic, potential=q[2],
+        velocity_constraints=u[:3] + ca.cross(omega, radius),
         observables={"omega3": parts[2]}, **options,
     )  # fmt: skip
 
@@ -241,13 +243,16 @@ def test_a_rolling_disk_is_that_of_sympys_kane_method(options: dict[str, Any]) -
 
 
 def test_rolling_straight_is_lost_at_the_published_speed() -> None:
-    """omega3² = 1/(2 (2k + 1))... by the disk's own closed form g/(2kR) with I = k, 2k."""
+    """Straight rolling is stable above omega3² = g/(3 R) for k = 1/4.
+
+    Source: SymPy's rolling disc, sympy/physics/mechanics/tests/test_kane.py.
+    """
     disk = rolling_disk(independent=("dphi", "dtheta", "dpsi"),
                         ignorable=("x", "y", "phi", "psi"))  # fmt: skip
     held = {"z": 1.0, "theta": st.UPRIGHT, "dphi": 0.0, "dtheta": 0.0}
     family = st.Family(disk, "rolling", at=("dpsi",), held=held, typical={"k": 0.3})
     (edge,) = st.boundaries(family, axis=("dpsi", 0.2, 3, 20), k=0.25)
-    assert edge.value == pytest.approx(np.sqrt(1 / (2 * 0.25 + 1) / 2), abs=1e-12)
+    assert edge.value == pytest.approx(np.sqrt(1 / 3), abs=1e-12)
 
 
 # --- holonomic constraints ---
@@ -310,7 +315,6 @@ def test_a_moving_constraint_does_work() -> None:
 
 def test_a_velocity_without_mass_is_solved_from_its_constraint() -> None:
     """A massless wheel turns with a cart: r n = v."""
-    options = {"velocity_constraints": {"wheel": ca.SX.sym("v") * 0}}
     x, angle, v, n, r = symbols("x", "angle", "v", "n", "r")
     options = {"velocity_constraints": {"wheel": v - r * n}, "forces": {"n": 1.0}}
     args = ca.vertcat(x, angle), ca.vertcat(v, n), r
@@ -367,12 +371,13 @@ def refusal(**changes: Any) -> str:
     ({"independent": ("dx",)}, "independent names 1 velocities; give 2"),
     ({"independent": ("x", "dx")}, "independent is 'x'; known are dx, dy"),
     ({"velocity_constraints": lambda g: g["u"][0], "independent": ("dx",)}, "do not determine"),
-    ({"velocity_constraints": lambda g: g["u"][0], "pivots": {"1": "dy"}}, "cannot be solved for dy"),
+    ({"velocity_constraints": lambda g: g["u"][0], "pivots": {"1": "dy"}},
+     "cannot be solved for dy"),
     ({"velocity_constraints": lambda g: g["u"][0], "pivots": {"2": "dy"}}, "name each constraint"),
     ({"velocity_constraints": lambda g: g["u"][0], "pivots": {"1": "x"}}, "known are dx, dy"),
     ({"velocity_constraints": lambda g: g["u"][0], "pivots": {"1": "dx"}, "independent": ("dx",)},
      "give each velocity outside independent one constraint"),
-    ({"ignorable": ("x",)}, "the rate of dx changes with x"[:0] + "changes with x"),
+    ({"ignorable": ("x",)}, "the rate of dy changes with x"),
     ({"ignorable": ("dx",)}, "ignorable is 'dx'; known are x, y"),
     ({"observables": {"energy": 1.0}}, "names 'energy' twice"),
     ({"observables": lambda g: {"seen": g["stranger"]}}, "observable seen has the symbol z"),

@@ -230,12 +230,13 @@ def guarded(
     else:
         free, ties = list(speeds), list(constraints)
         held, masses = dict(zip(ties, pivots[len(speeds) :], strict=True)), pivots[: len(speeds)]
-    seen, conditions = {}, []
-    entries = [(n, v, f"the mass matrix is not positive: its pivot for {n}", False)
-               for n, v in zip(free, masses, strict=True)]  # fmt: skip
     word = "its pivot, squared," if solved else "its pivot"
-    entries += [(n, v, f"constraint {n} does not determine a force or velocity of its own: {word}",
-                 bool(solved)) for n, v in held.items()]  # fmt: skip
+    firm = [(n, v, f"the mass matrix is not positive: its pivot for {n}", False)
+            for n, v in zip(free, masses, strict=True)]  # fmt: skip
+    tied = [(n, v, f"constraint {n} does not determine a force or velocity of its own: {word}",
+             bool(solved)) for n, v in held.items()]  # fmt: skip
+    seen, conditions = {}, []
+    entries = [*tied, *firm] if solved else [*firm, *tied]  # as eliminated: the cause comes first
     for name, value, reason, either in entries:
         value = value**2 if either else value
         if value.is_constant():
