@@ -62,8 +62,11 @@ class Constants:
         """Values of the symbols, in the same order."""
         return list(self._symbols)
 
-    def algebra(self, met: list[tuple[str, Any]] | None = None) -> Algebra:
-        """CasADi's own expressions with these constants; `met` collects functions' arguments."""
+    def algebra(self, met: list[tuple[str, Any]] | None = None, *, strict: bool = False) -> Algebra:
+        """CasADi's own expressions with these constants; `met` collects functions' arguments.
+
+        With `strict`, cos(0) is a symbol too, and so is 2 in √2: no number is left to be rounded.
+        """
         plain = casadi_algebra()
 
         def kept(name: str) -> Any:
@@ -72,7 +75,10 @@ class Constants:
                     met.append((name, x))
                 if rounded(name, x):
                     x = ca.SX.sym("folded") if np.isnan(float(x)) else self._kept(float(x))
-                return plain.functions[name](x)
+                if strict and name == "sqrt" and isinstance(x, ca.SX) and x.is_constant():
+                    x = x if float(x) in (0, 1) else self._kept(float(x))
+                found = plain.functions[name](x)
+                return self(float(found)) if strict and ca.SX(found).is_constant() else found
 
             return apply
 
@@ -106,7 +112,8 @@ class Constants:
 def rounded(name: str, x: Any) -> bool:
     """Whether CasADi's own number for a function of an argument may be wrong.
 
-    CasADi rounds functions of numbers as soon as it builds an expression, and gives |x| a slope at 0.
+    CasADi rounds functions of numbers as soon as it builds an expression, and gives
+    |x| a slope at 0.
 
     Parameters
     ----------
@@ -203,8 +210,15 @@ class FamilyGraph:
             if not any(rounded(n, x) for (n, _), x in pairs) and exact_numbers(f, jac):
                 return ca.densify(f), ca.sparsify(jac)
         graph = Program(ca.Function("graph", inputs, [rhs, slopes_of]))
-        rates, slopes = graph.run(self._constants.algebra(), arguments)
-        n = len(system.states)
+        f, jac = self._run(graph, arguments, self._constants.algebra())
+        if not exact_numbers(f, jac):
+            f, jac = self._run(graph, arguments, self._constants.algebra(strict=True))
+        return f, jac
+
+    def _run(self, graph: Program, arguments: list[Any], algebra: Algebra) -> tuple[ca.SX, ca.SX]:
+        """Rates and Jacobian by an algebra of CasADi's expressions."""
+        rates, slopes = graph.run(algebra, arguments)
+        n = len(self._system.states)
         f, jac = ca.SX(n, 1), ca.SX(n, n)
         for (i, _), value in zip(graph.places[0], rates, strict=True):
             f[i] = value
