@@ -201,17 +201,20 @@ class FamilyGraph:
         inputs = [system.x, system.p, numbers]
         arguments = [[values[n] for n in names] for names in (system.states, system.parameters)]
         arguments.append(ca.vertsplit(numbers))
+        plain = False
         if not any(isinstance(v, Upright) for v in arguments[0]):
             # CasADi's own evaluation is the same, and faster, where it rounds no number
             asked = ca.vertcat(*[x for _, x in met]) if met else ca.SX(0, 1)
             whole = ca.Function("graph", inputs, [rhs, slopes_of, asked])
             f, jac, given = whole(*[ca.vertcat(*a) if a else ca.SX(0, 1) for a in arguments])
             pairs = zip(met, ca.vertsplit(given) if met else [], strict=True)
-            if not any(rounded(n, x) for (n, _), x in pairs) and exact_numbers(f, jac):
+            plain = not any(rounded(n, x) for (n, _), x in pairs)
+            if plain and exact_numbers(f, jac):
                 return ca.densify(f), ca.sparsify(jac)
         graph = Program(ca.Function("graph", inputs, [rhs, slopes_of]))
-        f, jac = self._run(graph, arguments, self._constants.algebra())
-        if not exact_numbers(f, jac):
+        if not plain:
+            f, jac = self._run(graph, arguments, self._constants.algebra())
+        if plain or not exact_numbers(f, jac):
             f, jac = self._run(graph, arguments, self._constants.algebra(strict=True))
         return f, jac
 

@@ -174,6 +174,8 @@ def test_independent_velocities_leave_no_zero_of_the_constraint() -> None:
     seen = reduced.observe(x, SLEIGH)
     assert seen["dy"] == pytest.approx(v * np.sin(h))
     assert seen["d_dy"] == pytest.approx(expected[:, 1])
+    assert seen["pivot_dx"] == pytest.approx(SLEIGH[0] / np.cos(h) ** 2)  # dy = dx tan h
+    assert seen["pivot_w"] == pytest.approx(SLEIGH[2] + SLEIGH[0] * SLEIGH[1] ** 2)
     values = dict(zip(("m", "a", "I"), SLEIGH, strict=True))
     rate = -SLEIGH[0] * SLEIGH[1] * 2 / (SLEIGH[2] + SLEIGH[0] * SLEIGH[1] ** 2)
     whole = sleigh(ignorable=("x", "y"))

@@ -105,8 +105,22 @@ def singular(matrix: ca.SX, symbols: ca.SX) -> bool:
     >>> singular(ca.vertcat(ca.horzcat(x, 2 * x), ca.horzcat(1, 2)), x)
     True
     """
+    if _plainly_regular(matrix, symbols):
+        return False
     found = _at_points(matrix, symbols, lambda rows: _is_zero(arb_mat(rows).det()))
     return bool(found) and all(found)
+
+
+def _plainly_regular(matrix: ca.SX, symbols: ca.SX) -> bool:
+    """Whether doubles at one point already show that the matrix is regular there."""
+    point = [float(v) for v in _point(symbols.numel(), 0)]
+    value = np.array(ca.Function("at", [symbols], [ca.densify(matrix)])(point))
+    if not (value.size and np.isfinite(value).all()):
+        return False
+    for axis in (0, 1):  # columns, then rows, of like size
+        value = value / np.maximum(np.abs(value).max(axis=axis, keepdims=True), 1e-300)
+    sizes = np.linalg.svd(value, compute_uv=False)
+    return bool(sizes[-1] > 1e-8 * sizes[0])
 
 
 def pivots_of(matrix: ca.SX, symbols: ca.SX, states: int) -> list[tuple[int, int]] | None:

@@ -67,7 +67,7 @@ def balance(model: Model, solved: Mapping[int, int]) -> Balance:
     momenta = ca.gradient(model.kinetic, u)
     across = ca.gradient(model.kinetic - model.potential, q)
     forcing = model.forces + slopes.T @ across - ca.jtimes(momenta, q, rates)
-    turning = brackets(slopes, rates, q)
+    turning = ca.sparsify(brackets(slopes, rates, q))
     if turning.nnz():  # N (NᵀN)⁻¹: the Gram matrix is positive wherever q̇ determines u
         gram = slopes.T @ slopes
         own, _ = eliminate(gram, momenta, [(i, i) for i in range(u.numel())])
