@@ -153,7 +153,7 @@ def mechanics(
         known("ignorable", coordinate, model.coordinates)
     if left:
         states = [s for s in states if s not in left]
-        graph = _without(model, graph, states, left, len(limits))
+        graph = _without(model, graph.shared(), states, left, len(limits))
     graph = graph.shared()
     table = dict(zip((*model.coordinates, *model.velocities), ca.vertsplit(ca.vertcat(q, u)),
                      strict=True))  # fmt: skip

@@ -268,5 +268,5 @@ def invariant(model: Model, outputs: Mapping[str, ca.SX], left: Sequence[str]) -
     """
     places = model.q[[model.coordinates.index(n) for n in left]]
     along = ca.SX.sym("along", places.numel())  # any direction: each slope has its own factor
-    slopes = ca.jtimes(ca.vertcat(*outputs.values()), places, along)
+    slopes = ca.cse(ca.jtimes(ca.vertcat(*outputs.values()), places, along))
     return dict(zip(outputs, vanishing(slopes, ca.vertcat(model.symbols, along)), strict=True))
