@@ -29,6 +29,7 @@ _HOME = {
         "Creep3",
     ),
     "systems.system": ("System",),
+    "systems.mechanics": ("mechanics",),
     "systems.condition": ("Condition",),
     "algebra.upright": ("UPRIGHT",),
     "systems.family": ("Family",),
@@ -121,6 +122,7 @@ if TYPE_CHECKING:
     from .systems.continuation import Branch as Branch
     from .systems.continuation import branch as branch
     from .systems.family import Family as Family
+    from .systems.mechanics import mechanics as mechanics
     from .systems.system import System as System
 
 

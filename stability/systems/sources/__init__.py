@@ -1,0 +1,7 @@
+"""Where a system's equations come from.
+
+Each module turns a model as its author writes it into the parts of a `System`: expressions, names,
+observables, conditions.  May import the modules of `systems` that need no family, and lower floors.
+To add a source: write one module with a function that returns these parts, and call it from a
+public function.
+"""
