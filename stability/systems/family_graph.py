@@ -14,9 +14,13 @@ from ..algebra.number_types import Algebra, casadi_algebra
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from .equations import Equations
+from .slopes import rates_and_slopes
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
 """Options for CasADi's root-finder, to the last digit; `Family` checks the root afterwards."""
+
+LARGE = 40_000
+"""Instructions times states above which slopes are folded on the way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +139,8 @@ class FamilyGraph:
         system = self._system
         algebra = self._constants.algebra()
         bare = Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
+        if bare.size * len(system.states) > LARGE:
+            return self._read_large(bare, values)
         entries = [ca.vertsplit(s) if s.numel() else [] for s in (system.x, system.p)]
         rhs = ca.vertcat(*bare.run(algebra, entries)[0])
         slopes_of = ca.jacobian(rhs, system.x)  # constants are symbols, so nothing is rounded
@@ -149,6 +155,17 @@ class FamilyGraph:
         for (i, j), value in zip(graph.places[1], slopes, strict=True):
             jac[i, j] = value
         return f, ca.sparsify(jac)
+
+    def _read_large(self, bare: Program, values: Mapping[str, Any]) -> tuple[ca.SX, ca.SX]:
+        """As `_read`, with each slope folded on the way."""
+        system, n = self._system, len(self._system.states)
+        given = [[values[n] for n in names] for names in (system.states, system.parameters)]
+        rates, slopes = rates_and_slopes(bare, self._constants.algebra(), *given)
+        jac = ca.SX(n, n)
+        for i, row in enumerate(slopes):
+            for j, value in row.items():
+                jac[i, j] = value
+        return ca.vertcat(*map(ca.SX, rates)), ca.sparsify(jac)
 
     @staticmethod
     def _numbers(values: Mapping[str, Any], names: Sequence[str]) -> ca.SX:
