@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ..algebra.number_types import Algebra
+from ..algebra.number_types import UNARY, Algebra
 from ..algebra.program import Program
 from ..base.errors import StabilityError
 
@@ -47,7 +47,7 @@ class Sloped:
         return Sloped(self.value - value, _joined(self.slopes, {j: -s for j, s in slopes.items()}))
 
     def __rsub__(self, other: Any) -> Sloped:
-        return -self + other
+        return Sloped(other, {}) - self
 
     def __mul__(self, other: Any) -> Sloped:
         value, slopes = _split(other)
@@ -94,16 +94,19 @@ def _joined(first: Slopes, second: Slopes) -> Slopes:
     return out
 
 
-def _slopes_of(f: Mapping[str, Callable[..., Any]]) -> dict[str, Callable[[Any, Any], Any]]:
-    """Derivative of each function, from its argument x and its value y."""
+BY_VALUE: dict[str, Callable[[Any], Any]] = {
+    "tan": lambda y: 1 + y * y, "sqrt": lambda y: 1 / (2 * y), "exp": lambda y: y,
+    "tanh": lambda y: 1 - y * y,
+}  # fmt: skip
+"""Derivatives that the value y of the function gives."""
+
+
+def _by_argument(f: Mapping[str, Callable[..., Any]]) -> dict[str, Callable[[Any], Any]]:
+    """Derivatives of the other functions, from the argument x."""
     return {
-        "sin": lambda x, y: f["cos"](x), "cos": lambda x, y: -f["sin"](x),
-        "tan": lambda x, y: 1 + y * y, "sqrt": lambda x, y: 1 / (2 * y),
-        "exp": lambda x, y: y, "log": lambda x, y: 1 / x,
-        "asin": lambda x, y: 1 / f["sqrt"](1 - x * x),
-        "acos": lambda x, y: -1 / f["sqrt"](1 - x * x), "atan": lambda x, y: 1 / (1 + x * x),
-        "sinh": lambda x, y: f["cosh"](x), "cosh": lambda x, y: f["sinh"](x),
-        "tanh": lambda x, y: 1 - y * y,
+        "sin": f["cos"], "cos": lambda x: -f["sin"](x), "log": lambda x: 1 / x,
+        "asin": lambda x: 1 / f["sqrt"](1 - x * x), "acos": lambda x: -1 / f["sqrt"](1 - x * x),
+        "atan": lambda x: 1 / (1 + x * x), "sinh": f["cosh"], "cosh": f["sinh"],
     }  # fmt: skip
 
 
@@ -117,11 +120,16 @@ def sloped_algebra(plain: Algebra) -> Algebra:
     """
     f = plain.functions
 
-    def lifted(name: str, slope: Callable[[Any, Any], Any]) -> Callable[[Any], Any]:
+    by_argument = _by_argument(f)
+
+    def lifted(name: str) -> Callable[[Any], Any]:
         def apply(number: Any) -> Any:
             x, slopes = _split(number)
             y = f[name](x)
-            return Sloped(y, _scaled(slopes, slope(x, y))) if slopes else y
+            if not slopes:
+                return y
+            slope = BY_VALUE[name](y) if name in BY_VALUE else by_argument[name](x)
+            return Sloped(y, _scaled(slopes, slope))
 
         return apply
 
@@ -142,7 +150,7 @@ def sloped_algebra(plain: Algebra) -> Algebra:
             )
         return f["fabs"](x)
 
-    table: dict[str, Callable[..., Any]] = {n: lifted(n, s) for n, s in _slopes_of(f).items()}
+    table: dict[str, Callable[..., Any]] = {n: lifted(n) for n in UNARY}
     return Algebra(f"sloped {plain.name}", plain.constant, table | {"pow": power, "fabs": fabs})
 
 

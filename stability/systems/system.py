@@ -166,7 +166,8 @@ class System(Equations):
         --------
         >>> import casadi as ca, stability as st
         >>> x, g = ca.SX.sym("x", 2), ca.SX.sym("g")
-        >>> f = ca.Function("swing", [x, g], [ca.vertcat(x[1], -g * ca.sin(x[0]))], ["x", "g"], ["r"])
+        >>> rates = ca.vertcat(x[1], -g * ca.sin(x[0]))
+        >>> f = ca.Function("swing", [x, g], [rates], ["x", "g"], ["rates"])
         >>> System.from_function(f).states, System.from_function(f).parameters
         (('x_0', 'x_1'), ('g',))
         >>> swing = System.from_function(lambda x, p: [x[1], -x[0] - x[1]], name="damped",
@@ -183,8 +184,9 @@ class System(Equations):
                 raise ParameterError(
                     "conditions are expressions, and a Python function has none; leave them out."
                 )
-            own = name or getattr(function, "__name__", "function")
-            return NumericSystem(own, function, states or (), parameters or (), units)
+            own = getattr(function, "__name__", "function") if name is None else name
+            return NumericSystem(str(own), function, states or (), parameters or (), units)
         found = casadi_function(function, states=states, parameters=parameters)
-        own = found.pop("name") if name is None else name
-        return cls(name=own, conditions=tuple(conditions), units=units or {}, **found)
+        if name is not None:
+            found["name"] = name
+        return cls(conditions=tuple(conditions), units=units or {}, **found)

@@ -1,7 +1,6 @@
-"""Further routes to a spectrum: for large systems, and for systems that have no graph.
+"""Further routes to a spectrum, for systems that the usual route does not serve.
 
-`numeric` judges a Python function by a numerical derivative, `large` proves the spectrum of many
-states from approximate eigenvectors in balls.
+`numeric` judges a Python function, which has no graph, by a numerical derivative.
 Nothing here imports `spectrum` or `certificate`, which call these routes.
 To add a route: write one module, and call it where the usual route does not serve.
 """

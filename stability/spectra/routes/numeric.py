@@ -73,9 +73,7 @@ def numeric_spectrum(problem: Problem, system: NumericSystem, *, certify: bool) 
     family = problem.family
     a, q, rate, shape = problem.arrays(problem.values)
     members = [_member(family, system, a[i], q[i]) for i in range(len(a))]
-    states, matrices, errors, unknowns = (
-        np.array(part) for part in zip(*members, strict=True)
-    )
+    states, matrices, errors, unknowns = (np.array(part) for part in zip(*members, strict=True))
     found = Reduced(matrices, errors, [], np.zeros(len(a), dtype=np.intp))
     values, radius, pairs = eigenvalues(found, even=False)
     n = states.shape[1]
@@ -111,9 +109,11 @@ def _member(
             "the family's equations, or give what is held to all its digits."
         )
     # a root is known to its last Newton step; the derivative moves with it
-    moved = system.derivative(x + 2 * doubt, p) if where else Derivative(found.value, 0 * found.value)
-    error = found.error + np.abs(found.value - moved.value)
-    return x, found.value, error, x[where]
+    moved = (
+        system.derivative(x + 2 * doubt, p) if where else Derivative(found.value, 0 * found.value)
+    )
+    error: Floats = found.error + np.abs(found.value - moved.value)
+    return x, found.value, np.asarray(error), x[where]
 
 
 def _value(family: Family, given: dict[str, float], name: str) -> float:
@@ -130,11 +130,11 @@ def _solve(
     rows: list[int], given: dict[str, float],
 ) -> Floats:  # fmt: skip
     """Newton's method on the unknowns within x; returns the last step."""
-    step = np.full(len(where), np.inf)
+    step: Floats = np.full(len(where), np.inf)
     for _ in range(MOST_STEPS):
         slope = system.derivative(x, p).value[np.ix_(rows, where)]
         try:
-            new = -np.linalg.solve(slope, system.call(x, p)[rows])
+            new: Floats = np.asarray(-np.linalg.solve(slope, system.call(x, p)[rows]))
         except np.linalg.LinAlgError:
             break
         done = np.abs(new).max() <= 1e-13 * (1 + np.abs(x[where]).max())

@@ -1,4 +1,4 @@
-"""Systems from CasADi functions: (x) or (x, p) → rates and named observables, live or from a file."""
+"""Systems from CasADi functions, live or from a file: (x) or (x, p) → rates, observables."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def _expanded(function: ca.Function) -> ca.Function:
     except Exception:  # CasADi raises several exception classes
         raise ParameterError(
             f"the function {function.name()} is no graph of smooth elementary functions: it "
-            "branches, or calls an integrator, a root-finder or outside code; rewrite that part, or "
-            "give a Python function, of which nothing can be proved."
+            "branches, or calls an integrator, a root-finder or outside code; rewrite that part, "
+            "or give a Python function, of which nothing can be proved."
         ) from None
     return scalar

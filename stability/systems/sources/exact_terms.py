@@ -1,8 +1,8 @@
 """Terms of a graph with exact rational numbers: fractions as long as possible, then quotients.
 
-CasADi holds doubles and computes with two constants at once in doubles.  1/3 · x as a constant times
-x would be another system than the user's.  So a rational number stays a `Fraction` next to the
-graph, and enters the graph as an operation: (1 · x) / 3.
+CasADi holds doubles and computes with two constants at once in doubles.  A third of x as a constant
+times x would be another system than the user's.  So a rational number stays a `Fraction` next to
+the graph, and enters the graph as operations: (2 · x) / 3.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Term = Any
 
 ZERO, ONE, MINUS = Fraction(0), Fraction(1), Fraction(-1)
 LEAST_PIVOT = 1e-9
-"""Smallest size of a pivot at a probe, over the largest entry of its row, that counts as nonzero."""
+"""Smallest nonzero pivot at a probe, over the largest entry of its row."""
 NATURAL = 1e-3
 """Share of the best pivot that is enough for an entry of the natural order."""
 
@@ -118,7 +118,9 @@ def over(a: Term, b: Term) -> Term:
     if isinstance(a, Fraction):
         if a == 0:
             return ZERO
-        return graph(Fraction(a.numerator)) / times(Fraction(a.denominator), b)
+        top = Fraction(a.numerator)
+        below = times(Fraction(a.denominator), b)
+        return float(top) / below if _double(top) else times(top, 1 / below)
     return a / b
 
 
@@ -169,7 +171,7 @@ def _parts(value: int) -> list[float]:
 
 
 def _scaled(number: int, term: ca.SX) -> ca.SX:
-    """number · term, in two or more products where the number is no double."""
+    """Return number · term, in two or more products where the number is no double."""
     if number == 1:
         return term
     products = [part * term for part in _parts(number)]
@@ -332,9 +334,7 @@ def _step(
         work[:, other, column] = 0.0
 
 
-def _back(
-    rows: list[list[Term]], right: list[Term], order: list[tuple[int, int]]
-) -> list[Term]:
+def _back(rows: list[list[Term]], right: list[Term], order: list[tuple[int, int]]) -> list[Term]:
     found: dict[int, Term] = {}
     for row, column in reversed(order):
         total = right[row]

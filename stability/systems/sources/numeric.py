@@ -76,17 +76,17 @@ class NumericSystem(Equations):
         )
 
     @property
-    def x(self) -> ca.SX:  # type: ignore[override]
+    def x(self) -> ca.SX:
         """There is none."""
         raise ParameterError(self.no_graph)
 
     @property
-    def p(self) -> ca.SX:  # type: ignore[override]
+    def p(self) -> ca.SX:
         """There is none."""
         raise ParameterError(self.no_graph)
 
     @property
-    def rhs(self) -> ca.SX:  # type: ignore[override]
+    def rhs(self) -> ca.SX:
         """There is none."""
         raise ParameterError(self.no_graph)
 
@@ -182,7 +182,7 @@ class NumericSystem(Equations):
         row: list[Floats] = []
         bends: list[Floats] = []
         noises: list[Floats] = []
-        for level in range(LEVELS):
+        for _ in range(LEVELS):
             high, low = x.copy(), x.copy()
             high[j], low[j] = x[j] + step, x[j] - step
             up, down = self.call(high, p), self.call(low, p)

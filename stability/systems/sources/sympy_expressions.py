@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import reduce
 from typing import Any
@@ -89,12 +89,12 @@ class Translation:
         return [[self(matrix[i, j]) for j in range(matrix.cols)] for i in range(matrix.rows)]
 
 
-def _parts(one: Any) -> Iterable[Any]:
+def _parts(one: Any) -> tuple[Any, ...]:
     """Arguments that are read first; a rational exponent is no term."""
     if one.is_Pow:
-        return one.args[:1] if one.exp.is_Rational else one.args
+        return tuple(one.args[:1] if one.exp.is_Rational else one.args)
     known = one.is_Function and type(one).__name__ in (*DIRECT, *RECIPROCAL)
-    return one.args if one.is_Add or one.is_Mul or known else ()
+    return tuple(one.args) if one.is_Add or one.is_Mul or known else ()
 
 
 def _term(one: Any, parts: list[Term]) -> Term:

@@ -18,39 +18,10 @@ from ...base.errors import NameUnknownError, ParameterError, shown
 from ..condition import Condition
 from .exact_terms import MINUS, ZERO, Probes, Term, graph, no_folding, solve, times
 from .sympy_expressions import Translation
+from .sympy_forms import FORMS, Implicit, implicit
 
-FORMS = (
-    "a KanesMethod, a LagrangesMethod, a mechanics.System, a tuple (mass matrix, forcing, q, u), "
-    "or a mapping from states to rates"
-)
 CLOSE = 1e-6
 """Largest value of a configuration constraint at a state that still counts as on the constraint."""
-
-
-@dataclass(frozen=True)
-class Implicit:
-    """A model's equations: matrix · (rates, accelerations, multipliers) = forcing."""
-
-    q: tuple[Any, ...]
-    """Coordinates."""
-    u: tuple[Any, ...]
-    """Speeds: functions of time, or derivatives of coordinates."""
-    matrix: Any
-    """Square SymPy matrix over the derivatives of q and u, then the multipliers."""
-    forcing: Any
-    """SymPy column."""
-    blocks: tuple[int, ...]
-    """Number of rows of each block: kinematics, dynamics, constraints of the accelerations."""
-    zero: tuple[Any, ...] = ()
-    """Symbols that are zero: auxiliary speeds."""
-    configuration: tuple[Any, ...] = ()
-    """Expressions in q that vanish."""
-    velocity: tuple[Any, ...] = ()
-    """Expressions linear in u that vanish."""
-    dependent: tuple[Any, ...] = ()
-    """Coordinates and speeds that the model itself calls dependent."""
-    multipliers: int = 0
-    """Number of constraint forces among the unknowns."""
 
 
 def sympy_model(
@@ -79,93 +50,9 @@ def sympy_model(
         if isinstance(model, Mapping):
             found = _explicit(model, parameters, observables or {})
         else:
-            form = _read(model, tuple(given))
+            form = implicit(model, tuple(given))
             found = _Reader(form, given, parameters, observables or {}).system()
     return _without(found, cyclic)
-
-
-# --- reading the models ---
-
-
-def _read(model: Any, chosen: Sequence[Any]) -> Implicit:
-    from sympy import Matrix, MatrixBase
-    from sympy.physics import mechanics
-
-    if isinstance(model, mechanics.System):
-        method = model.eom_method
-        if method is None:
-            raise ParameterError(
-                "the mechanics.System has no equations yet; call its form_eoms() first."
-            )
-        own = (*model.q_dep, *model.u_dep)
-        return _read(method, (*chosen, *(d for d in own if d not in chosen)))
-    if isinstance(model, mechanics.KanesMethod):
-        return _kane(model)
-    if isinstance(model, mechanics.LagrangesMethod):
-        return _lagrange(model, chosen)
-    if isinstance(model, tuple) and len(model) == 4:
-        try:
-            mass, forcing = Matrix(model[0]), Matrix(model[1])
-            q, u = (tuple(s if isinstance(s, MatrixBase) else list(s)) for s in model[2:])
-        except (TypeError, ValueError, NotImplementedError):
-            raise ParameterError(f"model is {shown(model)}; give {FORMS}.") from None
-        return _matrices(mass, forcing, q, u)
-    raise ParameterError(f"model is {shown(model)}; give {FORMS}.")
-
-
-def _kane(model: Any) -> Implicit:
-    try:
-        matrix, forcing = model.mass_matrix_full, model.forcing_full
-    except ValueError:
-        raise ParameterError(
-            "the KanesMethod has no equations yet; call its kanes_equations(bodies, loads) first."
-        ) from None
-    q, u, aux = tuple(model.q), tuple(model.u), tuple(model._uaux)
-    depends = len(model._udep)
-    velocity = tuple(model._k_nh * model.u + model._f_nh) if depends else ()
-    return Implicit(
-        q, u, matrix, forcing, (len(q), len(u) - depends, depends),
-        zero=(*aux, *(a.diff() for a in aux)), configuration=tuple(model._f_h), velocity=velocity,
-        dependent=(*model._qdep, *model._udep),
-    )  # fmt: skip
-
-
-def _lagrange(model: Any, chosen: Sequence[Any]) -> Implicit:
-    if model.eom is None:
-        raise ParameterError(
-            "the LagrangesMethod has no equations yet; call its form_lagranges_equations() first."
-        )
-    q, u = tuple(model.q), tuple(model.u)
-    constraints = tuple(model.coneqs)
-    speed = dict(zip(q, u, strict=True))
-    named = dict.fromkeys((*chosen, *(speed[c] for c in chosen if c in speed)))
-    if len([s for s in named if s in u]) != len(constraints):
-        raise ParameterError(
-            f"the model has {len(constraints)} constraint{'s' * (len(constraints) != 1)}; name as "
-            "many dependent coordinates (or rates) in dependent, such as dependent=[q1]."
-        )
-    return Implicit(
-        q, u, model.mass_matrix_full, model.forcing_full, (len(q), len(q), len(constraints)),
-        configuration=tuple(model._hol_coneqs), velocity=constraints,
-        dependent=tuple(s for s in named if s in (*q, *u)), multipliers=len(constraints),
-    )  # fmt: skip
-
-
-def _matrices(mass: Any, forcing: Any, q: tuple[Any, ...], u: tuple[Any, ...]) -> Implicit:
-    from sympy import diag, eye
-
-    n, m = len(q), len(u)
-    size = mass.rows
-    fits = mass.rows == mass.cols == forcing.rows and forcing.cols == 1
-    if fits and size == n + m:
-        return Implicit(q, u, mass, forcing, (n, m, 0))
-    if fits and size == m == n:
-        return Implicit(q, u, diag(eye(n), mass), type(forcing)([*u, *forcing]), (n, m, 0))
-    raise ParameterError(
-        f"the mass matrix is {mass.rows} x {mass.cols} and the forcing {forcing.rows} x "
-        f"{forcing.cols} for {n} coordinates and {m} speeds; give {n + m} rows, or {m} where each "
-        "speed is the rate of its coordinate."
-    )
 
 
 def _dependent(given: Any) -> dict[Any, Any]:
@@ -261,8 +148,8 @@ def _without(found: dict[str, Any], cyclic: Any) -> dict[str, Any]:
     for i, name in enumerate(found["states"]):
         if name in gone and ca.depends_on(others, found["x"][i]):
             raise ParameterError(
-                f"{name} is no cyclic coordinate: the equations of the others hold it; leave it out "
-                "of cyclic, or simplify the equations."
+                f"{name} is no cyclic coordinate: the equations of the others hold it; leave it "
+                "out of cyclic, or simplify the equations."
             )
     x = found["x"]
     seen = {
