@@ -170,7 +170,7 @@ def _accelerations(model: Any, matrix: Any, forcing: Any, place: dict[Any, Any])
     rates = dict(zip([s.diff(T) for s in states], found, strict=False))
     operating = place | {k: v for k, v in rates.items() if k not in place}
     if isinstance(model, LagrangesMethod) and len(model.lam_vec):
-        # SymPy's mass matrix holds -Jᵀ for the multipliers, as its equations do
-        operating |= dict(zip(model.lam_vec, found[len(states) :], strict=True))
+        # SymPy's mass matrix holds its multipliers with the other sign
+        operating |= dict(zip(model.lam_vec, -found[len(states) :, 0], strict=True))
     seen = {s: v for s, v in place.items() if not (s.is_Derivative and s not in states)}
     return seen, operating

@@ -144,12 +144,12 @@ def test_lagranges_multipliers_are_eliminated() -> None:
         forcelist=[(p, 10 * m * n.x)], frame=n,
     )  # fmt: skip
     method.form_lagranges_equations()
-    agrees(method, dependent=[q1])
-    system = st.System.from_sympy(method, dependent={q1: sqrt(length**2 - q2**2)})
+    system = agrees(method, dependent={q1: sqrt(length**2 - q2**2)})
     assert system.states == ("q2", "q2_dot")
     assert system.linearise([0, 0], [5, 3]) == pytest.approx(np.array([[0, 1], [-2, 0]]))
-    # the rod's force at rest is the weight: λ₁ · 2 L = ± m g
-    assert abs(float(system.observe([0, 0], [5, 3])["lambda_1"])) == pytest.approx(3.0)
+    place = {q1: 5, q2: 0, q1.diff(): 0, q2.diff(): 0, length: 5, m: 3}
+    (lam,) = method.solve_multipliers(op_point=place).values()
+    assert float(system.observe([0, 0], [5, 3])["lam1"]) == pytest.approx(float(lam), rel=1e-14)
 
 
 def test_the_rolling_disc_with_six_speeds_has_sympys_published_matrix() -> None:
@@ -173,10 +173,9 @@ def test_the_rolling_disc_with_six_speeds_has_sympys_published_matrix() -> None:
     s, c = np.sin(q1), np.cos(q1)
     true = np.array([
         [0, 0, 0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 0, 0, 1, 0],
-        [s * w, 0, 0, 0, 0, -s * 0, -c, 0], [-c * w, 0, 0, 0, 0, c * 0, -s, 0],
+        [s * w, 0, 0, 0, 0, -s, -c, 0], [-c * w, 0, 0, 0, 0, c, -s, 0],
         [0, 4 / 5, 0, 0, 0, 0, 0, 6 * w / 5], [0] * 8, [0, 0, 0, 0, 0, -2 * w, 0, 0],
     ])  # fmt: skip
-    true[3, 5], true[4, 5] = -s, c
     assert system.states == ("q1", "q2", "q3", "q4", "q5", "u1", "u2", "u3")
     assert ours == pytest.approx(true, abs=CLOSE)
 
@@ -195,7 +194,7 @@ def test_the_threshold_of_the_rolling_disc(capsys: pytest.CaptureFixture[str]) -
         assert np.sort_complex(found.eigenvalues) == pytest.approx(
             np.sort_complex([-root, root]), abs=CLOSE
         )
-    # exactly on the threshold: 4 u2² r/3 … u2 = 1/2, r = 1, g = 3/4 are doubles
+    # exactly on the threshold, with doubles: u2² = 1/4 = g/(3 r)
     assert st.spectrum(family, at=0.5, m=1.0, r=1.0, g=0.75, certify=True).verdict.word == "neutral"
 
 
@@ -203,7 +202,11 @@ def test_a_mechanics_system_is_read_through_its_method() -> None:
     """The cart with a pendulum of test_system_class.py, by Kane and by Lagrange, constrained."""
     g, l, mc, mp, k = symbols("g l mc mp k")  # noqa: E741
     qp, qc, up, uc, push = dynamicsymbols("qp qc up uc F")
-    rail, cart, bob = me.RigidBody("rail"), me.RigidBody("cart", mass=mc), me.Particle("bob", mass=mp)
+    rail, cart, bob = (
+        me.RigidBody("rail"),
+        me.RigidBody("cart", mass=mc),
+        me.Particle("bob", mass=mp),
+    )
     frame = me.ReferenceFrame("frame")
     system = me.System.from_newtonian(rail)
     system.add_joints(
@@ -267,17 +270,16 @@ def test_matrices_and_rates_make_the_same_system() -> None:
 
 def test_common_subexpressions_are_built_once() -> None:
     x, a = symbols("x a")
-    part = sm.exp(sin(a * x) + cos(a * x))
+    part = sm.log(sin(a * x) + cos(a * x))
     system = st.System.from_sympy({x: part**2 + part + 1 / part})
-    assert str(system.function.serialize()).count("x") >= 0
     ops = [system.function.instruction_id(i) for i in range(system.function.n_instructions())]
-    assert ops.count(ca.OP_EXP) == ops.count(ca.OP_SIN) == ops.count(ca.OP_COS) == 1
+    assert ops.count(ca.OP_LOG) == ops.count(ca.OP_SIN) == ops.count(ca.OP_COS) == 1
 
 
 def test_a_third_stays_a_third() -> None:
-    """λ² - λ/3 · 3 … at k = 3 the trace is exactly zero; with a rounded third it is not."""
+    """With k = 3 the trace is exactly zero; with a third rounded to a double it is not."""
     x, y, k = symbols("x y k")
-    thirds = {x: Rational(1, 3) * k * x + y, y: -2 * x - x * k * Rational(1, 3) * 0 - y}
+    thirds = {x: Rational(1, 3) * k * x + y, y: -2 * x - y}
     for model, word in ((thirds, "neutral"), (thirds | {x: sm.Float(1 / 3) * k * x + y}, "stable")):
         system = st.System.from_sympy(model)
         family = st.Family(system, "rest", at=("k",), held={"x": 0.0, "y": 0.0})
@@ -303,22 +305,22 @@ def test_a_third_survives_the_mass_matrix() -> None:
 @pytest.mark.parametrize(
     ("rate", "said"),
     [
-        (lambda x, a: sm.pi * x, "'pi'"),
-        (lambda x, a: sqrt(2) * x, "'sqrt\\(2\\)'"),
-        (lambda x, a: sm.sin(1) * x, "'sin\\(1\\)'"),
-        (lambda x, a: sm.zoo * (x + 1), "no finite real number"),
-        (lambda x, a: sm.I * x, "no finite real number"),
-        (lambda x, a: sm.sign(x), "use SymPy's sign"),
-        (lambda x, a: sm.Piecewise((x, x > 0), (-x, True)), "use SymPy's Piecewise"),
-        (lambda x, a: sm.gamma(x), "use SymPy's gamma"),
-        (lambda x, a: dynamicsymbols._t * x, "time itself is none"),
-        (lambda x, a: sm.Function("f")(dynamicsymbols._t).diff() + x, "neither a state nor"),
+        (lambda x: sm.pi * x, "'pi'"),
+        (lambda x: sqrt(2) * x, "'sqrt\\(2\\)'"),
+        (lambda x: sm.sin(1) * x, "'sin\\(1\\)'"),
+        (lambda x: sm.zoo * (x + 1), "no finite real number"),
+        (lambda x: sm.I * x, "no finite real number"),
+        (lambda x: sm.sign(x), "use SymPy's sign"),
+        (lambda x: sm.Piecewise((x, x > 0), (-x, True)), "use SymPy's Piecewise"),
+        (lambda x: sm.gamma(x), "use SymPy's gamma"),
+        (lambda x: dynamicsymbols._t * x, "time itself is none"),
+        (lambda x: sm.Function("f")(dynamicsymbols._t).diff() + x, "neither a state nor"),
     ],
 )
-def test_what_a_graph_does_not_have_is_refused(rate: Callable[[Any, Any], Any], said: str) -> None:
-    x, a = symbols("x a")
+def test_what_a_graph_does_not_have_is_refused(rate: Callable[[Any], Any], said: str) -> None:
+    x = symbols("x")
     with pytest.raises(st.StabilityError, match=said) as told:
-        st.System.from_sympy({x: rate(x, a)})
+        st.System.from_sympy({x: rate(x)})
     assert "\n" not in str(told.value)
 
 
@@ -326,7 +328,11 @@ def test_a_symbol_that_is_not_listed_is_refused() -> None:
     x, a, b = symbols("x a b")
     with pytest.raises(st.StabilityError, match="'b', which is neither a state nor listed"):
         st.System.from_sympy({x: a * x + b}, parameters=[a])
-    assert st.System.from_sympy({x: a * x + b}, parameters=[b, a, "c"]).parameters == ("b", "a", "c")
+    assert st.System.from_sympy({x: a * x + b}, parameters=[b, a, "c"]).parameters == (
+        "b",
+        "a",
+        "c",
+    )
     assert st.System.from_sympy({x: a * x + b}).parameters == ("a", "b")
 
 

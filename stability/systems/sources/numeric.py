@@ -25,7 +25,7 @@ SAFETY = 8.0
 SECOND = 0.71
 """First step of the second estimate over that of the first."""
 KINK = 0.7
-"""Share of its value that a second difference keeps, at least, where the function has a kink."""
+"""Least ratio of neighbouring second differences over their steps, where there is a kink."""
 
 Rates = Callable[[Floats, Floats], Any]
 
@@ -204,11 +204,12 @@ class NumericSystem(Equations):
 
     def _smooth(self, bends: list[Floats], noises: list[Floats], j: int) -> None:
         """Refuse a kink: the second difference over the step stays where it should halve."""
-        last = np.array(bends[-3:])
-        above = (last > 8 * np.array(noises[-3:])).all(axis=0)
-        kept = (last[1:] > KINK * last[:-1]).all(axis=0)
+        last = np.array(bends[-4:])
+        above = (last > 8 * np.array(noises[-4:])).all(axis=0)
+        kept = (last[1:] > KINK * last[:-1]) & (KINK * last[1:] < last[:-1])
+        kept = kept.all(axis=0)  # it grows where noise outweighs the curvature
         if (above & kept).any():
             raise DomainError(
-                f"the function of {self.name} has a kink or a jump along {self.states[j]} at this "
+                f"the function of {self.name} has a kink along {self.states[j]} at this "
                 "state, so it has no linearisation there; give a smooth function or another state."
             )

@@ -346,7 +346,8 @@ class _Reader:
             stages += [(range(q, start), range(q, q + dynamic))]
         found, _ = solve(matrix, right, stages, self.probes)
         solved = dict(zip(unknowns, found, strict=True))
-        self.seen |= {n: v for n, v in solved.items() if n.startswith("lambda_")}
+        for number in range(1, form.multipliers + 1):  # SymPy's matrix has the other sign
+            self.seen[f"lam{number}"] = times(MINUS, solved[f"lambda_{number}"])
         self.seen |= {n: read(e) for n, e in self.expressions.items()}
         return {
             "x": self.x, "p": self.p, "states": self.names[0], "parameters": self.names[1],
