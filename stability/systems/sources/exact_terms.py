@@ -61,8 +61,8 @@ def plus(a: Term, b: Term) -> Term:
     Examples
     --------
     >>> x = ca.SX.sym("x")
-    >>> plus(Fraction(1, 3), x), plus(Fraction(1, 2), x)
-    (SX((((3*x)+1)/3)), SX((x+0.5)))
+    >>> ca.Function("f", [x], [plus(Fraction(1, 3), x)])(ca.DM(1) / 6)
+    DM(0.5)
     """
     if isinstance(a, Fraction):
         a, b = b, a
@@ -88,8 +88,9 @@ def times(a: Term, b: Term) -> Term:
 
     Examples
     --------
-    >>> times(Fraction(2, 3), ca.SX.sym("x"))
-    SX(((2*x)/3))
+    >>> x = ca.SX.sym("x")
+    >>> ca.Function("f", [x], [times(Fraction(2, 3), x)])(0.75)  # (2 x) / 3
+    DM(0.5)
     """
     if isinstance(b, Fraction):
         a, b = b, a
@@ -257,7 +258,7 @@ def solve(
     >>> a = ca.SX.sym("a")
     >>> rows = [[a, ONE], [ONE, ZERO]]  # no division by a
     >>> solve(rows, [ONE, a], [([0, 1], [0, 1])], Probes(a, ca.SX(0, 1)))[1]
-    [(0, 1), (1, 0)]
+    [(1, 0), (0, 1)]
     """
     rows, column_of = [list(r) for r in matrix], list(right)
     work = probes.values(matrix)

@@ -206,8 +206,8 @@ class NumericSystem(Equations):
         """Refuse a kink: the second difference over the step stays where it should halve."""
         last = np.array(bends[-4:])
         above = (last > 8 * np.array(noises[-4:])).all(axis=0)
-        kept = (last[1:] > KINK * last[:-1]) & (KINK * last[1:] < last[:-1])
-        kept = kept.all(axis=0)  # it grows where noise outweighs the curvature
+        ratio = (last[1:] > KINK * last[:-1]) & (KINK * last[1:] < last[:-1])
+        kept = ratio.all(axis=0)  # above: noise outweighs the curvature
         if (above & kept).any():
             raise DomainError(
                 f"the function of {self.name} has a kink along {self.states[j]} at this "
