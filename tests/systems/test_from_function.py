@@ -57,7 +57,7 @@ def test_names_come_from_the_inputs() -> None:
 
 
 def test_constants_of_the_function_are_not_joined() -> None:
-    """0.1 (3 x) - 0.3 x with the doubles as rationals; CasADi may join 0.1 · 3 to another double."""
+    """0.1 (3 x) - 0.3 x over Q; CasADi may join 0.1 · 3 to another double."""
     x = ca.SX.sym("x")
     before = ca.GlobalOptions.getSimplificationOnTheFly()
     ca.GlobalOptions.setSimplificationOnTheFly(False)
