@@ -15,9 +15,12 @@ from ..algebra.number_types import Algebra, casadi_algebra
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from .equations import Equations
+from .slopes import rates_and_slopes
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
 """Options for CasADi's root-finder, to the last digit; `Family` checks the root afterwards."""
+LARGE = 40_000
+"""Instructions times states above which slopes are folded on the way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,10 +186,14 @@ class FamilyGraph:
         return Program(ca.Function(name, inputs, list(outputs)), self._constants.values)
 
     @cached_property
+    def _bare(self) -> Program:
+        system = self._system
+        return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
+
+    @cached_property
     def _opened(self) -> tuple[ca.SX, ca.SX, list[tuple[str, Any]]]:
         """Rates and Jacobian with numbers as symbols, and the functions with their arguments."""
-        system = self._system
-        bare = Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
+        system, bare = self._system, self._bare
         entries = [ca.vertsplit(s) if s.numel() else [] for s in (system.x, system.p)]
         met: list[tuple[str, Any]] = []
         rhs = ca.vertcat(*bare.run(self._constants.algebra(met), entries)[0])
@@ -196,6 +203,8 @@ class FamilyGraph:
     def _read(self, values: Mapping[str, Any]) -> tuple[ca.SX, ca.SX]:
         """Rates and Jacobian with these values in place of the symbols, zeros folded."""
         system = self._system
+        if self._bare.size * len(system.states) > LARGE:
+            return self._read_large(values)
         rhs, slopes_of, met = self._opened
         numbers = self._constants.column
         inputs = [system.x, system.p, numbers]
@@ -227,6 +236,22 @@ class FamilyGraph:
             f[i] = value
         for (i, j), value in zip(graph.places[1], slopes, strict=True):
             jac[i, j] = value
+        return f, ca.sparsify(jac)
+
+    def _read_large(self, values: Mapping[str, Any]) -> tuple[ca.SX, ca.SX]:
+        """As `_read`, with each slope folded on the way."""
+        system, n = self._system, len(self._system.states)
+        given = [[values[n] for n in names] for names in (system.states, system.parameters)]
+        for strict in (False, True):
+            algebra = self._constants.algebra(strict=strict)
+            rates, slopes = rates_and_slopes(self._bare, algebra, *given)
+            jac = ca.SX(n, n)
+            for i, row in enumerate(slopes):
+                for j, value in row.items():
+                    jac[i, j] = value
+            f = ca.vertcat(*map(ca.SX, rates))
+            if exact_numbers(f, jac):
+                break
         return f, ca.sparsify(jac)
 
     @staticmethod
