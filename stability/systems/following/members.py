@@ -1,0 +1,173 @@
+"""The unknowns of many members: by the root-finder from a guess, or followed from a known member."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.types import Floats
+from ..family_graph import FamilyGraph
+from .roots import roots
+from .sheet import Anchor, follow
+
+NEAR = 0.05
+"""Longest way, relative to 1 or to the number, from a member found before to one that is asked."""
+MOST_KNOWN = 512
+"""Most members kept for later questions."""
+SINGULAR = 1e-2
+"""Share of the slope along the line, out of the range of the slope, that tells a fold."""
+
+_KNOWN: WeakKeyDictionary[FamilyGraph, tuple[Floats, Floats]] = WeakKeyDictionary()
+
+
+class Found(NamedTuple):
+    """Unknowns row by row, and where there are none."""
+
+    u: Floats
+    """Unknowns, shape (N, u); of no meaning where not good."""
+    good: NDArray[np.bool_]
+    """Whether a member was found, shape (N,)."""
+    why: Callable[[int], str]
+    """The sentence that says why a row has no member."""
+
+
+def listing(names: Sequence[str], values: Sequence[float]) -> str:
+    """Names with their values, for a message."""
+    return ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, values, strict=True))
+
+
+def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
+    """The unknowns of each row, from first guesses or from the family's known member.
+
+    Parameters
+    ----------
+    family
+        A `Family` with unknowns and a root-finder.
+    a, q
+        Family parameters and parameters, shapes (N, ·).
+    start
+        First guesses, shape (N, u); None to follow from the family's anchor.
+
+    Returns
+    -------
+    Found
+    """
+    # members that differ only in numbers outside the equations (mu, for the disk) share a root
+    given = np.hstack([a, q])
+    key = given[:, family.graph.used] if start is None else np.hstack(
+        [given[:, family.graph.used], start])  # fmt: skip
+    distinct, inverse = np.unique(key, axis=0, return_inverse=True)
+    inverse = inverse.ravel()
+    first = np.zeros(len(distinct), dtype=int)
+    first[inverse] = np.arange(len(a))
+    positive = [i for i, name in enumerate(family.unknown) if name in family.positive]
+    if start is None:
+        found = _followed(family, a[first], q[first], positive)
+    else:
+        u, good = roots(family.graph, a[first], q[first], start[first], positive)
+        found = Found(u, good, lambda row: _unreached(family, a[first][row], q[first][row]))
+    return Found(found.u[inverse], found.good[inverse], lambda row: found.why(inverse[row]))
+
+
+def _unreached(family: Any, a: Floats, q: Floats) -> str:
+    return (
+        f"{family.name} has no member that the root-finder reaches at "
+        f"{listing((*family.at, *family.parameters), (*a, *q))}: the equation for "
+        f"{', '.join(family.unknown)} has no admissible isolated solution there; "
+        "choose another point of the family or give a guess."
+    )
+
+
+def _followed(family: Any, a: Floats, q: Floats, positive: Sequence[int]) -> Found:
+    """Members on the smooth sheet of the anchor, each along a straight line."""
+    anchor: Anchor = family.anchor
+    graph, given, cut = family.graph, np.hstack([a, q]), a.shape[1]
+    starts = np.tile(anchor.given, (len(a), 1))
+    u = np.tile(np.array(anchor.unknown), (len(a), 1))
+    near = _neighbour(graph, given[0]) if len(a) == 1 else None
+    if near is not None:  # one more question beside an earlier one: a short way instead
+        found = _ended(graph, cut, (near[0][None], near[1][None], given), positive)
+        if found.good.all():
+            return found
+    found = _ended(graph, cut, (starts, u, given), positive)
+    _keep(graph, given[found.good], found.u[found.good])
+    share = found.why
+    return Found(found.u, found.good, lambda row: _stopped(family, given[row], found.u[row],
+                                                           float(share(row)), positive))  # fmt: skip
+
+
+def _ended(
+    graph: FamilyGraph, cut: int, line: tuple[Floats, Floats, Floats], positive: Sequence[int]
+) -> Any:
+    """Members at the ends of lines, polished; `why` is then the share of the line."""
+    start, u, stop = line
+    found, share = follow(graph, cut, start, u, stop)
+    good = share == 1
+    if good.any():
+        a, q = stop[good][:, :cut], stop[good][:, cut:]
+        polished, fine = roots(graph, a, q, found[good], positive)
+        # the polish moves by rounding alone, or it went to another root
+        size = 1e-6 * (1 + np.abs(found[good]))
+        fine &= (np.abs(polished - found[good]) <= size).all(axis=1)
+        found[good] = np.where(fine[:, None], polished, found[good])
+        good[good] = fine
+    return Found(found, good, lambda row: share[row])
+
+
+def _neighbour(graph: FamilyGraph, point: Floats) -> tuple[Floats, Floats] | None:
+    if graph not in _KNOWN:
+        return None
+    given, u = _KNOWN[graph]
+    way = (np.abs(given - point) / (1 + np.abs(point))).max(axis=1)
+    row = int(way.argmin())
+    return (given[row], u[row]) if way[row] <= NEAR else None
+
+
+def _keep(graph: FamilyGraph, given: Floats, u: Floats) -> None:
+    """Keep members that were followed all the way from the anchor; no chain of short ways."""
+    if not len(given):
+        return
+    if graph in _KNOWN:
+        given, u = (np.vstack(p) for p in zip((given, u), _KNOWN[graph], strict=True))
+    _KNOWN[graph] = given[:MOST_KNOWN], u[:MOST_KNOWN]
+
+
+def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequence[int]) -> str:
+    """The sentence that says where continuation stopped."""
+    names = (*family.at, *family.parameters)
+    anchor = family.anchor.given
+    moved = [i for i in family.graph.used if asked[i] != anchor[i]] or list(range(len(names)))
+    stop = anchor + share * (asked - anchor)
+    place, start = (listing([names[i] for i in moved], p[moved]) for p in (stop, anchor))
+    wrong = [n for i, n in enumerate(family.unknown) if i in positive and not u[i] > 0]
+    if share == 1 and wrong:
+        return f"{family.name} has no member at {place}: {wrong[0]} is not positive there."
+    known = np.array(family.anchor.unknown)
+    points = np.stack([anchor, stop]), np.stack([known, u])
+    what = _singular(family.graph, len(family.at), *points, asked - anchor)
+    return (
+        f"{family.name} has no member at "
+        f"{listing([names[i] for i in moved], asked[moved])} that continuation from {start} "
+        f"reaches: it stopped at {what}{place}."
+    )
+
+
+def _singular(graph: FamilyGraph, cut: int, given: Floats, u: Floats, turn: Floats) -> str:
+    """The words `a fold at ` or `a branch point at ` where the slope is singular.
+
+    Rows are the anchor, whose slopes give the size to compare with, and the last point.
+    """
+    arguments = [list(given.T[:cut]), list(u.T), list(given.T[cut:])]
+    _, r_u, r_g = graph.along.arrays(arguments, (2,))
+    along = r_g @ turn
+    if not (np.isfinite(r_u).all() and np.isfinite(along).all()):
+        return "the end of the equations' domain, "
+    left, sizes, _ = np.linalg.svd(r_u[1])
+    if not sizes[-1] <= SINGULAR * np.linalg.svd(r_u[0])[1][-1]:
+        return ""
+    out = abs(float(left[:, -1] @ along[1])) > SINGULAR * float(np.abs(along).max())
+    return "a fold at " if out else "a branch point at "
