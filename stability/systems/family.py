@@ -316,6 +316,30 @@ class Family:
         good[possible] = found.good
         return Found(u, good, lambda row: found.why(place[row]) if possible[row] else why(row))
 
+    def members(self, a: Floats, q: Floats) -> Found:
+        """As `search`; a root at which the equations have no meaning is no member either.
+
+        Parameters
+        ----------
+        a, q
+            As in `solve`.
+
+        Returns
+        -------
+        Found
+        """
+        found = self.search(a, q)
+        good = found.good.copy()
+        a_, u_, q_ = a[good], found.u[good], q[good]
+        good[good] = self.system.valid(self.states(a_, u_, q_), self._system_parameters(a_, q_))
+
+        def why(row: int) -> str:
+            place = listing((*self.at, *self.parameters), (*a[row], *q[row]))
+            no = f"{self.name} has no member at {place}: a condition of {self.system.name} fails."
+            return no if found.good[row] else found.why(row)
+
+        return Found(found.u, good, why)
+
     def states(self, a: Floats, u: Floats, q: Floats) -> Floats:
         """States of members whose unknowns are known.
 
