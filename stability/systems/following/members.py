@@ -8,16 +8,21 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from ...base.types import Floats
 from ..family_graph import FamilyGraph
 from .roots import roots
-from .sheet import Anchor, follow
+from .sheet import Anchor, follow, hop
 
 NEAR = 0.05
 """Longest way, relative to 1 or to the number, from a member found before to one that is asked."""
-MOST_KNOWN = 512
+MOST_KNOWN = 4096
 """Most members kept for later questions."""
+MANY = 64
+"""Number of rows above which most are found from a neighbour."""
+EVERY = 8
+"""One row of so many is then followed from the anchor itself."""
 SINGULAR = 1e-2
 """Share of the slope along the line, out of the range of the slope, that tells a fold."""
 
@@ -60,9 +65,10 @@ def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
     given = np.hstack([a, q])
     key = given[:, family.graph.used] if start is None else np.hstack(
         [given[:, family.graph.used], start])  # fmt: skip
-    distinct, inverse = np.unique(key, axis=0, return_inverse=True)
-    inverse = inverse.ravel()
-    first = np.zeros(len(distinct), dtype=int)
+    inverse = np.zeros(1, dtype=int)
+    if len(key) > 1:
+        inverse = np.unique(key, axis=0, return_inverse=True)[1].ravel()
+    first = np.zeros(inverse.max(initial=-1) + 1, dtype=int)
     first[inverse] = np.arange(len(a))
     positive = [i for i, name in enumerate(family.unknown) if name in family.positive]
     if start is None:
@@ -84,26 +90,51 @@ def _unreached(family: Any, a: Floats, q: Floats) -> str:
 
 def _followed(family: Any, a: Floats, q: Floats, positive: Sequence[int]) -> Found:
     """Members on the smooth sheet of the anchor, each along a straight line."""
-    anchor: Anchor = family.anchor
     graph, given, cut = family.graph, np.hstack([a, q]), a.shape[1]
-    starts = np.tile(anchor.given, (len(a), 1))
-    u = np.tile(np.array(anchor.unknown), (len(a), 1))
-    near = _neighbour(graph, given[0]) if len(a) == 1 else None
-    if near is not None:  # one more question beside an earlier one: a short way instead
-        found = _ended(graph, cut, (near[0][None], near[1][None], given), positive)
-        if found.good.all():
-            return found
-    found = _ended(graph, cut, (starts, u, given), positive)
-    _keep(graph, given[found.good], found.u[found.good])
-    share = found.why
-    return Found(found.u, found.good, lambda row: _stopped(family, given[row], found.u[row],
-                                                           float(share(row)), positive))  # fmt: skip
+    u, good = np.zeros((len(a), len(family.unknown))), np.zeros(len(a), dtype=bool)
+    share = np.zeros(len(a))
+
+    def direct(rows: NDArray[np.intp]) -> None:
+        anchor: Anchor = family.anchor
+        start = np.tile(anchor.given, (len(rows), 1)), np.tile(anchor.unknown, (len(rows), 1))
+        u[rows], good[rows], share[rows] = _ended(graph, cut, (*start, given[rows]), positive)
+
+    near = _cached(graph, given) if len(a) == 1 else None
+    if len(a) > MANY:  # a few from the anchor, and the others from the nearest of these
+        few = np.arange(0, len(a), EVERY)
+        direct(few)
+        few = few[good[few]]
+        near = (given[few], u[few]) if len(few) else None
+    rest = np.flatnonzero(~good)
+    if near is not None:
+        u[rest], good[rest] = _beside(graph, cut, near, given[rest], positive)
+    left = np.flatnonzero(~good & (share == 0))
+    if len(left):
+        direct(left)
+    if near is not None and len(a) > MANY:
+        _keep(graph, *near)
+    elif len(left):
+        _keep(graph, given[left][good[left]], u[left][good[left]])
+    return Found(u, good, lambda row: _stopped(family, given[row], u[row], share[row], positive))
+
+
+def _beside(
+    graph: FamilyGraph, cut: int, near: tuple[Floats, Floats], given: Floats,
+    positive: Sequence[int],
+) -> tuple[Floats, NDArray[np.bool_]]:  # fmt: skip
+    """Members one short step from the nearest of known ones."""
+    points, unknowns = near
+    size = 1e-300 + np.abs(given).max(axis=0)
+    row = cKDTree(points / size).query(given / size)[1] if len(points) > 1 else [0] * len(given)
+    start, u = points[row], unknowns[row]
+    a, q = given[:, :cut], given[:, cut:]
+    return hop(graph, cut, start, u, given, lambda guess: roots(graph, a, q, guess, positive))
 
 
 def _ended(
     graph: FamilyGraph, cut: int, line: tuple[Floats, Floats, Floats], positive: Sequence[int]
-) -> Any:
-    """Members at the ends of lines, polished; `why` is then the share of the line."""
+) -> tuple[Floats, NDArray[np.bool_], Floats]:
+    """Members at the ends of lines, polished; whether each was reached; shares of the lines."""
     start, u, stop = line
     found, share = follow(graph, cut, start, u, stop)
     good = share == 1
@@ -115,16 +146,17 @@ def _ended(
         fine &= (np.abs(polished - found[good]) <= size).all(axis=1)
         found[good] = np.where(fine[:, None], polished, found[good])
         good[good] = fine
-    return Found(found, good, lambda row: share[row])
+    return found, good, share
 
 
-def _neighbour(graph: FamilyGraph, point: Floats) -> tuple[Floats, Floats] | None:
+def _cached(graph: FamilyGraph, point: Floats) -> tuple[Floats, Floats] | None:
+    """The nearest member of earlier questions, if it is near."""
     if graph not in _KNOWN:
         return None
     given, u = _KNOWN[graph]
     way = (np.abs(given - point) / (1 + np.abs(point))).max(axis=1)
     row = int(way.argmin())
-    return (given[row], u[row]) if way[row] <= NEAR else None
+    return (given[row : row + 1], u[row : row + 1]) if way[row] <= NEAR else None
 
 
 def _keep(graph: FamilyGraph, given: Floats, u: Floats) -> None:

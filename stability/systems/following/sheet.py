@@ -9,6 +9,7 @@ member passes.  A fold is never passed: the members that are reached form one sm
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -31,6 +32,8 @@ FIRST = 0.1
 """Largest first correction, relative to 1 or to the unknown."""
 CONTRACTION = 0.25
 """Largest ratio of the second correction to the first."""
+CLOSE = 1e-2
+"""Largest ratio of the third correction to the first."""
 BEND = 0.6
 """Largest change of a tangent over one step, relative to the tangent."""
 SLIGHT = 0.01
@@ -149,6 +152,36 @@ def follow(
     return Followed(u, t)
 
 
+def hop(
+    graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats,
+    root: Callable[[Floats], tuple[Floats, NDArray[np.bool_]]],
+) -> tuple[Floats, NDArray[np.bool_]]:  # fmt: skip
+    """One short step from known members, and whether it stays plainly on the same sheet.
+
+    Parameters
+    ----------
+    graph, cut, start, u, stop
+        As in `follow`.
+    root
+        The roots near first guesses, and whether each is one.
+
+    Returns
+    -------
+    u, good
+        Unknowns at `stop`, shape (N, u), and whether to trust them, shape (N,).
+    """
+    lines, rows, one = _Lines(graph, cut, start, stop), np.arange(len(u)), np.ones(len(u))
+    _, slope, along = lines.at(rows, u, 0 * one)
+    turn = -solved(slope, along)
+    turn[~np.isfinite(turn)] = 0.0
+    new, good = root(u + turn)
+    _, slope_there, along = lines.at(rows, new, one)
+    missed = np.abs(new - u - turn).max(axis=1) <= (
+        CONTRACTION * np.abs(turn).max(axis=1) + SETTLED)  # fmt: skip
+    same = _sign(slope) * _sign(slope_there) > 0
+    return new, good & missed & same & _smooth(one, u, new, turn, -solved(slope_there, along))
+
+
 def _sign(slope: Floats) -> NDArray[np.float64]:
     with np.errstate(all="ignore"):
         found = np.linalg.slogdet(slope)[0]
@@ -175,15 +208,13 @@ def _corrected(
 ) -> tuple[Floats, NDArray[np.bool_], tuple[Floats, Floats]]:
     """Newton's method from a prediction; whether it contracts fast; slopes at its result."""
     sizes = []
-    for _ in range(4):
+    for _ in range(3):
         r, slope, along = lines.at(rows, u, t)
         correction = solved(slope, r)
-        sizes.append((np.abs(correction) / (1 + np.abs(u))).max(axis=1))
-        if len(sizes) > 2 and (sizes[-1] <= SETTLED).all():
-            break
         with np.errstate(all="ignore"):
+            sizes.append((np.abs(correction) / (1 + np.abs(u))).max(axis=1))
             u = u - correction
-    first, second = sizes[0], sizes[1]
+    first, second, third = sizes
     fine = (first <= FIRST) & (second <= np.maximum(CONTRACTION * first, SETTLED))
-    fine &= np.isfinite(u).all(axis=1) & (sizes[-1] <= np.maximum(1e-3 * first, SETTLED))
+    fine &= np.isfinite(u).all(axis=1) & (third <= np.maximum(CLOSE * first, SETTLED))
     return u, fine, (slope, along)
