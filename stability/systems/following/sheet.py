@@ -1,7 +1,7 @@
 """Members followed along straight lines from known ones, all rows at once.
 
 The line from a known member runs through the space of all parameters.  Each step has a tangent
-predictor and Newton's method as corrector.  A step is taken again with half its length where the
+predictor and Newton's method as corrector.  A step is taken again with less than half its length where the
 corrector contracts slowly, where its first correction is large, or where the determinant of the
 slope changes sign.  A sign that changes even over the shortest step is a branch point, which the
 member passes.  A fold is never passed: the members that are reached form one smooth sheet.
@@ -22,10 +22,12 @@ from .roots import solved
 
 LEAST = 1e-8
 """Shortest step, as a share of the line."""
-BRANCH = 1e-7
+BRANCH = 1e-5
 """Longest step over which the determinant may change sign, as a share of the line."""
 MOST_STEPS = 2000
 """Most steps along one line, tried ones included."""
+SHORTER = 0.45
+"""Factor of a step that failed; no half, so that steps do not meet a branch point exactly."""
 REACH = 0.5
 """Largest change of an unknown over one step, relative to 1 or to the unknown."""
 FIRST = 0.1
@@ -145,7 +147,7 @@ def follow(
         done, failed = rows[fine], rows[~fine]
         u[done], t[done], sign[done], turn[done] = (
             v[fine] for v in (new, following, now, after))  # fmt: skip
-        step[failed] /= 2
+        step[failed] *= SHORTER
         patience[failed] = 2
         step[done] = np.where(patience[done] > 0, h[fine], 2 * h[fine])
         patience[done] = np.maximum(patience[done] - 1, 0)
