@@ -184,7 +184,8 @@ def branch(
         if given.ndim != 1:
             raise ParameterError(f"{what} has shape {given.shape}; give one axis of numbers.")
     u = family.solve(np.array([[lo, *rest]]), q[None], guess)
-    curve = Curve(family.graph, rest, q)
+    curve = Curve(family.graph, len(family.at), np.array([0.0, *rest, *q]),
+                  np.eye(len(rest) + len(q) + 1)[0])  # fmt: skip
     if not flag("arclength", arclength) or not family.unknown or lo == hi:
         return _along(family, curve, lo, hi, u, points)
     if family.closed:
@@ -227,10 +228,10 @@ def _along(
 
 def _next(family: Family, curve: Curve, z: Floats, target: float) -> tuple[Floats, bool]:
     """The member at the next value, on the smooth sheet of the one before, or where that ends."""
-    a, q = np.array([[target, *curve.rest]]), curve.q[None]
+    a, q = _numbers(family, curve, target)
     if not family.unknown or family.closed:
         return np.array([*family.solve(a, q)[0], target]), True
-    here = np.array([[z[-1], *curve.rest, *curve.q]])
+    here = curve.given(z[None])
     reached = follow(family.graph, a.shape[1], here, z[None, :-1], np.hstack([a, q]))
     if reached.share[0] < 1:
         place = z[-1] + float(reached.share[0]) * (target - z[-1])
@@ -310,7 +311,7 @@ def _landed(
     share = (end - before[-1]) / (last[-1] - before[-1])
     guess = (before + share * (last - before))[None, :-1]
     try:
-        u = family.solve(np.array([[end, *curve.rest]]), curve.q[None], guess)[0]
+        u = family.solve(*_numbers(family, curve, end), guess)[0]
     except NoMemberError as error:
         return trace.z[:-1], f"ended after {before[-1]:g}: {error}", False
     if not np.abs(u - guess).max() <= 0.1 * (1 + np.abs(guess)).max():
@@ -344,7 +345,11 @@ def _switched(point: BranchPoint, stop: float, points: int, side: int) -> Branch
         )
     # the first point is a prediction, and the branch point takes its place
     found = trace._replace(z=np.vstack([point._z, trace.z[1:]]))
-    z, ended, complete = found.z, f"ended at {family.at[0]} = {found.z[-1, -1]:.6g}: {found.ended}", False
+    z, ended, complete = (
+        found.z,
+        f"ended at {family.at[0]} = {found.z[-1, -1]:.6g}: {found.ended}",
+        False,
+    )
     if not trace.ended:
         back = 2 * point.value - stop
         z, ended, complete = _landed(family, curve, found, back, stop)
@@ -358,9 +363,15 @@ def _switched(point: BranchPoint, stop: float, points: int, side: int) -> Branch
 # --- records ---
 
 
+def _numbers(family: Family, curve: Curve, value: float) -> tuple[Floats, Floats]:
+    """Family parameters and parameters at a value of the first family parameter."""
+    given = curve.given(np.array([[value]]))
+    return given[:, : len(family.at)], given[:, len(family.at) :]
+
+
 def _states(family: Family, curve: Curve, z: Floats) -> Floats:
-    a = np.hstack([z[:, -1:], np.tile(curve.rest, (len(z), 1))])
-    found = family.states(a, z[:, :-1], np.tile(curve.q, (len(z), 1)))
+    given = curve.given(z)
+    found = family.states(given[:, : curve.cut], z[:, :-1], given[:, curve.cut :])
     # where the guess is exact, the family itself knows no other unknowns
     found[:, [family.system.index(n) for n in family.unknown]] = z[:, :-1]
     return found
@@ -371,10 +382,8 @@ def _fold(family: Family, curve: Curve, found: Located) -> Fold:
     return Fold(float(found.z[-1]), state, float(found.step[-1]), found.resolved)
 
 
-def _branch_point(
-    family: Family, curve: Curve, found: Located, tangent: Floats
-) -> BranchPoint:
-    """The record of a branch point; of its two directions, the more parallel one is the branch's."""
+def _branch_point(family: Family, curve: Curve, found: Located, tangent: Floats) -> BranchPoint:
+    """The record of a branch point; the more parallel one of its directions is the branch's."""
     own, other, kind = tangent / np.linalg.norm(tangent), None, "unresolved"
     both = directions(curve, found) if found.resolved else None
     if both is not None:

@@ -115,7 +115,8 @@ class Family:
     def __post_init__(self) -> None:
         instance("system", self.system, Equations, "give a stability.System")
         check_family(self)
-        instance("anchor", self.anchor, Anchor | None, "take the family from System.steady")
+        if self.anchor is not None:
+            instance("anchor", self.anchor, Anchor, "take the family from System.steady")
         for name in (*self.held, *self.unknown, *self.equations):
             self.system.index(name)
         for name in self.at:
@@ -297,7 +298,7 @@ class Family:
         possible, why = self._possible(a, q)
         first = np.array(list(self.unknown.values()))
         u = np.tile(first, (len(a), 1))
-        if not self.unknown or (self.closed and guess is None):
+        if not possible.any() or not self.unknown or (self.closed and guess is None):
             return Found(u, possible, why)
         if self.graph.finder is None:
             raise ParameterError(
@@ -371,7 +372,7 @@ class Family:
             reason = conditions[which].refusal(float(values[which][row].flat[0]))
             return f"{self.name} does not exist there: {reason}"
 
-        return fine.all(axis=0), why
+        return np.asarray(fine.all(axis=0)), why
 
     def _require_steady(self, a: Floats, u: Floats, q: Floats) -> None:
         arguments = [columns(a), columns(u), columns(q)]

@@ -1,4 +1,4 @@
-"""A family of steady motions found from the equations alone: unknowns, equations, a first member."""
+"""A family of steady motions from the equations alone: unknowns, equations, a first member."""
 
 from __future__ import annotations
 
@@ -11,8 +11,14 @@ import numpy as np
 
 from ..algebra.upright import Upright
 from ..base.checks import one_number
-from ..base.errors import NameUnknownError, NoMemberError, ParameterError, StabilityError
-from ..base.errors import listed, shown
+from ..base.errors import (
+    NameUnknownError,
+    NoMemberError,
+    ParameterError,
+    StabilityError,
+    listed,
+    shown,
+)
 from ..base.types import Floats
 from .equations import Equations
 from .family import Family, listing
@@ -118,7 +124,7 @@ def _equations(
     slopes = ca.jacobian(ca.vertcat(*[rates[i] for i in rows]), sought) if rows else ca.SX(0, 0)
     chosen = _independent(_sampled(system, slopes, given)) if rows else []
     if len(chosen) < len(unknown):
-        open_ = [n for i, n in enumerate(unknown) if not rows or not any(slopes[:, i].nonzeros())]
+        open_ = [n for i, n in enumerate(unknown) if not rows or not slopes[:, i].nnz()]
         which = f"{listed(open_)} open" if open_ else f"{len(unknown) - len(chosen)} of the " \
             f"unknowns {listed(list(unknown))} open"  # fmt: skip
         raise ParameterError(

@@ -19,7 +19,7 @@ CONTRACTION = 0.25
 SETTLED = 1e-11
 """Corrections below this, in scaled coordinates, are rounding."""
 APART = 1e-6
-"""Longest step, as a share of the longest, over which an unresolved branch point is passed."""
+"""Step, as a share of the longest, at which a branch point that is not resolved ends the curve."""
 
 
 class Trace(NamedTuple):
@@ -100,7 +100,9 @@ def walk(
     Trace
     """
     pace = _Pace(curve, scale)
-    points, folds, crossings = [z], [], []
+    points = [z]
+    folds: list[Located] = []
+    crossings: list[tuple[Located, Floats]] = []
     before = pace.tangent(z, tangent / scale / np.linalg.norm(tangent / scale))
     if before is None:
         return Trace(np.array(points), [], [], "the equations have no meaning there")
@@ -120,10 +122,12 @@ def walk(
         if now != sign:
             point = locate_branch_point(curve, (z + new) / 2)
             near = float(np.abs((point.z - (z + new) / 2) / scale).max()) <= step
-            if not (point.resolved and near) and step > APART * longest:
+            if not (point.resolved and near):
+                if step <= APART * longest:
+                    said = "a branch point, or a narrow gap between two branches, is not resolved"
+                    return Trace(np.array(points), folds, crossings, said)
                 step /= 2
                 continue
-            point = point if near else Located((z + new) / 2, np.abs(new - z), False, point.left)
             crossings.append((point, along * scale))
         elif along[-1] * after[-1] < 0:
             folds += _fold_between(curve, z, new, (along[-1], after[-1]), scale, step)

@@ -1,4 +1,4 @@
-"""The unknowns of many members: by the root-finder from a guess, or followed from a known member."""
+"""The unknowns of many members: from a first guess, or followed from a known member."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Found(NamedTuple):
     """The sentence that says why a row has no member."""
 
 
-def listing(names: Sequence[str], values: Sequence[float]) -> str:
+def listing(names: Sequence[str], values: Sequence[float] | Floats) -> str:
     """Names with their values, for a message."""
     return ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, values, strict=True))
 

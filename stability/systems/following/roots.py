@@ -64,7 +64,7 @@ def accepted(
         # a root at 0 is accurate within the rounding of its equation, not relatively
         noise = step_noise(graph, a, u, q)
         close |= (np.abs(step) <= 2 * noise) & (noise <= NOISE * np.maximum(size, 1.0))
-    good: NDArray[np.bool_] = (np.isfinite(u) & close).all(axis=1)
+    good: NDArray[np.bool_] = np.asarray((np.isfinite(u) & close).all(axis=1))
     for index in positive:
         good &= u[:, index] > 0
     return good
@@ -104,6 +104,6 @@ def solved(slope: Floats, right: Floats) -> Floats:
         determinant = np.linalg.det(slope)
         bad = ~np.isfinite(slope).all(axis=(1, 2)) | ~np.isfinite(determinant) | (determinant == 0)
         slope = np.where(bad[:, None, None], np.eye(slope.shape[1]), slope)
-        step: Floats = np.linalg.solve(slope, right[..., None])[..., 0]
+        step: Floats = np.asarray(np.linalg.solve(slope, right[..., None])[..., 0], dtype=float)
     step[bad | ~np.isfinite(step).all(axis=1)] = np.inf
     return step

@@ -1,10 +1,11 @@
 """Members followed along straight lines from known ones, all rows at once.
 
 The line from a known member runs through the space of all parameters.  Each step has a tangent
-predictor and Newton's method as corrector.  A step is taken again with less than half its length where the
-corrector contracts slowly, where its first correction is large, or where the determinant of the
-slope changes sign.  A sign that changes even over the shortest step is a branch point, which the
-member passes.  A fold is never passed: the members that are reached form one smooth sheet.
+predictor and Newton's method as corrector.  A step is taken again with less than half its length
+where the corrector contracts slowly, where its first correction is large, where the tangent turns
+far, or where the determinant of the slope changes sign.  Where that sign changes even over a short
+step, a branch point is solved for: the member passes it only if it is one, and no narrow gap
+between two branches.  A fold is never passed: the members that are reached form one smooth sheet.
 """
 
 from __future__ import annotations
@@ -19,11 +20,12 @@ from numpy.typing import NDArray
 from ...base.types import Floats
 from ..family_graph import FamilyGraph
 from .roots import solved
+from .singular_points import Curve, locate_branch_point
 
 LEAST = 1e-8
 """Shortest step, as a share of the line."""
 BRANCH = 1e-5
-"""Longest step over which the determinant may change sign, as a share of the line."""
+"""Longest step over which the determinant may change sign at a branch point, as a share."""
 MOST_STEPS = 2000
 """Most steps along one line, tried ones included."""
 SHORTER = 0.45
@@ -77,9 +79,7 @@ class _Lines:
         self.graph, self.cut = graph, cut
         self.start, self.turn = start, stop - start
 
-    def at(
-        self, rows: NDArray[np.intp], u: Floats, t: Floats
-    ) -> tuple[Floats, Floats, Floats]:
+    def at(self, rows: NDArray[np.intp], u: Floats, t: Floats) -> tuple[Floats, Floats, Floats]:
         """Residual, slope by the unknowns, and slope along the line."""
         turn = self.turn[rows]
         with np.errstate(all="ignore"):
@@ -88,10 +88,14 @@ class _Lines:
             r, r_u, r_g = self.graph.along.arrays(arguments, (len(rows),))
             return r[..., 0], r_u, (r_g @ turn[..., None])[..., 0]
 
+    def crosses(self, row: int, u: Floats, t: float, h: float) -> bool:
+        """Whether a branch point is resolved next to a point: no narrow gap, which is no way."""
+        curve = Curve(self.graph, self.cut, self.start[row], self.turn[row])
+        found = locate_branch_point(curve, np.array([*u, t]))
+        return found.resolved and bool(abs(found.z[-1] - t) <= h)
 
-def follow(
-    graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats
-) -> Followed:
+
+def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats) -> Followed:
     """Follow members along straight lines, as far as they go.
 
     Parameters
@@ -144,6 +148,8 @@ def follow(
         after = -solved(*slopes)
         fine &= (now != 0) & ((now == sign[rows]) | (h <= BRANCH))
         fine &= _smooth(h, u[rows], new, turn[rows], after)
+        for i in np.flatnonzero(fine & (now != sign[rows])):
+            fine[i] = lines.crosses(rows[i], (u[rows[i]] + new[i]) / 2, t[rows[i]] + h[i] / 2, h[i])
         done, failed = rows[fine], rows[~fine]
         u[done], t[done], sign[done], turn[done] = (
             v[fine] for v in (new, following, now, after))  # fmt: skip
@@ -201,8 +207,7 @@ def _smooth(h: Floats, u: Floats, new: Floats, turn: Floats, after: Floats) -> N
         fits = bend <= BEND * np.maximum(np.abs(after), np.abs(turn))
         fits |= h[:, None] * bend <= SLIGHT * np.maximum(np.abs(new), np.abs(u))
         fits |= h[:, None] * bend <= SETTLED * (1 + np.abs(new).max(axis=1, keepdims=True))
-    found: NDArray[np.bool_] = fits.all(axis=1)
-    return found
+    return np.asarray(fits.all(axis=1))
 
 
 def _corrected(

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...algebra.running_error import RunningError, running_error_arrays
 from ...base.types import Floats
 from ..family_graph import FamilyGraph
 
@@ -16,22 +17,34 @@ MOST = 40
 """Most Newton steps of an extended system; its slopes of slopes are differences."""
 RESOLVED = 1e-9
 """Largest last step of a resolved point, relative to 1 or to the number."""
-GENUINE = 1e-9
-"""Largest unfolding of a branch point, relative to the terms of the equations."""
+GENUINE = 8
+"""Largest unfolding of a branch point, relative to the rounding of the equations there."""
+TINY = 1e-32
+"""Unfolding that counts as none, for equations that are exact at the point."""
 FLAT = 1e-5
 """Share of the parameter in a direction below which the direction is a pitchfork's."""
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Members as points z = (unknowns, first family parameter) on a curve r(z) = 0."""
+    """Members as points z = (unknowns, share) on r(z) = 0, along a line of given numbers.
+
+    The share counts from `start`, in units of `turn`; both hold (family parameters, parameters).
+    """
 
     graph: FamilyGraph
     """The family's graph."""
-    rest: Floats
-    """Values of the further family parameters."""
-    q: Floats
-    """The system's other parameters."""
+    cut: int
+    """Number of family parameters."""
+    start: Floats
+    """Numbers at the share 0."""
+    turn: Floats
+    """Change of the numbers over a share of 1."""
+
+    def given(self, z: Floats) -> Floats:
+        """Numbers at points, shape (N, m)."""
+        out: Floats = self.start + z[:, -1:] * self.turn
+        return out
 
     def at(self, z: Floats) -> tuple[Floats, Floats]:
         """Residuals and slopes.
@@ -46,10 +59,18 @@ class Curve:
         r, slope
             Shapes (N, u) and (N, u, u + 1).
         """
-        fixed = [np.full(len(z), v) for v in self.rest], [np.full(len(z), v) for v in self.q]
-        arguments = [[z[:, -1], *fixed[0]], list(z.T[:-1]), fixed[1]]
-        _, _, r, r_u, r_a = self.graph.tangent.arrays(arguments, z.shape[:1])
-        return r[..., 0], np.concatenate([r_u, r_a[..., :1]], axis=2)
+        given = list(self.given(z).T)
+        arguments = [given[: self.cut], list(z.T[:-1]), given[self.cut :]]
+        r, r_u, r_g = self.graph.along.arrays(arguments, z.shape[:1])
+        return r[..., 0], np.concatenate([r_u, (r_g @ self.turn)[..., None]], axis=2)
+
+    def noise(self, z: Floats) -> Floats:
+        """Bound on the rounding of the residual at one point, shape (u,)."""
+        exact = [RunningError(np.array([v]), np.zeros(1)) for v in (*self.given(z[None])[0], *z)]
+        m = len(self.start)
+        arguments = [exact[: self.cut], exact[m:-1], exact[self.cut : m]]
+        found: Floats = running_error_arrays(self.graph.residual, arguments, (1,))[0][1][0, :, 0]
+        return found
 
     def turning(self, z: Floats) -> Floats:
         """Derivatives of the slope by each part of z, shape (u + 1, u, u + 1)."""
@@ -113,7 +134,7 @@ def locate_fold(curve: Curve, z: Floats) -> Located:
     left = np.linalg.svd(slope[:, :n])[0][:, -1]
     terms = np.abs(slope) * (1 + np.abs(z))
     bent = abs(float(left @ slope[:, -1])) * (1 + abs(z[-1])) > FLAT * float(terms.max())
-    return Located(z, last, bool((last <= RESOLVED * (1 + np.abs(z))).all()) and bent, left)
+    return Located(z, last, bool((last <= RESOLVED * (1 + np.abs(z))).all() and bent), left)
 
 
 def locate_branch_point(curve: Curve, z: Floats) -> Located:
@@ -152,8 +173,8 @@ def locate_branch_point(curve: Curve, z: Floats) -> Located:
         z, mu, psi = z - step[: n + 1], mu - float(step[n + 1]), psi - step[n + 2 :]
         if _settled(z, last, last := np.abs(step[: n + 1])):
             break
-    terms = float((np.abs(slope) @ (1e-3 + np.abs(z))).max(initial=0.0))
-    small = (last <= RESOLVED * (1 + np.abs(z))).all() and abs(mu) <= GENUINE * terms
+    near = bool((last <= RESOLVED * (1 + np.abs(z))).all())
+    small = near and abs(mu) <= GENUINE * float(np.linalg.norm(curve.noise(z))) + TINY
     return Located(z, last, bool(small), psi)
 
 
@@ -183,15 +204,16 @@ def directions(curve: Curve, point: Located) -> Floats | None:
     # a α² + 2 b α β + c β² = 0, by the larger of the two outer coefficients
     far = -b - np.copysign(np.sqrt(inside), b)
     pairs = np.array([[far, a], [c, far]])  # (α, β) with both quotients free of cancellation
-    found: Floats = pairs @ plane
-    return found / np.linalg.norm(found, axis=1, keepdims=True)
+    found = pairs @ plane
+    unit: Floats = found / np.linalg.norm(found, axis=1, keepdims=True)
+    return unit
 
 
 def _step(block: Floats, right: Floats) -> Floats | None:
     if not (np.isfinite(block).all() and np.isfinite(right).all()):
         return None
     try:
-        step: Floats = np.linalg.solve(block, right)
+        step: Floats = np.asarray(np.linalg.solve(block, right), dtype=float)
     except np.linalg.LinAlgError:
         return None
     return step if np.isfinite(step).all() else None
@@ -200,5 +222,5 @@ def _step(block: Floats, right: Floats) -> Floats | None:
 def _settled(z: Floats, before: Floats, now: Floats) -> bool:
     """Whether steps are rounding: tiny, and no longer shrinking."""
     size = 1 + np.abs(z)
-    tiny = (now <= 1e-15 * size).all()
-    return bool(tiny or ((now <= 1e-12 * size).all() and (now / size).max() >= (before / size).max() / 2))
+    largest, earlier = float((now / size).max()), float((before / size).max())
+    return largest <= 1e-15 or (largest <= 1e-12 and largest >= earlier / 2)
