@@ -62,7 +62,7 @@ def test_many_members_over_all_parameters_are_those_of_the_closed_form(plus: Any
 @pytest.mark.parametrize("r", [1.0, 0.999, 0.5, -3.0])
 def test_no_other_fixed_point_stands_in_where_this_one_ends(plus: Any, r: float) -> None:
     """Below r = 1 the origin is left, and Newton's method would go there."""
-    with pytest.raises(st.StabilityError, match=r"stopped at a branch point at r = 1\."):
+    with pytest.raises(st.StabilityError, match=r"stopped at (a branch point at )?r = 1\."):
         plus.member([r], [10.0, B])
     with pytest.raises(st.StabilityError, match=r"no member at r = "):
         st.spectrum(plus, at=[2.0, r], sigma=10, b=B)

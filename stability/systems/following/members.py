@@ -14,6 +14,7 @@ from ...base.types import Floats
 from ..family_graph import FamilyGraph
 from .roots import roots
 from .sheet import Anchor, follow, hop
+from .singular_points import Curve, locate_branch_point, locate_fold
 
 NEAR = 0.05
 """Longest way, relative to 1 or to the number, from a member found before to one that is asked."""
@@ -23,8 +24,8 @@ MANY = 64
 """Number of rows above which most are found from a neighbour."""
 EVERY = 8
 """One row of so many is then followed from the anchor itself."""
-SINGULAR = 1e-2
-"""Share of the slope along the line, out of the range of the slope, that tells a fold."""
+NEXT = 1e-4
+"""Longest way from the end of a line to the fold or branch point that ended it, as a share."""
 
 _KNOWN: WeakKeyDictionary[FamilyGraph, tuple[Floats, Floats]] = WeakKeyDictionary()
 
@@ -178,28 +179,22 @@ def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequ
     wrong = [n for i, n in enumerate(family.unknown) if i in positive and not u[i] > 0]
     if share == 1 and wrong:
         return f"{family.name} has no member at {place}: {wrong[0]} is not positive there."
-    known = np.array(family.anchor.unknown)
-    points = np.stack([anchor, stop]), np.stack([known, u])
-    what = _singular(family.graph, len(family.at), *points, asked - anchor)
+    curve = Curve(family.graph, len(family.at), anchor, asked - anchor)
+    what, share = _singular(curve, u, share)
+    stop = anchor + share * (asked - anchor)
+    stop[np.abs(stop) < 1e-12 * np.abs(asked - anchor)] = 0.0
     return (
         f"{family.name} has no member at "
         f"{listing([names[i] for i in moved], asked[moved])} that continuation from {start} "
-        f"reaches: it stopped at {what}{place}."
+        f"reaches: it stopped at {what}{listing([names[i] for i in moved], stop[moved])}."
     )
 
 
-def _singular(graph: FamilyGraph, cut: int, given: Floats, u: Floats, turn: Floats) -> str:
-    """The words `a fold at ` or `a branch point at ` where the slope is singular.
-
-    Rows are the anchor, whose slopes give the size to compare with, and the last point.
-    """
-    arguments = [list(given.T[:cut]), list(u.T), list(given.T[cut:])]
-    _, r_u, r_g = graph.along.arrays(arguments, (2,))
-    along = r_g @ turn
-    if not (np.isfinite(r_u).all() and np.isfinite(along).all()):
-        return "the end of the equations' domain, "
-    left, sizes, _ = np.linalg.svd(r_u[1])
-    if not sizes[-1] <= SINGULAR * np.linalg.svd(r_u[0])[1][-1]:
-        return ""
-    out = abs(float(left[:, -1] @ along[1])) > SINGULAR * float(np.abs(along).max())
-    return "a fold at " if out else "a branch point at "
+def _singular(curve: Curve, u: Floats, share: float) -> tuple[str, float]:
+    """The words `a fold at ` or `a branch point at ` and its place, where one ends the line."""
+    end = np.array([*u, share])
+    for what, locate in (("a fold at ", locate_fold), ("a branch point at ", locate_branch_point)):
+        found = locate(curve, end)
+        if found.resolved and abs(found.z[-1] - share) <= NEXT:
+            return what, float(found.z[-1])
+    return "", share
