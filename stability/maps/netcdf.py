@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-MISSING = 9.969209968386869e36
+MISSING = 15 * 2.0**119
 """Fill value of missing numbers in a file, NetCDF's own default."""
 PARTS = "complex_part"
 """Dimension that holds the real and imaginary part of complex data in a file."""

@@ -57,8 +57,7 @@ class BranchPoint:
     error: float
     """Last step of Newton's method in the parameter; half the last bracket if not resolved."""
     kind: str
-    """`pitchfork`, `transcritical`, or `unresolved`: the determinant changes sign, and no two
-    directions were found."""
+    """`pitchfork`, `transcritical`, or `unresolved`, where no two directions were found."""
     own: Floats = field(repr=False)
     """Direction of the branch itself in (unknowns, parameter), shape (u + 1,)."""
     other: Floats | None = field(repr=False)
@@ -85,10 +84,8 @@ class BranchPoint:
 
         Raises
         ------
-        ParameterError
-            If the other branch is not resolved.
-        NoMemberError
-            If the first step onto it fails.
+        ParameterError, NoMemberError
+            If the other branch is not resolved, or the first step onto it fails.
 
         Examples
         --------
@@ -109,7 +106,7 @@ class BranchPoint:
                 f"the branch that crosses {self._family.name} at {self.value:g} is not resolved."
             )
         if end == self.value:
-            raise ParameterError(f"stop is {end:g}, the branch point itself; give another value.")
+            raise ParameterError(f"stop is {end:g}, the branch point itself; take another.")
         return _switched(self, end, points, side)
 
 
@@ -161,10 +158,8 @@ def branch(
 
     Raises
     ------
-    ParameterError
-        If there are fewer than two points.
-    NoMemberError
-        If there is no member at `start`.
+    ParameterError, NoMemberError
+        If there are fewer than two points, or there is no member at `start`.
 
     Source: closed forms in tests/systems/test_continuation.py.
 
