@@ -35,7 +35,7 @@ _HOME = {
     "systems.family": ("Family",),
     "bodies.thin_disk.disk_families": ("disk_family",),
     "bodies.thin_disk.disk_equations": ("disk_system",),
-    "systems.continuation": ("branch", "Branch"),
+    "systems.continuation": ("branch", "Branch", "BranchPoint", "Fold"),
     "spectra.spectrum": ("spectrum",),
     "spectra.result": ("Spectrum",),
     "base.verdict": ("Verdict", "Nonlinear"),
@@ -120,6 +120,8 @@ if TYPE_CHECKING:
     from .spectra.spectrum import spectrum as spectrum
     from .systems.condition import Condition as Condition
     from .systems.continuation import Branch as Branch
+    from .systems.continuation import BranchPoint as BranchPoint
+    from .systems.continuation import Fold as Fold
     from .systems.continuation import branch as branch
     from .systems.family import Family as Family
     from .systems.mechanics import mechanics as mechanics

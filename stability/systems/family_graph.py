@@ -264,6 +264,7 @@ class FamilyGraph:
     def _equations(self, residual: ca.SX, state: ca.SX) -> None:
         """State, equations, their derivatives, and CasADi's root-finder for them."""
         a, u, q = self._inputs
+        self._unsolved = residual
         by_u = ca.jacobian(residual, u)
         dense = ca.densify(residual)
         self.state = self._program("state", state)
@@ -282,6 +283,15 @@ class FamilyGraph:
             self.finder = None  # None where the Jacobian is singular for all numbers
             if ca.sprank(by_u) == self._size:
                 self.finder = ca.rootfinder("root", "fast_newton", problem, FINDER)
+
+    @cached_property
+    def along(self) -> Program:
+        """Equations, and their slopes by the unknowns and by (family parameters, parameters)."""
+        residual, (a, u, q) = self._unsolved, self._inputs
+        return self._program(
+            "along", ca.densify(residual), ca.jacobian(residual, u),
+            ca.jacobian(residual, ca.vertcat(a, q)),
+        )  # fmt: skip
 
     def _conditions(self, table: Mapping[str, Any]) -> None:
         """The conditions without unknowns, to be checked before solving."""

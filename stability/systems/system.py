@@ -6,9 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
+from ..algebra.upright import Upright
 from ..base.errors import ParameterError
 from .condition import Condition
 from .equations import Equations
+from .family import Family
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,3 +192,68 @@ class System(Equations):
         if name is not None:
             found["name"] = name
         return cls(conditions=tuple(conditions), units=units or {}, **found)
+
+    def steady(
+        self, at: Sequence[str] | str, *, held: Mapping[str, float | Upright] | None = None,
+        guess: Mapping[str, float] | None = None, equations: Sequence[str] | None = None,
+        positive: Sequence[str] = (), name: str | None = None, **parameters: Any,
+    ) -> Family:  # fmt: skip
+        """The family through the steady motion nearest to a guess.
+
+        Every state that is not named in `at` or `held` is solved for.  The family remembers the
+        first member.  Others are followed from there along the straight line to the parameters
+        that are asked, and all lie on one smooth sheet: a member beyond a fold is refused.
+
+        Parameters
+        ----------
+        at
+            Names of the parameters or states that name a member.
+        held
+            Values of the states that are the same along the family.
+        guess
+            Values near one member: of parameters and states, by name.  A state that is left out
+            counts as 0.  A state on which nothing depends is held there.
+        equations
+            States whose rates must vanish, as many as there are unknowns; independent rates that
+            are not identically zero when left out.
+        positive
+            Unknowns that must be positive.
+        name
+            Name of the family in messages and files.
+        **parameters
+            Values of parameters at the guess, if they are not in `guess`; further keywords of
+            `Family`.
+
+        Returns
+        -------
+        Family
+
+        Raises
+        ------
+        NameUnknownError, ParameterError
+            If names or numbers do not fit the system, or its rates leave unknowns open.
+        NoMemberError
+            If no first guess leads to a steady motion.
+
+        Source: closed forms in tests/systems/test_steady.py.
+
+        Examples
+        --------
+        >>> import casadi as ca, stability as st
+        >>> x, p = ca.SX.sym("x"), ca.SX.sym("p")
+        >>> fold = st.System("fold", x, p, p - x**2, states=("x",), parameters=("p",))
+        >>> upper = fold.steady("p", guess={"x": 1.5, "p": 2.0}, name="upper")
+        >>> upper.member([4.0], []).round(12)
+        array([2.])
+        >>> try:
+        ...     upper.member([-1.0], [])
+        ... except st.StabilityError as error:
+        ...     print(str(error)[-39:])
+        reaches: it stopped at a fold at p = 0.
+        """
+        from .steady import steady
+
+        return steady(
+            self, at, held=held, guess=guess, equations=equations, positive=positive, name=name,
+            **parameters,
+        )  # fmt: skip
