@@ -185,11 +185,14 @@ class Meetings:
         NoValueError
             If the linearisation has no finite enclosure.
         """
-        middle = (arb(low) + arb(high)) / 2
-        half = (arb(high) - arb(low)) / 2
-        here = self._unknowns(middle, self._near(middle))
-        whole = arb(middle.mid(), half.abs_upper())
-        wide = arb(middle.mid(), (half * (1 + WIDER)).abs_upper())
+        point = low + (high - low) / 2
+        middle = arb(point)
+        half = max(arb(high) - middle, middle - arb(low))  # the form may reach beyond one end
+        here = self.root(point)
+        if here is None:
+            raise NoMemberError(f"{self.family.name} has no member at {point}.")
+        whole = arb(middle, half.abs_upper())
+        wide = arb(middle, (half * (1 + WIDER)).abs_upper())
         box = self._unknowns(wide, [float(v.mid()) for v in here])
         over = self._matrices(whole, box, ORDER + 1)
         if not _finite(over[0]):
@@ -201,15 +204,6 @@ class Meetings:
         if not _finite(scaled[0]):
             raise NoValueError
         return Piece(low, high, order, scaled, slopes, box, self._bases(scaled[0]))
-
-    def _near(self, middle: Any) -> list[float] | None:
-        """The family's own member at the midpoint, so that the piece is about that branch."""
-        if not self.family.unknown or self.family.closed:
-            return None
-        root = self.root(float(middle.mid()))
-        if root is None:
-            raise NoMemberError("no member")
-        return [float(v.mid()) for v in root]
 
     def _bases(self, matrix: Any) -> list[Basis]:
         size = matrix.nrows()

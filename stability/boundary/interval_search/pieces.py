@@ -18,10 +18,12 @@ from ...systems.structure.structural_zeros import structure
 from ..brackets import BITS, AxisScan
 from .meetings import Meetings, NoValueError
 
-MOST_PIECES = 3000
+MOST_PIECES = 1200
 """Largest number of pieces for a system of few states."""
-MOST_WORK = 3_000_000
+MOST_WORK = 400_000
 """Largest number of pieces times the cube of the number of states."""
+MOST_LOST = 200
+"""Largest number of pieces that are cut because members are missing, or on several branches."""
 MOST_STATES = 16
 """Largest number of states in one block of the linearisation."""
 FINEST = 2.0**-46
@@ -135,6 +137,7 @@ class _Search:
         self.found, self.low, self.high = found, low, high
         self.least, self.log = least, log
         self.most = min(MOST_PIECES, MOST_WORK // max(map(len, found.blocks)) ** 3)
+        self.lost = 0
 
     def run(self) -> tuple[list[Leaf], int]:
         """The leaves, not in order, and the number of pieces."""
@@ -168,6 +171,10 @@ class _Search:
         width = leaf.high - leaf.low
         if width <= self.least or not leaf.low < cut < leaf.high:
             return False
+        if leaf.reason in (NO_MEMBER, BRANCH):
+            self.lost += 1
+            if self.lost > MOST_LOST:
+                return False
         if leaf.reason == NO_MEMBER and width < EXPLORED * (self.high - self.low):
             return any(self.found.root(v) is not None for v in (leaf.low, cut, leaf.high))
         return True
@@ -189,11 +196,12 @@ class _Search:
 
 
 def _joined(leaves: list[Leaf]) -> Iterator[Leaf]:
-    """Leaves in order; neighbours without meetings, or open for the same reason, as one."""
+    """Leaves in order; neighbours without meetings as one, and so neighbours without a proof."""
     ordered = sorted(leaves, key=lambda leaf: leaf.low)
-    for key, group in groupby(ordered, key=lambda leaf: (leaf.meetings, leaf.reason)):
+    for meetings, group in groupby(ordered, key=lambda leaf: leaf.meetings):
         some = list(group)
-        if key[0]:
+        if meetings:
             yield from some
         else:
-            yield Leaf(some[0].low, some[-1].high, *key)
+            reasons = dict.fromkeys(leaf.reason for leaf in some if leaf.reason)
+            yield Leaf(some[0].low, some[-1].high, meetings, "; or ".join(reasons))
