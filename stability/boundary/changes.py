@@ -77,8 +77,8 @@ def boundaries(
         If the search was not complete.
 
     Source: published thresholds in tests/spectra/test_published.py; all roots counted by another
-    route in tests/boundary/test_boundaries.py; planted boundaries of functions that are not rational
-    in tests/boundary/test_interval_search.py.
+    route in tests/boundary/test_boundaries.py; planted boundaries of other functions in
+    tests/boundary/test_interval_search.py.
 
     Examples
     --------

@@ -1,5 +1,7 @@
 """Proof, piece by piece along an axis, that no eigenvalue meets the imaginary axis.
 
-May import what `boundary` may, and `boundary.brackets`.  `taylor` holds the arithmetic, `meetings` the
-functions that vanish where an eigenvalue meets the axis, and `pieces` the search.
+`taylor` and `blocks` hold the arithmetic, `meetings` the functions that vanish where an eigenvalue
+meets the axis, `pieces` the search, and `proved` its result.
+May import what `boundary` may, and its `brackets`, `crossings` and `scan`.
+To add a function whose zeros count as meetings: a form in `Meetings.functions`.
 """

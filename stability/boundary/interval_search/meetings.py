@@ -6,18 +6,16 @@ are enclosed as Taylor forms.  To keep the enclosures narrow, the matrix is firs
 that is nearly its own at the midpoint, and the determinant to one scalar, which is the Schur
 complement of the rest.  Neither step moves a zero: each is a product with regular matrices.
 
-Source: S. J. Berkowitz, Inf. Process. Lett. 18 (1984) 147-150, for the polynomial without
-divisions; tests/boundary/test_interval_search.py.
+Source: tests/boundary/test_interval_search.py.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 from flint import arb, arb_mat, arb_series
 from scipy.sparse.csgraph import connected_components
 
@@ -26,7 +24,8 @@ from ...algebra.number_types import balls
 from ...base.errors import NoMemberError, StabilityError
 from ...systems.structure.enclosure import ball_unknowns
 from ..brackets import BITS, AxisScan
-from .taylor import coefficient, product, quotient, series_algebra, span, terms
+from .blocks import Basis, Form, NoValueError, basis_of, determinant, finite, nonzero, polynomial
+from .taylor import coefficient, series_algebra, span, terms
 
 ORDER = 4
 """Order of the Taylor forms."""
@@ -34,25 +33,6 @@ POINT_BITS = 512
 """Precision at which the sign of a function at a point that is still open counts as zero."""
 WIDER = 2.0**-16
 """Share by which the piece of the unknowns is wider, so that roots at its ends lie inside."""
-SKEW = 1e7
-"""Condition number of eigenvectors above which Schur vectors take their place."""
-
-Form = list[Any]
-
-
-class NoValueError(ArithmeticError):
-    """A quantity has no finite enclosure over a piece."""
-
-
-@dataclass
-class Basis:
-    """Regular matrices that carry the functions of one block to narrow ones."""
-
-    left: Any
-    right: Any
-    scale: Any
-    turns: list[tuple[Any, Any]] = field(default_factory=list)
-    """Left and right factor of the Hurwitz matrix; filled at first use."""
 
 
 @dataclass
@@ -195,22 +175,24 @@ class Meetings:
         wide = arb(middle, (half * (1 + WIDER)).abs_upper())
         box = self._unknowns(wide, [float(v.mid()) for v in here])
         over = self._matrices(whole, box, ORDER + 1)
-        if not _finite(over[0]):
+        if not finite(over[0]):
             raise NoValueError
-        order = ORDER if all(map(_finite, over)) else 0
+        order = ORDER if all(map(finite, over)) else 0
         forms = [*(self._matrices(middle, here, order) if order else []), over[order]]
         scaled = [m * half**k for k, m in enumerate(forms)]
         slopes = [over[0], over[1] * half] if order else []
-        if not _finite(scaled[0]):
+        if not finite(scaled[0]):
             raise NoValueError
         return Piece(low, high, order, scaled, slopes, box, self._bases(scaled[0]))
 
     def _bases(self, matrix: Any) -> list[Basis]:
         size = matrix.nrows()
         table = np.array([[float(matrix[i, j].mid()) for j in range(size)] for i in range(size)])
-        return [_basis(table[np.ix_(block, block)]) for block in self.blocks]
+        return [basis_of(table[np.ix_(block, block)]) for block in self.blocks]
 
-    def functions(self, matrices: Sequence[Any], bases: Sequence[Basis], *, fold: bool) -> list[Form]:
+    def functions(
+        self, matrices: Sequence[Any], bases: Sequence[Basis], *, fold: bool
+    ) -> list[Form]:
         """The functions as forms: static and flutter for each block.
 
         Parameters
@@ -228,14 +210,14 @@ class Meetings:
                 basis.left * arb_mat([[m[i, j] for j in block] for i in block]) * basis.right
                 for m in matrices
             ]
-            poly = _polynomial(part, fold=fold)[self.zeros :]
+            poly = polynomial(part, fold=fold)[self.zeros :]
             if self.even:
                 for power in range(2, len(poly), 2):
                     poly[power - 1] = [c * (power // 2) for c in poly[power]]
             if len(poly) > 1:
                 out.append(poly[0])
             if len(poly) > 2:
-                out.append(_determinant(poly, basis, fold=fold))
+                out.append(determinant(poly, basis, fold=fold))
         return out
 
     def zeros_in(self, piece: Piece) -> int | None:
@@ -247,13 +229,13 @@ class Meetings:
             The piece.
         """
         values = self.functions(piece.matrices, piece.bases, fold=True)
-        open_ = [i for i, f in enumerate(values) if not _nonzero(span(f))]
+        open_ = [i for i, f in enumerate(values) if not nonzero(span(f))]
         if not open_:
             return 0
         if not piece.slopes:
             return None
         slopes = self.functions(piece.slopes, piece.bases, fold=False)
-        if not all(_nonzero(slopes[i][1]) for i in open_):
+        if not all(nonzero(slopes[i][1]) for i in open_):
             return None
         ends = [self._signs(v, piece.bases) for v in (piece.low, piece.high)]
         signs = [(ends[0][i], ends[1][i]) for i in open_]
@@ -270,7 +252,7 @@ class Meetings:
                 return [0] * 2 * len(self.blocks)
             with precision(bits):
                 matrix = self._matrices(arb(value), root, 1)
-                if not _finite(matrix[0]):
+                if not finite(matrix[0]):
                     return [0] * 2 * len(self.blocks)
                 found = self.functions(matrix, bases or self._bases(matrix[0]), fold=True)
                 out = [int(f[0] > 0) - int(f[0] < 0) for f in found]
@@ -307,104 +289,3 @@ class Meetings:
             ):
                 return False
         return True
-
-
-# --- matrices ---
-
-
-def _nonzero(ball: Any) -> bool:
-    return bool(ball.is_finite() and not ball.contains(0))
-
-
-def _finite(matrix: Any) -> bool:
-    return all(v.is_finite() for v in matrix.entries())
-
-
-def _basis(matrix: Any) -> Basis:
-    """A basis in which a matrix is nearly diagonal, with its inverse, and the size of the matrix."""
-    size = len(matrix)
-    right = np.eye(size)
-    scale = 1.0
-    if np.isfinite(matrix).all() and np.abs(matrix).max() < 1e100:
-        values, vectors = np.linalg.eig(matrix)
-        real = np.where(values.imag < 0, vectors.imag, vectors.real)
-        skew = np.linalg.cond(real) if np.isfinite(real).all() else np.inf
-        right = real if skew < SKEW else scipy.linalg.schur(matrix, output="real")[1]
-        largest = float(np.abs(values).max())
-        scale = 2.0 ** np.round(np.log2(largest)) if largest > 1e-100 else 1.0
-    exact = arb_mat(right.tolist())
-    return Basis(exact.inv() / arb(scale), exact, scale)
-
-
-def _polynomial(matrix: Sequence[Any], *, fold: bool) -> list[Form]:
-    """det(λ - B) by powers of λ, lowest first, for a matrix of forms (Berkowitz)."""
-    top, size = len(matrix) - 1, matrix[0].nrows()
-    one = [arb(1), *[arb(0)] * top]
-    poly = [one]
-    for r in range(size):
-        first = [one, [-m[r, r] for m in matrix]]
-        if r:
-            inner = [arb_mat([[m[i, j] for j in range(r)] for i in range(r)]) for m in matrix]
-            row = [arb_mat([[-m[r, j] for j in range(r)]]) for m in matrix]
-            column = [arb_mat([[m[i, r]] for i in range(r)]) for m in matrix]
-            for power in range(r):
-                first.append([v[0, 0] for v in product(row, column, fold=fold)])
-                if power < r - 1:
-                    row = product(row, inner, fold=fold)
-        longer = []
-        for i in range(r + 2):
-            total = [arb(0)] * (top + 1)
-            for j in range(max(0, i - len(first) + 1), min(i, r) + 1):
-                term = poly[j] if i == j else product(first[i - j], poly[j], fold=fold)
-                total = [x + y for x, y in zip(total, term, strict=True)]
-            longer.append(total)
-        poly = longer
-    return poly[::-1]
-
-
-def _determinant(poly: Sequence[Form], basis: Basis, *, fold: bool) -> Form:
-    """A function with the zeros of the Hurwitz determinant of order n - 1."""
-    degree, top = len(poly) - 1, len(poly[0]) - 1
-    high = list(reversed(poly))
-
-    def entry(i: int, j: int, k: int) -> Any:
-        index = 2 * (j + 1) - (i + 1)
-        return high[index][k] if 0 <= index <= degree else arb(0)
-
-    size = degree - 1
-    table = [
-        arb_mat([[entry(i, j, k) for j in range(size)] for i in range(size)])
-        for k in range(top + 1)
-    ]
-    if not basis.turns:
-        basis.turns.append(_turns(table[0]))
-    left, right = basis.turns[0]
-    table = [left * m * right for m in table]
-    rows = [[[m[i, j] for m in table] for j in range(size)] for i in range(size)]
-    for step in range(size - 1):
-        pivot = rows[step]
-        for other in rows[step + 1 :]:
-            share = quotient(other[step], pivot[step], fold=fold)
-            for j in range(step + 1, size):
-                less = product(share, pivot[j], fold=fold)
-                other[j] = [x - y for x, y in zip(other[j], less, strict=True)]
-    return rows[-1][-1]
-
-
-def _turns(matrix: Any) -> tuple[Any, Any]:
-    """Regular factors that make a matrix nearly the identity but for its last diagonal entry."""
-    size = matrix.nrows()
-    table = np.array([[float(matrix[i, j].mid()) for j in range(size)] for i in range(size)])
-    if not np.isfinite(table).all():
-        raise NoValueError
-    left, sizes, right = np.linalg.svd(table)
-    sizes[-1] = sizes[0]
-    if not (sizes > 0).all():
-        raise NoValueError
-    rows = arb_mat((left.T / sizes[:, None]).tolist())
-    columns = arb_mat(right.T.tolist())
-    if rows.det().contains(0) or columns.det().contains(0):
-        raise NoValueError
-    return rows, columns
-
-

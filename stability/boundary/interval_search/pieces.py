@@ -16,7 +16,8 @@ from ...base.errors import NoMemberError, StabilityError
 from ...systems.structure.multiplicity import certain
 from ...systems.structure.structural_zeros import structure
 from ..brackets import BITS, AxisScan
-from .meetings import Meetings, NoValueError
+from .blocks import NoValueError
+from .meetings import Meetings
 
 MOST_PIECES = 1200
 """Largest number of pieces for a system of few states."""
@@ -164,7 +165,7 @@ class _Search:
 
     def _cut(self, low: float, high: float) -> float:
         if self.log:
-            return low * (high / low) ** CUT
+            return low * math.exp(CUT * math.log(high / low))
         return low + (high - low) * CUT
 
     def _divisible(self, leaf: Leaf, cut: float) -> bool:
