@@ -126,8 +126,9 @@ print(chosen[3].report())
 # %% [markdown]
 # ## What an uncertain mu makes of it
 #
-# Suppose that mu is known to 20 percent, and the tilt at the start to 0.1 mrad.  The scene is asked
-# again at both ends of each input.
+# Suppose that mu is known to 20 percent, and the tilt at the start to 0.1 mrad.  Sensitivities
+# along the path say how far each moves the answer.  Where they say too little, because the input is
+# too uncertain, the scene is asked again at both ends.
 
 # %%
 known = {"mu": 0.2, "theta": 1e-4}

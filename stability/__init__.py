@@ -29,12 +29,13 @@ _HOME = {
         "Creep3",
     ),
     "systems.system": ("System",),
+    "systems.mechanics": ("mechanics",),
     "systems.condition": ("Condition",),
     "algebra.upright": ("UPRIGHT",),
     "systems.family": ("Family",),
     "bodies.thin_disk.disk_families": ("disk_family",),
     "bodies.thin_disk.disk_equations": ("disk_system",),
-    "systems.continuation": ("branch", "Branch"),
+    "systems.continuation": ("branch", "Branch", "BranchPoint", "Fold"),
     "spectra.spectrum": ("spectrum",),
     "spectra.result": ("Spectrum",),
     "base.verdict": ("Verdict", "Nonlinear"),
@@ -45,6 +46,7 @@ _HOME = {
     "maps.stream": ("stream_map",),
     "algebra.exact.known_polynomial": ("Exact", "ExactPolynomial"),
     "bodies.thin_disk.disk_polynomials": ("exact_polynomial",),
+    "derivation.conditions": ("conditions", "Conditions"),
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
     "motion.simulate": ("simulate",),
@@ -98,6 +100,8 @@ if TYPE_CHECKING:
     from .boundary.hopf import HopfPoint as HopfPoint
     from .boundary.hopf import hopf as hopf
     from .compare.report import report as report
+    from .derivation.conditions import Conditions as Conditions
+    from .derivation.conditions import conditions as conditions
     from .figures.launch.animate import animate as animate
     from .maps.netcdf import read_map as read_map
     from .maps.netcdf import write_map as write_map
@@ -116,8 +120,11 @@ if TYPE_CHECKING:
     from .spectra.spectrum import spectrum as spectrum
     from .systems.condition import Condition as Condition
     from .systems.continuation import Branch as Branch
+    from .systems.continuation import BranchPoint as BranchPoint
+    from .systems.continuation import Fold as Fold
     from .systems.continuation import branch as branch
     from .systems.family import Family as Family
+    from .systems.mechanics import mechanics as mechanics
     from .systems.system import System as System
 
 

@@ -70,6 +70,8 @@ class Program:
             for i in range(function.n_out())
         )
         """(row, column) of each stored entry of each output; others are zero by structure."""
+        self.size: int = function.n_instructions()
+        """Number of instructions."""
         self._constants: list[float] = []
         self._held: dict[str, list[Any]] = {}
         self._code = compile(self._source(function), f"<graph {self.name}>", "exec")

@@ -53,6 +53,8 @@ def best(*, even: bool) -> Verdict:
 
 CODES = {Verdict.UNDECIDED: 0, Verdict.STABLE: 1, Verdict.UNSTABLE: 2, Verdict.NEUTRAL: 3}
 """Flag value of each verdict, in arrays and files."""
+NO_MEMBER = 4
+"""Flag value of a cell of a map without a member; it is no verdict."""
 BY_CODE = {code: verdict for verdict, code in CODES.items()}
 """Verdict of each flag value."""
 

@@ -1,8 +1,9 @@
-"""Every change of verdict along one axis: by exact roots where possible, otherwise by a scan."""
+"""Every change of verdict along one axis: by exact roots where possible, otherwise in pieces."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +14,6 @@ from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.real_roots import UnclearError
 from ..base.axis import Axis, AxisLike
 from ..base.errors import ParameterError, StabilityError
-from ..base.types import Floats
 from ..base.verdict import Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
@@ -22,9 +22,10 @@ from ..spectra.certificate import verdict as certified
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
-from .brackets import AxisScan, at_point, bracket, crossing_rate, refine
+from .brackets import AxisScan, bracket, crossing_rate
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
+from .interval_search.proved import proved
 from .search import Mark, Search, search
 from .single_points import single
 
@@ -44,9 +45,11 @@ def boundaries(
     """Every change of verdict along one axis, proved, with the kind of crossing.
 
     For the disk, and for a user's family whose graph is rational in the axis, every real root of
-    every condition is isolated exactly, so that the result is complete.  Any other family is
-    scanned.  The result then says where a change is not excluded, and a `StabilityWarning` repeats
-    this.
+    every condition is isolated exactly, so that the result is complete.  For any other family the
+    axis is cut into pieces, and each piece is proved in ball arithmetic to hold no eigenvalue on
+    the imaginary axis, or a single crossing.  An empty result that is complete thus states that the
+    verdict does not change.  Pieces without such a proof are scanned.  The result then says where a
+    change is not excluded, and a `StabilityWarning` repeats this.
 
     Parameters
     ----------
@@ -55,7 +58,7 @@ def boundaries(
         circling's theta or phi_dot, `at` is the other of the two.
     axis
         (name, low, high, n) or (name, low, high, n, "log"); both ends belong to it.  n is the
-        number of points of a scan, where one is needed.
+        number of points of a scan, where pieces stay without proof.
 
     Returns
     -------
@@ -74,7 +77,8 @@ def boundaries(
         If the search was not complete.
 
     Source: published thresholds in tests/spectra/test_published.py; all roots counted by another
-    route in tests/boundary/test_boundaries.py.
+    route in tests/boundary/test_boundaries.py; planted boundaries of other functions in
+    tests/boundary/test_interval_search.py.
 
     Examples
     --------
@@ -86,13 +90,13 @@ def boundaries(
     grid = Axis.of(axis, "axis", most=MOST_SCAN)
     problem = prepare(family, (grid,), disk, contact, at, dict(parameters))
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
+    found = replace(found, searched=(grid.name, grid.low, grid.high))
     found.warn(grid.name)
     return found
 
 
 EXACT = "every real root of every condition that decides the verdict was isolated exactly"
 OWN = "from the family's polynomial"
-SCANNED = "verdicts at the points of a scan, refined and proved where neighbours differ"
 CROSSINGS = {"static": Crossing.STATIC, "flutter": Crossing.FLUTTER}
 
 
@@ -110,8 +114,7 @@ def along(
     low, high
         Ends of its interval, both included.
     points
-        Number of points of the scan, where one is needed: for a user's family whose graph is not
-        rational in the axis.
+        Number of points of a scan, where pieces of the axis stay without proof.
     log
         Whether the points of the scan have equal ratios.
 
@@ -143,7 +146,7 @@ def along(
     except (NotExact, UnclearError):
         grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
         grid[0], grid[-1] = low, high
-        return _scanned(line, grid)
+        return proved(line, grid, log=log)
     return located(line, found)
 
 
@@ -258,75 +261,3 @@ def _pole(line: AxisScan, mark: Mark) -> Unresolved:
         value, value,
         f"the linearisation of {line.problem.family.name} has no value there; the verdict {said}.",
     )  # fmt: skip
-
-
-# --- by a scan ---
-
-
-def _scanned(line: AxisScan, grid: Floats) -> Boundaries:
-    """Changes between the points of a scan, and the pieces on which it excludes none."""
-    values = [float(v) for v in grid]
-    signs, left = _signs(line, values)
-    known = [i for i, s in enumerate(signs) if s]
-    if not known:
-        reason = (
-            f"no verdict is proved at any of the {len(grid)} points of the scan: eigenvalues stay "
-            "on the imaginary axis, or coincide, as far as the budget of precision sees."
-        )
-        return Boundaries((), (Unresolved(values[0], values[-1], reason),), how=SCANNED)
-    for end, first in ((0, known[0]), (len(values) - 1, known[-1])):
-        if end != first:
-            low, high = sorted((values[end], values[first]))
-            left.append(Unresolved(low, high, _open(values[end])))
-    points: list[BoundaryPoint] = []
-    for i, j in zip(known[:-1], known[1:], strict=True):
-        point = _between(line, values[i : j + 1], changed=signs[i] != signs[j])
-        if point is not None:
-            points.append(point)
-        elif signs[i] != signs[j]:
-            reason = "the verdicts at the ends differ, but the change could not be bracketed."
-            left.append(Unresolved(values[i], values[j], reason))
-        elif j > i + 1:
-            left.append(Unresolved(values[i], values[j], _open(values[i + 1])))
-    left.append(Unresolved(
-        values[0], values[-1], f"between neighbours of the {len(grid)} points of the scan a pair "
-        "of changes is not excluded.",
-    ))  # fmt: skip
-    return Boundaries(tuple(points), tuple(left), how=SCANNED)
-
-
-def _signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
-    """Signs by `look` at the points of a scan, and the points without a member."""
-    found: list[tuple[Verdict, bool]] = []
-    left: list[Unresolved] = []
-    errors: list[StabilityError] = []
-    for value in values:
-        try:
-            found.append(line.look(value))
-        except StabilityError as error:
-            found.append((Verdict.UNDECIDED, False))
-            errors.append(error)
-            left.append(Unresolved(value, value, f"no verdict there: {error}"))
-    if len(errors) == len(values):
-        raise errors[0]
-    # among stable members a neutral one is on a boundary; without stable ones neutral is good
-    line.neutral = all(verdict is not Verdict.STABLE for verdict, _ in found)
-    return [line.sign_of(*pair) for pair in found], left
-
-
-def _open(value: float) -> str:
-    return (
-        f"no verdict is proved at {value:.10g}: an eigenvalue lies on the imaginary axis there, or "
-        "too near to it."
-    )
-
-
-def _between(line: AxisScan, values: Sequence[float], *, changed: bool) -> BoundaryPoint | None:
-    """The change between two points with a verdict; points between the two have none."""
-    if not changed:
-        return None
-    try:
-        point = at_point(line, values[1]) if len(values) == 3 else None  # on the boundary itself
-        return point or refine(line, values[0], values[-1])
-    except StabilityError:  # there is no member somewhere between
-        return None

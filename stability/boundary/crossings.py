@@ -77,6 +77,8 @@ class Boundaries(Sequence[BoundaryPoint]):
     """Values at which alone the verdict is neutral: stable on both sides, or unstable on both."""
     how: str = ""
     """One sentence on how the axis was searched."""
+    searched: tuple[str, float, float] | None = None
+    """Name of the axis, and the closed interval that was searched; None where nobody said."""
 
     @property
     def complete(self) -> bool:
@@ -113,8 +115,20 @@ class Boundaries(Sequence[BoundaryPoint]):
         return [*other, *self.points]
 
     def __repr__(self) -> str:
-        state = "" if self.complete else f", {len(self.unresolved)} unresolved"
-        return f"<{len(self.points)} boundaries{state}: {list(self.points)!r}>"
+        where = ""
+        if self.searched:
+            axis, low, high = self.searched
+            where = f" along {axis} from {low:.10g} to {high:.10g}"
+        state = f"; complete: {self.how}" if self.how else "; complete"
+        if self.unresolved:
+            state = f"; not complete, {len(self.unresolved)} unresolved: {self._first()}"
+        points = f": {list(self.points)!r}" if self.points else ""
+        return f"<{len(self.points)} boundaries{where}{points}{state}>"
+
+    def _first(self) -> str:
+        first, more = self.unresolved[0], len(self.unresolved) - 1
+        said = f"from {first.low:.10g} to {first.high:.10g}: {first.reason}"
+        return said + (f" (and {more} more in .unresolved)" if more else "")
 
     def statement(self, axis: str) -> str:
         """One sentence on how the axis was searched and what was not excluded.
@@ -127,12 +141,7 @@ class Boundaries(Sequence[BoundaryPoint]):
         if self.complete:
             alone = "".join(f"; at {value:.10g} alone it is neutral" for value in self.touching)
             return f"every change of verdict along {axis} was found: {self.how}{alone}."
-        first = self.unresolved[0]
-        more = len(self.unresolved) - 1
-        return (
-            f"the search along {axis} is not complete; from {first.low:.10g} to {first.high:.10g}: "
-            f"{first.reason}" + (f" (and {more} more in .unresolved)" if more else "")
-        )
+        return f"the search along {axis} is not complete; {self._first()}"
 
     def warn(self, axis: str, level: int = 3) -> None:
         """Issue a `StabilityWarning` where the search was not complete.

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.axis import Axis
+from ..base.errors import NoMemberError
 from ..base.types import Floats, Progress
-from ..base.verdict import CODES, Verdict
+from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
 from .brackets import AxisScan, refine
 from .crossings import BoundaryPoint, Crossing
@@ -69,7 +70,8 @@ def trace(
     """
     from contourpy import LineType, contour_generator
 
-    sign = _signs(problem, axes, codes, abscissa)
+    # no edge is looked at whose square has a cell without a member
+    sign = np.ma.masked_where(codes == NO_MEMBER, _signs(problem, axes, codes, abscissa))
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
     xs, ys = axes[0].values, axes[1].values
     fixed = {n: float(v) for n, v in problem.values.items()}
@@ -113,7 +115,10 @@ def _edge(
 ) -> BoundaryPoint | None:  # fmt: skip
     other = axes[1 - axis]
     line = AxisScan(problem, axes[axis].name, fixed | {other.name: (x, y)[1 - axis]})
-    return refine(line, (x, y)[axis], end)
+    try:
+        return refine(line, (x, y)[axis], end)
+    except NoMemberError:  # between two cells with members, as behind a fold
+        return None
 
 
 def _signs(

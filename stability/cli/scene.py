@@ -224,6 +224,7 @@ def _about(answer: Answer, names: tuple[str, ...]) -> dict[str, Any]:
         "spread": None if spread is None else {
             "inputs": spread.inputs, "moves": spread.moves, "outcomes": spread.outcomes,
             "contrary": spread.contrary, "size": spread.size, "wasted": spread.wasted,
+            "routes": spread.routes, "enough": spread.enough,
         },
         "cost": answer.cost,
     }  # fmt: skip

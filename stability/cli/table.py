@@ -18,10 +18,16 @@ def _table(options: argparse.Namespace) -> None:
 
     if options.name not in TABLES:
         raise NameUnknownError(f"table is {shown(options.name)}; known are {', '.join(TABLES)}.")
+    if options.system is not None:
+        _of_system(options)
+        return
+    for key in ("positive", "parameter"):
+        if getattr(options, key) is not None:
+            raise ParameterError(f"--{key} belongs to `table conditions --system`; leave it out.")
     settings = _table_settings(options)
     formulas: list[Any] = []
     with _bar("lines") as progress:
-        if options.name in ("conditions", "hopf", "launches"):
+        if options.name in ("conditions", "hopf", "launches", "theorems"):
             settings["progress"] = progress
         rows = [] if options.latex else records(options.name, **settings)
         if options.name == "conditions":
@@ -53,6 +59,27 @@ def _table(options: argparse.Namespace) -> None:
 
         print("\n".join(formula_lines(formulas)))
     print(text(options.name, rows, Kind.ANGULAR_VELOCITY.label(dimensionless=plain)))
+
+
+def _of_system(options: argparse.Namespace) -> None:
+    """Print the exact conditions of a user's family."""
+    from ..derivation.conditions import conditions
+    from ..tables.system_conditions import printed
+    from .system_option import family_named, numbers
+
+    if options.name != "conditions":
+        raise ParameterError("--system belongs to `table conditions`; leave it out.")
+    for key in ("k", "mu", "contact", "mass", "radius", "gravity", "tilt", "at", "time"):
+        if getattr(options, key) is not None:
+            raise ParameterError(f"--{key} belongs to the disk; with --system leave it out.")
+    if options.latex and options.json:
+        raise ParameterError("--latex and --json are both given; give one of them.")
+    family = family_named(options.system)
+    positive = tuple(options.positive.split(",")) if options.positive else ()
+    given: dict[str, Any] = {**numbers(options.parameter)}
+    found = conditions(family, positive=positive, **given)
+    form = "latex" if options.latex else "json" if options.json else "text"
+    print(printed(found, form=form))
 
 
 def _table_settings(options: argparse.Namespace) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..base.quantities import axis_label, in_latex, unit_of
-from ..base.verdict import CODES, Verdict
+from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.thin_disk.disk_quantities import quantities_of
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
@@ -116,6 +116,39 @@ def diagram(
     return figure
 
 
+def caption(dataset: xarray.Dataset) -> str:
+    """What a diagram shows: the family, colours, and how many cells have each verdict or no member.
+
+    Parameters
+    ----------
+    dataset
+        Map from `stability_map`.
+
+    Returns
+    -------
+    str
+        Two sentences or three.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> caption(st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9)))[-30:]
+    'Cells: 20 stable, 61 unstable.'
+    """
+    codes = dataset.verdict.values
+    words = {v.word: int((codes == c).sum()) for v, c in CODES.items()}
+    missing = int((codes == NO_MEMBER).sum())
+    cells = ", ".join(f"{n} {word}" for word, n in words.items() if n)
+    none = f", {missing} without a member" * bool(missing)
+    blank = "  Blank: no member, since no steady motion of the family is reached there." * bool(
+        missing
+    )
+    return (
+        f"{str(dataset.attrs['family']).capitalize()} of {dataset.attrs['system']}.  Colour: "
+        f"largest growth rate; hatched where it is positive.{blank}  Cells: {cells}{none}."
+    )
+
+
 def _x(dataset: xarray.Dataset) -> str:
     return str(dataset.abscissa.dims[1])
 
@@ -131,20 +164,25 @@ def _is_log(dataset: xarray.Dataset, name: str) -> bool:
 
 def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     x, y, values = dataset[_x(dataset)], dataset[_y(dataset)], dataset.abscissa.values
-    limit = max(float(np.abs(values).max()), 10 * SYMMETRIC_FROM)
+    missing = dataset.verdict.values == NO_MEMBER
+    limit = max(float(np.abs(values[~missing]).max(initial=0.0)), 10 * SYMMETRIC_FROM)
     norm = SymLogNorm(SYMMETRIC_FROM, linscale=0.3, vmin=-limit, vmax=limit)
     mesh = axes.pcolormesh(
-        x, y, values, cmap=DIVERGING, norm=norm, shading="nearest", rasterized=True
-    )
+        x, y, np.ma.masked_where(missing, values), cmap=DIVERGING, norm=norm, shading="nearest",
+        rasterized=True,
+    )  # fmt: skip
     for name, scale in ((_x(dataset), axes.set_xscale), (_y(dataset), axes.set_yscale)):
         if _is_log(dataset, name):
             scale("log")
     # growth is hatched, so that the sign shows without colour too
-    growing = np.where(values > 0, 1.0, 0.0)
+    growing = np.where(~missing & (np.where(missing, 0.0, values) > 0), 1.0, 0.0)
     if growing.any() and not growing.all():
         axes.contourf(x, y, growing, levels=[0.5, 1.5], colors="none", hatches=["////"])
     elif growing.all():
         axes.contourf(x, y, growing, levels=[0.5, 1.5], colors="none", hatches=["////"])
+    if missing.any():  # left blank within a thin line, so that white is not taken for a colour
+        axes.contour(x, y, missing.astype(float), levels=[0.5], colors="#777777", linewidths=0.6)
+        axes.set_facecolor("white")
     axes.set_ylim(float(y[0]), float(y[-1]))
     if "box_verdict" in dataset:
         _boxes(axes, dataset)
@@ -248,8 +286,9 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> None:
 
     codes = dataset.verdict.values
     halo = [withStroke(linewidth=2.2, foreground="white")]
-    for verdict in (Verdict.STABLE, Verdict.UNSTABLE, Verdict.NEUTRAL):
-        inside = np.pad(codes == CODES[verdict], 1)
+    names = {CODES[v]: v.word for v in (Verdict.STABLE, Verdict.UNSTABLE, Verdict.NEUTRAL)}
+    for code, word in (names | {NO_MEMBER: "no member"}).items():
+        inside = np.pad(codes == code, 1)
         if inside.sum() < 0.03 * codes.size:
             continue
         depth = distance_transform_edt(inside, sampling=(1 / codes.shape[0], 1 / codes.shape[1]))
@@ -259,4 +298,4 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> None:
         i, j = np.unravel_index(int(depth.argmax()), depth.shape)
         x = float(dataset[_x(dataset)][min(max(j - 1, 0), codes.shape[1] - 1)])
         y = float(dataset[_y(dataset)][min(max(i - 1, 0), codes.shape[0] - 1)])
-        axes.text(x, y, verdict.word, ha="center", va="center", fontsize=8, path_effects=halo)
+        axes.text(x, y, word, ha="center", va="center", fontsize=8, path_effects=halo)

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from ..algebra.eigensolver import chosen, eigensolver, name_of
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..base.axis import Axis
-from ..base.errors import DomainError, ParameterError
+from ..base.errors import DomainError, NoMemberError, ParameterError
 from ..base.types import Floats, Progress
-from ..base.verdict import CODES, Verdict
+from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
 from ..jobs.checkpoint import Chunk
 from ..jobs.pipeline import Counted, Keep, ordered
@@ -72,15 +72,16 @@ class Cells:
         self.values, self.modes, self.solver = None, modes, chosen()
         self.exact = isinstance(problem.exact, TabulatedPolynomial)
         self.handed_on = 0
+        self.refusal = ""
         self._graph = GRAPH.replace("LAPACK", name_of(self.solver))
         if problem.exact is not None:
             self._graph += OWN
         family = problem.family
         zeros = structure(family).zeros  # established here, before the threads start
         self._certain = problem.derived or certain(family)
+        self._count = len(family.system.states) - zeros
         if modes:
-            count = len(family.system.states) - zeros
-            self.values = np.empty((*self.shape, count), dtype=complex)
+            self.values = np.empty((*self.shape, self._count), dtype=complex)
         if self.exact:
             self._verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
             self._growth = GrowthKernel(problem, modes=modes)
@@ -117,6 +118,7 @@ class Cells:
             "axes": [[g.name, g.low, g.high, g.count, g.log] for g in self.axes],
             "values": {n: float(v) for n, v in self.problem.values.items() if n not in swept},
             "modes": self.values is not None,
+            **({"anchor": repr(family.anchor)} if family.anchor else {}),
             "chunk": self.chunk,
             "route": EXACT if self.exact else self._graph,
         }
@@ -156,6 +158,8 @@ class Cells:
         )) as results:  # fmt: skip
             for start, chunk in results:
                 self._place(start, chunk)
+        if (self.codes == NO_MEMBER).all():
+            raise NoMemberError(self.refusal or f"{self.problem.family.name} has no member here.")
 
     def settle(self) -> None:
         """Decide in balls every cell that double precision left open."""
@@ -183,18 +187,40 @@ class Cells:
             chunk["values"] = growth.values
         return chunk
 
-    def _inputs(self, start: int, total: int) -> tuple[Floats, Floats, Floats, Floats]:
+    def _inputs(
+        self, start: int, total: int
+    ) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.bool_]]:
+        """Numbers and unknowns of the members of a chunk, and which of its cells have one."""
         xs, ys = self.axes[0].values, self.axes[1].values
         row, column = np.divmod(np.arange(start, min(start + CHUNK, total)), self.shape[1])
         swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
         values = dict(self.problem.values) | swept
         a, q, rate, _ = self.problem.arrays(values)
-        return a, q, rate, self.problem.family.solve(a, q)
+        found = self.problem.family.members(a, q)
+        good = found.good
+        if not good.all():
+            self.refusal = self.refusal or found.why(int(np.argmin(good)))
+        return a[good], q[good], rate[good], found.u[good], good
 
-    def _work(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
+    def _work(
+        self, a: Floats, q: Floats, rate: Floats, u: Floats, good: NDArray[np.bool_]
+    ) -> Chunk:
+        """The arrays of a chunk; cells without a member have their flag, and no numbers."""
+        part = self._members(a, q, rate, u) if len(a) else {}
+        if good.all():
+            return part
+        chunk: Chunk = {}
+        for name in ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes)):
+            kind: Any = {"codes": np.int8, "values": complex}.get(name, float)
+            shape = len(good), *((self._count,) if name == "values" else ())
+            chunk[name] = np.full(shape, NO_MEMBER if name == "codes" else np.nan, dtype=kind)
+            if part:
+                chunk[name][good] = part[name]
+        return chunk
+
+    def _members(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
         family = self.problem.family
-        if not self.exact:
-            family.checked_states(a, u, q)
+        family.checked_states(a, u, q)
         watch = not self._certain
         reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
         even = family.conservative and self._certain
@@ -265,7 +291,7 @@ def _band(cells: Callable[[], Cells], start: int, total: int) -> Chunk:
         return own._band(start, total)
 
 
-def _work(cells: Callable[[], Cells], *members: Floats) -> Chunk:
+def _work(cells: Callable[[], Cells], *members: Any) -> Chunk:
     own = cells()
     with eigensolver(own.solver):  # each thread has its own context
         return own._work(*members)

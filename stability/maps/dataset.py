@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.quantities import Kind
-from ..base.verdict import CODES
+from ..base.verdict import CODES, NO_MEMBER
 from ..base.version import __version__
 from ..bodies.thin_disk.disk_quantities import disk_quantities
 from ..spectra.problem import Problem
@@ -39,6 +39,9 @@ GRAPH = (
 
 OWN = "; verdicts that these leave open from the family's polynomial, exactly or in balls"
 """Added to `GRAPH` where a user's family has an exact polynomial."""
+
+NONE = "no_member: no steady motion of the family that continuation or the root-finder reaches"
+"""What the flag of a cell without a member means."""
 
 FORMAT = "stability map 1"
 """Attribute `format` of a file of a map."""
@@ -136,6 +139,8 @@ def assemble(
         "long_name": "spectral verdict",
         "comment": "; ".join(str(v.value) for v in CODES),
     }
+    missing = int((cells.codes == NO_MEMBER).sum())
+    cell_flags = _with_no_member(flags) if missing else flags
     variables: dict[str, Any] = {
         "abscissa": (dims, cells.abscissa, words | {"long_name": "largest growth rate"}),
         "abscissa_error": (dims, cells.error, words | {"long_name": "error bound of abscissa"}),
@@ -143,7 +148,7 @@ def assemble(
             dims, cells.frequency,
             words | {"long_name": "frequency of the eigenvalue with the largest real part"},
         ),
-        "verdict": (dims, cells.codes, flags),
+        "verdict": (dims, cells.codes, cell_flags),
     }  # fmt: skip
     if cells.values is not None:
         variables["eigenvalues"] = ((*dims, "mode"), cells.values, words | {
@@ -154,6 +159,8 @@ def assemble(
         variables |= _box_variables(problem, axes, boxes, flags)
     coordinates = {g.name: ((g.name,), g.values, axis_attributes(problem, g.name)) for g in axes}
     attributes = provenance(problem, axes, cells.route)
+    if missing:
+        attributes["no_member"] = f"{missing} of {cells.codes.size} cells have no member"
     if curves is not None:
         attributes["boundary_unresolved"] = curves.unresolved
     if boxes is not None:
@@ -165,6 +172,15 @@ def assemble(
             "wide; a logarithmic axis is measured in its logarithm",
         }
     return xarray.Dataset(variables, coordinates, attributes)
+
+
+def _with_no_member(flags: Mapping[str, Any]) -> dict[str, Any]:
+    """The flags of verdicts, and that of a cell without a member."""
+    return dict(flags) | {
+        "flag_values": np.append(flags["flag_values"], np.int8(NO_MEMBER)),
+        "flag_meanings": f"{flags['flag_meanings']} no_member",
+        "comment": f"{flags['comment']}; {NONE}; numbers are missing there (_FillValue in a file)",
+    }
 
 
 def _box_variables(

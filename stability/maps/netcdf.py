@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     import xarray
 
 
+MISSING = 15 * 2.0**119
+"""Fill value of missing numbers in a file, NetCDF's own default."""
 PARTS = "complex_part"
 """Dimension that holds the real and imaginary part of complex data in a file."""
 
@@ -69,6 +71,9 @@ def write_map(
     compress: dict[Any, dict[str, Any]] = {
         str(n): {"zlib": True, "complevel": 4} for n, v in encoded.data_vars.items() if v.ndim > 1
     }
+    for n, v in encoded.data_vars.items():  # cells of a map without a member
+        if v.dtype.kind == "f" and np.isnan(v.values).any():
+            compress.setdefault(str(n), {})["_FillValue"] = MISSING
     # into memory first: a disk that fills up while HDF5 writes to it ends the process
     with atomic_write(path, overwrite=overwrite) as draft:
         draft.write_bytes(packed(encoded, compress))

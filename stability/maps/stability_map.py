@@ -89,7 +89,9 @@ def stability_map(
     xarray.Dataset
         Dimensions and coordinates named like the axes, y first.  Variables: `abscissa`,
         `abscissa_error` (a bound), `frequency` (of the eigenvalue with the largest real part),
-        `verdict` (CF flags); along `boundary_point`: `boundary_X` for each axis X,
+        `verdict` (CF flags).  A cell whose parameters have no member has the flag `no_member`, and
+        its numbers are missing (NaN in memory, which xarray leaves out of its sums and extremes;
+        `_FillValue` in a file).  Along `boundary_point`: `boundary_X` for each axis X,
         `boundary_error`, `boundary_axis` (along which the error is meant), `boundary_kind`,
         `boundary_frequency`, `boundary_curve` (which polyline); if certified, along `box`: `box_X`
         (low and high end) and `box_verdict` (proved on all of the box, 0 in the strip).

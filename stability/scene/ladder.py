@@ -242,7 +242,9 @@ def _near(ladder: _Ladder) -> None:
         ladder.note(LINEARISED, 0, began, 0.0, why)
         return
     with np.errstate(all="ignore"):
-        tracks = near_steady(ladder.problem, always=ladder.only is not None)
+        tracks = near_steady(
+            ladder.problem, always=ladder.only is not None, price=price_of_full(ladder.problem)
+        )
     if len({id(t) for t in tracks.values()}) == 1:  # one reason for all three
         ladder.note(ladder.only or LINEARISED, 0, began, 0.0, tracks[LINEARISED])
         return
@@ -255,11 +257,13 @@ def _near(ladder: _Ladder) -> None:
 def _drift(ladder: _Ladder) -> None:
     """The slow drift of rolling, where it may be fine enough and the full model is expensive."""
     problem = ladder.problem
-    law = problem.launches.law
-    if not ladder.asked(DRIFT) or law is None or not law.relaxes:
+    if not ladder.asked(DRIFT):
         return
     began = time.perf_counter()
     if ladder.only is None:
+        law = problem.launches.law
+        if law is None or not law.relaxes:
+            return
         near = problem.launches.settling.closest(problem.start, problem.p)
         hopeless = near.distance**2 > DRIFTS * problem.tolerance
         if near.family != ROLLING or hopeless or price_of_full(problem) < EXPENSIVE:

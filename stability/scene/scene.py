@@ -298,24 +298,14 @@ class Scene:
         )  # fmt: skip
 
     def _spread(self, law: Any, found: Climbed, problem: Problem, only: str | None) -> Spread:
-        assert found.track is not None
-        names = [n for n in found.found if n != "path" or len(found.found) == 1]
-        base = {n: found.found[n].value for n in names if not isinstance(found.found[n].value, str)}
-        word = str(QUESTIONS["outcome"].find(problem, found.track).value)
+        def move(name: str, by: float) -> Problem:
+            return self._problem(law, {name: by})
 
-        def ask(name: str, by: float) -> tuple[dict[str, Any], str]:
-            try:
-                other = self._problem(law, {name: by})
-            except DomainError:
-                return dict.fromkeys(base), "no contact at the start"
-            told = climb(other, self.quantities, tuple(self.models), only)
-            if told.track is None:
-                return dict.fromkeys(base), f"no answer by {only}"
-            values = {n: told.found[n].value for n in base}
-            return values, str(QUESTIONS["outcome"].find(other, told.track).value)
+        def ask(other: Problem) -> Climbed:
+            return climb(other, self.quantities, tuple(self.models), only)
 
         labels = {n: in_words(n, width, problem.launches) for n, width in self.uncertain.items()}
-        return spread(self.uncertain, base, word, ask, self.tolerance, labels)
+        return spread(self.uncertain, problem, found, move, ask, labels)
 
     def verify(self) -> Answer:
         """The answer, held against the full model at a much finer tolerance.

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from .rungs.track import relative
+from ..base.errors import DomainError
+from .ladder import Climbed, full_name
+from .questions import QUESTIONS
+from .rungs.nearby import nearby
+from .rungs.track import Problem, Refused, Track, relative
 
 VAIN_WORDS = "a tenth of what the uncertain inputs allow to know"
 """Why a tolerance is raised."""
@@ -17,11 +21,15 @@ VAIN = 0.5
 """Share of that at which a tolerance is called wasted."""
 WASTED = 0.1
 """Share of the spread below which a finer model or tolerance is wasted."""
+CHEAP = 0.02
+"""Expected time of sensitivities that is always spent, also where displaced runs cost less [s]."""
+SENSITIVITY, DISPLACED = "sensitivity from the graph", "displaced runs"
+"""The two routes to how far an input moves the answer."""
 
 
 @dataclass(frozen=True)
 class Spread:
-    """The answers at the ends of each uncertain input, the others held."""
+    """How far each uncertain input moves the answer, the others held."""
 
     inputs: Mapping[str, float]
     """Half-width of each input: relative for a parameter, absolute for a state."""
@@ -37,6 +45,11 @@ class Spread:
     """Tolerance of the scene."""
     labels: Mapping[str, str]
     """Each input with its half-width and unit, in words."""
+    routes: Mapping[str, str] = field(default_factory=dict)
+    """How the numbers of each input were found: `sensitivity from the graph`, or `displaced runs`
+    and why."""
+    enough: str = ""
+    """A cheaper model whose error is below a tenth of what the inputs move; empty for none."""
 
     @property
     def size(self) -> float:
@@ -60,6 +73,9 @@ class Spread:
             for given, size in moved.items()
             if math.isfinite(size)
         ]
+        ways = dict.fromkeys(self.routes.values())
+        for way in ways:
+            found.append(f"  {', '.join(n for n, v in self.routes.items() if v == way)}: {way}")
         for given in self.contrary:
             for sign, word in zip("-+", self.outcomes[given], strict=True):
                 if word != self.outcome:
@@ -75,31 +91,36 @@ class Spread:
                 f"  a tolerance of {self.tolerance:g} is wasted: the inputs alone move the answer "
                 f"by {self.size:.2g}, and {WASTED * self.size:.2g} is enough"
             )
+        if self.enough and not self.contrary:
+            found.append(
+                f"  the model is finer than is of use: the error of {self.enough} is below "
+                f"{WASTED * self.size:.2g}, a tenth of what the inputs move"
+            )
         return found
 
 
-Ask = Callable[[str, float], tuple[dict[str, Any], str]]
-"""(input, change) → values of numbers and states by quantity, and the outcome."""
+Ask = Callable[[Problem], Climbed]
+"""Function that answers another problem by the ladder."""
+Move = Callable[[str, float], Problem]
+"""(input, change) → the problem with it."""
 
 
 def spread(
-    inputs: Mapping[str, float], base: dict[str, Any], word: str, ask: Ask, tolerance: float,
+    inputs: Mapping[str, float], problem: Problem, found: Climbed, move: Move, ask: Ask,
     labels: Mapping[str, str],
 ) -> Spread:  # fmt: skip
-    """Ask again at both ends of each input.
+    """How far each input moves the answer: by sensitivities, or by displaced runs.
 
     Parameters
     ----------
     inputs
         Half-widths by name.
-    base
-        The values of the scene itself.
-    word
-        Its outcome.
+    problem, found
+        The problem of the scene, and what its climb has found.
+    move
+        Function that changes one input.
     ask
-        Function that answers with one input changed.
-    tolerance
-        Tolerance of the scene.
+        Function that answers a displaced problem.
     labels
         Each input with its half-width and unit, in words.
 
@@ -107,17 +128,129 @@ def spread(
     -------
     Spread
     """
-    moves: dict[str, dict[str, float]] = {name: {} for name in base}
-    outcomes, contrary = {}, []
-    for name, width in inputs.items():
-        ends = [ask(name, sign * width) for sign in (-1.0, 1.0)]
-        for quantity, value in base.items():
-            far = [apart(value, other[quantity]) for other, _ in ends]
-            moves[quantity][name] = max(far)
-        outcomes[name] = tuple(told for _, told in ends)
-        if any(told != word for told in outcomes[name]):
-            contrary.append(name)
-    return Spread(dict(inputs), moves, outcomes, word, tuple(contrary), tolerance, labels)
+    case = _Case(problem, found)
+    moves: dict[str, dict[str, float]] = {name: {} for name in case.base}
+    outcomes, routes = {}, {}
+    pairs = {name: _displaced(move, name, width) for name, width in inputs.items()}
+    straight = case.straight(pairs)
+    for name in inputs:
+        ends = straight[name]
+        routes[name] = SENSITIVITY
+        if isinstance(ends, str):
+            routes[name] = f"{DISPLACED}, because {ends}"
+            ends = case.asked(pairs[name], ask)
+        for quantity, (middle, *others) in ends.values.items():
+            moves[quantity][name] = max(apart(middle, other) for other in others)
+        outcomes[name] = ends.words
+    contrary = tuple(n for n, words in outcomes.items() if set(words) != {case.word})
+    record = Spread(
+        dict(inputs), moves, outcomes, case.word, contrary, problem.tolerance, labels, routes
+    )
+    return replace(record, enough=_enough(found, record.size / problem.tolerance))
+
+
+def _displaced(move: Move, name: str, width: float) -> tuple[Problem | None, Problem | None]:
+    """The problem at both ends of an input; None where the disk has no contact there."""
+    found: list[Problem | None] = []
+    for sign in (-1.0, 1.0):
+        try:
+            found.append(move(name, sign * width))
+        except DomainError:
+            found.append(None)
+    return found[0], found[1]
+
+
+def _enough(found: Climbed, size: float) -> str:
+    """A cheaper model whose error is below a tenth of the spread; empty where there is none."""
+    chosen = next((r for r in found.rungs if r.chosen), None)
+    if chosen is None or found.alone:
+        return ""
+    cheaper = found.rungs[: found.rungs.index(chosen)]
+    return next((r.name for r in cheaper if r.estimate <= WASTED * size), "")
+
+
+@dataclass(frozen=True, eq=False)
+class _Ends:
+    """What is found at both ends of an input."""
+
+    values: dict[str, tuple[Any, Any, Any]]
+    """Each quantity of the scene itself, and at both ends."""
+    words: tuple[str, str]
+    """Outcomes at both ends."""
+
+
+class _Case:
+    """The answer of a scene, of which inputs are displaced."""
+
+    def __init__(self, problem: Problem, found: Climbed) -> None:
+        assert found.track is not None
+        self.problem, self.found, self.track = problem, found, found.track
+        names = [n for n in found.found if n != "path" or len(found.found) == 1]
+        values = {n: found.found[n].value for n in names}
+        self.base = {n: v for n, v in values.items() if not isinstance(v, str)}
+        self.word = _word(problem, found.track)
+
+    def straight(
+        self, pairs: Mapping[str, tuple[Problem | None, Problem | None]]
+    ) -> dict[str, _Ends | str]:
+        """Both ends of each input by sensitivities, or why they do not give them."""
+        whole = {n: (a, b) for n, (a, b) in pairs.items() if a is not None and b is not None}
+        out: dict[str, _Ends | str] = dict.fromkeys(pairs, "an end has no contact at the start")
+        why = self._unable()
+        if why or not whole:
+            return out | dict.fromkeys(whole, why)
+        chosen = next(r for r in self.found.rungs if r.chosen)
+        seconds = max(CHEAP, 2 * len(whole) * chosen.price)
+        exact = self.found.model == full_name(self.problem)
+        told = nearby(self.problem, self.track, list(whole.values()), exact=exact, seconds=seconds)
+        if isinstance(told, Refused):
+            return out | dict.fromkeys(whole, told.why)
+        base, ends = told
+        for name, pair in zip(whole, ends, strict=True):
+            out[name] = pair.why if isinstance(pair, Refused) else self._read(base, pair)
+        return out
+
+    def _unable(self) -> str:
+        """Why no sensitivity is asked for; empty where one is."""
+        if not self.found.share <= 1:
+            return "the answer itself is not within the tolerance"
+        end = self.track.finish
+        if end is not None and not math.isfinite(end.error):
+            return "the time of the end has no bound"
+        return ""
+
+    def _read(self, base: Track, pair: Any) -> _Ends | str:
+        """The quantities of two displaced tracks, on the same elements as the middle."""
+        values = {}
+        for name in self.base:
+            every = [(self.problem, base), *pair]
+            found = [QUESTIONS[name].find(*known) for known in every]
+            if len({one.value is None for one in found}) > 1:
+                return f"{name} may appear or vanish"
+            values[name] = tuple(one.value for one in found)
+        words = _word(*pair[0]), _word(*pair[1])
+        if set(words) != {self.word}:
+            return "the outcome may change"
+        return _Ends(values, words)
+
+    def asked(self, pair: tuple[Problem | None, Problem | None], ask: Ask) -> _Ends:
+        """Both ends of an input by displaced runs."""
+        found, words = [], []
+        for other in pair:
+            told = None if other is None else ask(other)
+            if other is None or told is None or told.track is None:
+                found.append(dict.fromkeys(self.base))
+                words.append("no contact at the start" if other is None else "no answer")
+                continue
+            found.append({n: told.found[n].value for n in self.base})
+            words.append(_word(other, told.track))
+        values = {n: (v, found[0][n], found[1][n]) for n, v in self.base.items()}
+        return _Ends(values, (words[0], words[1]))
+
+
+def _word(problem: Problem, track: Track) -> str:
+    """The outcome of a track as a word."""
+    return str(QUESTIONS["outcome"].find(problem, track).value)
 
 
 def apart(value: Any, other: Any) -> float:

@@ -19,7 +19,7 @@ from ..algebra.upright import Upright
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from ..systems.family import Family, listing
-from ..systems.family_graph import Constants
+from ..systems.graph.family_graph import Constants
 from .attraction import Surroundings, Tilted, attraction
 from .nearest import Nearest
 

@@ -157,13 +157,17 @@ def _middle(values: Floats) -> float:
 
 
 def _check_members(problem: Problem, axis_values: Mapping[str, Floats]) -> None:
-    """Refuse a map early if a corner has no member."""
+    """Refuse early if a corner has no member; a map of one's own system may have such cells."""
     corners = np.meshgrid(*[v[[0, -1]] for v in axis_values.values()])
     values = dict(problem.values) | {
         n: c.ravel() for n, c in zip(axis_values, corners, strict=True)
     }
     a, q, _, _ = problem.arrays(values)
-    problem.family.member(a, q)
+    if problem.law is None and len(axis_values) == 2:
+        found = problem.family.members(a, q)
+        problem.family.checked_states(a[found.good], found.u[found.good], q[found.good])
+    else:
+        problem.family.member(a, q)
 
 
 def problem_of(

@@ -18,9 +18,11 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..systems.family import Family
+from ..systems.sources.numeric import NumericSystem
 from .arguments import problem_of
 from .problem import Problem
 from .result import NOT_ASKED, Proof, Spectrum
+from .routes.numeric import numeric_spectrum
 from .rows import Rows
 
 if TYPE_CHECKING:
@@ -90,6 +92,8 @@ def spectrum(
         raise ParameterError("at is missing; it names the member of the family.")
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
     problem = problem_of(family, at, disk, contact, dict(parameters), lean)
+    if isinstance(problem.family.system, NumericSystem):
+        return numeric_spectrum(problem, problem.family.system, certify=certify)
     rows = Rows(problem, exact=certify or escalate)
     resolved, shape, rate = problem.family, rows.shape, rows.place.rate
     last = 0.0 if problem.dimensionless else 4 * UNIT  # rounding of the product with the unit

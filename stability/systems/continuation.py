@@ -1,20 +1,113 @@
-"""Continuation: a family followed along its parameter from one member to the next."""
+"""Continuation: a family followed along its parameter, round folds, and onto crossing branches."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import instance, one_number, rows, whole_number
+from ..base.checks import flag, instance, one_number, rows, whole_number
 from ..base.errors import NoMemberError, ParameterError
 from ..base.types import Floats
-from .family import Family, columns
+from .family import Family
+from .following.arclength import Trace, walk
+from .following.sheet import follow
+from .following.singular_points import (
+    FLAT,
+    Curve,
+    Located,
+    directions,
+    locate_branch_point,
+    locate_fold,
+)
 
 MOST_POINTS = 100_000
 """Largest number of members of a branch, since each one is solved for."""
+LONGER = 20
+"""Most members round folds, as a multiple of `points`."""
+LEAVE = 1e-3
+"""First step onto a crossing branch, as a share of the interval."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """A turning point of a branch: no member lies beyond it nearby."""
+
+    value: float
+    """Family parameter, in the unit of that parameter."""
+    state: Floats
+    """State there, shape (n,)."""
+    error: float
+    """Last step of Newton's method in the parameter; half the last bracket if not resolved."""
+    resolved: bool
+    """Whether the extended system was solved, to rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class BranchPoint:
+    """A static boundary on a branch: another branch of members crosses it there."""
+
+    value: float
+    """Family parameter, in the unit of that parameter."""
+    state: Floats
+    """State there, shape (n,)."""
+    error: float
+    """Last step of Newton's method in the parameter; half the last bracket if not resolved."""
+    kind: str
+    """`pitchfork`, `transcritical`, or `unresolved`, where no two directions were found."""
+    own: Floats = field(repr=False)
+    """Direction of the branch itself in (unknowns, parameter), shape (u + 1,)."""
+    other: Floats | None = field(repr=False)
+    """Direction of the crossing branch, shape (u + 1,); None where unresolved."""
+    _family: Family = field(repr=False)
+    _curve: Curve = field(repr=False)
+    _z: Floats = field(repr=False)
+
+    def switch(self, stop: float, *, points: int = 101, side: int = 1) -> Branch:
+        """Follow the crossing branch from here.
+
+        Parameters
+        ----------
+        stop
+            Value of the family parameter at which to stop.
+        points
+            As for `branch` with arclength.
+        side
+            1 or -1: for a pitchfork, the sign of the largest unknown's change along the branch.
+
+        Returns
+        -------
+        Branch
+
+        Raises
+        ------
+        ParameterError, NoMemberError
+            If the other branch is not resolved, or the first step onto it fails.
+
+        Examples
+        --------
+        >>> import casadi as ca, stability as st
+        >>> x, p = ca.SX.sym("x"), ca.SX.sym("p")
+        >>> system = st.System("pitchfork", x, p, p * x - x**3, states=("x",), parameters=("p",))
+        >>> rest = st.Family(system, "rest", at=("p",), unknown={"x": 0.0}, equations=("x",))
+        >>> [point] = st.branch(rest, -1, 1, [], points=11).branch_points
+        >>> point.kind, abs(point.value) < 1e-12, point.switch(1.0).state[-1].round(12)
+        ('pitchfork', True, array([1.]))
+        """
+        points = whole_number("points", points, 2, MOST_POINTS, "follow a longer branch in pieces")
+        end = one_number("stop", stop)
+        if side not in (1, -1):
+            raise ParameterError(f"side is {side!r}; give 1 or -1.")
+        if self.other is None:
+            raise ParameterError(
+                f"the branch that crosses {self._family.name} at {self.value:g} is not resolved."
+            )
+        if end == self.value:
+            raise ParameterError(f"stop is {end:g}, the branch point itself; take another.")
+        return _switched(self, end, points, side)
 
 
 class Branch(NamedTuple):
@@ -28,13 +121,17 @@ class Branch(NamedTuple):
     """Whether the whole interval was reached."""
     ended: str
     """A sentence that says where and why the branch ended."""
+    folds: tuple[Fold, ...] = ()
+    """Turning points in order; without arclength the one that ended the branch."""
+    branch_points: tuple[BranchPoint, ...] = ()
+    """Points between two members at which another branch crosses, in order."""
 
 
 def branch(
     family: Family, start: float, stop: float, parameters: ArrayLike, *, points: int = 101,
-    guess: ArrayLike | None = None, fixed: Sequence[float] = (),
+    guess: ArrayLike | None = None, fixed: Sequence[float] = (), arclength: bool = False,
 ) -> Branch:  # fmt: skip
-    """Follow a family along its first `at`: tangent predictor, root-finder as corrector.
+    """Follow a family along its first `at`: tangent predictor, Newton's method as corrector.
 
     Parameters
     ----------
@@ -45,11 +142,14 @@ def branch(
     parameters
         The system's other parameters, shape (m,).
     points
-        Number of members, evenly spaced.  Steps in between are halved where the corrector fails.
+        Number of members, evenly spaced.  With arclength: members lie no farther apart than with
+        so many, both in the parameter and, in their own size, in the unknowns.
     guess
         First guess of the unknowns at `start`, shape (u,); the family's guess when left out.
     fixed
         Values of the further family parameters, if the family has more than one.
+    arclength
+        Whether to go round folds, until the branch reaches `stop`, returns to `start`, or closes.
 
     Returns
     -------
@@ -58,10 +158,10 @@ def branch(
 
     Raises
     ------
-    ParameterError
-        If there are fewer than two points.
-    NoMemberError
-        If there is no member at `start`.
+    ParameterError, NoMemberError
+        If there are fewer than two points, or there is no member at `start`.
+
+    Source: closed forms in tests/systems/test_continuation.py.
 
     Examples
     --------
@@ -78,44 +178,222 @@ def branch(
     for what, given in (("fixed", rest), ("parameters", q)):
         if given.ndim != 1:
             raise ParameterError(f"{what} has shape {given.shape}; give one axis of numbers.")
-    q = q[None, :]
-    values: list[float] = []
-    unknowns: list[Floats] = []
-    here = lo
-    u = family.solve(np.array([[lo, *rest]]), q, guess)
-    ended = f"the whole interval from {lo:g} to {hi:g} was reached"
-    complete = True
-    for target in np.linspace(lo, hi, points):
+    u = family.solve(np.array([[lo, *rest]]), q[None], guess)
+    curve = Curve(family.graph, len(family.at), np.array([0.0, *rest, *q]),
+                  np.eye(len(rest) + len(q) + 1)[0])  # fmt: skip
+    if not flag("arclength", arclength) or not family.unknown or lo == hi:
+        return _along(family, curve, lo, hi, u, points)
+    if family.closed:
+        raise ParameterError(
+            f"{family.name} is known in closed form and has no folds; leave arclength out."
+        )
+    z = np.array([*u[0], lo])
+    _, slope = curve.at(z[None])
+    tangent = np.linalg.svd(slope[0])[2][-1]
+    tangent *= np.copysign(1.0, tangent[-1] * (hi - lo))
+    return _round(family, curve, z, tangent, (lo, hi), points)
+
+
+# --- evenly spaced members ---
+
+
+def _along(
+    family: Family, curve: Curve, lo: float, hi: float, u: Floats, points: int
+) -> Branch:  # fmt: skip
+    """Evenly spaced members, up to the first that is not reached."""
+    found = [np.array([*u[0], lo])]
+    ended, complete = f"the whole interval from {lo:g} to {hi:g} was reached", True
+    folds: tuple[Fold, ...] = ()
+    last: list[tuple[Located, Floats]] = []
+    for target in np.linspace(lo, hi, points)[1:]:
         try:
-            u, here = _advance(family, here, float(target), u, q, rest), float(target)
+            following, reached = _next(family, curve, found[-1], float(target))
         except NoMemberError as error:
-            complete, ended = False, f"ended after {values[-1]:g}: {error}"
+            complete, ended = False, f"ended after {found[-1][-1]:g}: {error}"
             break
-        values.append(here)
-        unknowns.append(u[0])
-    at = np.array(values)
-    a = np.hstack([at[:, None], np.tile(rest, (len(at), 1))])
-    states = family.states(a, np.array(unknowns), np.tile(q, (len(at), 1)))
-    return Branch(at, states, complete, ended)
+        if not reached:
+            where, folds, last = _stop(family, curve, found[-1], following)
+            complete, ended = False, f"ended after {found[-1][-1]:g}: {where}"
+            break
+        found.append(following)
+    z = np.array(found)
+    crossed = [*_crossings(family, curve, z), *last]
+    return _result(family, curve, z, complete, ended, folds, crossed)
 
 
-def _advance(
-    family: Family, here: float, target: float, u: Floats, q: Floats, rest: Floats
-) -> Floats:
-    """One continuation step, halved up to ten times where the corrector fails."""
-    step, goal = target - here, target
-    least = abs(target - here) / 1024
-    while here != goal:
-        a = np.array([[here, *rest]])
-        _, _, _, r_u, r_a = family.graph.tangent.arrays([columns(a), columns(u), columns(q)], (1,))
-        slope = -np.linalg.solve(r_u, r_a)[0, :, 0] if u.size and not family.closed else 0.0
-        following = goal if abs(goal - here) <= abs(step) else here + step
-        try:
-            new = np.array([[following, *rest]])
-            u = family.solve(new, q, u + slope * (following - here) if u.size else None)
-            here = following
-        except NoMemberError:
-            step /= 2
-            if abs(step) < least:
-                raise
-    return u
+def _next(family: Family, curve: Curve, z: Floats, target: float) -> tuple[Floats, bool]:
+    """The member at the next value, on the smooth sheet of the one before, or where that ends."""
+    a, q = _numbers(family, curve, target)
+    if not family.unknown or family.closed:
+        return np.array([*family.solve(a, q)[0], target]), True
+    here = curve.given(z[None])
+    reached = follow(family.graph, a.shape[1], here, z[None, :-1], np.hstack([a, q]))
+    if reached.share[0] < 1:
+        place = z[-1] + float(reached.share[0]) * (target - z[-1])
+        return np.array([*reached.u[0], place]), False
+    return np.array([*family.solve(a, q, reached.u)[0], target]), True
+
+
+def _stop(
+    family: Family, curve: Curve, z: Floats, end: Floats
+) -> tuple[str, tuple[Fold, ...], list[tuple[Located, Floats]]]:
+    """What ended a branch: words, and the fold or the branch point there."""
+    name, way = family.at[0], end - z
+    for what, locate in (("fold", locate_fold), ("branch point", locate_branch_point)):
+        found = locate(curve, end)
+        if found.resolved and abs(found.z[-1] - end[-1]) <= 1e-3 * (abs(way[-1]) + 1e-300):
+            said = f"a {what} at {name} = {found.z[-1]:.10g}"
+            if what == "fold":
+                return said, (_fold(family, curve, found),), []
+            return said, (), [(found, way)]
+    return f"{family.name} has no member that continuation reaches beyond {name} = " \
+        f"{end[-1]:.10g}", (), []  # fmt: skip
+
+
+def _crossings(family: Family, curve: Curve, z: Floats) -> list[tuple[Located, Floats]]:
+    """Branch points between members, where the determinant of the slope changes sign."""
+    if not family.unknown:
+        return []
+    slope = curve.at(z)[1][:, :, :-1]
+    sign = np.linalg.slogdet(slope)[0]
+    kept = np.flatnonzero(sign)  # a member on the very point has no sign
+    found = []
+    for i, j in zip(kept[:-1], kept[1:], strict=True):
+        if sign[i] != sign[j]:
+            middle, way = (z[i] + z[j]) / 2, z[j] - z[i]
+            point = locate_branch_point(curve, middle)
+            if not np.linalg.norm(point.z - middle) <= np.linalg.norm(way):
+                point = Located(middle, np.abs(way) / 2, False, point.left)
+            found.append((point, way))
+    return found
+
+
+# --- round folds ---
+
+
+def _round(
+    family: Family, curve: Curve, z: Floats, tangent: Floats, ends: tuple[float, float],
+    points: int,
+) -> Branch:  # fmt: skip
+    """Members by arclength, within the interval."""
+    lo, hi = ends
+    scale = np.array([*(np.maximum(np.abs(z[:-1]), 1.0)), abs(hi - lo)])
+    low, high = min(lo, hi), max(lo, hi)
+    positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
+    trace = walk(
+        curve, z, tangent, scale, 1 / (points - 1), LONGER * points,
+        lambda y: bool(low < y[-1] < high and (y[positive] > 0).all()),
+    )  # fmt: skip
+    found, ended = trace.z, trace.ended
+    complete = False
+    if not ended:
+        found, ended, complete = _landed(family, curve, trace, lo, hi)
+    else:
+        ended = f"ended at {family.at[0]} = {found[-1, -1]:.6g}: {ended}"
+    folds = tuple(_fold(family, curve, f) for f in trace.folds)
+    return _result(family, curve, found, complete, ended, folds, trace.crossings)
+
+
+def _landed(
+    family: Family, curve: Curve, trace: Trace, lo: float, hi: float
+) -> tuple[Floats, str, bool]:
+    """The members with the last one moved back to the end of the interval."""
+    before, last = trace.z[-2], trace.z[-1]
+    low, high = min(lo, hi), max(lo, hi)
+    if low < last[-1] < high:
+        return trace.z[:-1], f"ended at {before[-1]:g}: an unknown is not positive beyond", False
+    end = low if last[-1] <= low else high
+    share = (end - before[-1]) / (last[-1] - before[-1])
+    guess = (before + share * (last - before))[None, :-1]
+    try:
+        u = family.solve(*_numbers(family, curve, end), guess)[0]
+    except NoMemberError as error:
+        return trace.z[:-1], f"ended after {before[-1]:g}: {error}", False
+    if not np.abs(u - guess).max() <= 0.1 * (1 + np.abs(guess)).max():
+        return trace.z[:-1], f"ended after {before[-1]:g}: the last step is not reached", False
+    found = np.vstack([trace.z[:-1], [*u, end]])
+    if end == hi:
+        return found, f"the whole interval from {lo:g} to {hi:g} was reached", True
+    return found, f"the branch turned and came back to {lo:g}", False
+
+
+def _switched(point: BranchPoint, stop: float, points: int, side: int) -> Branch:
+    """Leave a branch point along the crossing branch."""
+    family, curve, other = point._family, point._curve, point.other
+    assert other is not None
+    width = abs(stop - point.value)
+    flat = abs(other[-1]) <= FLAT
+    lead = int(np.argmax(np.abs(other[:-1]))) if flat else -1
+    wanted = side if flat else np.sign(stop - point.value)
+    tangent = other * np.copysign(1.0, other[lead] * wanted)
+    scale = np.array([*np.maximum(np.abs(point._z[:-1]), 1.0), width])
+    low, high = point.value - width, point.value + width
+    positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
+    step = LEAVE / float(np.linalg.norm(tangent / scale))
+    trace = walk(
+        curve, point._z + step * tangent, tangent, scale, 1 / (points - 1), LONGER * points,
+        lambda y: bool(low < y[-1] < high and (y[positive] > 0).all()),
+    )  # fmt: skip
+    if len(trace.z) < 2:
+        raise NoMemberError(
+            f"{family.name}: the crossing branch at {point.value:g} is left at once; {trace.ended}."
+        )
+    # the first point is a prediction, and the branch point takes its place
+    found = trace._replace(z=np.vstack([point._z, trace.z[1:]]))
+    z, ended, complete = (
+        found.z,
+        f"ended at {family.at[0]} = {found.z[-1, -1]:.6g}: {found.ended}",
+        False,
+    )
+    if not trace.ended:
+        back = 2 * point.value - stop
+        z, ended, complete = _landed(family, curve, found, back, stop)
+        ended = f"the whole interval from {point.value:g} to {stop:g} was reached"
+        if not complete:
+            ended = f"the branch runs the other way, from {point.value:g} to {z[-1, -1]:g}"
+    folds = tuple(_fold(family, curve, f) for f in trace.folds)
+    return _result(family, curve, z, complete, ended, folds, trace.crossings)
+
+
+# --- records ---
+
+
+def _numbers(family: Family, curve: Curve, value: float) -> tuple[Floats, Floats]:
+    """Family parameters and parameters at a value of the first family parameter."""
+    given = curve.given(np.array([[value]]))
+    return given[:, : len(family.at)], given[:, len(family.at) :]
+
+
+def _states(family: Family, curve: Curve, z: Floats) -> Floats:
+    given = curve.given(z)
+    found = family.states(given[:, : curve.cut], z[:, :-1], given[:, curve.cut :])
+    # where the guess is exact, the family itself knows no other unknowns
+    found[:, [family.system.index(n) for n in family.unknown]] = z[:, :-1]
+    return found
+
+
+def _fold(family: Family, curve: Curve, found: Located) -> Fold:
+    state = _states(family, curve, found.z[None])[0]
+    return Fold(float(found.z[-1]), state, float(found.step[-1]), found.resolved)
+
+
+def _branch_point(family: Family, curve: Curve, found: Located, tangent: Floats) -> BranchPoint:
+    """The record of a branch point; the more parallel one of its directions is the branch's."""
+    own, other, kind = tangent / np.linalg.norm(tangent), None, "unresolved"
+    both = directions(curve, found) if found.resolved else None
+    if both is not None:
+        mine = int(np.argmax(np.abs(both @ own)))
+        own, other = both[mine], both[1 - mine]
+        flat = np.abs(both[:, -1]).min() <= FLAT
+        kind = "pitchfork" if flat else "transcritical"
+    state = _states(family, curve, found.z[None])[0]
+    return BranchPoint(float(found.z[-1]), state, float(found.step[-1]), kind, own, other,
+                       family, curve, found.z)  # fmt: skip
+
+
+def _result(
+    family: Family, curve: Curve, z: Floats, complete: bool, ended: str,  # noqa: FBT001
+    folds: tuple[Fold, ...], crossings: Sequence[tuple[Located, Floats]],
+) -> Branch:  # fmt: skip
+    crossed = tuple(_branch_point(family, curve, p, t) for p, t in crossings)
+    return Branch(z[:, -1], _states(family, curve, z), complete, ended, folds, crossed)

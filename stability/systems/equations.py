@@ -195,6 +195,26 @@ class Equations:
             if bad.any():
                 raise DomainError(condition.refusal(float(value[bad].flat[0])))
 
+    def valid(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.bool_]:
+        """Whether the equations have a meaning, state by state.
+
+        Parameters
+        ----------
+        x, p
+            As in `check`.
+
+        Returns
+        -------
+        ndarray of bool
+            Of the leading shape.
+        """
+        arguments, shape = self._arguments(x, p)
+        values = self._condition_program.arrays(arguments, shape) if self.conditions else []
+        fine = np.ones(shape, dtype=bool)
+        for value in values:
+            fine &= value.reshape(shape) > 0
+        return fine
+
     def rates(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.float64]:
         """Rates of the states.
 

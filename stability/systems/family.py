@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.upright import Upright
@@ -17,15 +17,14 @@ from ..base.checks import broadcast, instance, rows
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ..base.types import Floats, fields_of
 from .equations import Equations
-from .family_graph import FamilyGraph, Frame
-from .ignorable import acting_on, hidden_pairs, ignorable
-from .steadiness import rate_noise, step_noise
+from .following.members import Found, find
+from .following.members import listing as listing
+from .following.sheet import Anchor
+from .following.steadiness import rate_noise
+from .graph.family_graph import FamilyGraph, Frame
+from .graph.ignorable import acting_on, hidden_pairs, ignorable
 from .system_checks import check_family, tables
 
-STEP = 1e-11
-"""Largest relative size of a further Newton step at an accepted root."""
-NOISE = 1e-6
-"""Largest rounding of a Newton step at an accepted root, relative to 1 or to the root."""
 UNKNOWN = 1e-10
 """Largest rate that counts as zero, in units of the linearisation, if its rounding has no bound."""
 
@@ -65,6 +64,8 @@ class Family:
         Whether a slow flow on the centre manifold carries a stable member to its threshold.
     exact
         The characteristic polynomial, or None.  Verdicts are proved from a known polynomial.
+    anchor
+        A known member from which the others are followed, in place of a first guess; or None.
 
     Raises
     ------
@@ -108,12 +109,16 @@ class Family:
     """Whether a slow flow on the centre manifold carries a stable member to its threshold."""
     exact: ExactPolynomial | None = None
     """The characteristic polynomial, or None where it is not known."""
+    anchor: Anchor | None = None
+    """A known member, from which the others are followed; `System.steady` finds it."""
 
     __getstate__ = fields_of
 
     def __post_init__(self) -> None:
         instance("system", self.system, Equations, "give a stability.System")
         check_family(self)
+        if self.anchor is not None:
+            instance("anchor", self.anchor, Anchor, "take the family from System.steady")
         for name in (*self.held, *self.unknown, *self.equations):
             self.system.index(name)
         for name in self.at:
@@ -306,26 +311,70 @@ class Family:
         NoMemberError
             If the root-finder does not converge to an admissible root.
         """
-        unknowns = list(self.unknown)
         a, _, q = tables(self, a, q)
-        self._check_before(a, q)
-        if not unknowns or (self.closed and guess is None):
-            return np.tile(np.array(list(self.unknown.values()), dtype=float), (len(a), 1))
-        start = np.array(list(self.unknown.values()))
+        found = self.search(a, q, guess)
+        if not found.good.all():
+            raise NoMemberError(found.why(int(np.argmin(found.good))))
+        return found.u
+
+    def search(self, a: Floats, q: Floats, guess: ArrayLike | None = None) -> Found:
+        """The unknowns at each row, and the rows without a member.
+
+        Parameters
+        ----------
+        a, q, guess
+            As in `solve`.
+
+        Returns
+        -------
+        Found
+        """
+        a, _, q = tables(self, a, q)
+        possible, why = self._possible(a, q)
+        first = np.array(list(self.unknown.values()))
+        u = np.tile(first, (len(a), 1))
+        if not possible.any() or not self.unknown or (self.closed and guess is None):
+            return Found(u, possible, why)
+        if self.graph.finder is None:
+            raise ParameterError(
+                f"{self.name}: the equations {', '.join(self.equations)} leave the unknowns "
+                f"{', '.join(self.unknown)} open for all numbers; give others, or hold "
+                "what is free."
+            )
         if guess is not None:
-            start = rows("guess", guess, unknowns).reshape(-1, len(unknowns))
-            if len(start) not in (1, len(a)):
-                raise ParameterError(f"guess has {len(start)} rows for {len(a)} members.")
-        start = np.broadcast_to(start, (len(a), len(unknowns)))
-        # members that differ only in numbers outside the equations (mu, for the disk) share a root
-        used = self.graph.used
-        distinct, inverse = np.unique(
-            np.hstack([np.hstack([a, q])[:, used], start]), axis=0, return_inverse=True
-        )
-        first = np.zeros(len(distinct), dtype=int)
-        first[inverse.ravel()] = np.arange(len(a))
-        found = self._root(a[first], q[first], start[first])
-        return found[inverse.ravel()]
+            first = rows("guess", guess, list(self.unknown)).reshape(-1, len(first))
+            if len(first) not in (1, len(a)):
+                raise ParameterError(f"guess has {len(first)} rows for {len(a)} members.")
+        start = np.broadcast_to(first, u.shape)[possible]
+        followed = self.anchor is not None and guess is None
+        found = find(self, a[possible], q[possible], None if followed else start)
+        u[possible], good, place = found.u, possible.copy(), np.cumsum(possible) - 1
+        good[possible] = found.good
+        return Found(u, good, lambda row: found.why(place[row]) if possible[row] else why(row))
+
+    def members(self, a: Floats, q: Floats) -> Found:
+        """As `search`; a root at which the equations have no meaning is no member either.
+
+        Parameters
+        ----------
+        a, q
+            As in `solve`.
+
+        Returns
+        -------
+        Found
+        """
+        found = self.search(a, q)
+        good = found.good.copy()
+        a_, u_, q_ = a[good], found.u[good], q[good]
+        good[good] = self.system.valid(self.states(a_, u_, q_), self._system_parameters(a_, q_))
+
+        def why(row: int) -> str:
+            place = listing((*self.at, *self.parameters), (*a[row], *q[row]))
+            no = f"{self.name} has no member at {place}: a condition of {self.system.name} fails."
+            return no if found.good[row] else found.why(row)
+
+        return Found(found.u, good, why)
 
     def states(self, a: Floats, u: Floats, q: Floats) -> Floats:
         """States of members whose unknowns are known.
@@ -345,62 +394,20 @@ class Family:
         out: Floats = self.graph.state.arrays(arguments, a.shape[:1])[0][..., 0]
         return out
 
-    def _check_before(self, a: Floats, q: Floats) -> None:
-        """Refuse members at which the equations have no meaning, for any root."""
+    def _possible(self, a: Floats, q: Floats) -> tuple[NDArray[np.bool_], Callable[[int], str]]:
+        """Rows at which the equations have a meaning for some root, and why others have none."""
         conditions, program = self.graph.early
-        if conditions:
-            none = [np.zeros(1)] * len(self.unknown)
-            values = program.arrays([columns(a), none, columns(q)], a.shape[:1])
-            for condition, value in zip(conditions, values, strict=True):
-                bad = ~(value > 0)
-                if bad.any():
-                    reason = condition.refusal(float(value[bad].flat[0]))
-                    raise NoMemberError(f"{self.name} does not exist there: {reason}")
+        none = [np.zeros(1)] * len(self.unknown)
+        arguments = [columns(a), none, columns(q)]
+        values = program.arrays(arguments, a.shape[:1]) if conditions else []
+        fine = np.array([v.reshape(-1) > 0 for v in values]).reshape(-1, len(a))
 
-    def _root(self, a: Floats, q: Floats, start: Floats) -> Floats:
-        if self.graph.finder is None:
-            raise ParameterError(
-                f"{self.name}: the equations {', '.join(self.equations)} leave the unknowns "
-                f"{', '.join(self.unknown)} open for all numbers; give others, or hold "
-                "what is free."
-            )
-        finder = self.graph.finder.map(len(a))
-        u = np.array(finder(start.T, np.hstack([a, q]).T)).T.reshape(len(a), -1)
-        step = self._newton_step(a, u, q)
-        size = np.maximum(np.abs(u), 1e-300)
-        close = np.abs(step) <= STEP * np.maximum(size, 1e-8)
-        if (
-            not close.all()
-        ):  # a root at 0 is accurate within the rounding of its equation, not relatively
-            noise = step_noise(self.graph, a, u, q)
-            close |= (np.abs(step) <= 2 * noise) & (noise <= NOISE * np.maximum(size, 1.0))
-        good = (np.isfinite(u) & close).all(axis=1)
-        for index, name in enumerate(self.unknown):
-            if name in self.positive:
-                good &= u[:, index] > 0
-        if not good.all():
-            row = int(np.argmin(good))
-            raise NoMemberError(
-                f"{self.name} has no member that the root-finder reaches at "
-                f"{listing((*self.at, *self.parameters), (*a[row], *q[row]))}: the equation for "
-                f"{', '.join(self.unknown)} has no admissible isolated solution there; "
-                "choose another point of the family or give a guess."
-            )
-        return u
+        def why(row: int) -> str:
+            which = int(np.argmin(fine[:, row]))
+            reason = conditions[which].refusal(float(values[which][row].flat[0]))
+            return f"{self.name} does not exist there: {reason}"
 
-    def _newton_step(self, a: Floats, u: Floats, q: Floats) -> Floats:
-        _, _, r, r_u, _ = self.graph.tangent.arrays(
-            [columns(a), columns(u), columns(q)], a.shape[:1]
-        )
-        with np.errstate(all="ignore"):
-            determinant = np.linalg.det(r_u)
-            bad = (
-                ~np.isfinite(r_u).all(axis=(1, 2)) | ~np.isfinite(determinant) | (determinant == 0)
-            )
-            r_u = np.where(bad[:, None, None], np.eye(r_u.shape[1]), r_u)
-            step: Floats = np.linalg.solve(r_u, r)[..., 0]
-        step[bad] = np.inf
-        return step
+        return np.asarray(fine.all(axis=0)), why
 
     def _require_steady(self, a: Floats, u: Floats, q: Floats) -> None:
         arguments = [columns(a), columns(u), columns(q)]
@@ -454,8 +461,3 @@ class Family:
 def columns(array: Floats) -> list[Any]:
     """The columns of an array, one for each entry of a graph's input."""
     return list(array.T)
-
-
-def listing(names: Sequence[str], values: Sequence[float]) -> str:
-    """Names with their values, for a message."""
-    return ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, values, strict=True))

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
+from ..algebra.upright import Upright
+from ..base.errors import ParameterError
+from .condition import Condition
 from .equations import Equations
-from .ignorable import ignorable
+from .family import Family
+from .graph.ignorable import ignorable
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +65,7 @@ class System(Equations):
         gives one structural zero, by proof.  A state that is constant by its equation counts as a
         parameter, and is not among them.
 
-        Source: derivation in `stability.systems.ignorable`; tests/systems/test_ignorable.py.
+        Source: derivation in `stability.systems.graph.ignorable`; tests/systems/test_ignorable.py.
 
         Examples
         --------
@@ -71,3 +77,207 @@ class System(Equations):
         ('place', 'heading')
         """
         return tuple(n for n in self.states if n in ignorable(self))
+
+    @classmethod
+    def from_sympy(
+        cls,
+        model: Any,
+        *,
+        name: str = "model",
+        parameters: Sequence[Any] | None = None,
+        dependent: Sequence[Any] | Mapping[Any, Any] = (),
+        cyclic: Sequence[Any] = (),
+        observables: Mapping[str, Any] | None = None,
+        conditions: Sequence[Condition] = (),
+        units: Mapping[str, str] | None = None,
+    ) -> Self:
+        """A system from SymPy: its mechanics, matrices, or rates, with every rational kept exact.
+
+        Coordinates and speeds become states under their own names; the rate of a coordinate q is
+        `q_dot`.  All other symbols are parameters, and so are other functions of time, which are
+        then constant inputs.  Dependent speeds are eliminated and become observables.  So are
+        dependent coordinates where the constraint is linear in them or `dependent` has their
+        expression; otherwise they stay states, and states off the constraint are refused.
+
+        Parameters
+        ----------
+        model
+            A `KanesMethod`, `LagrangesMethod` or `mechanics.System` with its equations formed; a
+            tuple (mass matrix, forcing, q, u); or a mapping from each state to its rate.
+        name
+            Name of the system.
+        parameters
+            Symbols (or their names) in the order of the system's parameters; sorted by name when
+            left out.
+        dependent
+            Dependent coordinates and speeds, for Lagrange's method; or a mapping from dependent
+            coordinates to their expressions in the others.
+        cyclic
+            Coordinates to leave out, such as the angle of a rolling wheel; no other rate holds
+            them, and in a steady motion they grow.
+        observables
+            SymPy expressions by name.
+        conditions, units
+            As in the constructor.
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        ParameterError, NameUnknownError
+            If the model is no such thing, holds a number such as π that no double is, uses a
+            function that a graph does not have, or has a symbol that is not in `parameters`.
+
+        Source: SymPy's own linearisations, compared in tests/systems/test_from_sympy.py.
+
+        Examples
+        --------
+        >>> import sympy
+        >>> q, v, k = sympy.symbols("q v k")
+        >>> System.from_sympy({q: v, v: -k * sympy.sin(q) / 3}, name="swing").linearise([0, 0], [3])
+        array([[ 0.,  1.],
+               [-1.,  0.]])
+        """
+        from .sources.sympy_models import sympy_model
+
+        found = sympy_model(
+            model, parameters=parameters, dependent=dependent, cyclic=cyclic,
+            observables=observables,
+        )  # fmt: skip
+        found["conditions"] = (*found.get("conditions", ()), *conditions)
+        return cls(name=name, units=units or {}, **found)
+
+    @classmethod
+    def from_function(
+        cls,
+        function: Any,
+        *,
+        name: str | None = None,
+        states: Sequence[str] | None = None,
+        parameters: Sequence[str] | None = None,
+        conditions: Sequence[Condition] = (),
+        units: Mapping[str, str] | None = None,
+    ) -> Equations:
+        """A system from a CasADi function, live or from a file, or from a plain Python function.
+
+        A Python function makes a *numeric* system, which is no `System`: families and spectra take
+        it, with discs from an estimated error of a numerical derivative.  Everything that needs
+        the graph refuses it: proofs, boundaries, maps, motions.
+
+        Parameters
+        ----------
+        function
+            A `casadi.Function` of (x) or (x, p) that returns the rates and any named observables;
+            the path of a file that its `save` wrote; or a Python function f(x, p) → rates.
+        name
+            Name of the system; that of the function when left out.
+        states, parameters
+            Names of the entries of x and p; from the names of a CasADi function's inputs when left
+            out.  A Python function needs the names of its states.
+        conditions, units
+            As in the constructor; a Python function takes no conditions.
+
+        Returns
+        -------
+        System or NumericSystem
+
+        Raises
+        ------
+        ParameterError, FileError
+            If the function does not fit, or the file is none of a CasADi function.
+
+        Examples
+        --------
+        >>> import casadi as ca, stability as st
+        >>> x, g = ca.SX.sym("x", 2), ca.SX.sym("g")
+        >>> rates = ca.vertcat(x[1], -g * ca.sin(x[0]))
+        >>> f = ca.Function("swing", [x, g], [rates], ["x", "g"], ["rates"])
+        >>> System.from_function(f).states, System.from_function(f).parameters
+        (('x_0', 'x_1'), ('g',))
+        >>> swing = System.from_function(lambda x, p: [x[1], -x[0] - x[1]], name="damped",
+        ...                              states=("q", "v"))
+        >>> rest = st.Family(swing, "rest", at=("q",), held={"v": 0.0})
+        >>> st.spectrum(rest, at=0.0).verdict.word
+        'stable'
+        """
+        from .sources.casadi_functions import casadi_function, is_python
+        from .sources.numeric import NumericSystem
+
+        if is_python(function):
+            if conditions:
+                raise ParameterError(
+                    "conditions are expressions, and a Python function has none; leave them out."
+                )
+            own = getattr(function, "__name__", "function") if name is None else name
+            return NumericSystem(str(own), function, states or (), parameters or (), units)
+        found = casadi_function(function, states=states, parameters=parameters)
+        if name is not None:
+            found["name"] = name
+        return cls(conditions=tuple(conditions), units=units or {}, **found)
+
+    def steady(
+        self, at: Sequence[str] | str, *, held: Mapping[str, float | Upright] | None = None,
+        guess: Mapping[str, float] | None = None, equations: Sequence[str] | None = None,
+        positive: Sequence[str] = (), name: str | None = None, **parameters: Any,
+    ) -> Family:  # fmt: skip
+        """The family through the steady motion nearest to a guess.
+
+        Every state that is not named in `at` or `held` is solved for.  The family remembers the
+        first member.  Others are followed from there along the straight line to the parameters
+        that are asked, and all lie on one smooth sheet: a member beyond a fold is refused.
+
+        Parameters
+        ----------
+        at
+            Names of the parameters or states that name a member.
+        held
+            Values of the states that are the same along the family.
+        guess
+            Values near one member: of parameters and states, by name.  A state that is left out
+            counts as 0.  A state on which nothing depends is held there.
+        equations
+            States whose rates must vanish, as many as there are unknowns; independent rates that
+            are not identically zero when left out.
+        positive
+            Unknowns that must be positive.
+        name
+            Name of the family in messages and files.
+        **parameters
+            Values of parameters at the guess, if they are not in `guess`; further keywords of
+            `Family`.
+
+        Returns
+        -------
+        Family
+
+        Raises
+        ------
+        NameUnknownError, ParameterError
+            If names or numbers do not fit the system, or its rates leave unknowns open.
+        NoMemberError
+            If no first guess leads to a steady motion.
+
+        Source: closed forms in tests/systems/test_steady.py.
+
+        Examples
+        --------
+        >>> import casadi as ca, stability as st
+        >>> x, p = ca.SX.sym("x"), ca.SX.sym("p")
+        >>> fold = st.System("fold", x, p, p - x**2, states=("x",), parameters=("p",))
+        >>> upper = fold.steady("p", guess={"x": 1.5, "p": 2.0}, name="upper")
+        >>> upper.member([4.0], []).round(12)
+        array([2.])
+        >>> try:
+        ...     upper.member([-1.0], [])
+        ... except st.StabilityError as error:
+        ...     print(str(error)[-39:])
+        reaches: it stopped at a fold at p = 0.
+        """
+        from .steady import steady
+
+        return steady(
+            self, at, held=held, guess=guess, equations=equations, positive=positive, name=name,
+            **parameters,
+        )  # fmt: skip

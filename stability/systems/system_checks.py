@@ -117,6 +117,32 @@ def mapping(what: str, value: Any) -> dict[str, Any]:
     return dict(value)
 
 
+def check_names(name: Any, states: Any, parameters: Any, units: Any) -> dict[str, Any]:
+    """Name, states, parameters and units of a system without a graph, or a refusal.
+
+    Parameters
+    ----------
+    name, states, parameters, units
+        As the user gave them.
+
+    Returns
+    -------
+    dict
+    """
+    found: dict[str, Any] = {"name": title("the system", name), "units": mapping("units", units)}
+    found |= {"states": names("states", states), "parameters": names("parameters", parameters)}
+    _apart(found["states"], found["parameters"])
+    if not found["states"]:
+        raise ParameterError("states is empty; give the name of each state.")
+    return found
+
+
+def _apart(states: tuple[str, ...], parameters: tuple[str, ...]) -> None:
+    both = set(states) & set(parameters)
+    if both:
+        raise ParameterError(f"{shown(min(both))} is a state and a parameter; give two names.")
+
+
 def check_system(system: Any) -> None:
     """Refuse a system whose parts do not fit together.
 
@@ -139,9 +165,7 @@ def check_system(system: Any) -> None:
             )
     _check_symbols("x", system.x, system.states)
     _check_symbols("p", system.p, system.parameters)
-    both = set(system.states) & set(system.parameters)
-    if both:
-        raise ParameterError(f"{shown(min(both))} is a state and a parameter; give two names.")
+    _apart(system.states, system.parameters)
     if system.rhs.numel() != system.x.numel():
         raise ParameterError(
             f"rhs has {system.rhs.numel()} entries for {system.x.numel()} states; give one each."

@@ -25,6 +25,7 @@ TABLES = {
     "drift": "how long straight rolling under friction lasts before it crosses its threshold",
     "hopf": f"flutter boundaries of {_LINES} as Hopf bifurcations without parameters",
     "launches": f"what becomes of {_LAUNCHED} launched with a tilt, compared with linear theory",
+    "theorems": "statements about the disk, proved step by step from its graph",
     "completeness": "why the viscous disk has no other steady motions: proof and search",
 }
 """Heading of each table, by name."""
@@ -62,6 +63,10 @@ def records(name: str, **options: Any) -> list[dict[str, Any]]:
         return [asdict(row) for row in hopf_rows(**options)]
     if name == "launches":
         return [asdict(row) for row in launch_rows(**options)]
+    if name == "theorems":
+        from .theorems import theorem_rows
+
+        return [asdict(row) for row in theorem_rows(**options)]
     if name == "completeness":
         from ..derivation.completeness import prove, search
 

@@ -12,6 +12,7 @@ from .hopf import HOPF_NOTES
 from .launches import NOTES as LAUNCH_NOTES
 from .launches import contact_lines
 from .registry import TABLES
+from .theorems import theorem_lines
 
 if TYPE_CHECKING:
     from ..derivation.formulas import Formulas
@@ -38,6 +39,8 @@ def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:
         return "\n".join(head + _family_lines(rows))
     if name == "completeness":
         return "\n".join(head + _completeness_lines(rows))
+    if name == "theorems":
+        return "\n".join(head + theorem_lines(rows))
     if name in ("drift", "hopf", "launches"):
         notes = {"drift": DRIFT_NOTES, "hopf": HOPF_NOTES, "launches": LAUNCH_NOTES}[name]
         units = f"angular velocities in {unit}; angles in rad; times in 1/({unit})"

@@ -1,5 +1,6 @@
 """The notebooks run from top to bottom, and the README's Python does too."""
 
+import ast
 import re
 import runpy
 from pathlib import Path
@@ -64,3 +65,47 @@ def test_the_bicycle_example_prints_the_published_speeds(
     assert "self-stable from 4.292382536341" in text
     assert "to   6.024262015388" in text
     assert "-14.0783896928" in text
+
+
+def shown(name: str, capsys: pytest.CaptureFixture[str]) -> str:
+    runpy.run_path(str(ROOT / "examples" / name), run_name="__main__")
+    return capsys.readouterr().out
+
+
+def test_the_top_example_prints_where_it_stands(capsys: pytest.CaptureFixture[str]) -> None:
+    """Lagrange: I3² spin² > 4 I1 m g l."""
+    text = shown("lagrange_top.py", capsys)
+    assert text.startswith("3.9 unstable\n4.1 neutral\n")
+    assert "above 4.000000000000 rad/s" in text
+
+
+def test_the_sleigh_example_prints_attraction_and_final_speed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Rate -m a v / (I + m a²); v∞² = v0² + (I + m a²) w0²/m: two routes to 13 digits."""
+    text = shown("chaplygin_sleigh.py", capsys)
+    assert f"[{-0.3 / 0.29:.8f}+0.j]" in text
+    assert "settled at v = 1.0003624343" in text
+    # m (a w' + v w) with w' = -m a v w / (I + m a²)
+    assert f"{0.3 * 0.3 * 0.05 / 0.29 - 0.05:.6f}" in text
+
+
+def test_a_first_verdict_takes_at_most_25_lines() -> None:
+    for name in ("lagrange_top.py", "chaplygin_sleigh.py"):
+        tree = ast.parse((ROOT / "examples" / name).read_text())
+        first = next(n.end_lineno or 0 for n in tree.body if "spectrum" in ast.unparse(n))
+        code = ast.unparse(ast.Module(tree.body[1:], []))
+        lines = (ROOT / "examples" / name).read_text().splitlines()[tree.body[0].end_lineno : first]
+        assert "mechanics(" in code
+        assert len([line for line in lines if line.strip()]) <= 25, name
+
+
+@pytest.mark.long
+def test_the_nonlinear_bicycle_example_prints_the_published_speeds(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.warns(UserWarning, match="not complete"):
+        text = shown("nonlinear_bicycle.py", capsys)
+    assert "-14.0783896928" in text
+    assert "4.292382536341 m/s (flutter)" in text
+    assert "6.024262015388 m/s (static)" in text

@@ -22,7 +22,14 @@ FROM_FIGURES_UP = (
     "compare/parts.py",
 )
 """Where matplotlib, tqdm and argparse may be imported."""
-WITH_SYMPY = ("algebra/number_types.py", "derivation", "tables", "compare")
+WITH_SYMPY = (
+    "algebra/number_types.py",
+    "derivation",
+    "tables",
+    "compare",
+    "systems/sources/sympy_forms.py",  # these two read the user's SymPy models,
+    "systems/sources/sympy_models.py",  # and import SymPy when they are called
+)
 """Where SymPy may be imported."""
 LONGER = ("integrators/stick_slip.py", "systems/family.py")
 """Files above 400 lines: one automaton, and one class that is a user's whole interface."""

@@ -235,3 +235,14 @@ def test_a_model_at_rest_does_not_settle_a_motion_that_is_not_proved_to_settle()
     assert steady.estimate == math.inf
     run = st.simulate(st.Disk(k=0.5), st.LinearViscous(0.0011), start, 110.0)
     assert scene.answer().value == run.attrs["outcome"] == "moving"
+
+
+@pytest.mark.parametrize("law", [st.Smooth(), st.Rough(), st.Coulomb(0.3), st.Viscous(0.3)])
+def test_each_rung_asked_for_alone_answers_or_says_why_not(law: st.Contact) -> None:
+    start = {"theta": 1.5, "theta_dot": 0.01, "phi_dot": 0.02, "omega3": 2.0, "slip_x": 0.0,
+             "slip_y": 0.0}  # fmt: skip
+    scene = st.Scene(st.Disk(), law, start, 1.0, 1e-5)
+    for name in ("steady", "linearised", "second-order", "drift", law.name):
+        answer = scene.answer(only=name)
+        assert answer.model == name or (answer.model == "none" and "cannot" in answer.sentence)
+    assert answer.model == law.name  # the law itself always answers

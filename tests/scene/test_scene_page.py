@@ -154,7 +154,8 @@ def test_creep_is_skipped_where_the_full_model_is_expected_to_be_faster() -> Non
 @pytest.mark.parametrize(("start", "law", "horizon", "reason"), [
     ({"theta": 0.8, "omega3": 1.5}, st.Viscous(0.3), 5.0, "the nearest steady motion"),
     ({"theta": 1.5707, "omega3": 1.0}, st.Viscous(0.3), 400.0, "grows e^"),
-    ({"theta": 1.5706, "omega3": 1.5}, st.Smooth(), 5.0, "two modes of rolling are parallel"),
+    ({"theta": 1.5706, "omega3": 1.5}, st.Smooth(), 50.0, "two modes of rolling are parallel"),
+    ({"theta": 1.562, "omega3": 1.5}, st.Viscous(0.3), 8.0, "is expected to take no longer"),
     ({"theta": 1.07, "theta_dot": -1.2, "phi_dot": -2.1, "omega3": -0.2}, st.Viscous(5000.0), 5.0,
      "a guard of the full model fails before the slip has decayed"),
 ])  # fmt: skip
@@ -223,12 +224,13 @@ def test_the_spread_is_that_of_separate_scenes() -> None:
     told = scene(uncertain=widths).answer().spread
     assert told is not None
     middle = np.array(list(scene().answer().value.values()))
+    share = {"mu": 1e-6, "theta": 1e-5}  # displaced runs are these scenes; a sensitivity is not
     for name, ends in {
         "mu": [scene(mu=240.0), scene(mu=360.0)],
         "theta": [replace(scene(), start={**START, "theta": 1.55 + d}) for d in (-1e-4, 1e-4)],
     }.items():
         moved = max(apart(np.array(list(s.answer().value.values())), middle) for s in ends)
-        assert told.moves["final"][name] == pytest.approx(moved, rel=1e-6)
+        assert told.moves["final"][name] == pytest.approx(moved, rel=share[name])
     assert told.size == pytest.approx(np.hypot(*told.moves["final"].values()))
     assert told.wasted
     for line in told.lines():
@@ -239,7 +241,7 @@ def test_the_spread_is_that_of_separate_scenes() -> None:
 
 
 def test_a_move_is_known_to_twice_the_tolerance() -> None:
-    for tolerance, model in ((1e-3, "rough"), (1e-6, "creep-1")):
+    for tolerance, model in ((1e-3, "rough"), (1e-6, "creep-2")):
         asked = st.Scene(contact=st.Viscous(1e3), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0,
                          tolerance=tolerance, uncertain={"mu": 0.2})  # fmt: skip
         answer = asked.answer()

@@ -78,7 +78,7 @@ class Expression(Element):
         # √(num/den) = r/den with r² = num · den; the sign of r is that of den, so that the root of
         # num · den itself is another indeterminate
         square = self.field.reduced(self.num * self.den)
-        root = self.field.root(f"sqrt over {self.den}", square)
+        root = self.field.root("sqrt", square, self.den)
         return root / Expression(self.field, self.den, self.field.one)
 
     def fabs(self) -> Any:
@@ -174,9 +174,9 @@ class FunctionField:
         self._used += 1
         return self._used - 1
 
-    def root(self, kind: str, square: Any) -> Expression:
-        """An indeterminate whose square is a polynomial."""
-        key = kind, str(square)
+    def root(self, kind: str, square: Any, over: Any = None) -> Expression:
+        """An indeterminate whose square is a polynomial; `over` has the same sign."""
+        key = f"{kind} over {over}", str(square)
         if key not in self._atoms:
             index = self._new()
             self._relations[index] = square

@@ -12,6 +12,7 @@ of `stability.bodies.contact_laws.Creep`, along one motion (tests/scene/test_cre
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -52,6 +53,8 @@ SUPER = 0.1
 """Error of a path over the last coefficients of its worst element."""
 SPLITS = 4
 """Most divisions of an element that does not resolve the motion."""
+PHASE = 0.1
+"""Phase that `Linear` may lose in all turns of a small deviation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,7 +277,32 @@ def _rough(
             break
         halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
         elements = Elements(np.union1d(elements.edges, halves), points)
+    pieces = _pieces(held, elements, path)
+    if (pieces > 1).any():
+        inner = np.repeat(elements.edges[:-1], pieces)
+        share = np.concatenate([np.arange(n) / n for n in pieces])
+        edges = inner + share * np.repeat(elements.lengths, pieces)
+        elements = Elements(np.append(edges, elements.edges[-1]), points)
+        path = run.at(elements.times.ravel())[:, :4].reshape(-1, points, 4)
     return elements, path
+
+
+def _pieces(held: Held, elements: Elements, path: Floats) -> NDArray[np.intp]:
+    """Number of parts of each element in which `Linear` follows the turns of small deviations.
+
+    Near a steady motion the path is smooth at the size of the tolerance on long elements, but the
+    linear equation still turns at its own rate.  A step h of an exponential to eighth order loses
+    a phase of (ω h)⁹/9!.
+    """
+    some = path[:, :: max(1, path.shape[1] // 4)]
+    none = np.zeros((*some.shape[:-1], 2))
+    rates = np.abs(np.linalg.eigvals(held.slope(some, none, none))).max(axis=(1, 2))
+    lost = ((rates * elements.gaps[..., 0, 0]) ** 9).sum(axis=0) / math.factorial(9)
+    if not lost.sum() > PHASE:
+        return np.ones(len(lost), dtype=np.intp)
+    parts = (lost * (len(lost) / PHASE)) ** 0.125
+    found: NDArray[np.intp] = np.ceil(np.maximum(parts, 1.0)).astype(np.intp)
+    return found
 
 
 def transient(

@@ -222,7 +222,7 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
     six, first = chosen.states, float(times[-1])
 
     def early(asked: Floats) -> Floats:
-        return between(climb.problem, times, states, asked, FINE)
+        return between(climb.problem, times[:1], states[:1], asked, FINE)  # one run for all
 
     small = float(relative(climb.carried, states[0]))
     if first > climb.now:

@@ -20,7 +20,7 @@ from ...algebra.eigensolver import eigenpairs
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
 from ...boundary.drift import FORMULAS
-from .near_steady import Modes, modes
+from .near_steady import SAMPLES, Modes, modes
 from .track import Problem, Refused, Track, relative
 
 DRIFT, ROLLING = "drift", "rolling"
@@ -136,6 +136,7 @@ def _track(
         if i:
             sizes[i - 1] = _size(problem, here, manifold, (float(tilt), float(spin)), mode[i])
     size = SAFETY * (np.maximum.accumulate(sizes) + _offset(start, manifold, problem.last))
+    size += _phase(problem, start, fast, looks)
     if not (np.isfinite(size).all() and size.max() < 0.1):
         return Refused("the tilt is too large for the drift to leading order", where)
     spins = manifold.at(every)[1]
@@ -188,6 +189,24 @@ def _offset(start: Modes, manifold: SlowManifold, last: float) -> float:
     second[0] -= tilt * early
     second[3] -= spin * early
     return float(relative(second, start.member))
+
+
+def _phase(problem: Problem, start: Modes, fast: Any, looks: Floats) -> Floats:
+    """Error of the fast modes: their rates change by the slow tilt, and by their own size.
+
+    They may decay so slowly that a small change of a frequency is a large phase in the end.
+    """
+    kept = np.where(fast == 0, 0.0, 1.0)
+    shares = np.arange(1, SAMPLES + 1) / SAMPLES
+    times, own = start.only(kept).third(problem.last * shares**2)
+    slow = start.member + (start.vectors @ np.where(kept == 0, start.first, 0)).real
+    there = np.linalg.eigvals(problem.flow.system.linearise(slow, problem.p))
+    apart = np.abs(there[:, None] - start.values).min(axis=0)
+    lost = np.exp(np.multiply.outer(times, start.values)) * fast * apart * times[:, None]
+    error = own + SAFETY * relative(np.abs(lost) @ np.abs(start.vectors).T, start.member)
+    error = np.append(0.0, np.maximum.accumulate(error))
+    found: Floats = np.interp(looks, np.append(0.0, times), error)
+    return found
 
 
 def _here(problem: Problem, spin: float) -> Linear | None:

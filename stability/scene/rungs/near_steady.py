@@ -9,7 +9,7 @@ It is sampled, and each mode carries the samples to the time asked for.
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -33,16 +33,30 @@ GROWTH = 30.0
 """Exponent of growth above which no linear motion is small."""
 SAFETY = 3.0
 """Factor on the third order, for the orders above it and for its sampling."""
+DOUBTFUL = 0.01
+"""Expected time of the full model [s] up to which the closed forms are left out where their third
+order may be above the tolerance at the horizon."""
 TRUSTED = 0.2
 """Share of the linear deviation up to which the higher orders may be an estimate of its error."""
 
 
 @lru_cache(maxsize=64)
-def _slopes(system: System) -> ca.Function:
-    """CasADi function (x, p) → J, and the slope of vec J in x."""
-    matrix = ca.densify(ca.jacobian(system.rhs, system.x))
-    bend = ca.densify(ca.jacobian(ca.vec(matrix), system.x))
-    return ca.Function("bend", [system.x, system.p], [matrix, bend])
+def _slope(system: System) -> Program:
+    """Program of (x, p) → J, without a check of conditions."""
+    return Program(ca.Function("slope", [system.x, system.p], [system.jacobian]))
+
+
+@lru_cache(maxsize=64)
+def _bend(system: System) -> Program:
+    """Program of (x, p) → the slope of vec J in x."""
+    bend = ca.jacobian(ca.vec(ca.densify(system.jacobian)), system.x)
+    return Program(ca.Function("bend", [system.x, system.p], [bend]))
+
+
+@lru_cache(maxsize=64)
+def _pairs(count: int) -> tuple[Any, Any]:
+    """Indices i ≤ j of the pairs of modes."""
+    return np.triu_indices(count)
 
 
 @lru_cache(maxsize=64)
@@ -84,7 +98,7 @@ class Modes:
 
     def second(self, times: Floats) -> Any:
         """The deviation of second order in the modes, shape (t, n)."""
-        one, other = np.triu_indices(len(self.values))
+        one, other = _pairs(len(self.values))
         rates, drive, t = self.values[one] + self.values[other], self.pairs, times[:, None]
         fast, slow = np.exp(t * rates), np.exp(t * self.values)
         apart = rates[None] - self.values[:, None]  # (n, pairs)
@@ -103,6 +117,17 @@ class Modes:
     def states(self, modal: Any) -> Floats:
         """Deviations from their modes, shape (t, n)."""
         return np.ascontiguousarray((modal @ self.vectors.T).real)
+
+    def only(self, some: Any) -> Modes:
+        """The motion in some of the modes, as if the start had no others.
+
+        Parameters
+        ----------
+        some
+            1 for each mode that is kept and 0 for the others, shape (n,).
+        """
+        one, other = _pairs(len(self.values))
+        return replace(self, first=self.first * some, pairs=self.pairs * some[one] * some[other])
 
     def third(self, times: Floats) -> tuple[Floats, Floats]:
         """Sampled size of the third order.
@@ -134,15 +159,25 @@ class Modes:
         swift = -self.values.real[None, :] * width[:, None] > 1
         rate = np.where(self.values == 0, 1.0, self.values)
         slow = np.where(swift, 0.0, width[:, None] * drive)
-        found = np.empty((len(ends), len(rate)), dtype=complex)
-        for n, value in enumerate(self.values):
-            found[:, n] = (np.exp(np.maximum(later, 0.0) * value) * past) @ slow[:, n]
+        carried = np.exp(np.maximum(later, 0.0)[..., None] * self.values) * past[..., None]
+        found = np.einsum("eim,im->em", carried, slow)
         quick = np.abs(np.where(swift, drive / rate, 0.0)).max(axis=0)
         size = np.abs(self.states(found)) + quick @ np.abs(self.vectors).T
         return ends, SAFETY * relative(size, self.member)
 
 
-def modes(problem: Problem, member: Floats, family: str) -> Modes | Refused:
+def _vain(problem: Problem, size: float, price: float) -> bool:
+    """Whether the full model may be done before the closed forms have turned out too coarse."""
+    doubtful = size**3 * max(1.0, problem.last) > problem.tolerance < size
+    return price < DOUBTFUL and doubtful
+
+
+def _hopeless(problem: Problem, size: float) -> bool:
+    """Whether the third power of a deviation is far above the tolerance."""
+    return size > problem.tolerance < size**3
+
+
+def modes(problem: Problem, member: Floats, family: str, *, always: bool = True) -> Modes | Refused:
     """The modes of a member, and the start in them.
 
     Parameters
@@ -153,6 +188,8 @@ def modes(problem: Problem, member: Floats, family: str) -> Modes | Refused:
         States of the steady motion, shape (n,) at least.
     family
         Its family.
+    always
+        Whether they are computed even where no closed form can be fine enough.
 
     Returns
     -------
@@ -160,25 +197,36 @@ def modes(problem: Problem, member: Floats, family: str) -> Modes | Refused:
     """
     n, system = problem.own, problem.flow.system
     at = member[:n]
-    matrix, bend = (np.array(v) for v in _slopes(system)(at, problem.p))
-    if not (np.isfinite(matrix).all() and np.isfinite(bend).all()):
-        return Refused("the rates have no second derivative at the steady motion")
+    place = [list(at), list(problem.p)]
+    matrix = _slope(system).arrays(place, ())[0]
+    if not np.isfinite(matrix).all():
+        return Refused("the rates have no derivative at the steady motion")
     values, vectors = eigenpairs(matrix)
     back = None
     with suppress(np.linalg.LinAlgError):
         back = np.linalg.inv(vectors)
     if back is None or not np.abs(back).max() < PARALLEL:
         return Refused(f"two modes of {family} are parallel: the linear motion grows with time")
+    growth = float(values.real.max(initial=0.0)) * problem.last
+    size = float(relative(problem.start[:n] - at, at)) * np.exp(min(growth, 700.0))
+    if growth > GROWTH or size > FAR or (growth > 1 and not always and _hopeless(problem, size)):
+        return Refused(f"the linear deviation from {family} grows e^{growth:.3g} times",
+                       {"growth exponent to the horizon": growth})  # fmt: skip
+    bend = _bend(system).arrays(place, ())[0]
+    if not np.isfinite(bend).all():
+        return Refused("the rates have no second derivative at the steady motion")
     bend = bend.reshape(n, n, n, order="F")
     first = back @ (problem.start[:n] - at)
     moved = first * vectors
     pairs = (back @ (moved.T @ (bend @ moved)).reshape(n, n * n)).reshape(n, n, n)
-    i, j = np.triu_indices(n)
+    i, j = _pairs(n)
     pairs = pairs[:, i, j] * np.where(i == j, 0.5, 1.0)
     return Modes(system, problem.p, at, family, values, vectors, back, matrix, first, pairs, bend)
 
 
-def near_steady(problem: Problem, *, always: bool = False) -> dict[str, Track | Refused]:
+def near_steady(
+    problem: Problem, *, always: bool = False, price: float = np.inf
+) -> dict[str, Track | Refused]:
     """The three rungs near the nearest steady motion, cheapest first.
 
     Parameters
@@ -187,6 +235,8 @@ def near_steady(problem: Problem, *, always: bool = False) -> dict[str, Track | 
         The problem.
     always
         Whether the closed forms are computed even where none can be fine enough.
+    price
+        Expected time of the full model [s].
 
     Returns
     -------
@@ -203,18 +253,19 @@ def near_steady(problem: Problem, *, always: bool = False) -> dict[str, Track | 
     if size > FAR:
         why = f"the start is {size:.2g} from {near.family}, the nearest steady motion"
         return dict.fromkeys(every, Refused(why, where))
-    if size**3 > problem.tolerance and size > problem.tolerance and not always:
+    if not always and _hopeless(problem, size):
         cube = f"{size:.2g}³ = {size**3:.2g} is above the tolerance"
         why = f"the start is {size:.2g} from {near.family}, and {cube}"
         return dict.fromkeys(every, Refused(why, where))
-    found = modes(problem, near.member, near.family)
-    if isinstance(found, Refused):
-        return dict.fromkeys(every, found)
-    growth = float(found.values.real.max(initial=0.0)) * problem.last
-    where["growth exponent to the horizon"] = growth
-    if growth > GROWTH or size * np.exp(min(growth, 700.0)) > FAR:
-        why = f"the linear deviation from {near.family} grows e^{growth:.3g} times"
+    if not always and _vain(problem, size, price):
+        why = "not tried: the full model is expected to take no longer"
         return dict.fromkeys(every, Refused(why, where))
+    found = modes(problem, near.member, near.family, always=always)
+    if isinstance(found, Refused):
+        return dict.fromkeys(every, Refused(found.why, where | found.indicators))
+    where["growth exponent to the horizon"] = (
+        float(found.values.real.max(initial=0.0)) * problem.last
+    )
     return _three(problem, found, where)
 
 

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from ..algebra.exact.number_fields import RATIONAL_AT
-from ..algebra.number_types import Algebra, casadi_algebra
-from ..algebra.program import Program
-from ..algebra.upright import Upright
-from .equations import Equations
+from ...algebra.exact.number_fields import RATIONAL_AT
+from ...algebra.number_types import Algebra, casadi_algebra
+from ...algebra.program import Program
+from ...algebra.upright import Upright
+from ..equations import Equations
+from .slopes import rates_and_slopes
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
 """Options for CasADi's root-finder, to the last digit; `Family` checks the root afterwards."""
+LARGE = 40_000
+"""Instructions times states above which slopes are folded on the way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,21 +67,38 @@ class Constants:
         """Values of the symbols, in the same order."""
         return list(self._symbols)
 
-    def algebra(self) -> Algebra:
-        """CasADi's own expressions with these constants."""
+    def algebra(self, met: list[tuple[str, Any]] | None = None, *, strict: bool = False) -> Algebra:
+        """CasADi's own expressions with these constants; `met` collects functions' arguments.
+
+        With `strict`, cos(0) is a symbol too, and so is 2 in √2: no number is left to be rounded.
+        """
         plain = casadi_algebra()
 
         def kept(name: str) -> Any:
             def apply(x: Any) -> Any:
-                known = isinstance(x, ca.SX) and x.is_constant()
-                if known and float(x) != RATIONAL_AT.get(name, (float(x), 0))[0]:
+                if met is not None:
+                    met.append((name, x))
+                if rounded(name, x):
                     x = ca.SX.sym("folded") if np.isnan(float(x)) else self._kept(float(x))
-                return plain.functions[name](x)
+                if strict and name == "sqrt" and isinstance(x, ca.SX) and x.is_constant():
+                    x = x if float(x) in (0, 1) else self._kept(float(x))
+                found = plain.functions[name](x)
+                return self(float(found)) if strict and ca.SX(found).is_constant() else found
 
             return apply
 
+        def power(x: Any, exponent: Any) -> Any:
+            if met is not None:
+                met.append(("pow", x))
+            return self._power(x, exponent)
+
+        def size(x: Any) -> Any:
+            if met is not None:
+                met.append(("fabs", x))
+            return ca.fabs(x)
+
         table = {name: kept(name) for name in plain.functions if name not in ("pow", "fabs")}
-        return Algebra("casadi", self, table | {"pow": self._power, "fabs": ca.fabs})
+        return Algebra("casadi", self, table | {"pow": power, "fabs": size})
 
     def _kept(self, value: float) -> ca.SX:
         """A number, also zero, as a symbol: acos(0) is not rational."""
@@ -91,6 +112,40 @@ class Constants:
         if number is not None and 2 * number == round(2 * number) and abs(number) < 2**20:
             return ca.power(x, number)
         return ca.power(x, exponent)
+
+
+def rounded(name: str, x: Any) -> bool:
+    """Whether CasADi's own number for a function of an argument may be wrong.
+
+    CasADi rounds functions of numbers as soon as it builds an expression, and gives
+    |x| a slope at 0.
+
+    Parameters
+    ----------
+    name
+        Name of the function.
+    x
+        Its argument.
+    """
+    known = isinstance(x, ca.SX) and x.is_constant()
+    if name in ("pow", "fabs"):
+        return bool(known or name == "fabs")
+    return bool(known and float(x) != RATIONAL_AT.get(name, (float(x), 0))[0])
+
+
+def exact_numbers(*outputs: ca.SX) -> bool:
+    """Whether every number in expressions is a small multiple of 2⁻²⁰, so that none was rounded.
+
+    Parameters
+    ----------
+    outputs
+        Expressions.
+    """
+    free = ca.symvar(ca.veccat(*outputs))
+    graph = ca.Function("numbers", [ca.vertcat(*free)], list(outputs))
+    codes = [i for i in range(graph.n_instructions()) if graph.instruction_id(i) == ca.OP_CONST]
+    values = [float(graph.instruction_constant(i)) for i in codes]
+    return all(abs(v) < 2.0**20 and (v * 2.0**20).is_integer() for v in values)
 
 
 class FamilyGraph:
@@ -119,7 +174,7 @@ class FamilyGraph:
 
         rates, slopes = self._read(table)
         residual = ca.vertcat(*[rates[i] for i in rows]) if rows else ca.SX(0, 1)
-        at_guess = self._read(guessed)
+        at_guess = self._read(guessed) if u else (rates, slopes)
         self.closed = bool(u) and all(at_guess[0][i].is_zero() for i in rows)
         """Whether the first guess solves the equations identically."""
         if self.closed:
@@ -133,19 +188,52 @@ class FamilyGraph:
         inputs = [*self._inputs, self._constants.column]
         return Program(ca.Function(name, inputs, list(outputs)), self._constants.values)
 
+    @cached_property
+    def _bare(self) -> Program:
+        system = self._system
+        return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
+
+    @cached_property
+    def _opened(self) -> tuple[ca.SX, ca.SX, list[tuple[str, Any]]]:
+        """Rates and Jacobian with numbers as symbols, and the functions with their arguments."""
+        system, bare = self._system, self._bare
+        entries = [ca.vertsplit(s) if s.numel() else [] for s in (system.x, system.p)]
+        met: list[tuple[str, Any]] = []
+        rhs = ca.vertcat(*bare.run(self._constants.algebra(met), entries)[0])
+        # constants are symbols, so nothing is rounded
+        return rhs, ca.jacobian(rhs, system.x), met
+
     def _read(self, values: Mapping[str, Any]) -> tuple[ca.SX, ca.SX]:
         """Rates and Jacobian with these values in place of the symbols, zeros folded."""
         system = self._system
-        algebra = self._constants.algebra()
-        bare = Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
-        entries = [ca.vertsplit(s) if s.numel() else [] for s in (system.x, system.p)]
-        rhs = ca.vertcat(*bare.run(algebra, entries)[0])
-        slopes_of = ca.jacobian(rhs, system.x)  # constants are symbols, so nothing is rounded
+        if self._bare.size * len(system.states) > LARGE:
+            return self._read_large(values)
+        rhs, slopes_of, met = self._opened
         numbers = self._constants.column
-        graph = Program(ca.Function("graph", [system.x, system.p, numbers], [rhs, slopes_of]))
+        inputs = [system.x, system.p, numbers]
         arguments = [[values[n] for n in names] for names in (system.states, system.parameters)]
-        rates, slopes = graph.run(algebra, [*arguments, ca.vertsplit(numbers)])
-        n = len(system.states)
+        arguments.append(ca.vertsplit(numbers))
+        plain = False
+        if not any(isinstance(v, Upright) for v in arguments[0]):
+            # CasADi's own evaluation is the same, and faster, where it rounds no number
+            asked = ca.vertcat(*[x for _, x in met]) if met else ca.SX(0, 1)
+            whole = ca.Function("graph", inputs, [rhs, slopes_of, asked])
+            f, jac, given = whole(*[ca.vertcat(*a) if a else ca.SX(0, 1) for a in arguments])
+            pairs = zip(met, ca.vertsplit(given) if met else [], strict=True)
+            plain = not any(rounded(n, x) for (n, _), x in pairs)
+            if plain and exact_numbers(f, jac):
+                return ca.densify(f), ca.sparsify(jac)
+        graph = Program(ca.Function("graph", inputs, [rhs, slopes_of]))
+        if not plain:
+            f, jac = self._run(graph, arguments, self._constants.algebra())
+        if plain or not exact_numbers(f, jac):
+            f, jac = self._run(graph, arguments, self._constants.algebra(strict=True))
+        return f, jac
+
+    def _run(self, graph: Program, arguments: list[Any], algebra: Algebra) -> tuple[ca.SX, ca.SX]:
+        """Rates and Jacobian by an algebra of CasADi's expressions."""
+        rates, slopes = graph.run(algebra, arguments)
+        n = len(self._system.states)
         f, jac = ca.SX(n, 1), ca.SX(n, n)
         for (i, _), value in zip(graph.places[0], rates, strict=True):
             f[i] = value
@@ -153,6 +241,22 @@ class FamilyGraph:
             jac[i, j] = value
         for i, j in self._zero:
             jac[i, j] = 0
+        return f, ca.sparsify(jac)
+
+    def _read_large(self, values: Mapping[str, Any]) -> tuple[ca.SX, ca.SX]:
+        """As `_read`, with each slope folded on the way."""
+        system, n = self._system, len(self._system.states)
+        given = [[values[n] for n in names] for names in (system.states, system.parameters)]
+        for strict in (False, True):
+            algebra = self._constants.algebra(strict=strict)
+            rates, slopes = rates_and_slopes(self._bare, algebra, *given)
+            jac = ca.SX(n, n)
+            for i, row in enumerate(slopes):
+                for j, value in row.items():
+                    jac[i, j] = value
+            f = ca.vertcat(*map(ca.SX, rates))
+            if exact_numbers(f, jac):
+                break
         return f, ca.sparsify(jac)
 
     @staticmethod
@@ -165,6 +269,7 @@ class FamilyGraph:
     def _equations(self, residual: ca.SX, state: ca.SX) -> None:
         """State, equations, their derivatives, and CasADi's root-finder for them."""
         a, u, q = self._inputs
+        self._unsolved = residual
         by_u = ca.jacobian(residual, u)
         dense = ca.densify(residual)
         self.state = self._program("state", state)
@@ -183,6 +288,15 @@ class FamilyGraph:
             self.finder = None  # None where the Jacobian is singular for all numbers
             if ca.sprank(by_u) == self._size:
                 self.finder = ca.rootfinder("root", "fast_newton", problem, FINDER)
+
+    @cached_property
+    def along(self) -> Program:
+        """Equations, and their slopes by the unknowns and by (family parameters, parameters)."""
+        residual, (a, u, q) = self._unsolved, self._inputs
+        return self._program(
+            "along", ca.densify(residual), ca.jacobian(residual, u),
+            ca.jacobian(residual, ca.vertcat(a, q)),
+        )  # fmt: skip
 
     def _conditions(self, table: Mapping[str, Any]) -> None:
         """The conditions without unknowns, to be checked before solving."""

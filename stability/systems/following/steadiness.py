@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..algebra.running_error import UNIT, RunningError, running_error_arrays
-from ..base.types import Floats
-from .family_graph import FamilyGraph
+from ...algebra.running_error import UNIT, RunningError, running_error_arrays
+from ...base.types import Floats
+from ..graph.family_graph import FamilyGraph
 
 GIVEN = 4 * UNIT
 """Relative error of a given number: two units in the last place."""

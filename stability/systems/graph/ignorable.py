@@ -22,13 +22,13 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from ..algebra.balls import precision
-from ..algebra.exact.function_field import FunctionField
-from ..algebra.exact.number_fields import EXACT, vanishes
-from ..algebra.number_types import balls
-from ..algebra.program import Program
-from ..base.errors import StabilityError
-from .equations import Equations
+from ...algebra.balls import precision
+from ...algebra.exact.function_field import FunctionField
+from ...algebra.exact.number_fields import EXACT, vanishes
+from ...algebra.number_types import balls
+from ...algebra.program import Program
+from ...base.errors import StabilityError
+from ..equations import Equations
 
 BITS = 200
 """Precision of the samples that show which independence an identity might prove."""

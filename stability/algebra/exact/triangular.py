@@ -1,0 +1,313 @@
+"""Systems of polynomial equations brought to triangular form, on the branch of given samples.
+
+Unknowns that occur linearly are solved for.  Of the others each keeps one equation, by which
+powers of this unknown are reduced.  An equation that factors keeps the factor that vanishes at the
+samples, so the result holds on one branch; the polynomials that must not vanish are recorded.
+
+Source: W.-T. Wu, J. Autom. Reason. 2 (1986) 221-252 (characteristic sets by pseudo-division).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from .function_field import Expression, FunctionField
+from .hurwitz_forms import Budget, by_power, factors
+from .number_fields import NotExact
+
+MOST_STEPS = 200
+"""Most steps of elimination."""
+
+
+class RecordingField(FunctionField):
+    """A function field that records the meaning of each function's indeterminate.
+
+    Parameters
+    ----------
+    names
+        Names of the first indeterminates.
+    budget
+        Limits of the work.
+    """
+
+    def __init__(self, names: Sequence[str], budget: Budget) -> None:
+        super().__init__(names)
+        self.budget = budget
+        self.meaning: dict[int, tuple[str, Expression, Any]] = {}
+        """(function, argument, divisor with the same sign or None) by index of indeterminate."""
+
+    def _watch(self, *polynomials: Any) -> None:
+        self.budget.watch(*polynomials)
+
+    def root(self, kind: str, square: Any, over: Any = None) -> Expression:
+        """An indeterminate whose square is a polynomial."""
+        before = self._used
+        found = super().root(kind, square, over)
+        if self._used > before:
+            self.meaning[before] = ("sqrt", Expression(self, square, self.one), over)
+        return found
+
+    def of_argument(self, name: str, x: Expression) -> Any:
+        """A function at an expression as an indeterminate."""
+        before = self._used
+        found = super().of_argument(name, x)
+        for (atom, _), generator in list(self._atoms.items()):
+            index = next(i for i, d in enumerate(generator.degrees()) if d)
+            if index >= before and index not in self.meaning:
+                turned = atom in ("sin", "cos", "sinh", "cosh")
+                turned = turned and x.num.leading_coefficient() < 0
+                self.meaning[index] = (atom, -x if turned else x, None)
+        return found
+
+    def generator(self, index: int) -> Any:
+        """An indeterminate as a polynomial."""
+        return self._gens[index]
+
+    @property
+    def squares(self) -> dict[int, Any]:
+        """The known square of each indeterminate, by index; changes take effect."""
+        return self._relations
+
+    def uses(self, index: int) -> set[int]:
+        """Indices of all indeterminates on which one depends through its argument."""
+        if index not in self.meaning:
+            return {index}
+        _, x, over = self.meaning[index]
+        direct = occurring(x.num) | occurring(x.den) | (set() if over is None else occurring(over))
+        return {index}.union(*(self.uses(i) for i in direct))
+
+
+def occurring(poly: Any) -> set[int]:
+    """Indices of the variables that occur in a polynomial."""
+    return {i for i, d in enumerate(poly.degrees()) if d} if poly != 0 else set()
+
+
+def inserted(field: FunctionField, poly: Any, index: int, value: Expression) -> Expression:
+    """A polynomial with an expression in place of one indeterminate.
+
+    Parameters
+    ----------
+    field
+        The function field.
+    poly
+        The polynomial.
+    index
+        Index of the indeterminate.
+    value
+        The expression.
+    """
+    parts = by_power(poly, index) if poly != 0 else {}
+    degree = max(parts, default=0)
+    if degree == 0:
+        return field.quotient(poly, field.one)
+    top = field.ring.constant(0)
+    for power, part in parts.items():
+        top = top + field.reduced(part * value.num**power * value.den ** (degree - power))
+    return field.quotient(top, value.den**degree)
+
+
+def remainder(
+    poly: Any, divisor: Any, index: int, reduced: Callable[[Any], Any] = lambda p: p
+) -> tuple[Any, Any, int]:
+    """Pseudo-remainder in one variable.
+
+    Parameters
+    ----------
+    poly, divisor
+        Polynomials.
+    index
+        Index of the variable.
+    reduced
+        Function that brings a polynomial to its normal form.
+
+    Returns
+    -------
+    rest, lead, count
+        lead^count · poly is rest modulo the divisor.
+    """
+    x = divisor.context().gens()[index]
+    below = by_power(divisor, index)
+    degree = max(below)
+    lead, tail = below[degree], divisor - below[degree] * x**degree
+    count = 0
+    while poly != 0:
+        parts = by_power(poly, index)
+        high = max(parts)
+        if high < degree:
+            break
+        shifted = parts[high] * x ** (high - degree)
+        rest = poly - parts[high] * x**high
+        if lead.is_constant():
+            poly = reduced(rest - shifted * tail / lead.leading_coefficient())
+        else:
+            poly, count = reduced(rest * lead - shifted * tail), count + 1
+    return poly, lead, count
+
+
+class Triangular:
+    """Equations in triangular form.
+
+    Parameters
+    ----------
+    field
+        The field of the equations.
+    equations
+        Polynomials that vanish.
+    unknowns
+        Indices of the indeterminates that depend on the equations.
+    vanishes
+        Function from a polynomial to True (zero at every sample), False (at none) or None.
+    """
+
+    def __init__(
+        self,
+        field: RecordingField,
+        equations: Sequence[Any],
+        unknowns: set[int],
+        vanishes: Callable[[Any], bool | None],
+    ) -> None:
+        self.field, self.unknowns, self._vanishes = field, unknowns, vanishes
+        self.solved: dict[int, Expression] = {}
+        """Unknowns in closed form, by index."""
+        self.kept: list[tuple[int, Any]] = []
+        """(index of the unknown, its equation), in the order of reduction."""
+        self.nonzero: list[Any] = []
+        """Polynomials that do not vanish on this branch."""
+        self._open = list(equations)
+        for index in [i for i in field.squares if i in unknowns]:
+            self._open.append(field.generator(index) ** 2 - field.squares.pop(index))
+        for _ in range(MOST_STEPS):
+            if not self._step():
+                return
+        raise NotExact("the elimination does not end")
+
+    def _step(self) -> bool:
+        self._open = [self._branch(f) for f in map(self.field.reduced, self._open) if f != 0]
+        return bool(self._open) and (self._linear() or self._lower())
+
+    def _branch(self, equation: Any) -> Any:
+        """The factors of an equation that vanish at the samples."""
+        out = self.field.one
+        for factor, _ in factors(equation)[1]:
+            state = self._vanishes(factor)
+            if state is False:
+                self._exclude(factor)
+            elif state:
+                out = out * factor
+            else:
+                raise NotExact("the samples lie on several branches")
+        if out.is_constant():
+            raise NotExact("the equations contradict each other")
+        return out
+
+    def _exclude(self, poly: Any) -> None:
+        if not poly.is_constant() and poly not in self.nonzero:
+            self.nonzero.append(poly)
+
+    def _linear(self) -> bool:
+        """Solve one equation that is linear in an unknown."""
+        best: tuple[Any, ...] | None = None
+        for place, equation in enumerate(self._open):
+            for index in occurring(equation) & self.unknowns:
+                parts = by_power(equation, index)
+                if max(parts) > 1:
+                    continue
+                lead = parts[1]
+                cost = (not lead.is_constant(), len(equation), -index)
+                if (best is None or cost < best[0]) and self._vanishes(lead) is False:
+                    best = (cost, place, index, parts)
+        if best is None:
+            return False
+        _, place, index, parts = best
+        del self._open[place]
+        self._exclude(parts[1])
+        tail = parts.get(0, self.field.ring.constant(0))
+        self._solve(index, self.field.quotient(-tail, parts[1]))
+        return True
+
+    def _solve(self, index: int, value: Expression) -> None:
+        self._open = [inserted(self.field, f, index, value).num for f in self._open]
+        self.kept = [(i, inserted(self.field, f, index, value).num) for i, f in self.kept]
+        self.nonzero = [f for f in self.nonzero if index not in occurring(f)] + [
+            g for f in self.nonzero if index in occurring(f)
+            for g in [inserted(self.field, f, index, value).num] if not g.is_constant()
+        ]  # fmt: skip
+        for other, known in self.solved.items():
+            top = inserted(self.field, known.num, index, value)
+            bottom = inserted(self.field, known.den, index, value)
+            self.solved[other] = top / bottom
+        self.solved[index] = value
+
+    def _lower(self) -> bool:
+        """Reduce the equations of one unknown by the one of least degree, or keep the last one."""
+        taken = {i for i, _ in self.kept}
+        candidates = set().union(*map(occurring, self._open)) & self.unknowns - taken
+        if not candidates:
+            raise NotExact("an equation is left without an unknown")
+
+        def effort(index: int) -> tuple[int, int, int]:
+            having = [f for f in self._open if index in occurring(f)]
+            return len(having), min(f.degrees()[index] for f in having), -index
+
+        index = min(candidates, key=effort)
+        having = sorted(
+            (f for f in self._open if index in occurring(f)),
+            key=lambda f: (f.degrees()[index], len(f)),
+        )
+        divisor = having[0]
+        others = [f for f in self._open if f is not divisor]
+        degree = divisor.degrees()[index]
+        lead = by_power(divisor, index)[degree]
+        if self._vanishes(lead) is not False:
+            raise NotExact("a leading coefficient vanishes")
+        self._exclude(lead)
+        if len(having) == 1:
+            self.kept.append((index, divisor))
+            self._open = others
+            return True
+        self._open = [divisor] + [
+            remainder(f, divisor, index, self.field.reduced)[0]
+            if f.degrees()[index] >= degree
+            else f
+            for f in others
+        ]
+        return True
+
+    def value(self, expression: Expression) -> Expression:
+        """An expression with the solved unknowns inserted.
+
+        Parameters
+        ----------
+        expression
+            The expression.
+        """
+        for index, known in self.solved.items():
+            if index in occurring(expression.num) | occurring(expression.den):
+                top = inserted(self.field, expression.num, index, known)
+                bottom = inserted(self.field, expression.den, index, known)
+                expression = top / bottom
+        return expression
+
+    def settle(self) -> None:
+        """Reduce squares by kept equations from now on, where these are pure and monic."""
+        for index, equation in list(self.kept):
+            parts = by_power(equation, index)
+            if set(parts) <= {0, 2} and parts[2].is_constant():
+                self.field.squares[index] = -parts.get(0, 0) / parts[2].leading_coefficient()
+                # the equation itself stays in `kept` for those who print it
+
+    def reduce(self, polynomials: Sequence[Any]) -> list[Any]:
+        """Polynomials modulo the kept equations, all times the same nonzero polynomial.
+
+        Parameters
+        ----------
+        polynomials
+            Polynomials.
+        """
+        out = [self.field.reduced(p) for p in polynomials]
+        for index, equation in self.kept:
+            found = [remainder(p, equation, index, self.field.reduced) for p in out]
+            most = max((count for _, _, count in found), default=0)
+            out = [self.field.reduced(p * lead ** (most - count)) for p, lead, count in found]
+        return out

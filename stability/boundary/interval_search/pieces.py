@@ -1,0 +1,208 @@
+"""An axis cut into pieces: each is proved to hold no meeting with the imaginary axis, or one.
+
+Source: tests/boundary/test_interval_search.py.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
+
+from ...algebra.balls import precision
+from ...base.errors import NoMemberError, StabilityError
+from ...systems.structure.multiplicity import certain
+from ...systems.structure.structural_zeros import structure
+from ..brackets import BITS, AxisScan
+from .blocks import NoValueError
+from .meetings import Meetings
+
+MOST_PIECES = 1200
+"""Largest number of pieces for a system of few states."""
+MOST_WORK = 400_000
+"""Largest number of pieces times the cube of the number of states."""
+MOST_LOST = 200
+"""Largest number of pieces that are cut because members are missing, or on several branches."""
+MOST_STATES = 16
+"""Largest number of states in one block of the linearisation."""
+FINEST = 2.0**-46
+"""Width of the smallest piece, relative to the interval's largest number."""
+CUT = 0.4916015625
+"""Share of a piece at which it is cut: no simple number, since boundaries often are."""
+EXPLORED = 1 / 16
+"""Share of the interval up to which a piece is cut although no member was found in it."""
+
+TOUCH = (
+    "an eigenvalue may touch the imaginary axis here without crossing it, or several may meet it "
+    "too near to each other"
+)
+NO_MEMBER = "no unique steady motion is proved here: there is none, or two of them meet"
+NO_VALUE = "the linearisation has no value, or no finite enclosure, somewhere here"
+BRANCH = "the root-finder passes to another steady motion here, so the members are not one family"
+ALONG = "an eigenvalue stays on the imaginary axis along all of it, as far as {bits} bits show"
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """A piece of the axis at which the search ended."""
+
+    low: float
+    """Low end."""
+    high: float
+    """High end."""
+    meetings: int | None
+    """Number of simple meetings with the imaginary axis in it; None where this is not proved."""
+    reason: str = ""
+    """Reason why nothing is proved."""
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """What was proved along an axis."""
+
+    leaves: tuple[Leaf, ...]
+    """Leaves in increasing order, neighbours alike joined; from `low` to `high` without a gap."""
+    low: float
+    """Low end of what was searched: the interval's, or a little below it."""
+    high: float
+    """High end."""
+    count: int
+    """Number of pieces that were examined."""
+
+
+def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pieces:
+    """Proof along an axis of where an eigenvalue meets the imaginary axis, and where none does.
+
+    Parameters
+    ----------
+    line
+        The line.
+    low, high
+        Ends of the interval.
+    log
+        Whether pieces are cut at equal ratios.
+
+    Returns
+    -------
+    Pieces
+    """
+    try:
+        found = _meetings(line)
+    except StabilityError as error:
+        found = str(error)
+    if isinstance(found, str):
+        return Pieces((Leaf(low, high, None, found),), low, high, 0)
+    tests = [low + share * (high - low) for share in (0.2718, 0.5772, 0.8541)]
+    if not any(found.clear(v) for v in tests) and any(found.root(v) is not None for v in tests):
+        reason = ALONG.format(bits=BITS)
+        return Pieces((Leaf(low, high, None, reason),), low, high, len(tests))
+    least = FINEST * max(abs(low), abs(high))
+    ends = _beyond(found, low, -least), _beyond(found, high, least)
+    leaves, count = _Search(found, *ends, least, log=log and ends[0] > 0).run()
+    return Pieces(tuple(_joined(leaves)), *ends, count)
+
+
+def _meetings(line: AxisScan) -> Meetings | str:
+    family = line.problem.family
+    zeros = structure(family).zeros
+    if not line.problem.derived and not certain(family):
+        return "the number of eigenvalues that are zero by structure is not proved for all members"
+    found = Meetings(line, zeros)
+    largest = max(map(len, found.blocks))
+    if largest > MOST_STATES:
+        return (
+            f"the linearisation has a block of {largest} states; pieces are proved up to "
+            f"{MOST_STATES}"
+        )
+    return found
+
+
+def _beyond(found: Meetings, end: float, step: float) -> float:
+    """The end, or a number a little beyond where an eigenvalue is on the axis at the end itself."""
+    if found.root(end) is None or found.clear(end):
+        return end
+    for factor in (5.3, 37.1, 1021.7):
+        if found.clear(end + factor * step):
+            return end + factor * step
+    return end
+
+
+class _Search:
+    """Pieces in the order of their width, widest first."""
+
+    def __init__(
+        self, found: Meetings, low: float, high: float, least: float, *, log: bool
+    ) -> None:
+        self.found, self.low, self.high = found, low, high
+        self.least, self.log = least, log
+        self.most = min(MOST_PIECES, MOST_WORK // max(map(len, found.blocks)) ** 3)
+        self.lost = 0
+
+    def run(self) -> tuple[list[Leaf], int]:
+        """The leaves, not in order, and the number of pieces."""
+        heap = [(-self._width(self.low, self.high), self.low, self.high, "")]
+        leaves, count = [], 0
+        while heap:
+            _, low, high, reason = heapq.heappop(heap)
+            if count >= self.most:
+                why = f"the budget of {self.most} pieces ended" + (reason and f"; {reason}")
+                leaves.append(Leaf(low, high, None, why))
+                continue
+            count += 1
+            leaf = self._examined(low, high)
+            cut = self._cut(low, high)
+            if leaf.meetings in (0, 1) or not self._divisible(leaf, cut):
+                leaves.append(leaf)
+                continue
+            for part in ((low, cut), (cut, high)):
+                heapq.heappush(heap, (-self._width(*part), *part, leaf.reason))
+        return leaves, count
+
+    def _width(self, low: float, high: float) -> float:
+        return math.log(high / low) if self.log else high - low
+
+    def _cut(self, low: float, high: float) -> float:
+        if self.log:
+            return low * math.exp(CUT * math.log(high / low))
+        return low + (high - low) * CUT
+
+    def _divisible(self, leaf: Leaf, cut: float) -> bool:
+        width = leaf.high - leaf.low
+        if width <= self.least or not leaf.low < cut < leaf.high:
+            return False
+        if leaf.reason in (NO_MEMBER, BRANCH):
+            self.lost += 1
+            if self.lost > MOST_LOST:
+                return False
+        if leaf.reason == NO_MEMBER and width < EXPLORED * (self.high - self.low):
+            return any(self.found.root(v) is not None for v in (leaf.low, cut, leaf.high))
+        return True
+
+    def _examined(self, low: float, high: float) -> Leaf:
+        try:
+            with precision(BITS):
+                piece = self.found.piece(low, high)
+                if not self.found.joined(piece):
+                    return Leaf(low, high, None, BRANCH)
+                count = self.found.zeros_in(piece)
+        except NoMemberError:
+            return Leaf(low, high, None, NO_MEMBER)
+        except (NoValueError, ZeroDivisionError, OverflowError):
+            return Leaf(low, high, None, NO_VALUE)
+        except StabilityError as error:
+            return Leaf(low, high, None, str(error))
+        return Leaf(low, high, count, TOUCH if count is None or count > 1 else "")
+
+
+def _joined(leaves: list[Leaf]) -> Iterator[Leaf]:
+    """Leaves in order; neighbours without meetings as one, and so neighbours without a proof."""
+    ordered = sorted(leaves, key=lambda leaf: leaf.low)
+    for meetings, group in groupby(ordered, key=lambda leaf: leaf.meetings):
+        some = list(group)
+        if meetings:
+            yield from some
+        else:
+            reasons = dict.fromkeys(leaf.reason for leaf in some if leaf.reason)
+            yield Leaf(some[0].low, some[-1].high, meetings, "; or ".join(reasons))

@@ -1,0 +1,205 @@
+"""Taylor forms in one variable: coefficients at the midpoint, and a remainder over the piece.
+
+A form of order K on a piece [m - h, m + h] is a list of K + 1 balls (or matrices of balls).  With
+t = (p - m)/h from -1 to 1, the function lies in c₀ + c₁ t + … + c_K t^K, where c_K is a ball that
+holds the K-th Taylor coefficient at every p of the piece.
+
+Source: R. E. Moore, Methods and Applications of Interval Analysis (1979), ch. 3;
+tests/boundary/test_interval_search.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import lru_cache
+from typing import Any
+
+from flint import arb, arb_series, ctx
+
+from ...algebra.number_types import UNARY, Algebra
+
+UNIT = arb(0, 1)
+"""Every t of a piece."""
+HALF = arb(0.5, 0.5)
+"""Every even power of t."""
+
+
+@contextmanager
+def terms(count: int) -> Iterator[None]:
+    """A context in which power series have a given number of terms; within `precision` only.
+
+    Parameters
+    ----------
+    count
+        Number of terms.
+    """
+    before = ctx.cap
+    ctx.cap = count
+    try:
+        yield
+    finally:
+        ctx.cap = before
+
+
+def coefficient(value: Any, index: int) -> Any:
+    """A Taylor coefficient of a series or of a number.
+
+    Parameters
+    ----------
+    value
+        `arb_series`, or a number.
+    index
+        Power of the variable.
+    """
+    if isinstance(value, arb_series):
+        return value[index]
+    return arb(value) if index == 0 else arb(0)
+
+
+# --- functions of series ---
+
+
+def _composed(x: Any, outer: Callable[[Any, int], list[Any]]) -> Any:
+    """f(x) for a series x, from the Taylor coefficients of f at its constant term."""
+    rest = arb_series([0, *[x[k] for k in range(1, ctx.cap)]])
+    out = arb_series([0])
+    for c in reversed(outer(x[0], ctx.cap)):
+        out = out * rest + c
+    return out
+
+
+def _hyperbolic(first: str, second: str) -> Callable[[Any], Any]:
+    def outer(at: Any, count: int) -> list[Any]:
+        values = getattr(at, first)(), getattr(at, second)()
+        out, factorial = [], arb(1)
+        for k in range(count):
+            factorial = factorial * max(k, 1)
+            out.append(values[k % 2] / factorial)
+        return out
+
+    return lambda x: _composed(x, outer) if isinstance(x, arb_series) else getattr(x, first)()
+
+
+def _tanh(x: Any) -> Any:
+    def outer(at: Any, count: int) -> list[Any]:
+        out = [at.tanh(), 1 / at.cosh() ** 2]
+        for k in range(1, count):  # y' = 1 - y²
+            out.append(-sum((out[i] * out[k - i] for i in range(k + 1)), arb(0)) / (k + 1))
+        return out[:count]
+
+    return _composed(x, outer) if isinstance(x, arb_series) else arb(x).tanh()
+
+
+def _fabs(x: Any) -> Any:
+    if not isinstance(x, arb_series):
+        return abs(arb(x))
+    if x[0] > 0:
+        return x
+    if x[0] < 0:
+        return -x
+    return arb_series([abs(x[0]), *[arb("nan")] * (ctx.cap - 1)])
+
+
+def _power(x: Any, y: Any) -> Any:
+    if not isinstance(x, arb_series) and not isinstance(y, arb_series):
+        return arb(x) ** arb(y)
+    if not isinstance(y, arb_series):
+        twice = 2 * arb(y)
+        if twice.is_integer() and abs(twice) < 128:
+            count = int(float(twice))
+            base = x.sqrt() if count % 2 else x
+            power = base ** (abs(count) if count % 2 else abs(count) // 2)
+            return power if count >= 0 else 1 / power
+    return (y * _plain("log")(x)).exp()
+
+
+def _plain(name: str) -> Callable[[Any], Any]:
+    def apply(x: Any) -> Any:
+        return getattr(x if isinstance(x, arb_series) else arb(x), name)()
+
+    return apply
+
+
+@lru_cache(maxsize=1)
+def series_algebra() -> Algebra:
+    """Power series with balls as coefficients, as long as `terms` says.
+
+    Examples
+    --------
+    >>> with terms(2):
+    ...     y = series_algebra().functions["tanh"](arb_series([0, 1]))
+    >>> float(y[0]), float(y[1])
+    (0.0, 1.0)
+    """
+    table: dict[str, Callable[..., Any]] = {n: _plain(n) for n in UNARY}
+    table |= {"sinh": _hyperbolic("sinh", "cosh"), "cosh": _hyperbolic("cosh", "sinh")}
+    return Algebra("series", arb, table | {"tanh": _tanh, "pow": _power, "fabs": _fabs})
+
+
+# --- forms ---
+
+
+def product(p: Sequence[Any], q: Sequence[Any], *, fold: bool) -> list[Any]:
+    """Product of two forms of the same order.
+
+    Parameters
+    ----------
+    p, q
+        Coefficients: balls, or matrices of balls.
+    fold
+        Whether higher powers join the last coefficient.  Without this the lists are truncated
+        series at one unknown point of the piece.
+    """
+    top = len(p) - 1
+    out = []
+    for k in range(top + 1):
+        total = p[0] * q[k]
+        for i in range(1, k + 1):
+            total = total + p[i] * q[k - i]
+        out.append(total)
+    for k in range(top + 1, 2 * top + 1) if fold else ():
+        total = p[k - top] * q[top]
+        for i in range(k - top + 1, top + 1):
+            total = total + p[i] * q[k - i]
+        out[top] = out[top] + total * (HALF if (k - top) % 2 == 0 else UNIT)
+    return out
+
+
+def quotient(p: Sequence[Any], q: Sequence[Any], *, fold: bool) -> list[Any]:
+    """Quotient of two forms of balls of the same order.
+
+    Parameters
+    ----------
+    p, q
+        Coefficients; no value of q is zero, otherwise the result is not finite.
+    fold
+        As for `product`.
+    """
+    inverse = [1 / q[0]]
+    for k in range(1, len(q)):
+        total = sum((q[i] * inverse[k - i] for i in range(1, k + 1)), arb(0))
+        inverse.append(-total * inverse[0])
+    if fold and len(q) > 1:
+        # 1/q = s + (1 - q s)/q, where s is the truncated series
+        short = [*inverse[:-1], arb(0)]
+        left = product(q, short, fold=True)
+        rest = [1 - left[0], *[-c for c in left[1:]]]
+        # its first coefficients vanish by construction: what remains is of the last order
+        tail = rest[-1] / span(q)
+        inverse = [*inverse[:-1], tail]
+    return product(p, inverse, fold=fold)
+
+
+def span(form: Sequence[Any]) -> Any:
+    """A ball that holds every value of a form of balls over its piece.
+
+    Parameters
+    ----------
+    form
+        Coefficients.
+    """
+    total = form[0]
+    for k, c in enumerate(form[1:], 1):
+        total = total + c * (HALF if k % 2 == 0 else UNIT)
+    return total

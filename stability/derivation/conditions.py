@@ -1,0 +1,387 @@
+"""`conditions`: exact conditions of stability for any family, with the proof of each sign."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq, fmpq_poly
+from numpy.typing import ArrayLike
+
+from ..algebra.balls import precision
+from ..algebra.exact.hurwitz_forms import Budget, TooLarge
+from ..algebra.exact.number_fields import NotExact, rational
+from ..algebra.exact.routh import on_the_axis
+from ..algebra.polynomial import Polynomial
+from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
+from ..base.checks import instance, known, one_number, rows, whole_number
+from ..base.checks import positive as above_zero
+from ..base.errors import ParameterError, StabilityError, shown
+from ..base.verdict import Verdict, best
+from ..systems.family import Family
+from ..systems.structure.structural_zeros import structure
+from .general.deduction import Deduction, domain_of
+from .general.elimination import Reading, whole
+from .general.records import Factor, SignCondition, Variable, Witness
+
+MOST_TERMS = 4000
+"""Largest number of terms of a polynomial; beyond it the work ends."""
+SECONDS = 60.0
+"""Time after which the work ends."""
+BITS = (128, 512, 2048)
+"""Precisions of the balls in which signs at a member are sought."""
+
+
+@dataclass(frozen=True, eq=False)
+class Conditions:
+    """Exact conditions of stability of a family: polynomials, what decides, boundaries, proofs.
+
+    Every polynomial has integer coefficients.  Numbers of the graph are the exact ratios of their
+    doubles.
+    """
+
+    family: Family
+    """The family."""
+    given: Mapping[str, Fraction]
+    """Parameters that have a number."""
+    variables: tuple[Variable, ...]
+    """Variables of the polynomials."""
+    domain: tuple[str, ...]
+    """What is assumed of the variables, such as `v > 0`."""
+    relations: tuple[tuple[str, Polynomial], ...]
+    """(variable, polynomial that vanishes): sin² + cos² = 1, equations of unknowns."""
+    solved: tuple[tuple[str, str], ...]
+    """(unknown or function, its closed form)."""
+    nonzero: tuple[Polynomial, ...]
+    """Polynomials that do not vanish at a member of this branch."""
+    zeros: int
+    """Power of λ in the characteristic polynomial: zeros by structure."""
+    factors: tuple[Factor, ...]
+    """The other factors over Q."""
+    conditions: tuple[SignCondition, ...]
+    """The conditions of every factor, those that decide first."""
+    left_out: tuple[str, ...]
+    """What was too large, one sentence each."""
+    degree: int
+    """Degree of the characteristic polynomial in λ."""
+    terms: int
+    """Largest number of terms of a polynomial on the way."""
+    seconds: float
+    """Time of the derivation."""
+    _deduction: Deduction
+
+    @property
+    def deciding(self) -> tuple[SignCondition, ...]:
+        """Conditions whose sign decides the verdict."""
+        return tuple(c for c in self.conditions if c.decides)
+
+    @property
+    def boundaries(self) -> tuple[SignCondition, ...]:
+        """Conditions at whose zeros the verdict may change: static, then flutter."""
+        order = {"static": 0, "flutter": 1}
+        found = [c for c in self.deciding if c.kind in order]
+        return tuple(sorted(found, key=lambda c: order[c.kind]))
+
+    @property
+    def rule(self) -> str:
+        """The verdict in one sentence."""
+        even = any(f.even for f in self.factors) or self._extra_zeros > 0
+        word = best(even=even).word
+        asked = [f"{c.polynomial} > 0" for c in self.deciding]
+        if self.left_out:
+            return f"The conditions are incomplete: {self.left_out[0]}."
+        if any(c.status == "negative" for c in self.deciding):
+            return "Unstable at every member of the domain."
+        if any(c.status == "zero" for c in self.deciding):
+            return "Never stable: a condition is zero at every member of the domain."
+        if not asked:
+            return f"{word.capitalize()} at every member of the domain."
+        if len(asked) == 1:
+            return f"{word.capitalize()} where {asked[0]}; unstable where it is negative."
+        joined = " and ".join(asked)
+        return f"{word.capitalize()} where {joined}; unstable where one of these is negative."
+
+    @property
+    def _extra_zeros(self) -> int:
+        return max(0, self.zeros - self._deduction.structural)
+
+    # --- at points ---
+
+    def decide(self, values: Mapping[str, Any]) -> Verdict:
+        """The verdict from the conditions at numbers for the variables.
+
+        Parameters
+        ----------
+        values
+            A rational (integer, Fraction, double) or ball for each of `variables`.
+
+        Returns
+        -------
+        Verdict
+            Undecided where a ball leaves a sign open.
+
+        Raises
+        ------
+        ParameterError
+            If a number is missing.
+        DomainError
+            If the point is outside the domain, or no member of this branch.
+
+        Examples
+        --------
+        >>> import casadi as ca, stability as st
+        >>> x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+        >>> system = st.System("oscillator", x, c, ca.vertcat(x[1], -x[0] - c * x[1]),
+        ...                    states=("q", "v"), parameters=("c",))
+        >>> rest = st.Family(system, "rest", at=("c",), held={"q": 0, "v": 0})
+        >>> st.conditions(rest).decide({"c": Fraction(-1, 3)}).word
+        'unstable'
+        """
+        names = [v.name for v in self.variables]
+        for name in names:
+            if name not in values:
+                raise ParameterError(f"{name} is missing; give a number for {', '.join(names)}.")
+        point = [_exact(values[n], n) for n in names]
+        if not self._deduction.members.check(point):
+            return Verdict.UNDECIDED
+        signs = [_sign(c.polynomial(*point)) for c in self.deciding]
+        if -1 in signs:
+            return Verdict.UNSTABLE
+        even = any(f.even for f in self.factors) or self._extra_zeros > 0
+        if not self.left_out and all(s == 1 for s in signs):
+            return best(even=even)
+        if all(isinstance(v, fmpq) for v in point):
+            polys = [[fmpq(c(*point)) for c in f.coefficients] for f in self.factors]
+            zeros = [fmpq_poly([0, 1])] * self._extra_zeros
+            return on_the_axis([*map(fmpq_poly, polys), *zeros])
+        return self._by_routh(point, best(even=even)) if self.left_out else Verdict.UNDECIDED
+
+    def _by_routh(self, point: Sequence[Any], good: Verdict) -> Verdict:
+        """The verdict from Routh's array in balls, where determinants were too large."""
+        signs = []
+        for factor in self.factors:
+            balls = [arb(c(*point)) for c in factor.coefficients]
+            turned = [c if balls[-1] > 0 else -c for c in balls]
+            known = bool(turned[-1] > 0)
+            signs.append(hurwitz_sign(verdict_polynomial(turned, 0, factor.even)) if known else 0)
+        if -1 in signs:
+            return Verdict.UNSTABLE
+        return Verdict.UNDECIDED if 0 in signs else good
+
+    def values(self, at: ArrayLike, **parameters: float) -> dict[str, Any]:
+        """Values of the variables at a member: rationals, or balls where these are irrational.
+
+        Parameters
+        ----------
+        at
+            The member, one number for each of the family's `at`.
+        **parameters
+            The system's other parameters.
+
+        Returns
+        -------
+        dict
+            By name of the variable, at the current precision of python-flint.
+
+        Raises
+        ------
+        NoMemberError
+            If there is no such member, or none is proved to exist.
+        """
+        point = self._point(at, parameters)
+        return dict(
+            zip(
+                (v.name for v in self.variables), self._deduction.members.values(point), strict=True
+            )
+        )
+
+    def verdict(self, at: ArrayLike, **parameters: float) -> Verdict:
+        """The verdict from the conditions at a member.
+
+        Parameters
+        ----------
+        at, **parameters
+            As in `values`.
+
+        Returns
+        -------
+        Verdict
+
+        Raises
+        ------
+        DomainError
+            If the member is outside the domain, or on another branch.
+        NoMemberError
+            If there is no such member, or none is proved to exist.
+        """
+        found = Verdict.UNDECIDED
+        for bits in BITS:
+            with precision(bits):
+                found = self.decide(self.values(at, **parameters))
+            if found is not Verdict.UNDECIDED:
+                break
+        return found
+
+    def _point(self, at: ArrayLike, parameters: Mapping[str, float]) -> dict[str, Any]:
+        a = rows("at", np.atleast_1d(np.asarray(at, dtype=object)), self.family.at)
+        if a.ndim != 1:
+            raise ParameterError(f"at has shape {a.shape}; give one member.")
+        point = {n: rational(v) for n, v in zip(self.family.at, a, strict=True)}
+        for name, value in parameters.items():
+            known("parameter", name, self.family.parameters)
+            point[name] = rational(one_number(name, value))
+        for name in self.family.parameters:
+            if name in self.given:
+                own = fmpq(self.given[name].numerator, self.given[name].denominator)
+                if point.setdefault(name, own) != own:
+                    raise ParameterError(f"{name} is {float(self.given[name]):g} here; leave it.")
+            if name not in point:
+                raise ParameterError(f"{name} is missing; give a number.")
+        return point
+
+
+def _exact(value: Any, name: str) -> Any:
+    if isinstance(value, (int, Fraction)):
+        return fmpq(value.numerator, value.denominator)
+    if isinstance(value, float):
+        return rational(one_number(name, value))
+    return value
+
+
+def _sign(value: Any) -> int | None:
+    return 1 if value > 0 else -1 if value < 0 else 0 if value == 0 else None
+
+
+def conditions(
+    family: Family,
+    *,
+    positive: Sequence[str] = (),
+    between: Mapping[str, tuple[float, float]] | None = None,
+    terms: int = MOST_TERMS,
+    seconds: float = SECONDS,
+    **parameters: float,
+) -> Conditions:
+    """Exact conditions of stability of a family, over Q.
+
+    Parameters
+    ----------
+    family
+        A family whose Jacobian is algebraic in parameters, states, and functions of these.
+    positive
+        Names of parameters, family parameters or unknowns that are positive.
+    between
+        Open intervals by name; an end may be infinite.
+    terms
+        Largest number of terms of a polynomial.
+    seconds
+        Longest time [s].
+    **parameters
+        Numbers of some of the system's parameters; the others stay variables.
+
+    Returns
+    -------
+    Conditions
+
+    Raises
+    ------
+    NameUnknownError, ParameterError
+        If a name or an interval does not fit.
+    StabilityError
+        If the characteristic polynomial is too large, or its zeros by structure are not proved.
+
+    Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV §§ 6, 13 (Liénard & Chipart);
+    the hand formulas in tests/derivation/test_conditions.py.
+
+    Examples
+    --------
+    >>> import casadi as ca, stability as st
+    >>> x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    >>> system = st.System("oscillator", x, c, ca.vertcat(x[1], -x[0] - c * x[1]),
+    ...                    states=("q", "v"), parameters=("c",))
+    >>> rest = st.Family(system, "rest", at=("c",), held={"q": 0, "v": 0})
+    >>> conditions(rest).rule
+    'Stable where c > 0; unstable where it is negative.'
+    """
+    instance("family", family, Family, "give a stability.Family")
+    intervals = _intervals(family, positive, between or {})
+    values = {known("parameter", n, family.parameters): rational(one_number(n, v))
+              for n, v in parameters.items()}  # fmt: skip
+    budget = Budget(whole_number("terms", terms, 1), float(above_zero("seconds", seconds)))
+    zeros = structure(family)
+    if not zeros.steady:
+        raise StabilityError(
+            f"{family.name}: a rate does not vanish at its typical members; conditions need a "
+            "family of steady motions."
+        )
+    try:
+        reading = Reading(family, values, budget)
+        found = whole(reading)
+    except NotExact as reason:
+        large = isinstance(reason, TooLarge)
+        why = f"is too large: {reason}" if large else f"has no exact form here ({reason})"
+        raise StabilityError(
+            f"{family.name}: the characteristic polynomial, of degree {len(family.system.states)} "
+            f"in λ, {why}; verdicts, boundaries and maps need no formula."
+        ) from None
+    if found.zeros < zeros.zeros:
+        raise StabilityError(
+            f"{family.name}: {zeros.zeros} zeros by structure, of which {found.zeros} are proved; "
+            "the equations of its unknowns do not reduce the polynomial far enough."
+        )
+    deduction = Deduction(reading, found, domain_of(reading, found, intervals), zeros.zeros)
+    return _record(deduction, budget)
+
+
+def _record(deduction: Deduction, budget: Budget) -> Conditions:
+    found, reading = deduction.whole, deduction.reading
+    shown_ = deduction.polynomial
+    rows_ = deduction.conditions(budget)
+    for row in rows_:
+        row["witnesses"] = tuple(Witness(*w) for w in row["witnesses"])
+    ordered = sorted((SignCondition(**r) for r in rows_), key=lambda c: not c.decides)
+    return Conditions(
+        family=reading.family,
+        given={n: Fraction(int(v.p), int(v.q)) for n, v in reading.values.items()},
+        variables=tuple(Variable(*row) for row in deduction.variables()),
+        domain=tuple(deduction.assumptions()),
+        relations=tuple((found.names[i], shown_(f)) for i, f in found.relations),
+        solved=tuple(
+            (reading.name(i), reading.text(v)) for i, v in reading.triangular.solved.items()
+        ),
+        nonzero=tuple(shown_(f) for f in found.nonzero if not deduction.certain(f)),
+        zeros=found.zeros,
+        factors=tuple(
+            Factor(tuple(shown_(c, whole) for c in whole), even, count)
+            for whole, even, count in deduction.factors
+        ),
+        conditions=tuple(ordered),
+        left_out=tuple(deduction.left_out),
+        degree=len(reading.matrix),
+        terms=budget.largest,
+        seconds=budget.spent,
+        _deduction=deduction,
+    )
+
+
+def _intervals(
+    family: Family, positive: Sequence[str], between: Mapping[str, tuple[float, float]]
+) -> dict[str, tuple[Any, Any]]:
+    """Open intervals by name, as rationals; None for an infinite end."""
+    names = (*family.at, *family.unknown, *family.parameters)
+    if isinstance(positive, str):
+        raise ParameterError(f"positive is {shown(positive)}; give a tuple of names.")
+    out: dict[str, tuple[Any, Any]] = {}
+    for name in positive:
+        out[known("positive", name, names)] = (fmpq(0), None)
+    for name, limits in between.items():
+        known("between", name, names)
+        ends = np.asarray(limits, dtype=float) if np.ndim(limits) == 1 else np.zeros(0)
+        if ends.shape != (2,) or not ends[0] < ends[1]:
+            raise ParameterError(f"between of {name} is {shown(limits)}; give (low, high).")
+        low, high = (None if math.isinf(v) else rational(v) for v in ends)
+        out[name] = (low, high)
+    return out

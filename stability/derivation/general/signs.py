@@ -1,0 +1,374 @@
+"""Signs of polynomials over a domain, with proofs: bounds of variables and polynomials known > 0.
+
+A polynomial is positive where every coefficient is, after variables are replaced by positive ones.
+A proof is a sentence that a reader can repeat.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from flint import fmpq
+
+from ...algebra.exact.hurwitz_forms import by_power, factors
+from ...algebra.exact.triangular import occurring
+from .bounds import Bounds, number_of, real_roots, univariate
+from .elimination import text
+
+Poly = Any
+"""An `fmpq_mpoly`."""
+MOST_TERMS = 4000
+"""Terms of a polynomial, after a substitution, beyond which no proof is sought."""
+
+
+@dataclass(frozen=True)
+class Sign:
+    """The sign of a polynomial: a known sign times factors whose sign is open."""
+
+    known: int
+    """1 or -1; 0 for the polynomial zero."""
+    open: tuple[Poly, ...]
+    """Factors of odd power whose sign is not proved."""
+    reasons: tuple[str, ...]
+    """Proofs of the other factors."""
+    nonzero: tuple[Poly, ...]
+    """Factors of even power whose sign is not proved: they must not vanish."""
+
+
+class Domain:
+    """Variables with bounds, and polynomials known to be positive.
+
+    Parameters
+    ----------
+    ring
+        Context of the polynomials.
+    names
+        Name of each variable.
+    """
+
+    def __init__(self, ring: Any, names: Sequence[str]) -> None:
+        self.ring, self.names = ring, list(names)
+        self.bounds: dict[int, Bounds] = {}
+        """Bounds by index of the variable."""
+        self.facts: list[tuple[Poly, str]] = []
+        """(polynomial that is positive, reason)."""
+        self.natural: set[int] = set()
+        """Variables whose closed bounds hold for every number: sines and cosines."""
+        self.nonzero: list[Poly] = []
+        """Polynomials that do not vanish."""
+        self._waiting: list[tuple[Poly, str]] = []
+        self._known: dict[str, str | None] = {}
+
+    def text(self, poly: Poly) -> str:
+        """A polynomial as text."""
+        return text(poly, lambda i: self.names[i])
+
+    # --- what is known ---
+
+    def interval(self, index: int) -> str:
+        """The bounds of a variable as text."""
+        limits, name = self.bounds[index], self.names[index]
+        below = "" if limits.low is None else f"{limits.low} <{'=' * limits.at_low} "
+        above = "" if limits.high is None else f" <{'=' * limits.at_high} {limits.high}"
+        if below and not above:
+            return f"{name} >{'=' * limits.at_low} {limits.low}"
+        return f"{below}{name}{above}"
+
+    def bound(self, index: int, low: Any = None, high: Any = None, *, closed: bool = False) -> None:
+        """Narrow the interval of a variable.
+
+        Parameters
+        ----------
+        index
+            Index of the variable.
+        low, high
+            Rationals or None.
+        closed
+            Whether the bounds themselves are allowed.
+        """
+        old = self.bounds.get(index, Bounds())
+        self.bounds[index] = old.narrowed(low, high, closed)
+        self._known.clear()
+
+    def learn(self, poly: Poly, reason: str) -> None:
+        """Take a polynomial as positive, factor by factor where the others have a proved sign."""
+        for factor in self.sign(poly).open:
+            self.exclude(factor)
+        self._waiting.append((poly, reason))
+        changed = True
+        while changed:
+            changed = False
+            for entry in list(self._waiting):
+                sign = self.sign(entry[0])
+                if len(sign.open) > 1:
+                    continue
+                self._waiting.remove(entry)
+                changed = True
+                if sign.open:
+                    self._take(sign.open[0] * sign.known, entry[1])
+
+    def exclude(self, poly: Poly) -> None:
+        """Take a polynomial as different from zero; a bound where it vanishes is not allowed."""
+        self.nonzero.append(poly)
+        if poly.total_degree() != 1 or len(occurring(poly)) != 1:
+            return
+        (index,) = occurring(poly)
+        parts = by_power(poly, index)
+        edge = -number_of(parts.get(0)) / number_of(parts[1])
+        limits = self.bounds.get(index, Bounds())
+        self.bounds[index] = Bounds(
+            limits.low, limits.high, limits.at_low and limits.low != edge,
+            limits.at_high and limits.high != edge,
+        )  # fmt: skip
+        self._known.clear()
+
+    def _take(self, poly: Poly, reason: str) -> None:
+        self._known.clear()
+        variables = occurring(poly)
+        if len(variables) == 1 and poly.total_degree() == 1:
+            (index,) = variables
+            parts = by_power(poly, index)
+            edge = -number_of(parts.get(0)) / number_of(parts[1])
+            if parts[1].leading_coefficient() > 0:
+                self.bound(index, low=edge)
+            else:
+                self.bound(index, high=edge)
+        self.facts.append((poly, reason))
+
+    @property
+    def assumed(self) -> list[tuple[Poly, str]]:
+        """Polynomials taken as positive that are products of open factors."""
+        return list(self._waiting)
+
+    # --- proofs ---
+
+    def sign(self, poly: Poly) -> Sign:
+        """The sign of a polynomial, factor by factor.
+
+        Parameters
+        ----------
+        poly
+            A polynomial.
+        """
+        if poly == 0:
+            return Sign(0, (), (), ())
+        constant, found = factors(poly)
+        known = 1 if constant > 0 else -1
+        open_: list[Poly] = []
+        reasons: list[str] = []
+        nonzero: list[Poly] = []
+        for factor, power in found:
+            why = self.positive(factor)
+            turned = None if why else self.positive(-factor)
+            if why or turned:
+                known *= -1 if turned and power % 2 else 1
+                sense = "> 0" if why else "< 0"
+                reasons.append(f"{self.text(factor)} {sense}: {why or turned}")
+            elif power % 2:
+                open_.append(factor)
+            elif factor in self.nonzero or -factor in self.nonzero:
+                reasons.append(f"({self.text(factor)})**{power} > 0: an even power")
+            else:
+                nonzero.append(factor)
+        return Sign(known, tuple(open_), tuple(reasons), tuple(nonzero))
+
+    def positive(self, poly: Poly) -> str | None:
+        """A proof that a polynomial is positive in the whole domain, or None.
+
+        Parameters
+        ----------
+        poly
+            A polynomial.
+        """
+        if poly.is_constant():
+            return "a positive number" if number_of(poly) > 0 else None
+        key = str(poly)
+        if key not in self._known:
+            self._known[key] = self._proof(poly)
+        return self._known[key]
+
+    def _proof(self, poly: Poly) -> str | None:
+        for fact, reason in self.facts:
+            ratio = _ratio(poly, fact)
+            if ratio is not None and ratio > 0:
+                return reason
+        return self._inside(poly) or self._termwise(poly) or self._rootless(poly)
+
+    def _inside(self, poly: Poly) -> str | None:
+        """A bound of one variable says it."""
+        if poly.total_degree() != 1 or len(occurring(poly)) != 1:
+            return None
+        (index,) = occurring(poly)
+        parts = by_power(poly, index)
+        slope, edge = number_of(parts[1]), -number_of(parts.get(0)) / number_of(parts[1])
+        limits = self.bounds.get(index, Bounds())
+        nearest, at = (limits.low, limits.at_low) if slope > 0 else (limits.high, limits.at_high)
+        if nearest is None or (nearest - edge) * slope < 0 or (nearest == edge and at):
+            return None
+        return "in the domain"
+
+    def implied(self, poly: Poly, given: Poly, name: str) -> str | None:
+        """A proof that a polynomial is positive where another one is, or None.
+
+        Parameters
+        ----------
+        poly
+            The polynomial.
+        given
+            A polynomial that is positive, linear in some variable with a factor of proved sign.
+        name
+            What the proof calls the other one.
+        """
+        for index in sorted(occurring(given) & occurring(poly)):
+            parts = by_power(given, index)
+            if max(parts) != 1:
+                continue
+            for sign in (1, -1):
+                lead, rest = parts[1] * sign, parts.get(0, self.ring.constant(0))
+                # where the factor vanishes the rest would have to be positive
+                if not (self.positive(lead) or (self._squares(lead) and self.positive(-rest))):
+                    continue
+                # lead · x = ±(v - rest) with v > 0; v takes the place of x in the ring
+                v = self.ring.gens()[index]
+                moved = _homogeneous(poly, index, (v - rest) * sign, lead)
+                common = moved.gcd(lead ** int(poly.degrees()[index]))
+                if self._squares(common):
+                    moved = moved / common
+                before = self.bounds.get(index)
+                self.bounds[index] = Bounds(low=fmpq(0))
+                proof = self._termwise(moved)
+                if before is None:
+                    del self.bounds[index]
+                else:
+                    self.bounds[index] = before
+                if proof:
+                    return f"follows from {name}, solved for {self.names[index]}: {proof}"
+        return None
+
+    def _squares(self, poly: Poly) -> bool:
+        """Whether no term is negative: even powers, and variables that are not negative."""
+
+        def even(index: int) -> bool:
+            low = self.bounds.get(index, Bounds()).low
+            return low is not None and bool(low >= 0)
+
+        return all(
+            c > 0 and all(int(e) % 2 == 0 or even(i) for i, e in enumerate(exponents))
+            for exponents, c in poly.to_dict().items()
+        )
+
+    def _termwise(self, poly: Poly) -> str | None:
+        """Every coefficient is positive: as it is, or with positive variables."""
+        return self._with_even_powers(poly) or self._replaced(poly)
+
+    def _with_even_powers(self, poly: Poly) -> str | None:
+        """The same where only even powers of the variables of both signs occur."""
+        before = dict(self.bounds)
+        self.bounds = {i: b for i, b in before.items() if b.low is not None and b.low >= 0}
+        try:
+            return self._replaced(poly)
+        finally:
+            self.bounds = before
+
+    def _replaced(self, poly: Poly) -> str | None:
+        words = []
+        degrees = [int(d) for d in poly.degrees()]  # before t = oo takes the highest ones away
+        for index in sorted(occurring(poly)):
+            limits = self.bounds.get(index, Bounds())
+            t, name = self.ring.gens()[index], self.names[index]
+            low, high = limits.low, limits.high
+            if low is not None and high is not None:
+                poly = _homogeneous(poly, index, low + high * t, 1 + t)
+                words.append(f"{name} = {_between(low, high)}")
+            elif high is not None:
+                poly = poly.compose(*self._shifted(index, high - t))
+                words.append(f"{name} = {high} - t")
+            elif low is not None and low != 0:
+                poly = poly.compose(*self._shifted(index, t + low))
+                words.append(f"{name} = {low} + t")
+            if len(poly) > MOST_TERMS:
+                return None
+        return self._every(poly, words, degrees)
+
+    def _shifted(self, index: int, value: Poly) -> list[Poly]:
+        return [value if i == index else g for i, g in enumerate(self.ring.gens())]
+
+    def _every(self, poly: Poly, words: list[str], degrees: list[int]) -> str | None:
+        """A sentence where no term is negative and on each allowed bound some term is left."""
+        if poly == 0:
+            return None
+        terms = {tuple(map(int, e)): c for e, c in poly.to_dict().items()}
+        limits = {i: self.bounds.get(i, Bounds()) for i, d in enumerate(degrees) if d}
+        free = [i for i, b in limits.items() if b.free]
+        if any(c < 0 or any(e[i] % 2 for i in free) for e, c in terms.items()):
+            return None
+        faces = [[(i, None), *self._faces(i, b, degrees[i])] for i, b in limits.items()]
+        for face in product(*faces):
+            if not any(
+                all(d is None or e[i] == d for i, d in face) and not any(e[i] for i in free)
+                for e in terms
+            ):
+                return None
+        even = f", powers of {', '.join(self.names[i] for i in free)} are even" if free else ""
+        after = f" after {', '.join(words)} with t > 0" if words else ""
+        return f"every coefficient is positive{after}{even}"
+
+    @staticmethod
+    def _faces(index: int, limits: Bounds, degree: int) -> list[tuple[int, int]]:
+        """Exponents of the new variable that are left on an allowed bound."""
+        both = limits.low is not None and limits.high is not None
+        if not both:
+            return [(index, 0)] if limits.at_low or limits.at_high else []
+        return [(index, 0)] * limits.at_low + [(index, degree)] * limits.at_high
+
+    def _rootless(self, poly: Poly) -> str | None:
+        """A polynomial in one variable without a root in its interval."""
+        variables = occurring(poly)
+        if len(variables) != 1:
+            return None
+        (index,) = variables
+        limits = self.bounds.get(index, Bounds())
+        one = univariate(poly, index)
+        inside = limits.low if limits.low is not None else limits.high
+        if limits.low is not None:
+            inside = limits.low + (
+                fmpq(1) if limits.high is None else (limits.high - limits.low) / 2
+            )
+        elif limits.high is not None:
+            inside = limits.high - 1
+        else:
+            inside = fmpq(0)
+        if not one(inside) > 0:
+            return None
+        if not all(limits.outside(root) for root in real_roots(one)):
+            return None
+        return f"positive at {self.names[index]} = {inside}, without a root in the interval"
+
+
+def _between(low: Any, high: Any) -> str:
+    """The substitution of a variable between two bounds, as text."""
+    top = [str(low)] if low != 0 else []
+    top += [f"{high}*t" if high != 1 else "t"] if high != 0 else []
+    joined = " + ".join(top)
+    return f"({joined})/(1 + t)" if len(top) > 1 else f"{joined}/(1 + t)"
+
+
+def _ratio(p: Poly, q: Poly) -> Any:
+    """p/q where it is a number, otherwise None."""
+    if len(p) != len(q):
+        return None
+    ratio = p.leading_coefficient() / q.leading_coefficient()
+    return ratio if p == q * ratio else None
+
+
+def _homogeneous(poly: Poly, index: int, top: Poly, bottom: Poly) -> Poly:
+    """The polynomial at top/bottom in place of a variable, times a power of bottom > 0."""
+    parts = by_power(poly, index)
+    degree = max(parts)
+    out = poly - poly
+    for power, part in parts.items():
+        out = out + part * top**power * bottom ** (degree - power)
+    return out

@@ -1,0 +1,200 @@
+"""The unknowns of many members: from a first guess, or followed from a known member."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ...base.types import Floats
+from ..graph.family_graph import FamilyGraph
+from .roots import roots
+from .sheet import Anchor, follow, hop
+from .singular_points import Curve, locate_branch_point, locate_fold
+
+NEAR = 0.05
+"""Longest way, relative to 1 or to the number, from a member found before to one that is asked."""
+MOST_KNOWN = 4096
+"""Most members kept for later questions."""
+MANY = 64
+"""Number of rows above which most are found from a neighbour."""
+EVERY = 8
+"""One row of so many is then followed from the anchor itself."""
+NEXT = 1e-4
+"""Longest way from the end of a line to the fold or branch point that ended it, as a share."""
+
+_KNOWN: WeakKeyDictionary[FamilyGraph, tuple[Floats, Floats]] = WeakKeyDictionary()
+
+
+class Found(NamedTuple):
+    """Unknowns row by row, and where there are none."""
+
+    u: Floats
+    """Unknowns, shape (N, u); of no meaning where not good."""
+    good: NDArray[np.bool_]
+    """Whether a member was found, shape (N,)."""
+    why: Callable[[int], str]
+    """The sentence that says why a row has no member."""
+
+
+def listing(names: Sequence[str], values: Sequence[float] | Floats) -> str:
+    """Names with their values, for a message."""
+    return ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, values, strict=True))
+
+
+def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
+    """The unknowns of each row, from first guesses or from the family's known member.
+
+    Parameters
+    ----------
+    family
+        A `Family` with unknowns and a root-finder.
+    a, q
+        Family parameters and parameters, shapes (N, ·).
+    start
+        First guesses, shape (N, u); None to follow from the family's anchor.
+
+    Returns
+    -------
+    Found
+    """
+    # members that differ only in numbers outside the equations (mu, for the disk) share a root
+    given = np.hstack([a, q])
+    key = given[:, family.graph.used] if start is None else np.hstack(
+        [given[:, family.graph.used], start])  # fmt: skip
+    inverse = np.zeros(1, dtype=int)
+    if len(key) > 1:
+        inverse = np.unique(key, axis=0, return_inverse=True)[1].ravel()
+    first = np.zeros(inverse.max(initial=-1) + 1, dtype=int)
+    first[inverse] = np.arange(len(a))
+    positive = [i for i, name in enumerate(family.unknown) if name in family.positive]
+    if start is None:
+        found = _followed(family, a[first], q[first], positive)
+    else:
+        u, good = roots(family.graph, a[first], q[first], start[first], positive)
+        found = Found(u, good, lambda row: _unreached(family, a[first][row], q[first][row]))
+    return Found(found.u[inverse], found.good[inverse], lambda row: found.why(inverse[row]))
+
+
+def _unreached(family: Any, a: Floats, q: Floats) -> str:
+    return (
+        f"{family.name} has no member that the root-finder reaches at "
+        f"{listing((*family.at, *family.parameters), (*a, *q))}: the equation for "
+        f"{', '.join(family.unknown)} has no admissible isolated solution there; "
+        "choose another point of the family or give a guess."
+    )
+
+
+def _followed(family: Any, a: Floats, q: Floats, positive: Sequence[int]) -> Found:
+    """Members on the smooth sheet of the anchor, each along a straight line."""
+    graph, given, cut = family.graph, np.hstack([a, q]), a.shape[1]
+    u, good = np.zeros((len(a), len(family.unknown))), np.zeros(len(a), dtype=bool)
+    share = np.zeros(len(a))
+
+    def direct(rows: NDArray[np.intp]) -> None:
+        anchor: Anchor = family.anchor
+        start = np.tile(anchor.given, (len(rows), 1)), np.tile(anchor.unknown, (len(rows), 1))
+        u[rows], good[rows], share[rows] = _ended(graph, cut, (*start, given[rows]), positive)
+
+    near = _cached(graph, given) if len(a) == 1 else None
+    if len(a) > MANY:  # a few from the anchor, and the others from the nearest of these
+        few = np.arange(0, len(a), EVERY)
+        direct(few)
+        few = few[good[few]]
+        near = (given[few], u[few]) if len(few) else None
+    rest = np.flatnonzero(~good)
+    if near is not None:
+        u[rest], good[rest] = _beside(graph, cut, near, given[rest], positive)
+    left = np.flatnonzero(~good & (share == 0))
+    if len(left):
+        direct(left)
+    if near is not None and len(a) > MANY:
+        _keep(graph, *near)
+    elif len(left):
+        _keep(graph, given[left][good[left]], u[left][good[left]])
+    return Found(u, good, lambda row: _stopped(family, given[row], u[row], share[row], positive))
+
+
+def _beside(
+    graph: FamilyGraph, cut: int, near: tuple[Floats, Floats], given: Floats,
+    positive: Sequence[int],
+) -> tuple[Floats, NDArray[np.bool_]]:  # fmt: skip
+    """Members one short step from the nearest of known ones."""
+    points, unknowns = near
+    size = 1e-300 + np.abs(given).max(axis=0)
+    row = cKDTree(points / size).query(given / size)[1] if len(points) > 1 else [0] * len(given)
+    start, u = points[row], unknowns[row]
+    a, q = given[:, :cut], given[:, cut:]
+    return hop(graph, cut, start, u, given, lambda guess: roots(graph, a, q, guess, positive))
+
+
+def _ended(
+    graph: FamilyGraph, cut: int, line: tuple[Floats, Floats, Floats], positive: Sequence[int]
+) -> tuple[Floats, NDArray[np.bool_], Floats]:
+    """Members at the ends of lines, polished; whether each was reached; shares of the lines."""
+    start, u, stop = line
+    found, share = follow(graph, cut, start, u, stop)
+    good = share == 1
+    if good.any():
+        a, q = stop[good][:, :cut], stop[good][:, cut:]
+        polished, fine = roots(graph, a, q, found[good], positive)
+        # the polish moves by rounding alone, or it went to another root
+        size = 1e-6 * (1 + np.abs(found[good]))
+        fine &= (np.abs(polished - found[good]) <= size).all(axis=1)
+        found[good] = np.where(fine[:, None], polished, found[good])
+        good[good] = fine
+    return found, good, share
+
+
+def _cached(graph: FamilyGraph, point: Floats) -> tuple[Floats, Floats] | None:
+    """The nearest member of earlier questions, if it is near."""
+    if graph not in _KNOWN:
+        return None
+    given, u = _KNOWN[graph]
+    way = (np.abs(given - point) / (1 + np.abs(point))).max(axis=1)
+    row = int(way.argmin())
+    return (given[row : row + 1], u[row : row + 1]) if way[row] <= NEAR else None
+
+
+def _keep(graph: FamilyGraph, given: Floats, u: Floats) -> None:
+    """Keep members that were followed all the way from the anchor; no chain of short ways."""
+    if not len(given):
+        return
+    if graph in _KNOWN:
+        given, u = (np.vstack(p) for p in zip((given, u), _KNOWN[graph], strict=True))
+    _KNOWN[graph] = given[:MOST_KNOWN], u[:MOST_KNOWN]
+
+
+def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequence[int]) -> str:
+    """The sentence that says where continuation stopped."""
+    names = (*family.at, *family.parameters)
+    anchor = family.anchor.given
+    moved = [i for i in family.graph.used if asked[i] != anchor[i]] or list(range(len(names)))
+    stop = anchor + share * (asked - anchor)
+    place, start = (listing([names[i] for i in moved], p[moved]) for p in (stop, anchor))
+    wrong = [n for i, n in enumerate(family.unknown) if i in positive and not u[i] > 0]
+    if share == 1 and wrong:
+        return f"{family.name} has no member at {place}: {wrong[0]} is not positive there."
+    curve = Curve(family.graph, len(family.at), anchor, asked - anchor)
+    what, share = _singular(curve, u, share)
+    stop = anchor + share * (asked - anchor)
+    stop[np.abs(stop) < 1e-12 * np.abs(asked - anchor)] = 0.0
+    return (
+        f"{family.name} has no member at "
+        f"{listing([names[i] for i in moved], asked[moved])} that continuation from {start} "
+        f"reaches: it stopped at {what}{listing([names[i] for i in moved], stop[moved])}."
+    )
+
+
+def _singular(curve: Curve, u: Floats, share: float) -> tuple[str, float]:
+    """The words `a fold at ` or `a branch point at ` and its place, where one ends the line."""
+    end = np.array([*u, share])
+    for what, locate in (("a fold at ", locate_fold), ("a branch point at ", locate_branch_point)):
+        found = locate(curve, end)
+        if found.resolved and abs(found.z[-1] - share) <= NEXT:
+            return what, float(found.z[-1])
+    return "", share

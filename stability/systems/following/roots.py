@@ -1,0 +1,109 @@
+"""CasADi's root-finder for many members at once, and what counts as a root."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.types import Floats
+from ..graph.family_graph import FamilyGraph
+from .steadiness import step_noise
+
+STEP = 1e-11
+"""Largest relative size of a further Newton step at an accepted root."""
+NOISE = 1e-6
+"""Largest rounding of a Newton step at an accepted root, relative to 1 or to the root."""
+
+
+def roots(
+    graph: FamilyGraph, a: Floats, q: Floats, start: Floats, positive: Sequence[int]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Isolated roots from first guesses.
+
+    Parameters
+    ----------
+    graph
+        The family's graph, with a root-finder.
+    a, q, start
+        Family parameters, parameters and first guesses, shapes (N, ·).
+    positive
+        Indices of unknowns that must be positive.
+
+    Returns
+    -------
+    u, good
+        Unknowns, shape (N, u), and whether each row is an isolated, admissible root.
+    """
+    assert graph.finder is not None
+    finder = graph.finder.map(len(a))
+    u = np.array(finder(start.T, np.hstack([a, q]).T)).T.reshape(len(a), -1)
+    return u, accepted(graph, a, u, q, positive)
+
+
+def accepted(
+    graph: FamilyGraph, a: Floats, u: Floats, q: Floats, positive: Sequence[int]
+) -> NDArray[np.bool_]:
+    """Whether unknowns are isolated roots to the last digits, and admissible.
+
+    Parameters
+    ----------
+    graph, a, u, q, positive
+        As in `roots`.
+
+    Returns
+    -------
+    ndarray of bool
+        Shape (N,).
+    """
+    step = newton_step(graph, a, u, q)
+    size = np.maximum(np.abs(u), 1e-300)
+    close = np.abs(step) <= STEP * np.maximum(size, 1e-8)
+    if not close.all():
+        # a root at 0 is accurate within the rounding of its equation, not relatively
+        noise = step_noise(graph, a, u, q)
+        close |= (np.abs(step) <= 2 * noise) & (noise <= NOISE * np.maximum(size, 1.0))
+    good: NDArray[np.bool_] = np.asarray((np.isfinite(u) & close).all(axis=1))
+    for index in positive:
+        good &= u[:, index] > 0
+    return good
+
+
+def newton_step(graph: FamilyGraph, a: Floats, u: Floats, q: Floats) -> Floats:
+    """A further Newton step; infinite where the slope is singular.
+
+    Parameters
+    ----------
+    graph, a, u, q
+        As in `roots`.
+
+    Returns
+    -------
+    ndarray
+        Shape (N, u).
+    """
+    _, _, r, r_u, _ = graph.tangent.arrays([list(a.T), list(u.T), list(q.T)], a.shape[:1])
+    return solved(r_u, r[..., 0])
+
+
+def solved(slope: Floats, right: Floats) -> Floats:
+    """Solutions of many linear systems; infinite where the matrix is singular.
+
+    Parameters
+    ----------
+    slope, right
+        Shapes (N, u, u) and (N, u).
+
+    Returns
+    -------
+    ndarray
+        Shape (N, u).
+    """
+    with np.errstate(all="ignore"):
+        determinant = np.linalg.det(slope)
+        bad = ~np.isfinite(slope).all(axis=(1, 2)) | ~np.isfinite(determinant) | (determinant == 0)
+        slope = np.where(bad[:, None, None], np.eye(slope.shape[1]), slope)
+        step: Floats = np.asarray(np.linalg.solve(slope, right[..., None])[..., 0], dtype=float)
+    step[bad | ~np.isfinite(step).all(axis=1)] = np.inf
+    return step

@@ -1,0 +1,269 @@
+"""A family of steady motions from the equations alone: unknowns, equations, a first member."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ..algebra.upright import Upright
+from ..base.checks import one_number
+from ..base.errors import (
+    NameUnknownError,
+    NoMemberError,
+    ParameterError,
+    StabilityError,
+    listed,
+    shown,
+)
+from ..base.types import Floats
+from .equations import Equations
+from .family import Family, listing
+from .following.roots import accepted, newton_step, roots
+from .following.sheet import Anchor
+from .system_checks import mapping, names
+
+STARTS = 64
+"""Number of first guesses about the given one."""
+SPREADS = (0.1, 1.0, 10.0)
+"""Distances of the first guesses, relative to 1 or to the number."""
+STEPS = 60
+"""Most damped Newton steps from one guess."""
+SAME = 1e-9
+"""Relative size below which a singular value counts as zero where equations are chosen."""
+
+
+def steady(
+    system: Equations, at: Sequence[str] | str, *, held: Mapping[str, float | Upright] | None,
+    guess: Mapping[str, float] | None, equations: Sequence[str] | None,
+    positive: Sequence[str], name: str | None, **options: Any,
+) -> Family:  # fmt: skip
+    """The family through the steady motion nearest to a guess; see `System.steady`.
+
+    Parameters
+    ----------
+    system
+        The equations of motion.
+    at, held, guess, equations, positive, name
+        As in `System.steady`.
+    **options
+        Values of parameters at the guess, and `typical`, `conservative`, `integrals`, `drifts`
+        of `Family`.
+
+    Returns
+    -------
+    Family
+    """
+    given = mapping("guess", guess or {})
+    of_family = {n: options.pop(n) for n in ("typical", "conservative", "integrals", "drifts")
+                 if n in options}  # fmt: skip
+    twice = [n for n in options if n in given]
+    if twice:
+        raise ParameterError(f"{shown(twice[0])} is given in guess and by name; give it once.")
+    given |= options
+    for what in given:
+        if what not in (*system.states, *system.parameters):
+            raise NameUnknownError(
+                f"guess names {shown(what)}; known are "
+                f"{', '.join((*system.states, *system.parameters))}."
+            )
+    given = {n: one_number(f"guess {n}", v) for n, v in given.items()}
+    where = (at,) if isinstance(at, str) else names("at", at)
+    fixed: dict[str, Any] = mapping("held", held or {})
+    for what in fixed:
+        system.index(what)
+    unknown = [n for n in system.states if n not in fixed and n not in where]
+    for what in [n for n in unknown if n not in given and _ignorable(system, n)]:
+        fixed[what] = 0.0  # no rate depends on it, so any value is as good
+        unknown.remove(what)
+    missing = [n for n in (*where, *system.parameters) if n not in given]
+    if missing and unknown:
+        raise ParameterError(
+            f"the guess needs a value of {listed(list(dict.fromkeys(missing)))}; name it in guess, "
+            "so that the first member is found there."
+        )
+    first = {n: given.get(n, 0.0) for n in unknown}
+    typical = {n: abs(given[n]) or 1.0 for n in (*where, *system.parameters) if n in given}
+    of_family.setdefault("typical", typical)
+    solved = names("equations", equations) if equations is not None else _equations(
+        system, fixed, unknown, given)  # fmt: skip
+    family = Family(
+        system, name or f"steady {system.name}", where, held=fixed, unknown=first,
+        equations=solved, positive=tuple(positive), **of_family,
+    )  # fmt: skip
+    if not unknown or family.closed:
+        return family
+    return _anchored(family, given)
+
+
+def _ignorable(system: Equations, state: str) -> bool:
+    """Whether no rate and no condition depends on a state."""
+    symbol = system.x[system.index(state)]
+    values = ca.vertcat(system.rhs, *[c.value for c in system.conditions])
+    return not ca.depends_on(values, symbol)
+
+
+# --- the equations ---
+
+
+def _equations(
+    system: Equations, held: Mapping[str, Any], unknown: Sequence[str], given: Mapping[str, float]
+) -> tuple[str, ...]:
+    """States whose rates are to vanish: independent ones, as many as there are unknowns."""
+    if not unknown:
+        return ()
+    rates = _rates(system, held)
+    sought = ca.vertcat(*[system.x[system.index(n)] for n in unknown])
+    rows = [i for i in range(rates.numel())
+            if not rates[i].is_zero() and ca.depends_on(rates[i], sought)]  # fmt: skip
+    # a rate of an ignorable state comes last: where others suffice, it is checked but not solved
+    rows.sort(key=lambda i: _ignorable(system, system.states[i]))
+    slopes = ca.jacobian(ca.vertcat(*[rates[i] for i in rows]), sought) if rows else ca.SX(0, 0)
+    chosen = _independent(_sampled(system, slopes, given)) if rows else []
+    if len(chosen) < len(unknown):
+        open_ = [n for i, n in enumerate(unknown) if not rows or not slopes[:, i].nnz()]
+        which = f"{listed(open_)} open" if open_ else f"{len(unknown) - len(chosen)} of the " \
+            f"unknowns {listed(list(unknown))} open"  # fmt: skip
+        raise ParameterError(
+            f"the rates of {system.name} that do not vanish identically leave {which}; name "
+            "in at or held as many states more."
+        )
+    return tuple(system.states[rows[i]] for i in sorted(chosen, key=lambda i: rows[i]))
+
+
+def _rates(system: Equations, held: Mapping[str, Any]) -> ca.SX:
+    """Rates with the held values in place."""
+    if not held:
+        return system.rhs
+    symbols = ca.vertcat(*[system.x[system.index(n)] for n in held])
+    values = [np.pi / 2 if isinstance(v, Upright) else one_number(f"held {n}", v)
+              for n, v in held.items()]  # fmt: skip
+    return ca.substitute(system.rhs, symbols, ca.DM(values))
+
+
+def _sampled(system: Equations, slopes: ca.SX, given: Mapping[str, float]) -> Floats:
+    """Slopes at a few points near the guess, side by side: ranks there are typical ranks."""
+    function = ca.Function("slopes", [system.x, system.p], [ca.densify(slopes)])
+    rng = np.random.default_rng(5)
+    blocks = []
+    for _ in range(4):
+        points = [
+            [given.get(n, 0.0) + 0.1 * (1 + abs(given.get(n, 0.0))) * rng.uniform(-1, 1)
+             for n in its] for its in (system.states, system.parameters)
+        ]  # fmt: skip
+        blocks.append(np.array(function(*points)))
+    table = np.hstack(blocks)
+    return np.where(np.isfinite(table), table, 0.0)
+
+
+def _independent(table: Floats) -> list[int]:
+    """Rows, in order of preference, that are linearly independent at a sampled point.
+
+    Each block of columns is one point; rows that are independent at one are so at almost all.
+    """
+    size = table.shape[1] // 4
+    best: list[int] = []
+    for block in range(4):
+        part = table[:, block * size : (block + 1) * size]
+        scale = np.abs(part).max(axis=1, keepdims=True)
+        part = part / np.where(scale > 0, scale, 1.0)
+        chosen: list[int] = []
+        basis = np.zeros((0, size))
+        for row in range(len(part)):
+            rest = part[row] - basis.T @ (basis @ part[row])
+            rest = rest - basis.T @ (basis @ rest)
+            length = float(np.linalg.norm(rest))
+            if length > SAME * (1 + float(np.linalg.norm(part[row]))):
+                chosen.append(row)
+                basis = np.vstack([basis, rest / length])
+        if len(chosen) > len(best):
+            best = chosen
+    return best
+
+
+# --- the first member ---
+
+
+def _anchored(family: Family, given: Mapping[str, float]) -> Family:
+    """The family with the member nearest to the guess as its anchor."""
+    a = np.array([[given[n] for n in family.at]])
+    q = np.array([[given[n] for n in family.parameters]]).reshape(1, -1)
+    guess = np.array(list(family.unknown.values()))
+    family.search(a, q, guess)  # refuses equations that are singular for all numbers
+    found = _candidates(family, a, q, guess)
+    if not len(found):
+        raise NoMemberError(
+            f"{family.name} has no member that {STARTS} first guesses about "
+            f"{listing(tuple(family.unknown), guess)} reach at "
+            f"{listing((*family.at, *family.parameters), (*a[0], *q[0]))}; give another guess."
+        )
+    u = _steady_one(family, a, q, found)
+    anchor = Anchor(tuple(a[0].tolist()), tuple(q[0].tolist()), tuple(u.tolist()))
+    return replace(family, unknown=dict(zip(family.unknown, u.tolist(), strict=True)),
+                   anchor=anchor)  # fmt: skip
+
+
+def _candidates(family: Family, a: Floats, q: Floats, guess: Floats) -> Floats:
+    """Roots from many first guesses, the nearest to the given one first."""
+    rng = np.random.default_rng(11)
+    size = 1 + np.abs(guess)
+    spread = np.resize(SPREADS, STARTS - 1)[:, None]
+    starts = np.vstack([guess, guess + size * spread * rng.normal(size=(STARTS - 1, len(guess)))])
+    positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
+    starts[:, positive] = np.abs(starts[:, positive])
+    many = np.repeat(a, STARTS, axis=0), np.repeat(q, STARTS, axis=0)
+    u = _damped(family, *many, starts)
+    near = np.isfinite(u).all(axis=1)
+    if not near.any():
+        return u[near]
+    u, good = roots(family.graph, many[0][near], many[1][near], u[near], positive)
+    u = u[good]
+    way = np.linalg.norm((u - guess) / size, axis=1)
+    order = np.argsort(way, kind="stable")
+    return u[order]
+
+
+def _damped(family: Family, a: Floats, q: Floats, u: Floats) -> Floats:
+    """Newton's method from many guesses, each step halved until the next step is shorter."""
+    step = newton_step(family.graph, a, u, q)
+    share = np.ones(len(u))
+    for _ in range(STEPS):
+        with np.errstate(all="ignore"):
+            new = u - share[:, None] * np.where(np.isfinite(step), step, 0.0)
+            following = newton_step(family.graph, a, new, q)
+            size = 1 + np.abs(u)
+            shorter = (np.abs(following) / size).max(axis=1) <= (
+                (1 - share / 4) * (np.abs(step) / size).max(axis=1))  # fmt: skip
+        take = shorter | (share < 1e-4)
+        u = np.where(take[:, None], new, u)
+        step = np.where(take[:, None], following, step)
+        share = np.where(take, np.minimum(2 * share, 1.0), share / 2)
+        if accepted(family.graph, a, u, q, []).all():
+            break
+    return u
+
+
+def _steady_one(family: Family, a: Floats, q: Floats, found: Floats) -> Floats:
+    """The first root at which the other rates vanish too, or the refusal of the nearest."""
+    refusal: StabilityError | None = None
+    for u in _different(found):
+        try:
+            family.checked_states(a, u[None], q)
+        except StabilityError as error:
+            refusal = refusal or error
+        else:
+            return u
+    assert refusal is not None
+    raise refusal
+
+
+def _different(found: Floats) -> Iterable[Floats]:
+    """Roots without repetition, in order."""
+    seen: list[Floats] = []
+    for u in found:
+        if not any(np.allclose(u, v, rtol=1e-8, atol=1e-10) for v in seen):
+            seen.append(u)
+            yield u

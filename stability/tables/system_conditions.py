@@ -1,0 +1,318 @@
+"""Exact conditions of a user's family as lines of text, as LaTeX and as a record for JSON."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from ..algebra.polynomial import Polynomial
+
+if TYPE_CHECKING:
+    from ..derivation.conditions import Conditions
+
+DIGITS = 12
+"""Digits of a coefficient in text; longer ones are rounded and marked."""
+WIDTH = 72
+"""Characters of a line of a formula in LaTeX, roughly."""
+GREEK = frozenset(
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau phi "
+    "chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega".split()
+)
+"""Names that LaTeX writes as Greek letters."""
+ROUNDED = (
+    f"≈: coefficients divided by a positive number and rounded to {DIGITS} digits; exact in JSON."
+)
+"""Note below a text with rounded coefficients."""
+
+
+def _size(*polys: Polynomial) -> int:
+    """What coefficients are divided by: 1, or the largest one where some have many digits."""
+    largest = max((abs(c) for p in polys for c, _ in p.terms), default=1)
+    return largest if largest >= 10**DIGITS else 1
+
+
+def _terms(poly: Polynomial, size: int) -> list[tuple[str, str, tuple[int, ...]]]:
+    """(sign, coefficient, exponents) of each term; long coefficients become decimals."""
+    return [
+        ("-" if c < 0 else "+", str(abs(c)) if size == 1 else f"{abs(c) / size:.{DIGITS}g}", e)
+        for c, e in poly.terms
+    ]
+
+
+def _text(poly: Polynomial, size: int = 0) -> str:
+    """A polynomial as text, with ≈ where its coefficients are rounded."""
+    size = size or _size(poly)
+    words = []
+    for sign, number, exponents in _terms(poly, size):
+        powers = [
+            n + (f"**{e}" if e > 1 else "")
+            for n, e in zip(poly.variables, exponents, strict=True)
+            if e
+        ]
+        words += [sign, "*".join([number] * (number != "1" or not powers) + powers)]
+    joined = (" ".join(words) or "0").removeprefix("+ ")
+    joined = f"-{joined[2:]}" if joined.startswith("- ") else joined
+    return joined if size == 1 else f"≈ {joined}"
+
+
+def lines(found: Conditions) -> list[str]:
+    """Conditions as lines of text.
+
+    Parameters
+    ----------
+    found
+        Result of `stability.conditions`.
+
+    Returns
+    -------
+    list of str
+    """
+    family = found.family
+    out = [f"{family.system.name}, {family.name}: exact conditions of stability (derived)", ""]
+    out += [f"    {v.name}: {v.meaning}" for v in found.variables]
+    if found.given:
+        given = ", ".join(f"{n} = {float(v):g}" for n, v in found.given.items())
+        out += [f"    given: {given}"]
+    if found.domain:
+        out += [f"    domain: {', '.join(found.domain)}"]
+    out += [f"    {name} = {value}" for name, value in found.solved]
+    out += [f"    {_text(p)} = 0, which {name} obeys" for name, p in found.relations]
+    out += [f"    {_text(p)} is not 0" for p in found.nonzero]
+    out += ["", f"    det(λ - A) ~ λ^{found.zeros} times, for {len(found.factors)} factors:"]
+    for factor in found.factors:
+        power = f" (to the power {factor.multiplicity})" if factor.multiplicity > 1 else ""
+        out += [f"      of degree {factor.degree} in λ{power}"]
+        size = _size(*factor.coefficients)
+        out += [
+            f"        λ^{k}: {_text(c, size)}" for k, c in enumerate(factor.coefficients) if c.terms
+        ]
+    out += [""]
+    for c in found.conditions:
+        mark = "decides" if c.decides else "holds"
+        poly = c.polynomial if c.decides or c.status == "follows" else c.whole
+        out += [f"    {mark}: {c.kind:<9} {_text(poly)} > 0"]
+        out += [f"        {c.name} of factor {c.factor + 1}, {c.status}: {c.proof or 'as it is'}"]
+        for w in c.witnesses:
+            place = ", ".join(f"{n} = {float(v):.6g}" for n, v in w.point.items())
+            out += [f"        {'positive' if w.sign > 0 else 'negative'} at {place}"]
+    for b in found.boundaries:
+        out += [f"    {b.kind} boundary: {_text(b.polynomial)} = 0"]
+    out += [f"    left out: {sentence}" for sentence in found.left_out]
+    out += ["", f"    {_rule(found)}", ""]
+    if any(_size(p) > 1 for p in _polynomials(found)):
+        out += [ROUNDED]
+    return [*out, f"Degree {found.degree} in λ, at most {found.terms} terms."]
+
+
+def _rule(found: Conditions) -> str:
+    """The verdict in a sentence, with rounded coefficients where they are long."""
+    text = found.rule
+    for c in found.deciding:
+        text = text.replace(f"{c.polynomial} > 0", f"{_text(c.polynomial)} > 0")
+    return text
+
+
+def _polynomials(found: Conditions) -> list[Polynomial]:
+    inside = [c for f in found.factors for c in f.coefficients]
+    return [*inside, *(c.polynomial for c in found.conditions)]
+
+
+def record(found: Conditions) -> dict[str, Any]:
+    """Conditions as a record for JSON; polynomials are exact texts.
+
+    Parameters
+    ----------
+    found
+        Result of `stability.conditions`.
+
+    Returns
+    -------
+    dict
+    """
+    return {
+        "system": found.family.system.name,
+        "family": found.family.name,
+        "given": {n: str(v) for n, v in found.given.items()},
+        "variables": [{"name": v.name, "kind": v.kind, "meaning": v.meaning}
+                      for v in found.variables],
+        "domain": list(found.domain),
+        "relations": [{"variable": n, "zero": str(p)} for n, p in found.relations],
+        "solved": dict(found.solved),
+        "nonzero": [str(p) for p in found.nonzero],
+        "structural_zeros": found.zeros,
+        "factors": [{"coefficients": [str(c) for c in f.coefficients], "even": f.even,
+                     "multiplicity": f.multiplicity} for f in found.factors],
+        "conditions": [
+            {"name": c.name, "factor": c.factor, "kind": c.kind, "status": c.status,
+             "decides": c.decides, "positive": str(c.polynomial), "whole": str(c.whole),
+             "proof": c.proof,
+             "witnesses": [{"at": {n: str(v) for n, v in w.point.items()}, "sign": w.sign}
+                           for w in c.witnesses]}
+            for c in found.conditions
+        ],
+        "boundaries": [{"kind": b.kind, "zero": str(b.polynomial)} for b in found.boundaries],
+        "rule": found.rule,
+        "left_out": list(found.left_out),
+        "degree": found.degree,
+        "terms": found.terms,
+    }  # fmt: skip
+
+
+# --- LaTeX ---
+
+
+def symbol(name: str) -> str:
+    r"""The name of a variable in mathematics of LaTeX.
+
+    Parameters
+    ----------
+    name
+        Name of a variable, such as `phi_dot` or `sin(theta)`.
+
+    Examples
+    --------
+    >>> print(symbol("omega_0"), symbol("sin(theta)"), symbol("sqrt(b)"), symbol("de"))
+    \omega_{0} \sin\left(\theta\right) \sqrt{b} \mathit{de}
+    """
+    match = re.fullmatch(r"([A-Za-z]\w*)\((.*)\)", name)
+    if match:
+        inner = _converted(match[2])
+        if match[1] == "sqrt":
+            return rf"\sqrt{{{inner}}}"
+        known = match[1] in ("sin", "cos", "tan", "exp", "log", "sinh", "cosh", "tanh")
+        head = f"\\{match[1]}" if known else rf"\mathrm{{{match[1]}}}"
+        return rf"{head}\left({inner}\right)"
+    first, *rest = [p for p in name.split("_") if p] or ["x"]
+    digits = re.fullmatch(r"([A-Za-z]+)(\d+)", first)
+    if digits:
+        first, rest = digits[1], [digits[2], *rest]
+    head = _letter(first)
+    return head + (f"_{{{','.join(_letter(r) for r in rest)}}}" if rest else "")
+
+
+def _letter(word: str) -> str:
+    if word in GREEK:
+        return f"\\{word}"
+    if word.isascii() and (len(word) == 1 or word.isdigit()):
+        return word
+    safe = "".join(c for c in word if c.isascii() and c.isalnum())
+    return rf"\mathit{{{safe or 'x'}}}"
+
+
+def _converted(text: str) -> str:
+    """The text of an expression in mathematics of LaTeX."""
+    out = []
+    for token in re.findall(r"\*\*\d+|[A-Za-z]\w*|\d+|.", text):
+        if token.startswith("**"):
+            out.append(f"^{{{token[2:]}}}")
+        elif token == "*":
+            out.append(r"\,")
+        elif re.match(r"[A-Za-z]", token):
+            out.append(f"{symbol(token)} ")
+        else:
+            out.append(token)
+    return "".join(out).strip()
+
+
+def _formula(poly: Polynomial, relation: str) -> str:
+    """A polynomial with a relation as displayed mathematics, broken into lines."""
+    parts = []
+    for sign, size, exponents in _terms(poly, _size(poly)):
+        powers = [symbol(n) if e == 1 else f"{{{symbol(n)}}}^{{{e}}}"
+                  for n, e in zip(poly.variables, exponents, strict=True) if e]  # fmt: skip
+        size = re.sub(r"e([+-])0*(\d+)", r" \\cdot 10^{\1\2}", size).replace("{+", "{")
+        words = [size] * (size != "1" or not powers) + powers
+        parts.append(f"{sign} {' '.join(words)}")
+    parts = parts or ["0"]
+    parts[0] = parts[0].removeprefix("+ ")
+    rows, row = [], ""
+    for part in parts:
+        if row and len(row) + len(part) > WIDTH:
+            rows.append(row)
+            row = ""
+        row = f"{row} {part}".strip()
+    rows.append(f"{row} {relation}")
+    mark = r"\approx{}" if _size(poly) > 1 else ""
+    body = " \\\\\n  & ".join(rows)
+    return f"\\[\n  \\begin{{aligned}}\n  {mark}& {body}\n  \\end{{aligned}}\n\\]"
+
+
+def latex(found: Conditions) -> str:
+    """Conditions as LaTeX; needs amsmath and booktabs.
+
+    Parameters
+    ----------
+    found
+        Result of `stability.conditions`.
+
+    Returns
+    -------
+    str
+    """
+    family = found.family
+    out = [
+        "% stability table conditions --system: derived from the equations of motion",
+        "% needs amsmath and booktabs",
+        rf"\paragraph{{{escaped(family.system.name)}, {escaped(family.name)}}}",
+        r"\begin{tabular}{ll}",
+        r"  \toprule",
+        r"  symbol & meaning \\",
+        r"  \midrule",
+    ]
+    out += [rf"  ${symbol(v.name)}$ & {escaped(v.meaning)} \\" for v in found.variables]
+    out += [r"  $\lambda$ & eigenvalue \\", r"  \bottomrule", r"\end{tabular}", ""]
+    for name, poly in found.relations:
+        out += [f"Equation of ${symbol(name)}$:", _formula(poly, "= 0")]
+    out += [f"The characteristic polynomial has the factor $\\lambda^{{{found.zeros}}}$ and "
+            f"{len(found.factors)} more."]  # fmt: skip
+    for c in found.deciding:
+        out += [f"{escaped(_words(c.kind, c.name))}:", _formula(c.polynomial, "> 0")]
+    if not found.deciding:
+        out += [escaped(found.rule)]
+    if any(_size(c.polynomial) > 1 for c in found.deciding):
+        out += [rf"Where $\approx$ is written, coefficients are rounded to {DIGITS} digits."]
+    out += [escaped(sentence) for sentence in found.left_out]
+    return "\n".join(out)
+
+
+def _words(kind: str, name: str) -> str:
+    plain = name.replace("λ^", "lambda to the power ").replace("λ²", "lambda squared")
+    return f"{kind.capitalize()} condition ({plain})"
+
+
+def escaped(text: str) -> str:
+    r"""A text with the special characters of LaTeX replaced.
+
+    Parameters
+    ----------
+    text
+        Plain text.
+
+    Examples
+    --------
+    >>> print(escaped("a_1 & 50% of x**2"))
+    a\_1 \& 50\% of x**2
+    """
+    table = {"\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "_": r"\_", "&": r"\&",
+             "%": r"\%", "#": r"\#", "$": r"\$", "^": r"\^{}", "~": r"\~{}", "<": "$<$",
+             ">": "$>$",
+             "λ": r"$\lambda$", "²": "$^2$", "…": r"\dots{}", "≈": r"$\approx$"}  # fmt: skip
+    plain = "".join(table.get(c, c) for c in text)
+    return "".join(c if c.isascii() else "?" for c in plain)
+
+
+def printed(found: Conditions, *, form: str = "text") -> str:
+    """Conditions as text, LaTeX or JSON.
+
+    Parameters
+    ----------
+    found
+        Result of `stability.conditions`.
+    form
+        text, latex or json.
+    """
+    from ..storage.json_text import json_text
+
+    if form == "latex":
+        return latex(found)
+    return json_text(record(found)) if form == "json" else "\n".join(lines(found))

@@ -1,0 +1,98 @@
+"""Table of theorems: statements, steps as checked, and the tests that try to refute them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from textwrap import wrap
+from typing import Any
+
+from ..derivation.proof import Step
+
+WIDTH = 100
+"""Columns of the text."""
+
+
+@dataclass(frozen=True)
+class TheoremRow:
+    """One theorem about the disk."""
+
+    name: str
+    """Short name."""
+    proved: bool
+    """Whether every step is proved."""
+    statement: tuple[str, ...]
+    """Sentences that the steps prove together; without proof where `proved` is false."""
+    assumptions: tuple[str, ...]
+    """Assumptions of the statement."""
+    steps: tuple[Step, ...]
+    """Steps of the proof as checked."""
+    refuters: tuple[str, ...]
+    """Tests that try to refute the statement, as `file::test`."""
+
+
+def theorem_rows(progress: Callable[[int, int], None] | None = None) -> list[TheoremRow]:
+    """Every theorem, proved again.
+
+    Parameters
+    ----------
+    progress
+        Called with (theorems done, theorems in all).
+
+    Returns
+    -------
+    list of TheoremRow
+
+    Source: each step is computed from the graph; tests/derivation/test_theorems.py.
+    """
+    from ..derivation.theorems.catalogue import theorems
+
+    return [
+        TheoremRow(t.name, t.proved, t.statement, t.assumptions, t.steps, t.refuters)
+        for t in theorems(progress)
+    ]
+
+
+def theorem_lines(rows: list[dict[str, Any]]) -> list[str]:
+    """The theorems as lines of text.
+
+    Parameters
+    ----------
+    rows
+        Rows as records.
+
+    Returns
+    -------
+    list of str
+    """
+    lines: list[str] = []
+    for number, row in enumerate(rows, start=1):
+        lines.append(f"{number}. {row['name']}  [{'proved' if row['proved'] else 'NOT PROVED'}]")
+        if not row["proved"]:
+            lines.append("   A step failed: what follows is a conjecture.")
+        lines += [line for text in row["statement"] for line in _paragraph(text, "   ")]
+        lines.append("   Assumptions:")
+        lines += [line for text in row["assumptions"] for line in _paragraph(text, "     ", "- ")]
+        lines.append("   Steps as checked:")
+        for place, step in enumerate(row["steps"], start=1):
+            lines += _step(place, step)
+        lines.append("   Tests that try to refute it:")
+        lines += [f"     - {name}" for name in row["refuters"]] + [""]
+    lines.append("Dimensionless: m = R = g = 1, s = sinθ, c = cosθ, I1 = k, I3 = 2k, vA the slip, "
+                 "gn the")  # fmt: skip
+    lines.append("normal force, F the horizontal contact force; M = mu*², z = at*².")
+    return lines
+
+
+def _step(place: int, step: dict[str, Any]) -> list[str]:
+    mark = "proved" if step["proved"] else "FAILS"
+    lines = _paragraph(f"{step['claim']}  [{mark}]", "     ", f"{place}. ")
+    lines += _paragraph(f"by {step['method']}", "        ")
+    return lines + (_paragraph(f"-> {step['detail']}", "        ") if step["detail"] else [])
+
+
+def _paragraph(text: str, indent: str, mark: str = "") -> list[str]:
+    return wrap(
+        text, WIDTH, initial_indent=indent + mark, subsequent_indent=indent + " " * len(mark),
+        break_long_words=False, break_on_hyphens=False,
+    )  # fmt: skip

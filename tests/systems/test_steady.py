@@ -1,0 +1,176 @@
+"""Families found from the equations: members by closed forms, refusals where none exists."""
+
+import math
+import pickle
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import stability as st
+
+B = 8 / 3
+
+
+@pytest.fixture(scope="module")
+def lorenz() -> Any:
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 3)
+    rates = ca.vertcat(p[0] * (x[1] - x[0]), x[0] * (p[1] - x[2]) - x[1], x[0] * x[1] - p[2] * x[2])
+    return st.System("Lorenz", x, p, rates, states=("x", "y", "z"), parameters=("sigma", "r", "b"))
+
+
+@pytest.fixture(scope="module")
+def plus(lorenz: Any) -> Any:
+    guess = {"x": 8.0, "y": 8.0, "z": 27.0, "r": 28.0}
+    return lorenz.steady(("r",), guess=guess, sigma=10, b=B, name="C+")
+
+
+def scalar(rate: Any, *names: str) -> tuple[Any, Any]:
+    """The system x' = rate(x, p), p with these names."""
+    x, p = ca.SX.sym("x"), ca.SX.sym("p", len(names))
+    return st.System("scalar", x, p, rate(x, p), states=("x",), parameters=names), p
+
+
+def test_the_fixed_point_of_lorenz_is_followed_from_2_to_60_in_one_call(plus: Any) -> None:
+    """C+ = (√(b(r-1)), √(b(r-1)), r-1); Hopf at r = σ(σ+b+3)/(σ-b-1) = 24.7368… (Lorenz 1963)."""
+    r = np.linspace(2, 60, 59)
+    x = np.sqrt(B * (r - 1))
+    members = plus.member(r[:, None], [10.0, B])
+    assert np.abs(members - np.column_stack([x, x, r - 1])).max() < 1e-13
+    found = st.spectrum(plus, at=r, sigma=10, b=B)
+    assert [v.word for v in found.verdict] == [
+        "stable" if v < 10 * (10 + B + 3) / (10 - B - 1) else "unstable" for v in r]  # fmt: skip
+
+
+def test_one_question_after_another_gives_the_same_members_as_one_call(plus: Any) -> None:
+    r = np.random.default_rng(3).uniform(1.001, 1e3, 40)
+    one = [plus.member([v], [10.0, B])[0] for v in r]
+    assert np.allclose(one, np.sqrt(B * (r - 1)), rtol=1e-13)
+    assert np.allclose(plus.member(r[:, None], [10.0, B])[:, 0], one, rtol=1e-13)
+
+
+def test_many_members_over_all_parameters_are_those_of_the_closed_form(plus: Any) -> None:
+    rng = np.random.default_rng(4)
+    r, sigma, b = (rng.uniform(*ends, 3000) for ends in ((0.1, 200), (0.5, 30), (0.1, 9)))
+    found = plus.search(r[:, None], np.column_stack([sigma, b]))
+    assert (found.good == (r > 1)).all()
+    exact = np.sqrt(b[r > 1] * (r[r > 1] - 1))
+    assert np.allclose(found.u[r > 1, 0], exact, rtol=1e-12)
+
+
+@pytest.mark.parametrize("r", [1.0, 0.999, 0.5, -3.0])
+def test_no_other_fixed_point_stands_in_where_this_one_ends(plus: Any, r: float) -> None:
+    """Below r = 1 the origin is left, and Newton's method would go there."""
+    with pytest.raises(st.StabilityError, match=r"stopped at (a branch point at )?r = 1\."):
+        plus.member([r], [10.0, B])
+    with pytest.raises(st.StabilityError, match=r"no member at r = "):
+        st.spectrum(plus, at=[2.0, r], sigma=10, b=B)
+
+
+def test_a_member_beyond_a_fold_is_refused_though_another_sheet_has_one() -> None:
+    """P = x³ - 3x: the lower sheet ends at x = -1, p = 2; at p = 4 the upper one has x = 2.1958."""
+    system, _ = scalar(lambda x, p: p[0] - x**3 + 3 * x, "p")
+    lower = system.steady("p", guess={"x": -2.0, "p": -2.0})
+    exact = min(np.roots([1, 0, -3, -1.999]).real)
+    assert lower.member([1.999], [])[0] == pytest.approx(exact, rel=1e-9)
+    for p in (2.001, 4.0):
+        with pytest.raises(st.StabilityError, match="stopped at a fold at p = 2"):
+            lower.member([p], [])
+
+
+@pytest.mark.parametrize("w", [0.2, 0.9, 0.999])
+def test_the_bead_on_a_hoop_does_not_fall_onto_the_lowest_point(w: float) -> None:
+    """θ = arccos(g/(w² R)) ends in a pitchfork at w² = g/R; a tilt removes it."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    rates = ca.vertcat(x[1], ca.sin(x[0]) * (p[0] ** 2 * ca.cos(x[0]) - 1) + p[1] - 0.3 * x[1])
+    hoop = st.System("hoop", x, p, rates, states=("theta", "v"), parameters=("w", "tilt"))
+    bead = hoop.steady("w", guess={"theta": 1.0, "w": 2.0, "tilt": 0.0})
+    assert bead.member([1.01], [0.0])[0] == pytest.approx(math.acos(1.01**-2), rel=1e-12)
+    with pytest.raises(st.StabilityError, match="stopped at a branch point at w = 1"):
+        bead.member([w], [0.0])
+    tilted = bead.member([w], [0.01])[0]  # the imperfect pitchfork joins both
+    assert math.sin(tilted) * (w * w * math.cos(tilted) - 1) == pytest.approx(-0.01, rel=1e-9)
+    assert tilted > 0
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-9])
+def test_a_small_gap_is_not_jumped(gap: float) -> None:
+    """x² = p² + gap²: the upper hyperbola stays positive, and its asymptotes cross at p = 0.
+
+    A gap that is too narrow to be followed is a refusal.
+    """
+    system, _ = scalar(lambda x, p: p[0] ** 2 + gap**2 - x**2, "p")
+    upper = system.steady("p", guess={"x": 1.0, "p": 1.0})
+    p = np.array([-0.3, -1.0, -7.0])
+    found = upper.search(p[:, None], np.zeros((3, 0)))
+    assert np.allclose(found.u[found.good, 0], np.hypot(p, gap)[found.good], rtol=1e-12)
+    if gap > 1e-5:
+        assert found.good.all()
+
+
+def test_a_member_goes_straight_through_a_crossing_branch() -> None:
+    system, _ = scalar(lambda x, p: (x - ca.sin(p[0])) * (p[0] + x), "p")
+    family = system.steady("p", guess={"x": 0.8, "p": 1.0})
+    p = np.linspace(-2, 2, 7)[[0, 1, 2, 4, 5, 6]]
+    assert np.allclose(family.member(p[:, None], [])[:, 0], np.sin(p), rtol=1e-10)
+
+
+def test_the_governor_is_found_with_its_unknowns_and_equations() -> None:
+    """X = arccos b, z = 1/√b (Sotomayor, Mello, Braga 2006); it ends at b = 1."""
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 3)
+    rates = ca.vertcat(
+        x[1], x[2] ** 2 * ca.sin(x[0]) * ca.cos(x[0]) - ca.sin(x[0]) - p[0] * x[1],
+        p[1] * (ca.cos(x[0]) - p[2]),
+    )  # fmt: skip
+    watt = st.System("governor", x, p, rates, states=("x", "y", "z"), parameters=("e", "a", "b"))
+    family = watt.steady("b", guess={"x": 1.0, "z": 1.4, "e": 1.0, "a": 0.5, "b": 0.5},
+                         positive=("x", "z"))  # fmt: skip
+    b = np.linspace(0.1, 0.99, 12)
+    found = family.member(b[:, None], [1.0, 0.5])
+    assert np.allclose(found, np.column_stack([np.arccos(b), 0 * b, b**-0.5]), atol=1e-12)
+    with pytest.raises(st.StabilityError, match="stopped at a fold at b = 1"):
+        family.member([1.2], [1.0, 0.5])
+    # flutter at e = 2 a b^(3/2)
+    at = 2 * 0.5 * 0.5**1.5
+    words = [st.spectrum(family, at=0.5, e=e, a=0.5).verdict.word for e in (at + 1e-6, at - 1e-6)]
+    assert words == ["stable", "unstable"]
+
+
+def test_a_state_on_which_nothing_depends_is_held() -> None:
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    system = st.System("s", x, p, ca.vertcat(p - x[0] ** 2, p - x[0] ** 2), states=("x", "place"),
+                       parameters=("p",))  # fmt: skip
+    family = system.steady("p", guess={"x": 1.0, "p": 1.0})
+    assert dict(family.held) == {"place": 0.0}
+    assert family.equations == ("x",)
+    assert np.allclose(family.member([4.0], []), [2.0, 0.0])
+
+
+def test_a_family_that_travels_to_another_process_stays_itself(plus: Any) -> None:
+    back = pickle.loads(pickle.dumps(plus.anchor))
+    assert back == plus.anchor
+    assert back.unknown == pytest.approx([math.sqrt(72), math.sqrt(72), 27.0], rel=1e-14)
+
+
+def test_what_does_not_fit_is_refused_in_one_sentence(lorenz: Any) -> None:
+    cases: list[tuple[dict[str, Any], str]] = [
+        ({"guess": {"x": 1.0}}, "guess needs a value of r, sigma and b"),
+        ({"guess": {"w": 1.0}}, "guess names 'w'; known are x, y, z, sigma, r, b"),
+        ({"guess": {"r": 2.0}, "r": 3.0}, "'r' is given in guess and by name"),
+        ({"guess": {"x": math.nan}}, "guess x"),
+        ({"held": {"w": 1.0}}, "state is 'w'"),
+        ({"guess": {"r": 2.0, "sigma": 1, "b": 1}, "equations": ("x",)}, "3 unknowns and 1 eq"),
+    ]
+    for given, said in cases:
+        with pytest.raises(st.StabilityError, match=said) as caught:
+            lorenz.steady("r", **given)
+        assert "\n" not in str(caught.value)
+    nothing, _ = scalar(lambda x, p: p[0] + x**2, "p")
+    with pytest.raises(st.StabilityError, match="has no member that 64 first guesses"):
+        nothing.steady("p", guess={"x": 1.0, "p": 1.0})
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    free = st.System("f", x, p, ca.vertcat(x[0] * x[1] - p, 0), states=("x", "y"),
+                     parameters=("p",))  # fmt: skip
+    with pytest.raises(st.StabilityError, match="leave 1 of the unknowns x and y op"):
+        free.steady("p", guess={"x": 1.0, "y": 1.0, "p": 1.0})

@@ -1,0 +1,194 @@
+"""Exact conditions of a user's family as text, LaTeX and JSON, through the command line."""
+
+import json
+import re
+import shutil
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import casadi as ca
+import pytest
+import sympy
+from matplotlib.mathtext import MathTextParser
+
+import stability as st
+from stability.cli.commands import main
+from stability.tables.system_conditions import escaped, latex, lines, record, symbol
+
+BICYCLE = "examples/bicycle.py:upright"
+
+
+@cache
+def family() -> st.Family:
+    """A quartic with an angle as a parameter, a root and an awkward name."""
+    x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 3)
+    a, b, angle = ca.vertsplit(p)
+    rates = ca.vertcat(
+        x[2], x[3], -(a**2) * x[0] - ca.sqrt(b) * x[2] + ca.sin(angle) * x[1],
+        -b * x[1] - ca.cos(angle) ** 2 * x[3] - ca.sin(angle) * x[0],
+    )  # fmt: skip
+    system = st.System(
+        "two_springs & 50%", x, p, rates, states=("q", "s", "u", "v"),
+        parameters=("omega_0", "mu", "theta"),
+    )  # fmt: skip
+    return st.Family(system, "rest", at=("omega_0",), held=dict.fromkeys(system.states, 0.0))
+
+
+# --- a strict reader of the LaTeX that is written ---
+
+
+def check_latex(text: str) -> int:
+    """Refuse unbalanced groups, environments, mathematics; each formula is parsed; their number."""
+    plain = "\n".join(line for line in text.splitlines() if not line.startswith("%"))
+    assert plain.isascii()
+    depth = 0
+    for brace in re.findall(r"(?<!\\)[{}]", plain):
+        depth += 1 if brace == "{" else -1
+        assert depth >= 0
+    assert depth == 0
+    stack: list[str] = []
+    for word, name in re.findall(r"\\(begin|end)\{(\w+)\}", plain):
+        if word == "begin":
+            stack.append(name)
+        else:
+            assert stack.pop() == name
+    assert not stack
+    assert plain.count(r"\left(") == plain.count(r"\right)")
+    displays = re.findall(r"\\\[(.*?)\\\]", plain, re.DOTALL)
+    assert len(displays) == plain.count(r"\[") == plain.count(r"\]")
+    outside = re.sub(r"\\\[.*?\\\]", "", plain, flags=re.DOTALL)
+    assert len(re.findall(r"(?<!\\)\$", outside)) % 2 == 0
+    inline = re.findall(r"(?<!\\)\$(.*?)(?<!\\)\$", outside)
+    words = re.sub(r"(?<!\\)\$.*?(?<!\\)\$", "", outside)
+    body = re.sub(r"\\begin\{tabular\}.*?\\end\{tabular\}", "", words, flags=re.DOTALL)
+    assert not re.search(r"(?<!\\)[_^&#%]", body), body
+    formulas = list(inline)
+    for display in displays:
+        assert display.count(r"\begin{aligned}") == display.count(r"\end{aligned}") == 1
+        inner = re.sub(r"\\(begin|end)\{aligned\}", "", display)
+        for row in inner.split("\\\\\n"):
+            assert row.count("&") == 1
+            assert len(row) < 200
+            formulas.append(row.replace("&", " "))
+    for formula in formulas:
+        parsed(formula.strip())
+    return len(formulas)
+
+
+@cache
+def parsed(formula: str) -> object:
+    """A formula read by matplotlib's reader of TeX."""
+    return MathTextParser("path").parse(f"${formula}$")
+
+
+def test_the_reader_of_latex_refuses_what_is_wrong() -> None:
+    good = latex(st.conditions(family()))
+    check_latex(good)
+    for bad in (
+        good.replace("}", "", 1), good.replace(r"\end{aligned}", "", 1), good + "$", good + " a_1",
+        good.replace("&", "", 30), good.replace(r"\right)", "", 1),
+        good.replace(r"\sqrt{", r"\sqroot{"),
+    ):  # fmt: skip
+        assert bad != good
+        with pytest.raises((AssertionError, ValueError, IndexError)):
+            check_latex(bad)
+
+
+def test_latex_is_well_formed_and_defines_each_symbol() -> None:
+    found = st.conditions(family(), positive=("mu",))
+    text = latex(found)
+    assert check_latex(text) > 5
+    for v in found.variables:
+        assert f"${symbol(v.name)}$ & " in text
+    assert r"\toprule" in text
+    assert r"\omega_{0}" in text
+    assert r"\sqrt{\mu}" in text
+    assert r"two\_springs \& 50\%" in text
+
+
+def compile_latex(text: str, folder: Path) -> None:
+    """Compile with the TeX that is there."""
+    head = r"\documentclass{article}\usepackage{amsmath,booktabs}\begin{document}"
+    (folder / "paper.tex").write_text(f"{head}\n{text}\n\\end{{document}}\n")
+    program = next(p for p in ("pdflatex", "tectonic", "xelatex") if shutil.which(p))
+    options = [] if program == "tectonic" else ["-interaction=nonstopmode", "-halt-on-error"]
+    subprocess.run([program, *options, "paper.tex"], cwd=folder, check=True, capture_output=True)
+    assert (folder / "paper.pdf").stat().st_size > 1000
+
+
+@pytest.mark.skipif(
+    not any(map(shutil.which, ("pdflatex", "tectonic", "xelatex"))),
+    reason="no TeX on this machine (pdflatex, tectonic, xelatex): the strict reader alone",
+)
+def test_latex_compiles(tmp_path: Path) -> None:
+    compile_latex(latex(st.conditions(family(), positive=("mu",))), tmp_path)
+
+
+def printed(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    assert main(["table", "conditions", *words]) == 0
+    return capsys.readouterr().out
+
+
+def test_the_command_prints_text_latex_and_json(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--system", BICYCLE, "--positive", "v,g")
+    text = printed(capsys, *words)
+    assert text.startswith("bicycle, upright")
+    assert "flutter boundary" in text
+    assert "self-stable" not in text  # what the example prints itself
+    assert "disk" not in text
+    assert "≈: coefficients" in text
+    assert check_latex(printed(capsys, *words, "--latex")) > 5
+    body = json.loads(printed(capsys, *words, "--json"))
+    assert [b["kind"] for b in body["boundaries"]] == ["static", "flutter"]
+    v, g = sympy.symbols("v g")
+    (static,) = (c for c in body["conditions"] if c["kind"] == "static")
+    zero = sympy.sympify(static["positive"])
+    assert zero.free_symbols == {v, g}
+    capsize = max(map(float, sympy.Poly(zero.subs(g, sympy.Rational(981, 100)), v).nroots()))
+    assert abs(capsize - 6.024262015) < 1e-8  # Meijaard et al. 2007, § 5
+    fixed = json.loads(printed(capsys, *words[:3], "v", "--parameter", "g=9.81", "--json"))
+    assert fixed["given"] == {"g": str(sympy.Rational(9.81))}
+    assert [x["name"] for x in fixed["variables"]] == ["v"]
+
+
+def test_text_says_roundings_proofs_and_witnesses() -> None:
+    found = st.conditions(family(), positive=("mu", "omega_0"))
+    text = "\n".join(lines(found))
+    assert "sin(theta)" in text
+    assert "≈" not in text  # short coefficients are exact
+    assert found.rule in text
+    body = record(found)
+    assert {"system", "rule", "conditions", "relations"} <= set(body)
+    assert json.loads(json.dumps(body)) == body
+
+
+@pytest.mark.parametrize(("words", "part"), [
+    (("families", "--system", BICYCLE), "--system belongs"),
+    (("conditions", "--system", "examples/bicycle.py"), "module:family"),
+    (("conditions", "--system", "examples/bicycle.py:nobody"), "its families are upright"),
+    (("conditions", "--system", "examples/nothing.py:upright"), "cannot be imported"),
+    (("conditions", "--system", "no_module_here:upright"), "cannot be imported"),
+    (("conditions", "--system", BICYCLE, "--k", "0.25"), "belongs to the disk"),
+    (("conditions", "--system", BICYCLE, "--latex", "--json"), "both given"),
+    (("conditions", "--system", BICYCLE, "--positive", "w"), "positive is 'w'"),
+    (("conditions", "--system", BICYCLE, "--parameter", "g"), "NAME=NUMBER"),
+    (("conditions", "--system", BICYCLE, "--parameter", "h=1"), "parameter is 'h'"),
+    (("conditions", "--positive", "v"), "belongs to `table conditions --system`"),
+])  # fmt: skip
+def test_bad_input_ends_with_one_sentence_and_code_2(
+    words: tuple[str, ...], part: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["table", *words]) == 2
+    said = capsys.readouterr().err
+    assert part in said
+    assert said.count("\n") == 1
+
+
+def test_a_symbol_is_safe_for_any_name() -> None:
+    for name in ("v", "phi_dot", "x_1_2", "k1", "mass", "sin(2*theta + a_1)", "sqrt(b**2 - 1)",
+                 "sqrt_3", "Lambda", "_x", "exp(-t)", "breite_α"):  # fmt: skip
+        text = symbol(name)
+        assert text.isascii()
+        parsed(text)
+    assert escaped("é") == "?"
