@@ -4,8 +4,10 @@ import ast
 import re
 import runpy
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -34,11 +36,39 @@ def test_notebook_runs(
 @pytest.mark.parametrize("page", ["README.md", "docs/compare.md", "docs/scenes.md"])
 def test_python_in_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    _run(page)
+
+
+def _run(page: str) -> dict[str, Any]:
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
     assert blocks
-    space: dict[str, object] = {}
+    space: dict[str, Any] = {}
     for block in blocks:
         exec(compile(block, page, "exec"), space)
+    return space
+
+
+def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With d = trail - centre: (m d s² + trail (c s + k)) (trail s + v) + (J - m centre d) s³."""
+    monkeypatch.chdir(tmp_path)
+    space = _run("docs/own-systems.md")
+    g, edge = space["given"], space["edge"]
+    d = g["trail"] - g["centre"]
+
+    def polynomial(v: float) -> np.ndarray:
+        swaying = [g["m"] * d, g["trail"] * g["c"], g["trail"] * g["k"]]
+        return np.polyadd(
+            np.polymul(swaying, [g["trail"], v]), [g["J"] - g["m"] * g["centre"] * d, 0, 0, 0]
+        )
+
+    cubic, square, linear, constant = polynomial(edge.value)
+    assert square * linear == pytest.approx(cubic * constant, rel=1e-12)  # Routh
+    assert edge.frequency == pytest.approx((linear / cubic) ** 0.5, rel=1e-12)
+    mine = np.sort_complex(np.roots(polynomial(0.3)))
+    assert np.sort_complex(space["spectrum"].eigenvalues) == pytest.approx(mine, rel=1e-9)
+    assert (tmp_path / "towed-wheel.png").stat().st_size > 10_000
 
 
 def test_commands_in_the_readme_run(
