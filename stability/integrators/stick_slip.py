@@ -7,8 +7,9 @@ vA = e^ℓ (cos α, sin α), and time is stretched by dt = |vA| dτ.  Then
     dℓ/dτ = f(α, …),   dα/dτ = h(α, …)
 
 is smooth up to |vA| = 0 (f and h are the slip's acceleration along and across its direction), and
-a motion that comes to rest tends to a direction with h = 0, f < 0.  A motion has landed when |vA|
-has fallen below `REST`; the remaining time, |vA|/|f|, is below rounding.
+a motion that comes to rest tends to a direction with h = 0, f < 0 (or f = 0 in the marginal case).
+A motion has landed when |vA| has fallen below `REST`; the remaining time, |vA|/|f|, is below
+rounding.
 
 At rest `stability.integrators.friction_at_rest` lists every continuation.  If none or several
 exist, the run ends with an outcome that says this.  tests/integrators/test_coulomb.py compares this
