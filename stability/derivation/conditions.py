@@ -74,6 +74,10 @@ class Conditions:
     """Time of the derivation."""
     _deduction: Deduction
 
+    def __repr__(self) -> str:
+        system = self.family.system.name
+        return f"<conditions of {self.family.name} of {system}: {self.rule}>"
+
     @property
     def deciding(self) -> tuple[SignCondition, ...]:
         """Conditions whose sign decides the verdict."""

@@ -78,7 +78,9 @@ def lines(found: Conditions) -> list[str]:
     out += [f"    {name} = {value}" for name, value in found.solved]
     out += [f"    {_text(p)} = 0, which {name} obeys" for name, p in found.relations]
     out += [f"    {_text(p)} is not 0" for p in found.nonzero]
-    out += ["", f"    det(λ - A) ~ λ^{found.zeros} times, for {len(found.factors)} factors:"]
+    many = "one factor" if len(found.factors) == 1 else f"{len(found.factors)} factors"
+    zeros = f"λ^{found.zeros} times " if found.zeros else ""
+    out += ["", f"    det(λ - A) is a multiple of {zeros}{many}:"]
     for factor in found.factors:
         power = f" (to the power {factor.multiplicity})" if factor.multiplicity > 1 else ""
         out += [f"      of degree {factor.degree} in λ{power}"]
