@@ -265,8 +265,9 @@ def latex(found: Conditions) -> str:
     out += [r"  $\lambda$ & eigenvalue \\", r"  \bottomrule", r"\end{tabular}", ""]
     for name, poly in found.relations:
         out += [f"Equation of ${symbol(name)}$:", _formula(poly, "= 0")]
-    out += [f"The characteristic polynomial has the factor $\\lambda^{{{found.zeros}}}$ and "
-            f"{len(found.factors)} more."]  # fmt: skip
+    many = "one factor" if len(found.factors) == 1 else f"{len(found.factors)} factors"
+    zeros = f" besides $\\lambda^{{{found.zeros}}}$" if found.zeros else ""
+    out += [f"The characteristic polynomial has {many}{zeros}."]
     for c in found.deciding:
         out += [f"{escaped(_words(c.kind, c.name))}:", _formula(c.polynomial, "> 0")]
     if not found.deciding:
