@@ -125,6 +125,9 @@ def spectrum(
         note=rows.note,
         pairs=pairs,
         solver=chosen(),
+        values=dict(problem.values),
+        law=problem.law,
+        dimensionless=problem.dimensionless,
     )
     asked = np.full(len(rate), certify)
     if escalate:
@@ -199,7 +202,8 @@ def _given(problem: Problem) -> list[Any]:
     values = dict(problem.values)
     if "lean" in values:
         values["at"] = np.pi / 2 - np.asarray(values["lean"])
-    keys = ["at"] if "at" in values else problem.family.at
+    # a user's system may have a parameter called at
+    keys = ["at"] if problem.law is not None and "at" in values else problem.family.at
     return [np.broadcast_to(values[k], shape).reshape(-1) for k in keys]
 
 
