@@ -353,11 +353,12 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
         inside = np.pad(codes == code, 1)
         if inside.sum() < 0.03 * codes.size:
             continue
-        depth = distance_transform_edt(inside, sampling=(1 / codes.shape[0], 1 / codes.shape[1]))
+        half = (0.035 * codes.shape[0], 0.014 * len(word) * codes.shape[1])  # the word's extent
+        depth = distance_transform_edt(inside, sampling=(1 / half[0], 1 / half[1]))
         # keep clear of the legend in the upper right corner
         rows, columns = np.indices(inside.shape)
         depth[(rows > 0.72 * inside.shape[0]) & (columns > 0.45 * inside.shape[1])] = 0
-        if depth.max() < 0.06:  # the word would stand on other regions
+        if depth.max() < 1:  # the word would stand on other regions
             continue
         i, j = np.unravel_index(int(depth.argmax()), depth.shape)
         x = float(dataset[_x(dataset)][min(max(j - 1, 0), codes.shape[1] - 1)])

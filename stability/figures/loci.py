@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError, listed
@@ -86,6 +87,7 @@ def locus(
         bottom.set_ylabel("frequency\n|Im $\\lambda$|" + units)
         figure.align_ylabels()
         bottom.set_xlabel(_axis(spectrum, name))
+        bottom.xaxis.set_major_locator(MaxNLocator(6))
         bottom.set_xlim(float(at.min()), float(at.max()))
         figure.legend(
             *top.get_legend_handles_labels(), loc="outside lower center",
@@ -125,7 +127,7 @@ def swept(spectrum: Spectrum) -> tuple[str, Floats]:
     moved = {n: np.broadcast_to(v, shape) for n, v in along.items() if np.ptp(v) > 0}
     if len(moved) != 1:
         raise ParameterError(
-            f"along the spectrum {listed(list(moved)) or 'nothing'} changes; give one quantity as "
+            f"along the spectrum {listed(list(moved) or ['nothing'])} changes; give one quantity as "
             "an array, and the others as numbers."
         )
     return next(iter(moved.items()))
@@ -178,7 +180,7 @@ def _frequencies(axes: Axes, at: Floats, values: Complexes, groups: list[tuple[i
     every = np.abs(values.imag)
     if not every.any():
         axes.text(0.5, 0.5, "no oscillation: every eigenvalue is real", ha="center", va="center",
-                  transform=axes.transAxes, fontsize=7)  # fmt: skip
+                  transform=axes.transAxes, fontsize=7, path_effects=halo, zorder=5)  # fmt: skip
         axes.set_yticks([])
         return
     for index, columns in enumerate(groups):

@@ -226,6 +226,12 @@ def problem_of(
         If the arguments do not fit together.
     """
     if isinstance(family, Family):
+        words = {"lean": lean, "disk": disk, "contact": contact}
+        for word in (w for w, v in words.items() if v is not None and w in family.parameters):
+            raise ParameterError(
+                f"{word} is an argument of the disk here; give the parameter {word} of "
+                f"{family.name} as parameters={{{word!r}: …}}."
+            )
         if lean is not None:
             raise ParameterError(f"lean belongs to families of the disk; {family.name} takes at.")
         if disk is not None or contact is not None:

@@ -165,7 +165,8 @@ class Spectrum:
         harmless = self.structural_zeros == self.family.tangents
         stable = Nonlinear.ASYMPTOTIC if harmless else Nonlinear.OPEN
         if self.family.drifts:
-            stable = Nonlinear.DRIFTS
+            # the sentence on drift tells what a disk does
+            stable = Nonlinear.DRIFTS if self.law is not None else Nonlinear.CARRIED
         # neutral with every λ² strictly negative: the integrals confine the motion
         kept = Nonlinear.BY_INTEGRALS if self.family.integrals else Nonlinear.OPEN
         table = {
