@@ -36,7 +36,7 @@ BITS = (128, 512, 2048)
 """Precisions of the balls in which signs at a member are sought."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Conditions:
     """Exact conditions of stability of a family: polynomials, what decides, boundaries, proofs.
 
@@ -73,6 +73,10 @@ class Conditions:
     seconds: float
     """Time of the derivation."""
     _deduction: Deduction
+
+    def __repr__(self) -> str:
+        family = self.family
+        return f"<Conditions of {family.name} of {family.system.name}: {self.rule}>"
 
     @property
     def deciding(self) -> tuple[SignCondition, ...]:

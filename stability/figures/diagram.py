@@ -358,7 +358,7 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
         # keep clear of the legend in the upper right corner
         rows, columns = np.indices(inside.shape)
         depth[(rows > 0.72 * inside.shape[0]) & (columns > 0.45 * inside.shape[1])] = 0
-        if depth.max() < 1:  # the word would stand on other regions
+        if depth.max() - 0.5 / min(half) < 1:  # half a cell: the word would leave its region
             continue
         i, j = np.unravel_index(int(depth.argmax()), depth.shape)
         x = float(dataset[_x(dataset)][min(max(j - 1, 0), codes.shape[1] - 1)])

@@ -127,8 +127,8 @@ def swept(spectrum: Spectrum) -> tuple[str, Floats]:
     moved = {n: np.broadcast_to(v, shape) for n, v in along.items() if np.ptp(v) > 0}
     if len(moved) != 1:
         raise ParameterError(
-            f"along the spectrum {listed(list(moved) or ['nothing'])} changes; give one quantity as "
-            "an array, and the others as numbers."
+            f"along the spectrum {listed(list(moved) or ['nothing'])} changes; give one quantity "
+            "as an array, and the others as numbers."
         )
     return next(iter(moved.items()))
 

@@ -65,7 +65,8 @@ def spectrum(
         Whether to certify only the points that double precision leaves undecided; other points
         keep their error discs.  If False, these points stay undecided.
     **parameters
-        Parameters by name, for a family of a user's system.
+        Parameters by name, for a family of a user's system.  Parameters that have the name of an
+        argument, such as `at` or `contact`, go in a mapping: `parameters={"at": 2.0}`.
 
     Returns
     -------

@@ -13,7 +13,7 @@ from .equations import Equations
 from .family import Family
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class System(Equations):
     """Equations of motion ẋ = f(x, p) as a CasADi SX graph, with its observables.
 

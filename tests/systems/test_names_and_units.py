@@ -149,6 +149,21 @@ def test_records_count_in_the_singular_and_the_plural() -> None:
     )
 
 
+def test_records_do_not_print_the_graph() -> None:
+    family = decay(("gain", "loss"))
+    assert repr(family.system) == "<System tank: 1 state (level), 2 parameters (gain, loss)>"
+    assert repr(family) == "<Family empty of tank, named by gain>"
+    assert repr(st.conditions(family)) == (
+        "<Conditions of empty of tank: Stable where -gain + loss > 0; unstable where it is "
+        "negative.>"
+    )
+    x = ca.SX.sym("x", 60)
+    many = st.System("chain", x, ca.SX.sym("p", 0), -x, states=tuple(f"q{i}" for i in range(60)))
+    assert (
+        repr(many) == "<System chain: 60 states (q0, q1, q2, q3, q4, q5, q6, q7, …), 0 parameters>"
+    )
+
+
 def test_a_users_drifting_family_is_not_told_how_a_disk_drifts() -> None:
     family = rest(oscillator(), drifts=True)
     found = st.spectrum(family, at=1.0, c=-0.2).nonlinear
