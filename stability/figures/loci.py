@@ -87,7 +87,7 @@ def locus(
         bottom.set_ylabel("frequency\n|Im $\\lambda$|" + units)
         figure.align_ylabels()
         bottom.set_xlabel(_axis(spectrum, name))
-        bottom.xaxis.set_major_locator(MaxNLocator(6))
+        bottom.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
         bottom.set_xlim(float(at.min()), float(at.max()))
         figure.legend(
             *top.get_legend_handles_labels(), loc="outside lower center",
