@@ -350,19 +350,23 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
     names = {code: v.word for v, code in CODES.items()}
     named = set()
     for code, word in (names | {NO_MEMBER: "no member"}).items():
-        inside = np.pad(codes == code, 1)
-        if inside.sum() < 0.03 * codes.size:
+        where = codes == code
+        if where.sum() < 0.03 * codes.size:
             continue
-        half = (0.035 * codes.shape[0], 0.014 * len(word) * codes.shape[1])  # the word's extent
+        # of a coarse map each cell in pieces, since a word may fill a part of it
+        fine = [max(1, 60 // n) for n in codes.shape]
+        where = where.repeat(fine[0], axis=0).repeat(fine[1], axis=1)
+        inside = np.pad(where, 1)
+        half = (0.035 * where.shape[0], 0.014 * len(word) * where.shape[1])  # the word's extent
         depth = distance_transform_edt(inside, sampling=(1 / half[0], 1 / half[1]))
         # keep clear of the legend in the upper right corner
         rows, columns = np.indices(inside.shape)
         depth[(rows > 0.72 * inside.shape[0]) & (columns > 0.45 * inside.shape[1])] = 0
-        if depth.max() - 0.5 / min(half) < 1:  # half a cell: the word would leave its region
+        if depth.max() < 1:  # the word would leave its region
             continue
         i, j = np.unravel_index(int(depth.argmax()), depth.shape)
-        x = float(dataset[_x(dataset)][min(max(j - 1, 0), codes.shape[1] - 1)])
-        y = float(dataset[_y(dataset)][min(max(i - 1, 0), codes.shape[0] - 1)])
+        x = float(dataset[_x(dataset)][min(max(j - 1, 0) // fine[1], codes.shape[1] - 1)])
+        y = float(dataset[_y(dataset)][min(max(i - 1, 0) // fine[0], codes.shape[0] - 1)])
         axes.text(x, y, word, ha="center", va="center", fontsize=8, path_effects=halo)
         named |= {v for v in Verdict if v.word == word}
     return named
