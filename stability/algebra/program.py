@@ -102,8 +102,8 @@ class Program:
                 lines.append(f"    w{target[0]} = {_SYMBOLS[code].format(*names)}")
             else:
                 raise StabilityError(
-                    f"the graph {self.name} uses CasADi operation {code} (a branch, comparison or "
-                    "special function); only smooth elementary functions are read."
+                    f"an expression of the system uses CasADi operation {code} (a branch, "
+                    "comparison or special function); only smooth elementary functions are read."
                 )
         body = "\n".join(lines)
         used = [name for name in (*UNARY, "pow", "fabs") if f"f_{name}(" in body]

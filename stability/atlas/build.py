@@ -179,8 +179,9 @@ def _job(body: str, family: str, folder: str, resolution: int) -> Page:
     for law in (Rough(), Smooth()):
         points = boundaries(family, axis=("at", low, high, 301), disk=disk, contact=law)
         at = np.linspace(low, high, 2 * resolution)
-        growth = spectrum(family, at=at, disk=disk, contact=law).abscissa
-        strips.append(Strip(law.name, at, growth, tuple(p.value for p in points)))
+        found = spectrum(family, at=at, disk=disk, contact=law)
+        changes = tuple(p.value for p in points)
+        strips.append(Strip(law.name, at, found.abscissa, changes, found.codes))
         rows += [
             (body, disk.k, family, law.name, i, FAMILIES[family].at[0], p.value, "",
              p.crossing.word, p.frequency, p.error, "at")
@@ -218,11 +219,23 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
         f"/√(gR), against the {quantity}: growth rate above (linear below 10⁻³, logarithmic "
         f"beyond), frequency below, in √(g/R), at {len(at)} points; "
         f"without the {_zeros(spectra.structural_zeros)}. One colour and number for each "
-        "mode, followed by eigenvector overlap and named by the states that lead it on average; "
-        "where a pair splits into two real eigenvalues, one of them is dashed. Dotted: "
-        f"{changes or 'no change of verdict in this range'}."
+        "mode, followed by eigenvector overlap and named by the states that lead it on average"
+        f"{_split(spectra)}. {f'Dotted: {changes}' if changes else 'No change of verdict'}."
     )
     return Picture(stem, caption, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}")
+
+
+def _split(spectra: Any) -> str:
+    """What the caption says of dashed lines: nothing where no pair splits."""
+    from ..figures.loci import mode_groups
+
+    values = np.take_along_axis(spectra.eigenvalues, spectra.tracked(), axis=-1)
+    groups = [list(columns) for columns in mode_groups(values) if len(columns) > 1]
+    close = 1e-9 * np.abs(values).max()
+    apart = any(np.ptp(values[:, columns].real, axis=1).max() > close for columns in groups)
+    more = any(len(columns) > 2 for columns in groups)
+    said = "; where a pair splits into two real eigenvalues, one of them is dashed" * apart
+    return said + "; eigenvalues that exchange partners share a mode" * more
 
 
 def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[Any, ...]]:

@@ -93,7 +93,7 @@ def _diagram_caption(family: str, name: str, inertia: str, dataset: Any, limits:
         "real part of the eigenvalues other than the "
         f"{_zeros(dataset.attrs['structural_zeros'])}, on "
         f"{dataset.sizes['at']} × {dataset.sizes['mu']} points, in √(g/R), linear below 10⁻⁴ and "
-        f"logarithmic beyond; hatched where it is positive. Verdicts: {verdicts}{undecided}. "
+        f"logarithmic beyond; slanted lines: unstable. Verdicts: {verdicts}{undecided}. "
         f"{curve} Strips: the limit laws on the same axis and colours ({'; '.join(limits)})."
     )
 

@@ -75,6 +75,79 @@ class Quantity:
         return {"long_name": self.long_name, **self.kind.attributes(dimensionless=dimensionless)}
 
 
+_TIMES = {
+    **{w: w for w in ("s", "ms", "us", "µs", "μs", "ns", "ps", "fs", "min", "h")},
+    **dict.fromkeys(("d", "day", "days"), "day"),
+    **dict.fromkeys(("a", "yr", "year", "years"), "year"),
+}
+_WITH_SECONDS = re.compile(r"[kMGmuµμ]?(N|J|W|Pa|V)")
+
+
+def time_unit(units: Mapping[str, str]) -> str:
+    """The unit of time of a system, from the units of its quantities.
+
+    Parameters
+    ----------
+    units
+        Unit by name, as a user gave them; one called `time` is taken as it is.
+
+    Returns
+    -------
+    str
+        The one unit of time that occurs; 1 where none occurs, or several.
+
+    Examples
+    --------
+    >>> time_unit({"v": "m/s", "length": "mm"}), time_unit({"k": "N/m"}), time_unit({"a": "1/day"})
+    ('s', 's', 'day')
+    >>> time_unit({"length": "m"}), time_unit({"v": "m/s", "rate": "1/h"})
+    ('1', '1')
+    """
+    if units.get("time"):
+        return str(units["time"])
+    found = set()
+    for unit in units.values():
+        for word in re.findall(r"[^\W\d_]+", str(unit)):
+            if word in _TIMES:
+                found.add(_TIMES[word])
+            elif _WITH_SECONDS.fullmatch(word):
+                found.add("s")
+    return found.pop() if len(found) == 1 else "1"
+
+
+def rate_unit(units: Mapping[str, str]) -> str:
+    """The unit of eigenvalues of a system, from the units of its quantities.
+
+    Parameters
+    ----------
+    units
+        As for `time_unit`.
+
+    Returns
+    -------
+    str
+        One over the unit of time; 1 where that is not known.
+
+    Examples
+    --------
+    >>> rate_unit({"v": "m/s"}), rate_unit({"time": "beat"}), rate_unit({})
+    ('1/s', '1/beat', '1')
+    """
+    time = time_unit(units)
+    return "1" if time == "1" else f"1/{time}" if time.isalnum() else f"1/({time})"
+
+
+def plain_text(name: str) -> str:
+    r"""A name as a figure shows it: a dollar sign begins no mathematics.
+
+    Examples
+    --------
+    >>> print(plain_text("x_1"), plain_text("$a$"))
+    x_1 \$a\$
+    """
+    return name.replace("$", r"\$")
+
+
 def unit_of(attributes: Mapping[str, Any]) -> str:
     """The unit of a labelled array, in words where its numbers are dimensionless."""
     return str(attributes.get("unit_in_words", attributes.get("units", "1")))
@@ -82,7 +155,7 @@ def unit_of(attributes: Mapping[str, Any]) -> str:
 
 def axis_label(quantity: Quantity | None, name: str, unit: str) -> str:
     """Name in words, symbol and unit of an axis; the bare name where its quantity is not known."""
-    words = f"{quantity.long_name} {quantity.typeset}" if quantity else name
+    words = f"{quantity.long_name} {quantity.typeset}".strip() if quantity else plain_text(name)
     return words + ("" if unit == "1" else f"  [{in_latex(unit)}]")
 
 
@@ -94,7 +167,7 @@ def in_latex(unit: str) -> str:
     >>> in_latex("m g"), in_latex("m/s2"), in_latex("furlong")
     ('$mg$', 'm/s$^2$', 'furlong')
     """
-    return _IN_LATEX.get(unit, unit)
+    return _IN_LATEX.get(unit, plain_text(unit))
 
 
 def _in_latex(words: str) -> str:

@@ -78,6 +78,10 @@ class Nonlinear(Sentences):
         "distance of the order of the tilt from the line of rolling until then (stability.drift, "
         "`stability table drift`)"
     )
+    CARRIED = (
+        "carried along: spectrally stable, yet a slow flow on the centre manifold carries a "
+        "disturbed motion along the family to its threshold"
+    )
     BY_INTEGRALS = "stable by integrals: first integrals keep a disturbed motion near the family"
     UNSTABLE = "unstable: some disturbance grows exponentially"
     GROWS = (

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from ..base.errors import ParameterError, shown
-from ..base.quantities import Quantity
+from ..base.quantities import Quantity, time_unit
 from ..systems.system import System
 
 WORK, PROBE = "work", "probe"
@@ -90,9 +90,7 @@ class Model:
         if known is not None:
             return known.attributes(dimensionless=dimensionless)
         units, same = self.system.units, {"dissipated": "energy", "audit": "energy"}
-        unit = units.get(same.get(name, name), "1")
-        if name == "time" and name not in units and any("/s" in u for u in units.values()):
-            unit = "s"
+        unit = time_unit(units) if name == "time" else units.get(same.get(name, name), "1")
         return {"long_name": name.replace("_", " "), "units": unit}
 
 

@@ -123,7 +123,8 @@ class Boundaries(Sequence[BoundaryPoint]):
         if self.unresolved:
             state = f"; not complete, {len(self.unresolved)} unresolved: {self._first()}"
         points = f": {list(self.points)!r}" if self.points else ""
-        return f"<{len(self.points)} boundaries{where}{points}{state}>"
+        count = f"{len(self.points)} boundar{'y' if len(self.points) == 1 else 'ies'}"
+        return f"<{count}{where}{points}{state}>"
 
     def _first(self) -> str:
         first, more = self.unresolved[0], len(self.unresolved) - 1

@@ -36,7 +36,7 @@ BITS = (128, 512, 2048)
 """Precisions of the balls in which signs at a member are sought."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Conditions:
     """Exact conditions of stability of a family: polynomials, what decides, boundaries, proofs.
 
@@ -75,8 +75,8 @@ class Conditions:
     _deduction: Deduction
 
     def __repr__(self) -> str:
-        system = self.family.system.name
-        return f"<conditions of {self.family.name} of {system}: {self.rule}>"
+        family = self.family
+        return f"<Conditions of {family.name} of {family.system.name}: {self.rule}>"
 
     @property
     def deciding(self) -> tuple[SignCondition, ...]:

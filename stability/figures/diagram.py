@@ -5,6 +5,8 @@ from __future__ import annotations
 from .canvas import COLUMN, STYLE, figure_style, power_of_ten, spacing  # isort: skip
 
 import math
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +15,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..base.quantities import axis_label, in_latex, unit_of
+from ..base.quantities import Quantity, axis_label, in_latex, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.thin_disk.disk_quantities import quantities_of
 from ..boundary.crossings import Crossing
@@ -34,7 +37,16 @@ DIVERGING = LinearSegmentedColormap.from_list(
 """Colours of the abscissa."""
 LINES = {Crossing.STATIC: "-", Crossing.FLUTTER: (0, (4, 1.6)), Crossing.TOUCHING: ":"}
 SYMMETRIC_FROM = 1e-4
-"""Growth rates below this are drawn on a linear scale in a diagram."""
+"""Growth rates of the disk below this are drawn on a linear scale in a diagram."""
+LINEAR_SHARE = 1e-4
+"""The same for a user's system, over the power of ten of its largest rate."""
+TEXTURES = {
+    Verdict.UNSTABLE: ("////", "slanted lines"), Verdict.NEUTRAL: ("....", "dots"),
+    Verdict.UNDECIDED: ("xxxx", "crosses"),
+}  # fmt: skip
+"""Hatching of each verdict, and its name; stable cells have none."""
+FINEST = 600
+"""Most cells along an axis whose edges the hatching follows exactly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +61,8 @@ class Strip:
     """Abscissa at these points, shape (n,)."""
     thresholds: tuple[float, ...]
     """Points where the verdict changes."""
+    codes: NDArray[np.int8]
+    """Verdicts at the points as flag values (`Verdict.code`), shape (n,)."""
 
 
 def diagram(
@@ -107,12 +121,14 @@ def diagram(
             main.xaxis.set_major_locator(MaxNLocator(6))
         main.set_xlim(float(dataset[_x(dataset)][0]), float(dataset[_x(dataset)][-1]))
         bar = figure.colorbar(mesh, ax=rows, pad=0.02, aspect=32, fraction=0.05)
-        unit = in_latex(unit_of(dataset.abscissa.attrs))
-        bar.set_label(rf"largest growth rate max Re $\lambda$  [{unit}]")
+        unit = unit_of(dataset.abscissa.attrs)
+        shown = "" if unit == "1" else f"  [{in_latex(unit)}]"
+        bar.set_label(r"largest growth rate max Re $\lambda$" + shown)
         _bar_ticks(bar, mesh.norm)
         if title:
             rows[0].set_title(title, fontsize=8, pad=4)
-        _region_names(main, dataset)
+        named = _region_names(main, dataset)
+        _legend(main, dataset, named)
     return figure
 
 
@@ -140,12 +156,17 @@ def caption(dataset: xarray.Dataset) -> str:
     missing = int((codes == NO_MEMBER).sum())
     cells = ", ".join(f"{n} {word}" for word, n in words.items() if n)
     none = f", {missing} without a member" * bool(missing)
+    hatched = "; ".join(
+        f"{way}: {v.word}" for v, (_, way) in TEXTURES.items() if words[v.word]
+    )  # fmt: skip
+    texture = f"; {hatched}" * bool(hatched)
+    title = str(dataset.attrs["family"])
     blank = "  Blank: no member, since no steady motion of the family is reached there." * bool(
         missing
     )
     return (
-        f"{str(dataset.attrs['family']).capitalize()} of {dataset.attrs['system']}.  Colour: "
-        f"largest growth rate; hatched where it is positive.{blank}  Cells: {cells}{none}."
+        f"{title[:1].upper()}{title[1:]} of {dataset.attrs['system']}.  Colour: largest growth "
+        f"rate{texture}.{blank}  Cells: {cells}{none}."
     )
 
 
@@ -158,15 +179,20 @@ def _y(dataset: xarray.Dataset) -> str:
 
 
 def _is_log(dataset: xarray.Dataset, name: str) -> bool:
-    axes = dataset.attrs.get("axes", "").split()
-    return any(a.startswith(f"{name}:") and a.endswith(":log") for a in axes)
+    # a name may hold a space, as the entries are parted by one
+    entry = rf"(^| ){re.escape(name)}:[^: ]+:[^: ]+:\d+:log( |$)"
+    return re.search(entry, str(dataset.attrs.get("axes", ""))) is not None
 
 
 def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     x, y, values = dataset[_x(dataset)], dataset[_y(dataset)], dataset.abscissa.values
     missing = dataset.verdict.values == NO_MEMBER
-    limit = max(float(np.abs(values[~missing]).max(initial=0.0)), 10 * SYMMETRIC_FROM)
-    norm = SymLogNorm(SYMMETRIC_FROM, linscale=0.3, vmin=-limit, vmax=limit)
+    largest = float(np.abs(values[~missing]).max(initial=0.0))
+    linear = SYMMETRIC_FROM
+    if not _quantities(dataset):
+        linear = LINEAR_SHARE * 10.0 ** math.floor(math.log10(largest or 1.0))
+    limit = max(largest, 10 * linear)
+    norm = SymLogNorm(linear, linscale=0.3, vmin=-limit, vmax=limit)
     mesh = axes.pcolormesh(
         x, y, np.ma.masked_where(missing, values), cmap=DIVERGING, norm=norm, shading="nearest",
         rasterized=True,
@@ -174,12 +200,9 @@ def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     for name, scale in ((_x(dataset), axes.set_xscale), (_y(dataset), axes.set_yscale)):
         if _is_log(dataset, name):
             scale("log")
-    # growth is hatched, so that the sign shows without colour too
-    growing = np.where(~missing & (np.where(missing, 0.0, values) > 0), 1.0, 0.0)
-    if growing.any() and not growing.all():
-        axes.contourf(x, y, growing, levels=[0.5, 1.5], colors="none", hatches=["////"])
-    elif growing.all():
-        axes.contourf(x, y, growing, levels=[0.5, 1.5], colors="none", hatches=["////"])
+    # the verdict shows without colour too
+    for verdict, (hatch, _) in TEXTURES.items():
+        _hatch(axes, x.values, y.values, dataset.verdict.values == CODES[verdict], hatch)
     if missing.any():  # left blank within a thin line, so that white is not taken for a colour
         axes.contour(x, y, missing.astype(float), levels=[0.5], colors="#777777", linewidths=0.6)
         axes.set_facecolor("white")
@@ -187,6 +210,26 @@ def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     if "box_verdict" in dataset:
         _boxes(axes, dataset)
     return mesh
+
+
+def _hatch(axes: Axes, x: NDArray[Any], y: NDArray[Any], where: NDArray[Any], hatch: str) -> None:
+    """Hatch cells, up to the edges of each cell; of a very fine map between the centres."""
+    if not where.any():
+        return
+    if max(where.shape) <= FINEST:
+        rows, columns = (np.repeat(np.arange(n), 2) for n in where.shape)
+        where, x, y = where[np.ix_(rows, columns)], _edges(x), _edges(y)
+    axes.contourf(
+        x, y, where.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch]
+    )  # fmt: skip
+
+
+def _edges(centres: NDArray[Any]) -> NDArray[Any]:
+    """Both edges of each cell, a hair inside; the ends are the first and the last centre."""
+    middle = (centres[1:] + centres[:-1]) / 2
+    low, high = np.append(centres[:1], middle), np.append(middle, centres[-1:])
+    hair = 1e-6 * (high - low)
+    return np.stack([low + hair, high - hair], axis=1).reshape(-1)
 
 
 def _boxes(axes: Axes, dataset: xarray.Dataset) -> None:
@@ -205,7 +248,8 @@ def _boxes(axes: Axes, dataset: xarray.Dataset) -> None:
 
 def _bar_ticks(bar: Any, norm: Any) -> None:
     top = math.floor(np.log10(norm.vmax))
-    powers = [p for p in range(round(np.log10(SYMMETRIC_FROM)), top + 1) if (top - p) % 2 == 0]
+    powers = [p for p in range(round(np.log10(norm.linthresh)), top + 1) if (top - p) % 2 == 0]
+    powers = powers[-1::-2][::-1] if len(powers) > 6 else powers
     ticks = [-(10.0**p) for p in reversed(powers)] + [0.0] + [10.0**p for p in powers]
     bar.set_ticks(ticks)
     bar.set_ticklabels([power_of_ten(t) for t in ticks])
@@ -231,10 +275,23 @@ def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
             solid_capstyle="butt",
         )  # fmt: skip
         seen.add(crossing)
-    axes.legend(
-        loc="upper right", fontsize=6.5, frameon=True, framealpha=0.92, edgecolor="none",
-        handlelength=2.2, borderpad=0.3,
-    )  # fmt: skip
+
+
+def _legend(axes: Axes, dataset: xarray.Dataset, named: set[Verdict]) -> None:
+    """The boundaries, and the texture of each verdict whose region is too small for its name."""
+    handles, _ = axes.get_legend_handles_labels()
+    codes = dataset.verdict.values
+    handles = [h for h in handles if not isinstance(h, PolyCollection)]
+    handles += [
+        Patch(facecolor="white", edgecolor="#5a2a0a", linewidth=0.3, hatch=hatch, label=v.word)
+        for v, (hatch, _) in TEXTURES.items()
+        if v not in named and (codes == CODES[v]).any()
+    ]  # fmt: skip
+    if handles:
+        axes.legend(
+            handles=handles, loc="upper right", fontsize=6.5, frameon=True, framealpha=0.92,
+            edgecolor="none", handlelength=2.2, borderpad=0.3,
+        )  # fmt: skip
 
 
 def _runs(kind: NDArray[Any], curve: NDArray[Any]) -> list[tuple[int, int]]:
@@ -247,8 +304,14 @@ def _runs(kind: NDArray[Any], curve: NDArray[Any]) -> list[tuple[int, int]]:
 def _label(dataset: xarray.Dataset, name: str) -> str:
     attributes = dataset[name].attrs
     quantity = attributes.get("quantity", name)
-    known = quantities_of(dataset.attrs.get("system", "")).get(quantity)
-    return axis_label(known, quantity, unit_of(attributes))
+    return axis_label(_quantities(dataset).get(quantity), quantity, unit_of(attributes))
+
+
+def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
+    """The disk's quantities; none of a user's map, which has no contact law."""
+    if not dataset.attrs.get("contact"):
+        return {}
+    return quantities_of(str(dataset.attrs.get("system", "")))
 
 
 def _axis_labels(axes: Axes, dataset: xarray.Dataset) -> None:
@@ -261,18 +324,16 @@ def _strip(axes: Axes, strip: Strip, norm: Any) -> None:
     axes.pcolormesh(
         strip.x, [0.25, 0.75], values, cmap=DIVERGING, norm=norm, shading="nearest", rasterized=True
     )
-    growing = np.where(values > 0, 1.0, 0.0)
-    if growing.any():
-        axes.contourf(
-            strip.x, [0.0, 1.0], growing, levels=[0.5, 1.5], colors="none", hatches=["////"]
-        )
+    for verdict, (hatch, _) in TEXTURES.items():
+        where = np.tile(strip.codes == CODES[verdict], (2, 1))
+        _hatch(axes, strip.x, np.array([0.0, 1.0]), where, hatch)
     for threshold in strip.thresholds:
         axes.axvline(threshold, color="black", linewidth=1.3)
     axes.set_ylim(0, 1)
     axes.set_yticks([0.5], [strip.name])
     halo = [withStroke(linewidth=1.8, foreground="white")]
-    for word, where in (("unstable", values[0] > 0), ("neutral", values[0] <= 0)):
-        runs = np.flatnonzero(where)
+    for verdict, code in CODES.items():
+        word, runs = verdict.word, np.flatnonzero(strip.codes == code)
         if len(runs) > 0.22 * len(strip.x):
             axes.text(strip.x[runs[len(runs) // 2]], 0.48, word, ha="center", va="center",
                       fontsize=6.5, path_effects=halo)  # fmt: skip
@@ -280,22 +341,32 @@ def _strip(axes: Axes, strip: Strip, norm: Any) -> None:
     axes.tick_params(axis="x", labelbottom=False, length=2)
 
 
-def _region_names(axes: Axes, dataset: xarray.Dataset) -> None:
-    """Write each verdict into its region, at the point farthest from the region's edge."""
+def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
+    """Write each verdict into its region, at the point farthest from the edge; those written."""
     from scipy.ndimage import distance_transform_edt
 
     codes = dataset.verdict.values
     halo = [withStroke(linewidth=2.2, foreground="white")]
-    names = {CODES[v]: v.word for v in (Verdict.STABLE, Verdict.UNSTABLE, Verdict.NEUTRAL)}
+    names = {code: v.word for v, code in CODES.items()}
+    named = set()
     for code, word in (names | {NO_MEMBER: "no member"}).items():
-        inside = np.pad(codes == code, 1)
-        if inside.sum() < 0.03 * codes.size:
+        where = codes == code
+        if where.sum() < 0.03 * codes.size:
             continue
-        depth = distance_transform_edt(inside, sampling=(1 / codes.shape[0], 1 / codes.shape[1]))
+        # of a coarse map each cell in pieces, since a word may fill a part of it
+        fine = [max(1, 60 // n) for n in codes.shape]
+        where = where.repeat(fine[0], axis=0).repeat(fine[1], axis=1)
+        inside = np.pad(where, 1)
+        half = (0.035 * where.shape[0], 0.014 * len(word) * where.shape[1])  # the word's extent
+        depth = distance_transform_edt(inside, sampling=(1 / half[0], 1 / half[1]))
         # keep clear of the legend in the upper right corner
         rows, columns = np.indices(inside.shape)
         depth[(rows > 0.72 * inside.shape[0]) & (columns > 0.45 * inside.shape[1])] = 0
+        if depth.max() < 1:  # the word would leave its region
+            continue
         i, j = np.unravel_index(int(depth.argmax()), depth.shape)
-        x = float(dataset[_x(dataset)][min(max(j - 1, 0), codes.shape[1] - 1)])
-        y = float(dataset[_y(dataset)][min(max(i - 1, 0), codes.shape[0] - 1)])
+        x = float(dataset[_x(dataset)][min(max(j - 1, 0) // fine[1], codes.shape[1] - 1)])
+        y = float(dataset[_y(dataset)][min(max(i - 1, 0) // fine[0], codes.shape[0] - 1)])
         axes.text(x, y, word, ha="center", va="center", fontsize=8, path_effects=halo)
+        named |= {v for v in Verdict if v.word == word}
+    return named

@@ -6,48 +6,67 @@ from .canvas import COLUMN, STYLE, figure_style, power_of_ten, spacing  # isort:
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..base.quantities import Kind, axis_label, in_latex
-from ..bodies.thin_disk.disk_quantities import is_angle, quantities_of
+from ..base.errors import ParameterError, listed
+from ..base.quantities import axis_label, in_latex, plain_text
+from ..base.types import Complexes, Floats
+from ..bodies.thin_disk.disk_quantities import disk_quantities
 from ..spectra.result import Spectrum
 
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
 """Okabe & Ito's colours, safe for colour-blind readers."""
+DASHES: tuple[Any, ...] = ("-", (0, (3, 1.5)), (0, (1, 1)), (0, (4, 1.2, 1, 1.2)))
+"""Lines of one mode: the second and later ones show only where a pair splits."""
 LOCUS_LINEAR = 1e-3
-"""Growth rates below this are drawn on a linear scale."""
+"""Growth rates of the disk below this are drawn on a linear scale."""
+LINEAR_SHARE = 1e-3
+"""The same for a user's system, over the power of ten of its largest rate."""
 
 
 def locus(
     spectrum: Spectrum, *, thresholds: Sequence[float] = (), title: str = "",
-    unit: str = Kind.GROWTH_RATE.words,
+    unit: str | None = None,
 ) -> Figure:  # fmt: skip
-    """Eigenvalues against the family parameter: growth rate above, frequency below, modes labelled.
+    r"""Eigenvalues against the swept quantity: growth rate above, frequency below, modes labelled.
 
     Parameters
     ----------
     spectrum
-        Spectrum along one axis; eigenvalues of shape (points, n).
+        Spectrum along one axis, of one quantity given as an array; eigenvalues of shape
+        (points, n).
     thresholds
-        Values of the family parameter at which the verdict changes.
+        Values of the swept quantity at which the verdict changes.
     title
         Title of the figure.
     unit
-        Unit of rates.
+        Unit of rates; that of the spectrum when left out.
 
     Returns
     -------
     Figure
         One journal column wide.
+
+    Raises
+    ------
+    ParameterError
+        If the spectrum has not one axis, or not one quantity changes along it.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> s = st.spectrum("rolling", at=[1.5, 2.0], contact=st.Viscous(0.3))
+    >>> locus(s).axes[0].get_ylabel()
+    'growth rate\nRe $\\lambda$  [$\\sqrt{g/R}$]'
     """
-    name = spectrum.family.at[0]
-    known = quantities_of(spectrum.family.system.name)
-    at = np.asarray(spectrum.at)[:, 0]
+    name, at = swept(spectrum)
     order = spectrum.tracked()
     values = np.take_along_axis(spectrum.eigenvalues, order, axis=-1)
     share = np.take_along_axis(spectrum.modes.participation, order[..., None], axis=1)
@@ -55,53 +74,133 @@ def locus(
         figure = Figure(figsize=(COLUMN, 3.6), layout="constrained")
         top, bottom = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [1.25, 1]})
         spacing(figure, h_pad=0.02, w_pad=0.02)
-        top.axhspan(0, 1e9, facecolor="#fdebdc", zorder=0)
-        top.axhline(0, color="0.3", linewidth=0.6)
         groups = mode_groups(values)
-        halo = [withStroke(linewidth=2, foreground="white")]
-        for index, columns in enumerate(groups):
-            colour = MODE_COLOURS[index % len(MODE_COLOURS)]
-            states = mode_states(share, columns, spectrum.family.system.states)
-            symbols = [known[s].typeset if s in known else s for s in states]
-            text = f"{index + 1}: {', '.join(symbols)}"
-            for position, column in enumerate(columns):
-                top.plot(at, values[:, column].real, color=colour, zorder=3,
-                         linestyle="-" if position == 0 else (0, (3, 1.5)),
-                         label=text if position == 0 else None)  # fmt: skip
-            imaginary = np.abs(values[:, columns].imag).max(axis=1)
-            shown = np.ma.masked_where(imaginary == 0, imaginary)
-            bottom.plot(at, shown, color=colour)
-            if shown.count():
-                spot = np.flatnonzero(imaginary)[int((0.3 + 0.2 * index) % 1 * (shown.count() - 1))]
-                bottom.text(at[spot], imaginary[spot], str(index + 1), color=colour, fontsize=7,
-                            ha="center", va="center", path_effects=halo)  # fmt: skip
+        names = [_symbols(spectrum, share, columns) for columns in groups]
+        _growth(top, at, values, groups, names, spectrum)
+        _frequencies(bottom, at, values, groups)
         for panel in (top, bottom):
             for threshold in thresholds:
                 panel.axvline(threshold, color="black", linewidth=0.8, linestyle=(0, (1, 1.5)))
-        _locus_limits(top, values)
-        for word, height, colour in (("growth", 0.75, "#7f2704"), ("decay", 0.25, "#08306b")):
-            top.text(1.015, height, word, transform=top.transAxes, rotation=90, ha="left",
-                     va="center", fontsize=7, color=colour)  # fmt: skip
-        _locus_numbers(top, at, values, groups)
-        units = in_latex(unit)
-        top.set_ylabel(rf"growth rate Re $\lambda$  [{units}]")
-        bottom.set_ylabel(rf"frequency |Im $\lambda$|  [{units}]")
-        if name not in known or is_angle(name):
-            unit = spectrum.family.system.units.get(name, "1")
-        bottom.set_xlabel(axis_label(known.get(name), name, unit))
-        bottom.set_xlim(at[0], at[-1])
-        bottom.set_ylim(bottom=0)
+        word = spectrum.rate_unit if unit is None else unit
+        units = "" if word in ("1", "") else f"  [{in_latex(word)}]"
+        top.set_ylabel("growth rate\nRe $\\lambda$" + units)
+        bottom.set_ylabel("frequency\n|Im $\\lambda$|" + units)
+        figure.align_ylabels()
+        bottom.set_xlabel(_axis(spectrum, name))
+        bottom.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
+        bottom.set_xlim(float(at.min()), float(at.max()))
         figure.legend(
-            *top.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=6.5,
-            frameon=False, handlelength=1.4, columnspacing=1.0,
+            *top.get_legend_handles_labels(), loc="outside lower center",
+            ncols=3 if max(map(len, names)) < 24 else 2, fontsize=6.5, frameon=False,
+            handlelength=1.4, columnspacing=1.0,
         )  # fmt: skip
         if title:
             top.set_title(title, fontsize=8, pad=4)
     return figure
 
 
+def swept(spectrum: Spectrum) -> tuple[str, Floats]:
+    """Name and values of the one quantity that changes along a spectrum.
+
+    Parameters
+    ----------
+    spectrum
+        Spectrum along one axis.
+
+    Returns
+    -------
+    name, values
+        `at` for what names a member of a disk's family; shape (points,).
+
+    Raises
+    ------
+    ParameterError
+        If the spectrum has not one axis, or not one quantity changes along it.
+    """
+    shape = spectrum.codes.shape
+    if len(shape) != 1 or shape[0] < 2:
+        raise ParameterError(
+            f"the spectrum has shape {shape}; give one along one axis, of two points or more."
+        )
+    given = spectrum.values or {spectrum.family.at[0]: np.asarray(spectrum.at)[:, 0]}
+    along = {n: np.asarray(v, dtype=float) for n, v in given.items() if np.size(v) > 1}
+    moved = {n: np.broadcast_to(v, shape) for n, v in along.items() if np.ptp(v) > 0}
+    if len(moved) != 1:
+        raise ParameterError(
+            f"along the spectrum {listed(list(moved) or ['nothing'])} changes; give one quantity "
+            "as an array, and the others as numbers."
+        )
+    return next(iter(moved.items()))
+
+
+def _axis(spectrum: Spectrum, name: str) -> str:
+    """Label of the swept quantity, with the unit of its system."""
+    family = spectrum.family
+    if spectrum.law is None:
+        return axis_label(None, name, family.system.units.get(name, "1"))
+    meaning = family.at[0] if name == "at" else name
+    known = disk_quantities(type(spectrum.law)).get(meaning)
+    unit = known.kind.label(dimensionless=spectrum.dimensionless) if known else "1"
+    return axis_label(known, meaning, unit or "1")
+
+
+def _symbols(spectrum: Spectrum, share: Floats, columns: tuple[int, ...]) -> str:
+    """The states that lead a mode, by the symbols of the disk or the names of the user."""
+    states = mode_states(share, columns, spectrum.family.system.states)
+    known = disk_quantities() if spectrum.law is not None else {}
+    return ", ".join(known[s].typeset if s in known else plain_text(s) for s in states)
+
+
+def _growth(
+    axes: Axes, at: Floats, values: Complexes, groups: list[tuple[int, ...]],
+    names: Sequence[str], spectrum: Spectrum,
+) -> None:  # fmt: skip
+    """Draw the real parts; growth is shaded, and a number stands on each mode."""
+    axes.axhline(0, color="0.3", linewidth=0.6)
+    for index, columns in enumerate(groups):
+        for position, column in enumerate(columns):
+            axes.plot(at, values[:, column].real, color=MODE_COLOURS[index % len(MODE_COLOURS)],
+                      zorder=3, linestyle=DASHES[position % len(DASHES)],
+                      label=None if position else f"{index + 1}: {names[index]}")  # fmt: skip
+    linear = LOCUS_LINEAR
+    largest = float(np.abs(values.real).max())
+    if spectrum.law is None:
+        linear = LINEAR_SHARE * 10.0 ** math.floor(math.log10(largest or 1.0))
+    _locus_limits(axes, largest, linear)
+    axes.axhspan(0, axes.get_ylim()[1], facecolor="#fdebdc", zorder=0)
+    for word, height, colour in (("growth", 0.75, "#7f2704"), ("decay", 0.25, "#08306b")):
+        axes.text(1.015, height, word, transform=axes.transAxes, rotation=90, ha="left",
+                  va="center", fontsize=7, color=colour)  # fmt: skip
+    _locus_numbers(axes, at, values, groups)
+
+
+def _frequencies(axes: Axes, at: Floats, values: Complexes, groups: list[tuple[int, ...]]) -> None:
+    """Draw the frequencies where eigenvalues are complex; say so where none is."""
+    halo = [withStroke(linewidth=2, foreground="white")]
+    every = np.abs(values.imag)
+    if not every.any():
+        axes.text(0.5, 0.5, "no oscillation: every eigenvalue is real", ha="center", va="center",
+                  transform=axes.transAxes, fontsize=7, path_effects=halo, zorder=5)  # fmt: skip
+        axes.set_yticks([])
+        return
+    for index, columns in enumerate(groups):
+        colour = MODE_COLOURS[index % len(MODE_COLOURS)]
+        for column in columns:
+            axes.plot(at, np.ma.masked_equal(every[:, column], 0.0), color=colour)
+        imaginary = every[:, columns].max(axis=1)
+        seen = np.flatnonzero(imaginary)
+        if len(seen):
+            spot = seen[int((0.3 + 0.2 * index) % 1 * (len(seen) - 1))]
+            axes.text(at[spot], imaginary[spot], str(index + 1), color=colour, fontsize=7,
+                      ha="center", va="center", path_effects=halo)  # fmt: skip
+    axes.set_ylim(0, 1.08 * float(every.max()))
+
+
 def mode_groups(values: NDArray[np.complex128]) -> list[tuple[int, ...]]:
     """Group tracked eigenvalues by mode: columns that are conjugate somewhere share a mode.
+
+    Where a pair splits and one half meets a third eigenvalue, all three share a mode, so that no
+    pair has two colours.
 
     Parameters
     ----------
@@ -111,27 +210,29 @@ def mode_groups(values: NDArray[np.complex128]) -> list[tuple[int, ...]]:
     Returns
     -------
     list of tuple
-        Columns of each mode: a pair, or one real eigenvalue.
+        Columns of each mode: one real eigenvalue, a pair, or more that exchange partners.
 
     Examples
     --------
     >>> mode_groups(np.array([[1 + 1j, -2, 1 - 1j]]))
     [(0, 2), (1,)]
+    >>> mode_groups(np.array([[1 + 1j, 1 - 1j, -2], [1, -2 + 1j, -2 - 1j]]))
+    [(0, 1, 2)]
     """
-    count = values.shape[1]
-    left = list(range(count))
+    left = list(range(values.shape[1]))
+    close = 1e-9 * np.abs(values).max(initial=0.0)
     groups: list[tuple[int, ...]] = []
     while left:
-        first = left.pop(0)
-        pair = np.abs(values[:, left].conj() - values[:, [first]]) <= 1e-9 * np.abs(values).max()
-        pair &= np.abs(values[:, [first]].imag) > 0
-        mates = list(zip(pair.sum(axis=0).tolist(), left, strict=True))
-        together, mate = max(mates, default=(0, -1))
-        if together:
-            left.remove(mate)
-            groups.append((first, mate))
-        else:
-            groups.append((first,))
+        group, fresh = [], [left.pop(0)]
+        while fresh:
+            column = fresh.pop()
+            group.append(column)
+            pair = np.abs(values[:, left].conj() - values[:, [column]]) <= close
+            pair &= np.abs(values[:, [column]].imag) > close
+            mates = [c for c, together in zip(left, pair.any(axis=0), strict=True) if together]
+            fresh += mates
+            left = [c for c in left if c not in mates]
+        groups.append(tuple(sorted(group)))
     return groups
 
 
@@ -160,12 +261,13 @@ def mode_states(
     return [states[i] for i in sorted(lead[:count])]
 
 
-def _locus_limits(axes: Axes, values: NDArray[np.complex128]) -> None:
+def _locus_limits(axes: Axes, largest: float, linear: float) -> None:
     # Rates span many orders of magnitude on both sides of zero, and their sign matters most.
-    axes.set_yscale("symlog", linthresh=LOCUS_LINEAR, linscale=0.8)
-    size = max(float(np.abs(values.real).max()), 10 * LOCUS_LINEAR)
+    axes.set_yscale("symlog", linthresh=linear, linscale=0.8)
+    size = max(largest, 10 * linear)
     axes.set_ylim(-2.5 * size, 2.5 * size)
-    powers = range(round(np.log10(LOCUS_LINEAR)), math.floor(np.log10(2.5 * size)) + 1)
+    powers = [*range(round(np.log10(linear)), math.floor(np.log10(2.5 * size)) + 1)]
+    powers = powers[:: 1 + len(powers) // 7]
     ticks = [-(10.0**p) for p in reversed(powers)] + [0.0] + [10.0**p for p in powers]
     axes.set_yticks(ticks, [power_of_ten(t) for t in ticks])
     axes.minorticks_off()

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.quantities import Kind
+from ..base.quantities import Kind, rate_unit
 from ..base.verdict import CODES, NO_MEMBER
 from ..base.version import __version__
 from ..bodies.thin_disk.disk_quantities import disk_quantities
@@ -78,11 +78,11 @@ def provenance(
         "title": f"{family.name} of {family.system.name}: spectral stability",
         "family": family.name,
         "system": family.system.name,
-        "contact": problem.law.name if problem.law else "",
+        **({"contact": problem.law.name} if problem.law else {}),
         "at": ", ".join(family.at),
         "parameters": json.dumps({n: float(v) for n, v in fixed.items()}, sort_keys=True),
         "axes": " ".join(g.text for g in axes or ()),
-        "dimensionless": int(problem.dimensionless),
+        **({"dimensionless": int(problem.dimensionless)} if problem.law else {}),
         "structural_zeros": how.zeros,
         "structural_zeros_how": how.how,
         "method": route,
@@ -100,12 +100,21 @@ def provenance(
 
 def axis_attributes(problem: Problem, name: str) -> dict[str, str]:
     """Long name, unit and quantity of an axis of a map."""
-    meaning = problem.family.at[0] if name == "at" else name
-    known = disk_quantities(type(problem.law)).get(meaning) if problem.law is not None else None
-    if known is None:
+    if problem.law is None:
         unit = problem.family.system.units.get(name, "1")
-        return {"units": unit, "long_name": meaning, "quantity": meaning}
+        return {"units": unit, "long_name": name, "quantity": name}
+    meaning = problem.family.at[0] if name == "at" else name
+    known = disk_quantities(type(problem.law)).get(meaning)
+    if known is None:
+        return {"units": "1", "long_name": meaning, "quantity": meaning}
     return known.attributes(dimensionless=problem.dimensionless) | {"quantity": meaning}
+
+
+def rate_attributes(problem: Problem) -> dict[str, str]:
+    """Unit of rates: that of the disk, or from the units of a user's system."""
+    if problem.law is None:
+        return {"units": rate_unit(problem.family.system.units)}
+    return Kind.GROWTH_RATE.attributes(dimensionless=problem.dimensionless)
 
 
 def assemble(
@@ -132,7 +141,7 @@ def assemble(
     import xarray
 
     dims = axes[1].name, axes[0].name
-    words = Kind.GROWTH_RATE.attributes(dimensionless=problem.dimensionless)
+    words = rate_attributes(problem)
     flags = {
         "flag_values": np.array(list(CODES.values()), dtype=np.int8),
         "flag_meanings": " ".join(v.word for v in CODES),
@@ -208,7 +217,7 @@ def _boundary_variables(
     }
     along_axis = {
         "flag_values": np.array([0, 1], dtype=np.int8),
-        "flag_meanings": " ".join(g.name for g in axes),
+        "flag_meanings": " ".join(g.name.replace(" ", "_") for g in axes),
         "long_name": "axis along which the point was refined",
     }
     return {

@@ -82,7 +82,8 @@ def stability_map(
         Folder for finished cells, so that the same call continues where an interrupted one stopped.
         The folder may be removed afterwards.
     **parameters
-        For a `Family`: its fixed parameters by name.
+        For a `Family`: its fixed parameters by name; those with the name of an argument, such as
+        `at` or `x`, in a mapping called `parameters`.
 
     Returns
     -------

@@ -21,7 +21,7 @@ from ..bodies.thin_disk.disk_families import FAMILIES, lines_under
 from ..bodies.thin_disk.disk_model import POSE, POSE_UNIT
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import SLIDING, STICKING
-from .result import BY_CODE, Outcome
+from .result import Outcome, outcome_flags
 
 if TYPE_CHECKING:
     import xarray
@@ -243,8 +243,7 @@ def _summary(
         "outcome": variable(
             np.array([r.outcome.code for r in results], dtype=np.int8),
             long_name="what became of the launch",
-            flag_values=np.arange(len(BY_CODE), dtype=np.int8),
-            flag_meanings=" ".join(o.word for o in BY_CODE.values()),
+            **outcome_flags(disk=launches.law is not None),
         ),
         "evidence": variable([r.evidence for r in results], long_name="why"),
         "end_time": variable(np.array([r.time for r in results]) * clock,
@@ -344,24 +343,25 @@ def _log(launches: Starts, results: list[Result]) -> dict[str, Any]:
     def variable(dims: Any, values: Any, attributes: Any = None) -> Any:
         return make(dims, values, attributes or {}, fastpath=True)
 
-    return {
+    log: dict[str, Any] = {
         "event_launch": variable("event", which, {"long_name": "launch, counted flat"}),
         "event_time": variable("event", times * (clock[which] if clock.ndim else clock),
                                {"units": launches.unit("time")}),
         "event_kind": variable("event", np.array([r[2] for r in rows], dtype="U12")),
         "event_state": variable(("event", "state"), states, {
             "long_name": "state at the event", "columns": " ".join(launches.model.states)}),
-        "event_direction": variable("event", np.array([r[4] for r in rows], dtype=float), {
-            "long_name": "direction of slip from x̂, before sticking or at its onset",
-            "units": Kind.ANGLE.si}),
     }  # fmt: skip
+    if launches.law is not None:  # no user's system sticks
+        log["event_direction"] = variable("event", np.array([r[4] for r in rows], dtype=float), {
+            "long_name": "direction of slip from x̂, before sticking or at its onset",
+            "units": Kind.ANGLE.si})  # fmt: skip
+    return log
 
 
 def _body(launches: Starts) -> dict[str, Any]:
     if launches.law is None:
-        return {
-            "system": launches.model.system.name, "states": json.dumps(launches.model.states),
-        }  # fmt: skip
+        name = launches.model.system.name
+        return {"system": name, "states": json.dumps(launches.model.states)}
     return {"contact": launches.law.name, "dimensionless": int(launches.dimensionless)}
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from ..base.checks import MOST_WORKERS, Sentences, flag, one_number, whole_number
 from ..base.errors import ParameterError
@@ -123,6 +126,27 @@ LOOSEST, TIGHTEST = 1e-2, 1e-16
 
 PATIENT = 1e7
 """Largest `max_seconds`."""
+
+
+def outcome_flags(*, disk: bool) -> dict[str, Any]:
+    """The attributes of the flags of outcomes: of a disk, or of a user's system.
+
+    Parameters
+    ----------
+    disk
+        Whether the motion is a disk's, which alone may fall flat or leave the plane.
+
+    Returns
+    -------
+    dict
+        `flag_values` and `flag_meanings`.
+    """
+    of_disk = (Outcome.FLAT, Outcome.LIFT_OFF, Outcome.NO_CONTACT, Outcome.NON_UNIQUE)
+    possible = {code: o for code, o in BY_CODE.items() if disk or o not in of_disk}
+    return {
+        "flag_values": np.array(list(possible), dtype=np.int8),
+        "flag_meanings": " ".join(o.word for o in possible.values()),
+    }
 
 
 @dataclass(frozen=True)

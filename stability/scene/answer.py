@@ -122,18 +122,19 @@ class Answer:
         -------
         str
         """
-        head = f"{'rung':<22}{'states':>6}{'cost':>12}{'error/tol':>11}  why"
+        wide = max([20, *(len(r.name) for r in self.rungs)]) + 1
+        head = f"{'rung':<{wide + 1}}{'states':>6}{'cost':>12}{'error/tol':>11}  why"
         lines = [head] if self.rungs else []
         before: Mapping[str, float] = {}
         for r in self.rungs:
             cost = f"{1e3 * r.cost:.2f} ms" if r.cost else "-"
             size = f"{r.estimate:.2g}" if math.isfinite(r.estimate) else "-"
             mark = "*" if r.chosen else " "
-            lines.append(f"{mark}{r.name:<21}{r.dimension:>6}{cost:>12}{size:>11}  {r.why}")
+            lines.append(f"{mark}{r.name:<{wide}}{r.dimension:>6}{cost:>12}{size:>11}  {r.why}")
             if r.indicators and r.indicators != before:  # the closed forms share theirs
                 before = r.indicators
                 told = ", ".join(f"{n} {v:.3g}" for n, v in r.indicators.items())
-                lines.append(f"{'':<52} {told}")
+                lines.append(f"{'':<{wide + 31}} {told}")
         lines += [f"  {note}" for note in self.notes]
         if self.spread is not None:
             lines += ["", *self.spread.lines()]
@@ -179,7 +180,8 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
 
 
 def _sentence(problem: Problem, found: Climbed, until: float) -> str:
-    unit = "" if problem.launches.dimensionless else " s"
+    word = problem.launches.unit("time")
+    unit = "" if word == "1" else f" {word}"
     end = None if found.track is None else found.track.finish
     size = f"{found.share:.2g} of the tolerance {problem.tolerance:g}"
     if found.share <= 1:

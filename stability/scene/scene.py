@@ -124,7 +124,9 @@ class Scene:
         if not 0 < horizon < math.inf:
             raise ParameterError(f"horizon is {horizon:g}; give a last time above 0.")
         if self.start is None:
-            raise ParameterError("start is missing; give the states by name, theta at least.")
+            needed = f"{listed(list(self.disk.states))}" if isinstance(self.disk, System) else (
+                "theta at least")  # fmt: skip
+            raise ParameterError(f"start is missing; give the states by name, {needed}.")
         for name, value in (
             ("tolerance", tolerance), ("horizon", horizon), ("quantities", self._asked()),
             ("weights", weights_of(laws, self.weights)),
@@ -137,19 +139,21 @@ class Scene:
         """Names of the quantities, checked."""
         given = self.quantities
         names = (given,) if isinstance(given, str) else given
-        every = (*QUESTIONS, *LINEAR)
+        own = isinstance(self.disk, System)
+        every = [*(n for n, q in QUESTIONS.items() if not (own and q.of_disk)),
+                 *(() if own else LINEAR)]  # fmt: skip
         if not isinstance(names, Sequence) or not len(names):
             what = shown(given) if not isinstance(names, Sequence) else "empty"
             raise ParameterError(f"quantities is {what}; known are {', '.join(every)}.")
         for name in names:
-            known("quantities", name, every)
+            if name not in (*QUESTIONS, *LINEAR):
+                known("quantities", name, every)
         linear = [n for n in names if n in LINEAR]
         if linear and len(linear) < len(names):
             raise ParameterError(
                 f"quantities is {listed(names)}, of a motion and of its linear part; ask for one "
                 "kind in one scene."
             )
-        own = isinstance(self.disk, System)
         for name in names if own else ():
             if name in LINEAR or QUESTIONS[name].of_disk:
                 raise ParameterError(
@@ -162,9 +166,10 @@ class Scene:
         """Half-widths of the uncertain inputs, checked."""
         states = self.disk.states if isinstance(self.disk, System) else STATES
         if not isinstance(self.uncertain, Mapping):
+            example = {inputs[-1]: 0.2, inputs[0]: 1e-3}
             raise ParameterError(
                 f"uncertain is {shown(self.uncertain)}; give half-widths by name, such as "
-                '{"mu": 0.2, "theta": 1e-3}.'
+                f"{example}."
             )
         found = {}
         for name, width in self.uncertain.items():

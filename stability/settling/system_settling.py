@@ -7,6 +7,7 @@ For other families only distances are given, and no state counts as settled.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -17,6 +18,7 @@ import numpy as np
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.errors import StabilityError
+from ..base.quantities import rate_unit
 from ..base.types import Floats
 from ..systems.family import Family, listing
 from ..systems.graph.family_graph import Constants
@@ -48,7 +50,7 @@ class SystemSettling:
             names = ", ".join(f.name for f in self.families)
             why = f"none of {names} has a member there"
             return Nearest("", 0.0, np.inf, False, 0.0, why), None, ""
-        at = listing(family.at, _at(family, state[None], p)[0])
+        at = _with_units(family, family.at, _at(family, state[None], p)[0])
         where = f"nearest is {family.name} at {at}, {distance:.3g} away"
         return Nearest(family.name, 0.0, distance, False, 0.0, where, states[0]), family, at
 
@@ -63,11 +65,14 @@ class SystemSettling:
             where = f"{distance:.3g} from {family.name} at {at}; {why}"
             return Nearest(family.name, 0.0, distance, False, 0.0, where, member)
         along = [n for n in family.system.states if n in family.at]  # as y is ordered
-        limit = f" at {listing(along, proof.limit)}" if along else ""
+        limit = ""
+        if along:  # the limit is one of many members, known within an error
+            limit = f" at {_with_units(family, along, proof.limit)} within {proof.error:.2g}"
+        unit = rate_unit(family.system.units)
         where = (
             f"{distance:.3g} from {family.name} at {at}; proved in ball arithmetic: from there on "
-            f"the motion converges to {family.name}{limit} within {proof.error:.2g}, its deviation "
-            f"falling at the rate {proof.rate:.3g} at least"
+            f"the motion converges to {family.name}{limit}, its deviation falling at the rate "
+            f"{proof.rate:.3g}{'' if unit == '1' else f' {unit}'} at least"
         )
         return Nearest(family.name, 0.0, distance, True, proof.reach, where, member)
 
@@ -83,6 +88,13 @@ class SystemSettling:
                 one = members(family, state[None], p)
                 found[i] = np.inf if one is None else np.linalg.norm(state - one[0])
         return found
+
+
+def _with_units(family: Family, names: Sequence[str], values: Iterable[float]) -> str:
+    """Names with values and units, for a sentence."""
+    units = (family.system.units.get(n, "1") for n in names)
+    parts = zip(names, values, units, strict=True)
+    return ", ".join(listing((n,), (v,)) + ("" if u == "1" else f" {u}") for n, v, u in parts)
 
 
 def _at(family: Family, states: Floats, p: Floats) -> Floats:

@@ -23,6 +23,8 @@ from .problem import Problem, system_problem
 RESERVED = ("abscissa", "abscissa_error", "frequency", "verdict", "eigenvalues", "mode",
             "complex_part", "box", "end")  # fmt: skip
 """Variables and dimensions of every map; no axis may have such a name."""
+COLUMNS = ("axis", "error", "kind", "curve", "point")
+"""A map has `boundary_axis` and so on for itself, and `boundary_NAME` for each of its two axes."""
 
 
 def prepare(
@@ -79,10 +81,9 @@ def prepare(
                 f"axis is {shown(name)}; known for {problem.family.name} are {', '.join(known)}."
             )
         if not name or name in RESERVED or name.startswith(("boundary_", "box_")) or "/" in name:
-            raise NameUnknownError(
-                f"axis is {shown(name)}, a name that the map needs for itself; rename the "
-                "parameter."
-            )
+            raise _taken(name)
+        if len(names) == 2 and name in COLUMNS:
+            raise _taken(name)
     axis_values = {g.name: g.values for g in axes}
     for name, values in axis_values.items():
         check_axis(problem, name, values)
@@ -109,6 +110,12 @@ def prepare(
         problem = replace(problem, dimensionless=False, roundings=roundings)
     _check_members(problem, axis_values)
     return problem
+
+
+def _taken(name: str) -> NameUnknownError:
+    return NameUnknownError(
+        f"axis is {shown(name)}, a name that the map needs for itself; rename the parameter."
+    )
 
 
 def _pair(family: Any, names: Sequence[str], at: ArrayLike | None) -> Any:
@@ -170,6 +177,21 @@ def _check_members(problem: Problem, axis_values: Mapping[str, Floats]) -> None:
         problem.family.member(a, q)
 
 
+def _opened(family: Family, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The parameters by name, with those of a mapping called `parameters`."""
+    inner = given.get("parameters")
+    if "parameters" in (*family.at, *family.parameters) or not isinstance(inner, Mapping):
+        return dict(given)
+    out = {name: value for name, value in given.items() if name != "parameters"}
+    for name, value in inner.items():
+        if not isinstance(name, str):
+            raise ParameterError(f"parameters names {shown(name)}; give names, each a string.")
+        if name in out:
+            raise ParameterError(f"{name} is given by name and in parameters; give it once.")
+        out[name] = value
+    return out
+
+
 def problem_of(
     family: str | Family,
     at: ArrayLike | None,
@@ -189,7 +211,8 @@ def problem_of(
     disk, contact
         Body and law, for the disk's families.
     parameters
-        Parameters by name, for a user's family.
+        Parameters by name, for a user's family.  A parameter that has the name of an argument,
+        such as `at` or `axis`, is given in a mapping called `parameters`.
     lean
         Angle π/2 - theta [rad] instead of `at`, where theta alone names a member.
 
@@ -203,6 +226,12 @@ def problem_of(
         If the arguments do not fit together.
     """
     if isinstance(family, Family):
+        words = {"lean": lean, "disk": disk, "contact": contact}
+        for word in (w for w, v in words.items() if v is not None and w in family.parameters):
+            raise ParameterError(
+                f"{word} is an argument of the disk here; give the parameter {word} of "
+                f"{family.name} as parameters={{{word!r}: …}}."
+            )
         if lean is not None:
             raise ParameterError(f"lean belongs to families of the disk; {family.name} takes at.")
         if disk is not None or contact is not None:
@@ -210,7 +239,7 @@ def problem_of(
                 f"disk and contact belong to the disk's families; {family.name} takes "
                 f"{', '.join(family.parameters) or 'no parameters'}."
             )
-        return system_problem(family, at, parameters)
+        return system_problem(family, at, _opened(family, parameters))
     if parameters:
         raise ParameterError(
             f"{shown(next(iter(parameters)))} is not an argument here; the disk's numbers go in "

@@ -83,15 +83,16 @@ def _match(values: Complexes, given: Complexes) -> NDArray[np.intp]:
 
 
 def mode_labels(values: Complexes, radius: Floats, share: Floats, states: tuple[str, ...]) -> Any:
-    """Names such as `oscillation of theta, phi_dot`: kind of motion, and its leading states."""
+    """Names such as `growing oscillation of q, v`: kind of motion, and its leading states."""
     flat, r, s = (
         array.reshape(-1, *array.shape[values.ndim - 1 :]) for array in (values, radius, share)
     )
     labels = np.empty(flat.shape, dtype=object)
     for row in np.ndindex(flat.shape):
         value = flat[row]
-        kind = "oscillation" if abs(value.imag) > r[row] else "motion"
-        if kind == "motion":
+        if abs(value.imag) > r[row]:
+            kind = "growing oscillation" if value.real > r[row] else "oscillation"
+        else:
             kind = "growth" if value.real > 0 else "decay" if value.real < 0 else "standstill"
         lead = np.argsort(-s[row], kind="stable")
         count = 1 if s[row][lead[0]] > 0.8 else 2

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
 from ..base.errors import ParameterError
+from ..base.quantities import Kind, rate_unit
 from ..base.types import Complexes, Floats
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
 from ..systems.family import Family
 from .deflation import Place
 from .eigenvalues import REASONS, Eigenpairs, in_words
 from .modes import Modes, lift, mode_labels, track
+
+if TYPE_CHECKING:
+    from ..bodies.contact import Contact
 
 GROWS = -2
 """Flag value instead of a verdict's, where structural zeros are not semisimple."""
@@ -69,7 +74,7 @@ class Spectrum:
     at: Floats
     """Family parameters, shape (…, len(family.at))."""
     eigenvalues: Complexes
-    """Sorted by real, then imaginary part, shape (…, n) [1/s, or √(g/R)]."""
+    """Sorted by real, then imaginary part, shape (…, n), in `rate_unit`."""
     radius: Floats
     """Radius of each error disc, shape (…, n): all eigenvalues lie in the union of the discs."""
     structural_zeros: int
@@ -78,11 +83,12 @@ class Spectrum:
     codes: NDArray[np.int8]
     """Verdict as flag values (`Verdict.code`), shape (…)."""
     states: Floats
-    """The steady motions, dimensionless, shape (…, states)."""
+    """The steady motions, shape (…, states); of the disk dimensionless."""
     place: Place
     """Dimensionless numbers of the members, one row for each point."""
     rate: Floats
-    """Unit of rate: eigenvalues over their dimensionless values, shape (…) [1/s, or √(g/R)]."""
+    """Unit of rate: eigenvalues over their values in computations, shape (…); 1 for a user's
+    system."""
     scale: Floats
     """Unit of each state, shape (…, states)."""
     proof: Proof | None = None
@@ -99,11 +105,32 @@ class Spectrum:
     """Eigenpairs from the eigensolver, dimensionless; None if not needed, or for many points."""
     solver: EigenSolver = lapack
     """The eigensolver."""
+    values: Mapping[str, Any] = field(default_factory=dict)
+    """Value or array of everything that was given, by name, in the user's units."""
+    law: Contact | None = None
+    """The contact law of the disk; None for a user's system."""
+    dimensionless: bool = False
+    """Whether the numbers of a disk are dimensionless."""
 
     def __repr__(self) -> str:
-        shape = self.eigenvalues.shape[:-1]
-        what = self.verdict.word if not shape else f"{shape} points"
-        return f"<Spectrum of {self.family.name}: {what}, {self.eigenvalues.shape[-1]} eigenvalues>"
+        shape, count = self.eigenvalues.shape[:-1], self.eigenvalues.shape[-1]
+        what = self.verdict.word if not shape else f"{' x '.join(map(str, shape))} points"
+        number = f"{count} eigenvalue{'s' * (count != 1)}"
+        return f"<Spectrum of {self.family.name}: {what}, {number}>"
+
+    @property
+    def rate_unit(self) -> str:
+        """Unit of the eigenvalues: 1/s or √(g/R) of a disk, from the units of a user's system.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3)).rate_unit
+        '√(g/R)'
+        """
+        if self.law is None:
+            return rate_unit(self.family.system.units)
+        return Kind.GROWTH_RATE.label(dimensionless=self.dimensionless)
 
     @property
     def abscissa(self) -> Any:
@@ -143,7 +170,8 @@ class Spectrum:
         harmless = self.structural_zeros == explained
         stable = Nonlinear.ASYMPTOTIC if harmless else Nonlinear.OPEN
         if self.family.drifts:
-            stable = Nonlinear.DRIFTS
+            # the sentence on drift tells what a disk does
+            stable = Nonlinear.DRIFTS if self.law is not None else Nonlinear.CARRIED
         # neutral with every λ² strictly negative: the integrals confine the motion
         kept = Nonlinear.BY_INTEGRALS if self.family.integrals else Nonlinear.OPEN
         table = {

@@ -65,7 +65,8 @@ def spectrum(
         Whether to certify only the points that double precision leaves undecided; other points
         keep their error discs.  If False, these points stay undecided.
     **parameters
-        Parameters by name, for a family of a user's system.
+        Parameters by name, for a family of a user's system.  Parameters that have the name of an
+        argument, such as `at` or `contact`, go in a mapping: `parameters={"at": 2.0}`.
 
     Returns
     -------
@@ -126,6 +127,9 @@ def spectrum(
         symmetric=rows.symmetric,
         pairs=pairs,
         solver=chosen(),
+        values=dict(problem.values),
+        law=problem.law,
+        dimensionless=problem.dimensionless,
     )
     asked = np.full(len(rate), certify)
     if escalate:
@@ -200,7 +204,8 @@ def _given(problem: Problem) -> list[Any]:
     values = dict(problem.values)
     if "lean" in values:
         values["at"] = np.pi / 2 - np.asarray(values["lean"])
-    keys = ["at"] if "at" in values else problem.family.at
+    # a user's system may have a parameter called at
+    keys = ["at"] if problem.law is not None and "at" in values else problem.family.at
     return [np.broadcast_to(values[k], shape).reshape(-1) for k in keys]
 
 

@@ -19,7 +19,7 @@ from .condition import Condition
 from .system_checks import check_implicit, check_system, expression, mapping, names
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Equations:
     """The record of equations of motion that families read; `System` is its public name.
 
@@ -52,6 +52,10 @@ class Equations:
     """Names of the implicit form's unknowns: accelerations and contact forces."""
 
     __getstate__ = fields_of
+
+    def __repr__(self) -> str:
+        said = [_counted("state", self.states), _counted("parameter", self.parameters)]
+        return f"<{type(self).__name__} {self.name}: {', '.join(said)}>"
 
     def __post_init__(self) -> None:
         for what in ("states", "parameters", "unknowns"):
@@ -362,6 +366,12 @@ def eliminate(
             total = total - rows[row][j] * value
         solution[column] = total / rows[row][column]
     return [solution[j] for j in range(size)], values
+
+
+def _counted(word: str, given: tuple[str, ...], most: int = 8) -> str:
+    """How many names of a kind there are, and the first of them."""
+    told = ", ".join(given[:most]) + ", …" * (len(given) > most)
+    return f"{len(given)} {word}{'s' * (len(given) != 1)}" + f" ({told})" * bool(given)
 
 
 def _identifier(name: str) -> str:

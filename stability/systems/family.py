@@ -29,7 +29,7 @@ UNKNOWN = 1e-10
 """Largest rate that counts as zero, in units of the linearisation, if its rounding has no bound."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Family:
     """A family of steady motions of a `System`, named by one or more parameters `at`.
 
@@ -113,6 +113,9 @@ class Family:
     """A known member, from which the others are followed; `System.steady` finds it."""
 
     __getstate__ = fields_of
+
+    def __repr__(self) -> str:
+        return f"<Family {self.name} of {self.system.name}, named by {', '.join(self.at)}>"
 
     def __post_init__(self) -> None:
         instance("system", self.system, Equations, "give a stability.System")

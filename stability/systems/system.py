@@ -14,7 +14,7 @@ from .family import Family
 from .graph.ignorable import ignorable
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class System(Equations):
     """Equations of motion ẋ = f(x, p) as a CasADi SX graph, with its observables.
 

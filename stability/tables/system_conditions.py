@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from typing import TYPE_CHECKING, Any
 
 from ..algebra.polynomial import Polynomial
@@ -18,6 +19,13 @@ GREEK = frozenset(
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau phi "
     "chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega".split()
 )
+GREEK_LETTERS = {
+    letter: word
+    for word in GREEK
+    for letter in [unicodedata.lookup(
+        f"GREEK {'CAPITAL' if word[0].isupper() else 'SMALL'} LETTER "
+        f"{word.upper().replace('LAMBDA', 'LAMDA')}")]
+} | {"µ": "mu", "ϕ": "phi", "ϑ": "theta", "ϵ": "epsilon"}  # fmt: skip
 """Names that LaTeX writes as Greek letters."""
 ROUNDED = (
     f"≈: coefficients divided by a positive number and rounded to {DIGITS} digits; exact in JSON."
@@ -69,7 +77,7 @@ def lines(found: Conditions) -> list[str]:
     """
     family = found.family
     out = [f"{family.system.name}, {family.name}: exact conditions of stability (derived)", ""]
-    out += [f"    {v.name}: {v.meaning}" for v in found.variables]
+    out += [f"    {v.name}: {v.meaning}{_unit(found, v.name)}" for v in found.variables]
     if found.given:
         given = ", ".join(f"{n} = {float(v):g}" for n, v in found.given.items())
         out += [f"    given: {given}"]
@@ -78,9 +86,8 @@ def lines(found: Conditions) -> list[str]:
     out += [f"    {name} = {value}" for name, value in found.solved]
     out += [f"    {_text(p)} = 0, which {name} obeys" for name, p in found.relations]
     out += [f"    {_text(p)} is not 0" for p in found.nonzero]
-    many = "one factor" if len(found.factors) == 1 else f"{len(found.factors)} factors"
-    zeros = f"λ^{found.zeros} times " if found.zeros else ""
-    out += ["", f"    det(λ - A) is a multiple of {zeros}{many}:"]
+    power, count = f"λ^{found.zeros} times " * bool(found.zeros), len(found.factors)
+    out += ["", f"    det(λ - A) ~ {power}{count} factor{'s' * (count != 1)}:"]
     for factor in found.factors:
         power = f" (to the power {factor.multiplicity})" if factor.multiplicity > 1 else ""
         out += [f"      of degree {factor.degree} in λ{power}"]
@@ -104,6 +111,12 @@ def lines(found: Conditions) -> list[str]:
     if any(_size(p) > 1 for p in _polynomials(found)):
         out += [ROUNDED]
     return [*out, f"Degree {found.degree} in λ, at most {found.terms} terms."]
+
+
+def _unit(found: Conditions, name: str) -> str:
+    """The unit of a parameter or state in brackets, where the user gave one."""
+    unit = found.family.system.units.get(name, "1")
+    return "" if unit == "1" else f" [{unit}]"
 
 
 def _rule(found: Conditions) -> str:
@@ -176,7 +189,7 @@ def symbol(name: str) -> str:
     >>> print(symbol("omega_0"), symbol("sin(theta)"), symbol("sqrt(b)"), symbol("de"))
     \omega_{0} \sin\left(\theta\right) \sqrt{b} \mathit{de}
     """
-    match = re.fullmatch(r"([A-Za-z]\w*)\((.*)\)", name)
+    match = re.fullmatch(r"([^\W\d_]\w*)\((.*)\)", name)
     if match:
         inner = _converted(match[2])
         if match[1] == "sqrt":
@@ -197,19 +210,23 @@ def _letter(word: str) -> str:
         return f"\\{word}"
     if word.isascii() and (len(word) == 1 or word.isdigit()):
         return word
-    safe = "".join(c for c in word if c.isascii() and c.isalnum())
+    if word in GREEK_LETTERS:
+        return f"\\{GREEK_LETTERS[word]}"
+    if not word.isascii() or " " in word:
+        return rf"\text{{{escaped(word)}}}"
+    safe = "".join(c for c in word if c.isalnum())
     return rf"\mathit{{{safe or 'x'}}}"
 
 
 def _converted(text: str) -> str:
     """The text of an expression in mathematics of LaTeX."""
     out = []
-    for token in re.findall(r"\*\*\d+|[A-Za-z]\w*|\d+|.", text):
+    for token in re.findall(r"\*\*\d+|[^\W\d_]\w*|\d+|.", text):
         if token.startswith("**"):
             out.append(f"^{{{token[2:]}}}")
         elif token == "*":
             out.append(r"\,")
-        elif re.match(r"[A-Za-z]", token):
+        elif token[0].isalpha():
             out.append(f"{symbol(token)} ")
         else:
             out.append(token)
@@ -261,13 +278,18 @@ def latex(found: Conditions) -> str:
         r"  symbol & meaning \\",
         r"  \midrule",
     ]
-    out += [rf"  ${symbol(v.name)}$ & {escaped(v.meaning)} \\" for v in found.variables]
+    out += [
+        rf"  ${symbol(v.name)}$ & {escaped(v.meaning + _unit(found, v.name))} \\"
+        for v in found.variables
+    ]
     out += [r"  $\lambda$ & eigenvalue \\", r"  \bottomrule", r"\end{tabular}", ""]
     for name, poly in found.relations:
         out += [f"Equation of ${symbol(name)}$:", _formula(poly, "= 0")]
-    many = "one factor" if len(found.factors) == 1 else f"{len(found.factors)} factors"
-    zeros = f" besides $\\lambda^{{{found.zeros}}}$" if found.zeros else ""
-    out += [f"The characteristic polynomial has {many}{zeros}."]
+    count = len(found.factors)
+    number = f"{count} factor{'s' * (count != 1)}"
+    if found.zeros:
+        number = f"the factor $\\lambda^{{{found.zeros}}}$ and {count} more"
+    out += [f"The characteristic polynomial has {number}."]
     for c in found.deciding:
         out += [f"{escaped(_words(c.kind, c.name))}:", _formula(c.polynomial, "> 0")]
     if not found.deciding:
@@ -300,8 +322,8 @@ def escaped(text: str) -> str:
              "%": r"\%", "#": r"\#", "$": r"\$", "^": r"\^{}", "~": r"\~{}", "<": "$<$",
              ">": "$>$",
              "λ": r"$\lambda$", "²": "$^2$", "…": r"\dots{}", "≈": r"$\approx$"}  # fmt: skip
-    plain = "".join(table.get(c, c) for c in text)
-    return "".join(c if c.isascii() else "?" for c in plain)
+    table |= {letter: rf"$\{word}$" for letter, word in GREEK_LETTERS.items()}
+    return "".join(table.get(c, c) for c in text)  # LaTeX reads other letters in UTF-8
 
 
 def printed(found: Conditions, *, form: str = "text") -> str:

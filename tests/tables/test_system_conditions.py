@@ -191,4 +191,4 @@ def test_a_symbol_is_safe_for_any_name() -> None:
         text = symbol(name)
         assert text.isascii()
         parsed(text)
-    assert escaped("é") == "?"
+    assert escaped("é_1") == r"é\_1"  # LaTeX reads UTF-8

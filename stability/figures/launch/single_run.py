@@ -21,6 +21,10 @@ KEPT = (
     "end_time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "method",
 )  # fmt: skip
 """Variables that every figure needs in addition to its series."""
+ACCOUNT = ("energy", "dissipated", "audit")
+"""Series of the energy; a user's system has them where it observes `energy` and `power`."""
+PLACES = (*POSE, "contact_x", "contact_y")
+"""Series of a disk's place."""
 Event = tuple[float, str]
 Span = tuple[float, float]
 
@@ -63,10 +67,13 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> SingleRun:
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise ParameterError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
     missing = [name for name in ("time", *needed, *KEPT) if name not in dataset.variables]
-    if missing:
-        remedy = (
-            "with pose=True" if missing[0] in (*POSE, "contact_x", "contact_y") else "unchanged"
+    if missing and system_states(dataset) and missing[0] in (*ACCOUNT, *PLACES):
+        raise ParameterError(
+            f"dataset of {dataset.attrs['system']} has no {missing[0]}; this figure needs "
+            + ("a disk." if missing[0] in PLACES else "a system that observes energy and power.")
         )
+    if missing:
+        remedy = "with pose=True" if missing[0] in PLACES else "unchanged"
         raise ParameterError(f"dataset has no {missing[0]}; give what simulate returns {remedy}.")
     several = [d for d in dataset.sizes if d not in ("time", "event", "state")]
     if several:

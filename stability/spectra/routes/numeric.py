@@ -83,6 +83,7 @@ def numeric_spectrum(problem: Problem, system: NumericSystem, *, certify: bool) 
         family, a.reshape(*shape, -1), values.reshape(*shape, n), radius.reshape(*shape, n), 0,
         decide(values, radius, even=False).reshape(shape), states.reshape(*shape, n), place,
         rate.reshape(shape), np.ones((*shape, n)), note=NOTE, pairs=pairs, solver=chosen(),
+        values=dict(problem.values),
     )  # fmt: skip
 
 

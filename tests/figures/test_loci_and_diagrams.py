@@ -1,0 +1,183 @@
+"""Loci and diagrams take names, units and textures from the system and from the verdicts."""
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import stability as st
+from stability.base.errors import ParameterError
+from stability.figures.diagram import TEXTURES, Strip, caption, diagram
+from stability.figures.loci import locus, mode_groups, swept
+
+UNITS = {"lean": "rad", "lean_rate": "rad/s", "k": "1/s2", "c": "1/s", "x y": "mm"}
+
+
+def pendulum(units: dict[str, str] | None = None) -> st.Family:
+    """λ² - c λ + k - x = 0 for the two states, with odd names."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
+    rhs = ca.vertcat(x[1], (p[2] - p[0]) * x[0] + p[1] * x[1])
+    system = st.System("disk, viscous", x, p, rhs, states=("lean", "lean_rate"),
+                       parameters=("k", "c", "x y"), units=units or {})  # fmt: skip
+    return st.Family(system, "up right", at=("k",), held={"lean": 0.0, "lean_rate": 0.0})
+
+
+def texts(figure: Figure) -> list[str]:
+    found = [t.get_text() for a in figure.axes for t in a.texts]
+    found += [t for a in figure.axes for t in (a.get_xlabel(), a.get_ylabel())]
+    legends = [*figure.legends, *(a.get_legend() for a in figure.axes if a.get_legend())]
+    return found + [t.get_text() for one in legends for t in one.get_texts()]
+
+
+# --- loci ---
+
+
+def test_a_locus_has_the_units_and_names_of_the_system() -> None:
+    sweep = np.linspace(1, 2, 5)
+    found = texts(locus(st.spectrum(pendulum(UNITS), at=sweep, c=-0.1, **{"x y": 0.0})))
+    assert {"growth rate\nRe $\\lambda$  [1/s]", "frequency\n|Im $\\lambda$|  [1/s]",
+            "k  [1/s2]", "1: lean, lean_rate"} <= set(found)  # fmt: skip
+    assert not [t for t in found if "sqrt" in t or "theta" in t]
+    bare = texts(locus(st.spectrum(pendulum(), at=sweep, c=-0.1, **{"x y": 0.0})))
+    assert {"growth rate\nRe $\\lambda$", "frequency\n|Im $\\lambda$|", "k"} <= set(bare)
+
+
+def test_a_locus_of_the_disk_has_its_units() -> None:
+    disk = st.Disk(mass=0.3, radius=0.2, gravity=9.81)
+    found = st.spectrum("rolling", at=np.linspace(3, 9, 4), disk=disk, contact=st.Viscous(0.3))
+    assert {"growth rate\nRe $\\lambda$  [1/s]",
+            r"axial angular velocity $\omega_3$  [rad/s]"} <= set(texts(locus(found)))  # fmt: skip
+
+
+def test_a_locus_is_drawn_against_what_was_swept() -> None:
+    sweep = np.linspace(-1, 1, 9)
+    figure = locus(st.spectrum(pendulum(UNITS), at=1.0, c=sweep, **{"x y": 0.0}))
+    assert figure.axes[1].get_xlabel() == "c  [1/s]" and figure.axes[1].get_xlim() == (-1, 1)
+    line = next(ln for ln in figure.axes[0].get_lines() if len(ln.get_xdata()) == 9)
+    np.testing.assert_array_equal(line.get_xdata(), sweep)
+    # λ² - c λ + 1 = 0 has the real part c/2 for |c| < 2
+    np.testing.assert_allclose(line.get_ydata(), sweep / 2, atol=1e-12)
+    disk = st.Disk(k=np.linspace(0.2, 0.5, 5))
+    figure = locus(st.spectrum("rolling", at=1.0, disk=disk, contact=st.Viscous(0.3)))
+    assert figure.axes[1].get_xlabel() == "inertia factor $k$"
+    law = st.Viscous(np.linspace(0.2, 0.5, 5))
+    figure = locus(st.spectrum("rolling", at=1.0, contact=law))
+    assert figure.axes[1].get_xlabel() == r"friction coefficient $\mu$  [$1/\sqrt{gR}$]"
+
+
+def test_a_spectrum_that_is_no_sweep_is_refused() -> None:
+    family, other = pendulum(), {"x y": 0.0}
+    for at, c, said in (
+        (1.0, 0.1, "shape"), (np.ones((2, 2)), 0.1, "shape"), ([1.0, 1.0], 0.1, "nothing changes"),
+        ([1.0, 2.0], [0.1, 0.2], "c and k changes|k and c changes"),
+    ):  # fmt: skip
+        with pytest.raises(ParameterError, match=said):
+            locus(st.spectrum(family, at=at, c=c, **other))
+    name, values = swept(st.spectrum(family, at=[2.0, 2.0, 2.0], c=[0.1, 0.2, 0.3], **other))
+    assert name == "c" and values.tolist() == [0.1, 0.2, 0.3]
+
+
+def test_a_locus_without_oscillation_says_so() -> None:
+    found = st.spectrum(pendulum(), at=np.linspace(0.1, 0.2, 5), c=-1.0, **{"x y": 0.0})
+    figure = locus(found)
+    assert "no oscillation: every eigenvalue is real" in texts(figure)
+    assert not len(figure.axes[1].get_yticks())
+
+
+def test_no_pair_has_two_colours() -> None:
+    """Halves of a pair share a mode at every point; the uniform disk tumbles with such a change."""
+    spectra = st.spectrum("tumbling", at=np.linspace(0.02, 1.57, 400), contact=st.Viscous(3.0))
+    values = np.take_along_axis(spectra.eigenvalues, spectra.tracked(), axis=-1)
+    groups = mode_groups(values)
+    mode = {column: i for i, columns in enumerate(groups) for column in columns}
+    assert sorted(mode) == [0, 1, 2, 3, 4]
+    split = 0
+    for row in values:
+        for i, j in np.argwhere(np.abs(row[:, None] - row.conj()) == 0):
+            if i < j and row[i].imag:
+                assert mode[int(i)] == mode[int(j)]
+                split += 1
+    assert split > 500  # two pairs over much of the axis
+
+
+# --- diagrams ---
+
+
+@pytest.fixture(scope="module")
+def crossed() -> Any:
+    """Unstable for c > 0, and on the row c = 0 an exact centre."""
+    return st.stability_map(pendulum(UNITS), x=("k", 1, 2, 7), y=("c", -1, 1, 9), **{"x y": 0.0})
+
+
+def hatched(figure: Figure) -> dict[str, Any]:
+    sets = [c for c in figure.axes[0].collections if getattr(c, "hatches", [None])[0]]
+    return {c.hatches[0]: c for c in sets}
+
+
+def inside(collection: Any, x: float, y: float) -> bool:
+    return any(path.contains_point((x, y)) for path in collection.get_paths())
+
+
+def test_hatching_follows_the_verdict_and_not_the_sign(crossed: Any) -> None:
+    moved = crossed.copy(deep=True)
+    moved["abscissa"][:] = 1e-3  # every cell grows by its number
+    codes = np.ones((9, 7), dtype=np.int8)  # stable
+    codes[6:], codes[4], codes[5] = 2, 0, 3
+    moved["verdict"][:] = codes
+    found = hatched(diagram(moved))
+    assert set(found) == {hatch for hatch, _ in TEXTURES.values()}
+    by_code = {v.code: found[hatch] for v, (hatch, _) in TEXTURES.items()}
+    for i, c in enumerate(moved.c.values[:-1]):
+        for code, drawn in by_code.items():
+            assert inside(drawn, 1.5, c + 1e-3) == (codes[i, 0] == code), (i, code)
+    assert caption(moved).count("neutral") == 2 and "dots: neutral" in caption(moved)
+
+
+def test_a_thin_region_is_named_in_the_legend(crossed: Any) -> None:
+    moved = crossed.copy(deep=True)
+    codes = np.ones((9, 7), dtype=np.int8)
+    codes[:, 3] = 0  # a column is narrower than the word
+    moved["verdict"][:] = codes
+    axes = diagram(moved).axes[0]
+    assert [t.get_text() for t in axes.texts] == ["stable"]
+    legend = axes.get_legend()
+    assert legend is not None and "undecided" in [t.get_text() for t in legend.get_texts()]
+
+
+def test_a_diagram_has_the_units_of_the_system_under_any_name(crossed: Any) -> None:
+    found = texts(diagram(crossed))
+    assert {"k  [1/s2]", "c  [1/s]", r"largest growth rate max Re $\lambda$  [1/s]"} <= set(found)
+    assert caption(crossed).startswith("Up right of disk, viscous.")
+
+
+def test_an_axis_with_a_space_keeps_its_logarithm() -> None:
+    found = st.stability_map(
+        pendulum(UNITS), x=("k", 3, 4, 3), y=("x y", 0.01, 1, 4, "log"), c=-0.5
+    )
+    axes = diagram(found).axes[0]
+    assert axes.get_yscale() == "log" and axes.get_xscale() == "linear"
+    assert axes.get_ylabel() == "x y  [mm]"
+
+
+def test_a_dollar_in_a_name_is_drawn_as_it_is() -> None:
+    x, p = ca.SX.sym("x"), ca.SX.sym("p", 2)
+    system = st.System("$", x, p, (p[0] - p[1]) * x, states=("$n$",), parameters=("$a$", "b_{"))
+    family = st.Family(system, "zero", at=("$a$",), held={"$n$": 0.0})
+    found = st.stability_map(family, x=("$a$", 1, 2, 3), y=("b_{", 1.1, 3, 3))
+    diagram(found).canvas.draw()
+    figure = locus(st.spectrum(family, at=[1.0, 2.0], **{"b_{": 3.0}))
+    figure.canvas.draw()
+    assert r"\$a\$" in texts(figure) and r"1: \$n\$" in texts(figure)
+
+
+def test_a_strip_is_hatched_by_its_verdicts(crossed: Any) -> None:
+    k = np.linspace(1, 2, 21)
+    codes = np.where(k < 1.5, 2, 3).astype(np.int8)
+    strip = Strip("limit", k, np.zeros(21), (1.5,), codes)
+    axes = diagram(crossed, above=strip).axes[0]
+    assert [t.get_text() for t in axes.texts] == ["unstable", "neutral"]
+    drawn = {c.hatches[0]: c for c in axes.collections if getattr(c, "hatches", [None])[0]}
+    assert inside(drawn["////"], 1.2, 0.5) and not inside(drawn["////"], 1.8, 0.5)
+    assert inside(drawn["...."], 1.8, 0.5) and not inside(drawn["...."], 1.2, 0.5)
