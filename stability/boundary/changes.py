@@ -22,6 +22,7 @@ from ..spectra.certificate import verdict as certified
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
+from .algebraic.exact_search import algebraic
 from .brackets import AxisScan, bracket, crossing_rate
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
@@ -141,13 +142,21 @@ def along(
         raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
     fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
     line = AxisScan(problem, axis, fixed)
+    found: Search | None
     try:
         found = search(problem, axis, low, high)
     except (NotExact, UnclearError):
+        found = None
+    if found is not None:
+        return located(line, found)
+    try:
+        return algebraic(line, low, high)
+    except NotExact as error:
+        reason = str(error)
         grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
         grid[0], grid[-1] = low, high
-        return proved(line, grid, log=log)
-    return located(line, found)
+        rest = proved(line, grid, log=log)
+        return replace(rest, how=f"{rest.how}; no exact search, since {reason}")
 
 
 # --- by exact roots ---

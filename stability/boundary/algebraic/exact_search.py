@@ -1,0 +1,261 @@
+"""Changes of verdict along an axis in which a family is algebraic: every candidate is judged.
+
+Between neighbouring candidates no condition vanishes on any branch, no members meet, and the
+linearisation has a value.  So the member depends continuously on the axis there, and its verdict is
+constant.
+
+Source: tests/boundary/test_algebraic_boundaries.py.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from flint import arb
+
+from ...algebra.exact.hurwitz_forms import Budget
+from ...algebra.exact.number_fields import NotExact
+from ...algebra.exact.real_roots import UnclearError
+from ...derivation.general.elimination import whole
+from ...systems.structure.structural_zeros import structure
+from ..brackets import AxisScan, bracket, crossing_rate
+from ..crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
+from ..interval_search.pieces import BRANCH
+from .branch import OPEN, Branch, Look
+from .candidates import Candidate, Candidates
+from .polynomials import Watched, watched
+from .tower import Along, Tower
+
+MOST_TERMS = 4000
+"""Largest number of terms of a polynomial."""
+SECONDS = 20.0
+"""Time after which the exact search ends."""
+MOST_STATES = 12
+"""States of the largest system that is searched in this way."""
+SHARES = (0.5, 0.2578125, 0.7265625, 0.0859375, 0.9140625)
+"""Shares of a piece at which its member is sought."""
+HOW = (
+    "every value at which a condition can vanish, or members can meet, was isolated exactly, with "
+    "functions and unknowns as algebraic numbers"
+)
+NEAR = "another candidate is too near for a number between the two"
+MEET = "two steady motions meet at this value, or one goes to infinity, so the branch may end"
+POLE = "the linearisation of {family} may have no value there; the verdict {said}"
+HERE = "whether the member of {family} there is neutral, between {sides} ones, is not decided"
+LATE = (
+    "the verdict changes here, but no two doubles next to the change have proved verdicts that "
+    "differ: another change is too near"
+)
+
+
+def algebraic(line: AxisScan, low: float, high: float) -> Boundaries:
+    """Every change of verdict along an axis in which a family is algebraic.
+
+    Parameters
+    ----------
+    line
+        The line.
+    low, high
+        Ends of the interval, both included.
+
+    Returns
+    -------
+    Boundaries
+
+    Raises
+    ------
+    NotExact
+        If the family is not algebraic along the axis, or the polynomials are too large.
+    """
+    problem, family = line.problem, line.problem.family
+    if problem.exact is not None or problem.law is not None:
+        raise NotExact("the family's own polynomial is not algebraic along the axis")
+    if len(family.system.states) > MOST_STATES:
+        raise NotExact(f"{len(family.system.states)} states, more than {MOST_STATES}")
+    zeros = structure(family)
+    if not zeros.steady:
+        raise NotExact("a rate does not vanish at typical members")
+    budget = Budget(MOST_TERMS, SECONDS)
+    along = Along(line, low, high, budget)
+    found = whole(along)
+    if found.zeros < zeros.zeros:
+        raise NotExact("zeros by structure are not proved")
+    tower = Tower(along, found)
+    try:
+        candidates = Candidates(tower, watched(tower, budget), low, high, budget)
+    except UnclearError:
+        raise NotExact("candidates could not be separated") from None
+    extra = found.zeros > zeros.zeros
+    return _Judge(line, candidates, Branch(line, tower, budget), extra=extra).result()
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A piece between neighbouring candidates."""
+
+    low: Any
+    """Ball of its low end."""
+    high: Any
+    """Ball of its high end."""
+    place: float
+    """Number at which its member was examined."""
+    look: Look
+    """What is proved there."""
+
+
+class _Judge:
+    """Cells and candidates of a line, and what follows from them."""
+
+    def __init__(
+        self, line: AxisScan, candidates: Candidates, branch: Branch, *, extra: bool
+    ) -> None:
+        self.line, self.candidates, self.branch = line, candidates, branch
+        self.low, self.high = candidates.ends
+        self.points: list[BoundaryPoint] = []
+        self.left: list[Unresolved] = []
+        self.touching: list[float] = []
+        count = len(branch.tower.whole.factors)
+        self.dissipative = not extra and not any(branch.even(i) for i in range(count))
+
+    def result(self) -> Boundaries:
+        """The record."""
+        for cell in self.cells:
+            if not cell.look.sign:
+                self._leave(cell.low, cell.high, cell.look.reason)
+        changes = []
+        for i, one in enumerate(self.candidates.found):
+            if not (one.value < arb(self.low) or one.value > arb(self.high)):
+                below, above = self.cells[i], self.cells[i + 1]
+                if self._judged(one, below, above):
+                    changes.append((one, below, above))
+        for i, change in enumerate(changes):
+            others = [c[0].value for j, c in enumerate(changes) if abs(i - j) == 1]
+            self._change(*change, others)
+        family = self.line.problem.family
+        how = HOW
+        if family.unknown and not family.closed:
+            how += ", on one branch of steady motions"
+        return Boundaries(tuple(self.points), tuple(_tidy(self.left)), tuple(self.touching), how)
+
+    # --- cells ---
+
+    @cached_property
+    def cells(self) -> list[Cell]:
+        """The piece below each candidate, and the last one above them all."""
+        low, high = arb(self.low), arb(self.high)
+        room = (high - low) / 64
+        values = [c.value for c in self.candidates.found]
+        if not values:
+            return [self._cell(low, high)]
+        first, last = min(low, values[0] - room), max(high, values[-1] + room)
+        # next to a candidate at an end the members beyond the interval count too
+        first = low if low < values[0] else first
+        last = high if high > values[-1] else last
+        fence = [first, *values, last]
+        return [self._cell(a, b) for a, b in zip(fence[:-1], fence[1:], strict=True)]
+
+    def _cell(self, low: Any, high: Any) -> Cell:
+        ends = low.upper(), high.lower()
+        best = Cell(low, high, math.nan, Look(0, None, NEAR))
+        for share in SHARES:
+            place = float((ends[0] + (ends[1] - ends[0]) * share).mid())
+            if not (arb(place) > low and arb(place) < high):
+                continue
+            look = self.branch.look(place)
+            cell = Cell(low, high, place, look)
+            if look.sign:
+                return cell
+            if best.look.reason in (NEAR, OPEN):
+                best = cell
+        return best
+
+    # --- candidates ---
+
+    def _judged(self, one: Candidate, below: Cell, above: Cell) -> bool:
+        """Whether the verdict changes at a candidate; anything else is recorded."""
+        signs = below.look.sign, above.look.sign
+        if 0 in signs:
+            self._leave(one.value, one.value, (above if signs[0] else below).look.reason)
+            return False
+        kept = self.branch.vanishing(self.candidates, one)
+        events = [w for w in one.watched if w.kind in ("fold", "pole")]
+        family = self.line.problem.family.name
+        if kept is None or any(w in kept for w in events):
+            kinds = {w.kind for w in events if kept is None or w in kept}
+            said = "differs on the two sides" if signs[0] != signs[1] else (
+                "is the same on both sides")  # fmt: skip
+            pole = POLE.format(family=family, said=said)
+            self._leave(one.value, one.value, MEET if "fold" in kinds else pole)
+            return False
+        labels = below.look.label, above.look.label
+        ends = below.place, above.place
+        same = self.branch.joined(one, ends, labels) if events else labels[0] == labels[1]
+        if not same:
+            self._leave(arb(below.place), arb(above.place), BRANCH)
+            return False
+        if signs[0] == signs[1] and kept:
+            self._single(one, kept, ends, signs[0])
+        return signs[0] != signs[1]
+
+    def _single(
+        self, one: Candidate, kept: list[Watched], ends: tuple[float, float], sign: int
+    ) -> None:
+        """A candidate between members with the same verdict."""
+        family = self.line.problem.family.name
+        if sign > 0:
+            if not self.dissipative:
+                return  # neutral on both sides too
+            known = [self.branch.zero(self.candidates, one, w, ends) for w in kept]
+            if any(known):
+                self.touching.append(float(one.value.mid()))
+            else:
+                self._leave(one.value, one.value, HERE.format(family=family, sides="stable"))
+            return
+        found = self.branch.unstable(self.candidates, one)
+        if found is None:
+            self._leave(one.value, one.value, HERE.format(family=family, sides="unstable"))
+        elif not found:
+            self.touching.append(float(one.value.mid()))
+
+    def _change(self, one: Candidate, below: Cell, above: Cell, others: list[Any]) -> None:
+        """A change of verdict as a proved bracket."""
+        root = self._inside(one)
+        labels = {False: below.look.label, True: above.look.label}
+        room = min((float(abs(v - one.value).mid()) for v in others), default=math.inf)
+        proof = bracket(lambda v: self.branch.sign(v, labels[v > root]), root, room)
+        if proof is None:
+            self._leave(one.value, one.value, LATE)
+            return
+        kept = self.branch.vanishing(self.candidates, one) or list(one.watched)
+        static = any(w.kind == "static" for w in kept)
+        crossing = Crossing.STATIC if static else Crossing.FLUTTER
+        rate = crossing_rate(self.line, root, crossing)
+        self.points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
+
+    def _inside(self, one: Candidate) -> float:
+        """The candidate as a double in the interval."""
+        return min(max(float(one.value.mid()), self.low), self.high)
+
+    def _leave(self, low: Any, high: Any, reason: str) -> None:
+        """Leave a part of the interval open, rounded outwards."""
+        first = max(float(np.nextafter(float(low.mid()), -np.inf)), self.low)
+        last = min(float(np.nextafter(float(high.mid()), np.inf)), self.high)
+        if first <= last:
+            self.left.append(Unresolved(first, last, f"{reason}."))
+
+
+def _tidy(left: list[Unresolved]) -> Iterator[Unresolved]:
+    """Parts in order; overlapping ones with the same reason as one."""
+    open_: list[Unresolved] = []
+    for part in sorted(left):
+        if open_ and part.reason == open_[-1].reason and part.low <= open_[-1].high:
+            before = open_.pop()
+            open_.append(Unresolved(before.low, max(before.high, part.high), part.reason))
+        elif not any(o.low <= part.low and part.high <= o.high for o in open_):
+            open_.append(part)
+    yield from open_
