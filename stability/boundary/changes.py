@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +27,7 @@ from .algebraic.exact_search import algebraic
 from .brackets import AxisScan, bracket, crossing_rate
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
+from .interval_search.meaning import meaningful
 from .interval_search.proved import proved
 from .search import Mark, Search, search
 from .single_points import single
@@ -142,21 +144,22 @@ def along(
         raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
     fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
     line = AxisScan(problem, axis, fixed)
-    found: Search | None
-    try:
-        found = search(problem, axis, low, high)
-    except (NotExact, UnclearError):
-        found = None
-    if found is not None:
-        return located(line, found)
+    found = _along(line, low, high, points, log=log)
+    return meaningful(line, low, high, found)
+
+
+def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -> Boundaries:
+    """By exact roots where possible, then with algebraic numbers, otherwise in pieces."""
+    with suppress(NotExact, UnclearError):
+        return located(line, search(line.problem, line.axis, low, high))
     try:
         return algebraic(line, low, high)
     except NotExact as error:
         reason = str(error)
-        grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
-        grid[0], grid[-1] = low, high
-        rest = proved(line, grid, log=log)
-        return replace(rest, how=f"{rest.how}; no exact search, since {reason}")
+    grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
+    grid[0], grid[-1] = low, high
+    found = proved(line, grid, log=log)
+    return replace(found, how=f"{found.how}; no exact search, since {reason}")
 
 
 # --- by exact roots ---

@@ -14,7 +14,7 @@ from typing import Any
 from flint import arb
 
 from ...algebra.balls import precision
-from ...algebra.exact.hurwitz_forms import Budget, by_power
+from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
 from ...algebra.exact.real_roots import UnclearError
 from ...algebra.exact.root_balls import isolated
 from ...algebra.exact.triangular import occurring
@@ -323,7 +323,10 @@ class Branch:
 
     def _nothing(self, all_: Candidates, one: Candidate, poly: Any) -> bool:
         """Whether a coefficient is proved to vanish at a candidate."""
-        image = self.tower.image(poly)
-        if occurring(image) <= {0, 1} and image != 0 and not divmod(image, one.norm)[1]:
-            return True
-        return self._small(all_, one, image, poly)
+        for factor, _ in factors(poly)[1]:
+            image = self.tower.image(factor)
+            if occurring(image) <= {0, 1} and not divmod(image, one.norm)[1]:
+                return True
+            if self._small(all_, one, image, factor):
+                return True
+        return False

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -21,6 +22,7 @@ from flint import arb
 from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.real_roots import UnclearError
+from ...base.errors import StabilityError
 from ...derivation.general.elimination import whole
 from ...systems.structure.structural_zeros import structure
 from ..brackets import AxisScan, bracket, crossing_rate
@@ -180,7 +182,8 @@ class _Judge:
         """Whether the verdict changes at a candidate; anything else is recorded."""
         signs = below.look.sign, above.look.sign
         if 0 in signs:
-            self._leave(one.value, one.value, (above if signs[0] else below).look.reason)
+            if not self._closed(one, below, above):
+                self._leave(one.value, one.value, (above if signs[0] else below).look.reason)
             return False
         kept = self.branch.vanishing(self.candidates, one)
         events = [w for w in one.watched if w.kind in ("fold", "pole")]
@@ -201,6 +204,14 @@ class _Judge:
         if signs[0] == signs[1] and kept:
             self._single(one, kept, ends, signs[0])
         return signs[0] != signs[1]
+
+    def _closed(self, one: Candidate, below: Cell, above: Cell) -> bool:
+        """Whether the member at an end has the verdict of those inside; beyond there is none."""
+        for end, inner in ((self.low, above), (self.high, below)):
+            if one.value == arb(end) and inner.look.sign:
+                with suppress(StabilityError):
+                    return self.line.sign(end) == inner.look.sign
+        return False
 
     def _single(
         self, one: Candidate, kept: list[Watched], ends: tuple[float, float], sign: int
