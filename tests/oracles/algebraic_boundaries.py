@@ -73,7 +73,7 @@ def _turn(draw: random.Random) -> Question:
     for _ in range(draw.choice([1, 1, 2])):
         r = draw.choice([0.0, 0.5, -0.5, 1.0, -1.0, 0.75, 0.3, 1.5])
         parts.append((draw.choice(["sin", "cos"]), draw.choice([1, 1, 2, 3]), r,
-                      draw.choice([1, 1, 2])))  # fmt: skip
+                      1 if abs(r) == 1 else draw.choice([1, 1, 2])))  # fmt: skip
     size = draw.choice([1.0, -1.0, 0.25])
 
     def value(p: Any, f: Any) -> Any:
@@ -138,7 +138,11 @@ def _cubic(draw: random.Random) -> Question:
 
 def _hyperbola(draw: random.Random) -> Question:
     """U² = p² + k with u > 0; the planted line meets the other branch at other values."""
-    k, a, b = draw.choice([1, 2]), draw.choice([0.5, -0.5, 2.0, -1.0]), draw.choice([0.5, 1.5, -2.0])
+    k, a, b = (
+        draw.choice([1, 2]),
+        draw.choice([0.5, -0.5, 2.0, -1.0]),
+        draw.choice([0.5, 1.5, -2.0]),
+    )
     power = draw.choice([1, 1, 2])
     norm = (sympy.nsimplify(a) * P + sympy.nsimplify(b)) ** 2 - P**2 - k
     zeros = []
@@ -166,5 +170,3 @@ def _gap(draw: random.Random) -> Question:
     return _asked(draw, "gap", truth, lambda v, _: v[0] - r, zeros, (-1.0, 4.0),
                   lambda u, p: (p - 1) * (p - 2) - u * u, unknown={"u": 1.0},
                   positive=("u",))  # fmt: skip
-
-

@@ -34,7 +34,7 @@ LADDER = (128, 512, 2048)
 MOST_BITS = 8192
 """Largest precision at which a value is proved to be zero."""
 OPEN = "no verdict is proved at the values tried here"
-OTHER = "the members here lie on another branch of steady motions than those for which the conditions were derived"
+OTHER = "the members here lie on another branch than those from which the conditions were derived"
 CLOSE = tuple(2.0**-k for k in (4, 8, 14, 20, 26, 32))
 """Shares of the room around a candidate at which members on both sides are compared."""
 
@@ -232,6 +232,7 @@ class Branch:
 
     def _one_box(self, low: float, middle: float, high: float) -> bool:
         """Whether the members at both ends are in a box with one root for each value between."""
+
         def solved(value: Any, near: Sequence[float] | None) -> list[Any]:
             given = {n: arb(v) for n, v in self.line.fixed.items()} | {self.line.axis: value}
             a, q = ([given[n] for n in names]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from flint import arb
+from flint import arb, ctx
 
 from ...algebra.balls import precision
 from ...algebra.exact.hurwitz_forms import Budget
@@ -64,6 +64,7 @@ class Candidates:
     ) -> None:
         self.tower, self.ends = tower, (low, high)
         self._norms: dict[str, tuple[Any, list[Watched]]] = {}
+        self._known: dict[tuple[str, int], list[Any]] = {}
         for one in polynomials:
             for norm in norms(tower, one.image, budget):
                 self._norms.setdefault(str(norm), (norm, []))[1].append(one)
@@ -71,7 +72,13 @@ class Candidates:
         """Candidates in increasing order, some of them a little beyond the interval."""
 
     def _values(self, norm: Any) -> list[Any]:
-        """Values of the axis at the roots of a norm, at the working precision."""
+        """Values of the axis at the roots of a norm, at the working precision; cached."""
+        key = str(norm), ctx.prec
+        if key not in self._known:
+            self._known[key] = self._isolated(norm)
+        return self._known[key]
+
+    def _isolated(self, norm: Any) -> list[Any]:
         poly = in_base(norm)
         if poly.derivative("x").is_zero():  # a number other than zero, or transcendental
             return []

@@ -35,7 +35,7 @@ from .tower import Along, Tower
 
 MOST_TERMS = 4000
 """Largest number of terms of a polynomial."""
-SECONDS = 20.0
+SECONDS = 10.0
 """Time after which the exact search ends."""
 MOST_STATES = 12
 """States of the largest system that is searched in this way."""
@@ -47,6 +47,7 @@ HOW = (
 )
 NEAR = "another candidate is too near for a number between the two"
 MEET = "two steady motions meet at this value, or one goes to infinity, so the branch may end"
+END = "an unknown that must be positive is zero at this value, so the branch may end"
 POLE = "the linearisation of {family} may have no value there; the verdict {said}"
 HERE = "whether the member of {family} there is neutral, between {sides} ones, is not decided"
 LATE = (
@@ -127,7 +128,8 @@ class _Judge:
     def result(self) -> Boundaries:
         """The record."""
         for cell in self.cells:
-            if not cell.look.sign:
+            inside = cell.high > arb(self.low) and cell.low < arb(self.high)
+            if inside and not cell.look.sign:
                 self._leave(cell.low, cell.high, cell.look.reason)
         changes = []
         for i, one in enumerate(self.candidates.found):
@@ -186,14 +188,10 @@ class _Judge:
                 self._leave(one.value, one.value, (above if signs[0] else below).look.reason)
             return False
         kept = self.branch.vanishing(self.candidates, one)
-        events = [w for w in one.watched if w.kind in ("fold", "pole")]
-        family = self.line.problem.family.name
+        events = [w for w in one.watched if w.kind in ("fold", "pole", "end")]
         if kept is None or any(w in kept for w in events):
             kinds = {w.kind for w in events if kept is None or w in kept}
-            said = "differs on the two sides" if signs[0] != signs[1] else (
-                "is the same on both sides")  # fmt: skip
-            pole = POLE.format(family=family, said=said)
-            self._leave(one.value, one.value, MEET if "fold" in kinds else pole)
+            self._leave(one.value, one.value, self._event(kinds, same=signs[0] == signs[1]))
             return False
         labels = below.look.label, above.look.label
         ends = below.place, above.place
@@ -204,6 +202,14 @@ class _Judge:
         if signs[0] == signs[1] and kept:
             self._single(one, kept, ends, signs[0])
         return signs[0] != signs[1]
+
+    def _event(self, kinds: set[str], *, same: bool) -> str:
+        """Reason why a candidate stays open."""
+        for kind, reason in (("fold", MEET), ("end", END)):
+            if kind in kinds:
+                return reason
+        said = "is the same on both sides" if same else "differs on the two sides"
+        return POLE.format(family=self.line.problem.family.name, said=said)
 
     def _closed(self, one: Candidate, below: Cell, above: Cell) -> bool:
         """Whether the member at an end has the verdict of those inside; beyond there is none."""

@@ -37,7 +37,8 @@ class Watched:
     """A polynomial that may vanish."""
 
     kind: str
-    """static, flutter, pole (no linearisation) or fold (members meet, or go to infinity)."""
+    """static, flutter, pole (no linearisation), fold (members meet, or go to infinity) or end (an
+    unknown that must be positive vanishes)."""
     poly: Any
     """The polynomial in the ring of the family's polynomials."""
     image: Any
@@ -55,6 +56,7 @@ def watched(tower: Tower, budget: Budget) -> list[Watched]:
         Limits of the work.
     """
     found: list[tuple[str, Any]] = [("pole", p) for p in tower.whole.nonzero]
+    found += [("end", p) for p, _ in tower.whole.required]
     for a, _ in tower.whole.factors:
         found += _critical(a, budget)
     for level in tower.levels:

@@ -17,6 +17,7 @@ from typing import Any
 from flint import arb, fmpq, fmpq_mpoly_ctx
 
 from ...algebra.balls import precision
+from ...algebra.exact.function_field import Expression
 from ...algebra.exact.hurwitz_forms import Budget, by_power
 from ...algebra.exact.number_fields import EXACT, NotExact, rational
 from ...algebra.exact.real_roots import UnclearError
@@ -52,6 +53,29 @@ class Along(Reading):
         self.axis, self._ends = line.axis, (low, high)
         fixed = {n: rational(v) for n, v in line.fixed.items()}
         super().__init__(line.problem.family, fixed, budget)
+        self.conditions = [(self._vanishing_with(name), name) for name in self.family.positive]
+        self._exclude_denominators()
+
+    def _vanishing_with(self, name: str) -> Expression:
+        """An expression that vanishes wherever an unknown does: itself, or its sine."""
+        index = self.base.index(name)
+        if self.family.closed:
+            return self.field.number(1)
+        if index in self.triangular.solved or index in dict(self.triangular.kept):
+            return self.field.symbols[index]
+        sine = (i for i, (function, x, _) in self.field.meaning.items()
+                if function == "sin" and x == self.field.symbols[index])  # fmt: skip
+        place = next(sine, None)
+        if place is None:
+            raise NotExact(f"{name} obeys no polynomial equation")
+        return Expression(self.field, self.field.generator(place), self.field.one)
+
+    def _exclude_denominators(self) -> None:
+        """Denominators of the equations, at whose zeros the equations have no meaning."""
+        for poly in self.denominators:
+            below = self.triangular.value(Expression(self.field, poly, self.field.one)).num
+            if not below.is_constant():
+                self.triangular.nonzero.append(self.field.reduced(below))
 
     def algebra(self) -> Algebra:
         """Rationals, with functions of numbers as variables too."""
@@ -66,6 +90,9 @@ class Along(Reading):
             return apply
 
         return Algebra("exact", EXACT.constant, {name: lifted(name) for name in EXACT.functions})
+
+    def _required(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:  # noqa: ARG002
+        return []  # the system's conditions are proved along the axis in balls
 
     @cached_property
     def samples(self) -> list[dict[int, Any]]:
@@ -222,10 +249,10 @@ class Level:
     """Index in the ring of the tower."""
     relation: Any
     """Polynomial in this and earlier variables that vanishes."""
-    place: int | None
-    """Index in the ring of the family's polynomials; None for the sine next to a cosine."""
+    place: int
+    """Index in the ring of the family's polynomials; -1 for the sine next to a cosine."""
     own: Any
-    """The relation in that ring; None as well."""
+    """The relation in that ring; None for such a sine."""
 
 
 class Tower:
@@ -271,8 +298,10 @@ class Tower:
         axis = self.along.base.index(self.along.axis)
         out = []
         for place, index in enumerate(self.whole.indices):
-            name, x, _ = self.along.field.meaning.get(index, ("", None, None))
-            if name in ("", "sqrt"):
+            if index not in self.along.field.meaning:
+                continue
+            name, x, _ = self.along.field.meaning[index]
+            if name == "sqrt":
                 continue
             inside = occurring(x.num) | occurring(x.den)
             if inside != ({axis} if free else set()):
@@ -310,7 +339,7 @@ class Tower:
         if one.kind != "exp":
             sign = 1 if one.kind == "circle" else -1
             relation = other**2 - sign * (1 - z**2)
-            extra.append(Level(self._index(other), relation, None, None))
+            extra.append(Level(self._index(other), relation, -1, None))
         return one
 
     def _index(self, generator: Any) -> int:

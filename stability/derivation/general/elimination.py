@@ -67,9 +67,11 @@ class Reading:
             self.matrix = family.graph.matrix.dense(self.algebra(), parts)
             self.conditions = self._required(symbols)
             equations = []
+            self.denominators: list[Poly] = []
             if family.unknown and not family.closed:
                 residual = family.graph.residual.run(self.algebra(), parts)[0]
                 equations = [r.num for r in map(self.element, residual)]
+                self.denominators = [r.den for r in map(self.element, residual)]
         except ZeroDivisionError:
             raise NotExact("a denominator vanishes all along the family") from None
         first = len(family.at)
@@ -208,8 +210,8 @@ def evaluate(poly: Poly, known: Mapping[int, Any]) -> Any:
     for exponents, c in poly.to_dict().items():
         term: Any = c
         for index, power in enumerate(exponents):
-            if power:
-                term = known[index] ** int(power) * term
+            for _ in range(int(power)):  # python-flint's power of a ball around 0 is nan
+                term = known[index] * term
         total = term + total
     return total if isinstance(total, fmpq) else arb(total)
 
