@@ -10,6 +10,7 @@ Source: tests/boundary/test_algebraic_boundaries.py.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -40,7 +41,9 @@ SECONDS = 10.0
 MOST_STATES = 12
 """States of the largest system that is searched in this way."""
 SHARES = (0.5, 0.2578125, 0.7265625, 0.0859375, 0.9140625)
-"""Shares of a piece at which its member is sought."""
+"""Shares of a piece at which its member is examined, in the order of trial."""
+FEWEST, MORE = 4, 24
+"""Numbers in each piece at which a root-finder is tried, and more in all of the interval."""
 HOW = (
     "every value at which a condition can vanish, or members can meet, was isolated exactly, with "
     "functions and unknowns as algebraic numbers"
@@ -109,6 +112,8 @@ class Cell:
     """Number at which its member was examined."""
     look: Look
     """What is proved there."""
+    doubts: tuple[tuple[Any, Any, str], ...] = ()
+    """Parts (low, high, reason) in which the root-finder gives other members, or none."""
 
 
 class _Judge:
@@ -131,6 +136,8 @@ class _Judge:
             inside = cell.high > arb(self.low) and cell.low < arb(self.high)
             if inside and not cell.look.sign:
                 self._leave(cell.low, cell.high, cell.look.reason)
+            for low, high, reason in cell.doubts if inside else ():
+                self._leave(low, high, reason)
         changes = []
         for i, one in enumerate(self.candidates.found):
             if not (one.value < arb(self.low) or one.value > arb(self.high)):
@@ -164,19 +171,46 @@ class _Judge:
         return [self._cell(a, b) for a, b in zip(fence[:-1], fence[1:], strict=True)]
 
     def _cell(self, low: Any, high: Any) -> Cell:
+        looks = list(self._looks(low, high))
+        known = [(place, look) for place, look in looks if look.sign]
+        if not known:
+            place, look = looks[0] if looks else (math.nan, Look(0, None, NEAR))
+            return Cell(low, high, place, look)
+        [(label, _)] = Counter(look.label for _, look in known).most_common(1)
+        good = [one for one in known if one[1].label == label]
+        if len({look.sign for _, look in good}) > 1:
+            raise NotExact("verdicts on one branch differ between candidates")
+        place, look = good[len(good) // 2]
+        fence = [low, *(arb(v) for v, _ in good), high]
+        doubts = []
+        for value, other in looks:
+            if other.label != label:
+                above = next(i for i, f in enumerate(fence) if f > value)
+                reason = BRANCH if other.sign else other.reason
+                doubts.append((fence[above - 1], fence[above], reason))
+        return Cell(low, high, place, look, tuple(doubts))
+
+    def _looks(self, low: Any, high: Any) -> Iterator[tuple[float, Look]]:
+        """Numbers in a piece, in increasing order, with what is proved there.
+
+        One number is enough where nothing is solved for.  A root-finder may pass to another branch
+        anywhere, most often near an end of the piece, so more numbers show whether it does.
+        """
         ends = low.upper(), high.lower()
-        best = Cell(low, high, math.nan, Look(0, None, NEAR))
-        for share in SHARES:
+        family = self.line.problem.family
+        shares: tuple[float, ...] = SHARES
+        if family.unknown and not family.closed:
+            part = float(((ends[1] - ends[0]) / (arb(self.high) - arb(self.low))).mid())
+            count = FEWEST + math.ceil(MORE * min(part, 1.0))
+            shares = tuple(math.sin(math.pi * (i + 0.5) / (2 * count)) ** 2 for i in range(count))
+        for share in shares:
             place = float((ends[0] + (ends[1] - ends[0]) * share).mid())
             if not (arb(place) > low and arb(place) < high):
                 continue
             look = self.branch.look(place)
-            cell = Cell(low, high, place, look)
-            if look.sign:
-                return cell
-            if best.look.reason in (NEAR, OPEN):
-                best = cell
-        return best
+            yield place, look
+            if look.sign and shares is SHARES:
+                return
 
     # --- candidates ---
 
@@ -260,6 +294,8 @@ class _Judge:
 
     def _leave(self, low: Any, high: Any, reason: str) -> None:
         """Leave a part of the interval open, rounded outwards."""
+        if low > arb(self.high) or high < arb(self.low):
+            return
         first = max(float(np.nextafter(float(low.mid()), -np.inf)), self.low)
         last = min(float(np.nextafter(float(high.mid()), np.inf)), self.high)
         if first <= last:
