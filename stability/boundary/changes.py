@@ -1,4 +1,4 @@
-"""Every change of verdict along one axis: by exact roots where possible, otherwise in pieces."""
+"""Every change of verdict along an axis: by exact roots where possible, otherwise in pieces."""
 
 from __future__ import annotations
 
@@ -48,8 +48,9 @@ def boundaries(
     """Every change of verdict along one axis, proved, with the kind of crossing.
 
     For the disk, and for a user's family whose graph is rational in the axis, every real root of
-    every condition is isolated exactly, so that the result is complete.  For any other family the
-    axis is cut into pieces, and each piece is proved in ball arithmetic to hold no eigenvalue on
+    every condition is isolated exactly, so that the result is complete.  So it is for a family that
+    is algebraic along the axis, with sines, roots or unknowns.  For any other family the axis is
+    cut into pieces, and each piece is proved in ball arithmetic to hold no eigenvalue on
     the imaginary axis, or a single crossing.  An empty result that is complete thus states that the
     verdict does not change.  Pieces without such a proof are scanned.  The result then says where a
     change is not excluded, and a `StabilityWarning` repeats this.
@@ -80,7 +81,8 @@ def boundaries(
         If the search was not complete.
 
     Source: published thresholds in tests/spectra/test_published.py; all roots counted by another
-    route in tests/boundary/test_boundaries.py; planted boundaries of other functions in
+    route in tests/boundary/test_boundaries.py; planted boundaries of algebraic
+    families in tests/boundary/test_algebraic_boundaries.py, of others in
     tests/boundary/test_interval_search.py.
 
     Examples

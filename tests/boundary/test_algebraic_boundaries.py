@@ -16,8 +16,15 @@ from algebraic_boundaries import question
 from transcendental_boundaries import judge
 
 import stability as st
+from stability.algebra.exact.hurwitz_forms import Budget
+from stability.base.axis import Axis
 from stability.base.errors import StabilityError, StabilityWarning
 from stability.boundary.algebraic import exact_search
+from stability.boundary.algebraic.polynomials import least_size
+from stability.boundary.algebraic.tower import Along, Tower
+from stability.boundary.brackets import AxisScan
+from stability.derivation.general.elimination import whole
+from stability.spectra.arguments import prepare
 
 EXACT = "isolated exactly, with functions and unknowns as algebraic numbers"
 
@@ -308,6 +315,20 @@ def test_the_slope_of_an_absolute_value_is_read_away_from_zero() -> None:
     system = st.System("dry", v, p, -p * ca.sign(v), states=("v",), parameters=("p",))
     with pytest.raises(StabilityError, match="no value there, such as the sign of 0"):
         st.spectrum(st.Family(system, "rest", ("p",), held={"v": 0.0}), at=1.0)
+
+
+@pytest.mark.parametrize(("shift", "least"), [(1, math.sqrt(2) - 1), (0, math.sqrt(2))])
+def test_the_bound_for_a_zero_is_below_every_other_conjugate(shift: int, least: float) -> None:
+    """√p - k at p = 2 has the conjugates ±√2 - k; times p - 2 it is zero, without a conjugate."""
+    family = linear(lambda p: ca.sqrt(p) - 3)
+    problem = prepare(family, (Axis.of(("p", 1, 4, 2), "axis"),), None, None, None, {})
+    budget = Budget(4000, 10)
+    along = Along(AxisScan(problem, "p", {}), 1, 4, budget)
+    tower = Tower(along, whole(along))
+    z, root = tower.ring.gens()[0], tower.ring.gens()[tower.levels[0].index]
+    bound = least_size(tower, root - shift, z - 2, budget)
+    assert bound is not None and 0 < float(bound.p) / float(bound.q) <= least
+    assert least_size(tower, root - shift, z**60 - 2, budget) is None  # too many conjugates
 
 
 # --- planted families ---

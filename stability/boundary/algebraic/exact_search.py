@@ -29,7 +29,7 @@ from ...systems.structure.structural_zeros import structure
 from ..brackets import AxisScan, bracket, crossing_rate
 from ..crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
 from ..interval_search.pieces import BRANCH
-from .branch import OPEN, Branch, Look
+from .branch import Branch, Look
 from .candidates import Candidate, Candidates
 from .polynomials import Watched, watched
 from .tower import Along, Tower
