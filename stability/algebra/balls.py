@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from .number_types import UNARY, Algebra
+from .number_types import UNARY, Algebra, ball_power
 
 
 def upper(ball: Any) -> float:
@@ -58,6 +58,6 @@ def precision(bits: int) -> Iterator[None]:
 MIXED = Algebra(
     "rationals and balls", arb,
     {name: partial(lambda method, x: getattr(arb(x), method)(), name) for name in UNARY}
-    | {"pow": lambda x, y: arb(x) ** y, "fabs": abs},
+    | {"pow": ball_power, "fabs": abs},
 )  # fmt: skip
 """Rationals stay rational; a function makes them balls."""

@@ -6,6 +6,7 @@ import operator
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from math import prod
 from typing import Any
 
 import casadi as ca
@@ -25,6 +26,9 @@ class Algebra:
     functions: dict[str, Callable[..., Any]]
     """sin, cos, tan, sqrt, exp, log, … by name."""
 
+
+MOST_FACTORS = 64
+"""Largest whole exponent for which a power is a product."""
 
 UNARY = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh", "tanh")
 
@@ -54,9 +58,32 @@ def ball_algebra() -> Algebra:
     from flint import arb
 
     table: dict[str, Callable[..., Any]] = {name: operator.methodcaller(name) for name in UNARY}
-    table["pow"] = lambda x, y: x**y
+    table["pow"] = ball_power
     table["fabs"] = abs
     return Algebra("ball", arb, table)
+
+
+def ball_power(x: Any, y: Any) -> Any:
+    """A power of balls; python-flint's own is nan for a whole power of a ball around 0.
+
+    Parameters
+    ----------
+    x, y
+        Base and exponent.
+
+    Examples
+    --------
+    >>> from flint import arb
+    >>> ball_power(arb(0, 2), arb(3)).is_finite()
+    True
+    """
+    from flint import arb
+
+    x, y = arb(x), arb(y)
+    if not (y.is_integer() and abs(y) <= MOST_FACTORS and x.contains(0)):
+        return x**y
+    power = prod([x] * abs(int(float(y))), start=x * 0 + 1)
+    return power if y >= 0 else 1 / power
 
 
 def sympy_algebra() -> Algebra:

@@ -30,6 +30,7 @@ _SYMBOLS = {
     ca.OP_POW: "f_pow({0}, {1})",
     ca.OP_CONSTPOW: "f_pow({0}, {1})",
     ca.OP_FABS: "f_fabs({0})",
+    ca.OP_SIGN: "{0} / f_fabs({0})",  # the slope of |x|: no value at 0, in any number type
 }
 """Each operation of CasADi as Python source."""
 _SYMBOLS |= {getattr(ca, f"OP_{name.upper()}"): f"f_{name}({{0}})" for name in UNARY}

@@ -1,8 +1,9 @@
-"""Every change of verdict along one axis: by exact roots where possible, otherwise in pieces."""
+"""Every change of verdict along an axis: by exact roots where possible, otherwise in pieces."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -22,9 +23,11 @@ from ..spectra.certificate import verdict as certified
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
+from .algebraic.exact_search import algebraic
 from .brackets import AxisScan, bracket, crossing_rate
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
+from .interval_search.meaning import meaningful
 from .interval_search.proved import proved
 from .search import Mark, Search, search
 from .single_points import single
@@ -45,8 +48,9 @@ def boundaries(
     """Every change of verdict along one axis, proved, with the kind of crossing.
 
     For the disk, and for a user's family whose graph is rational in the axis, every real root of
-    every condition is isolated exactly, so that the result is complete.  For any other family the
-    axis is cut into pieces, and each piece is proved in ball arithmetic to hold no eigenvalue on
+    every condition is isolated exactly, so that the result is complete.  So it is for a family that
+    is algebraic along the axis, with sines, roots or unknowns.  For any other family the axis is
+    cut into pieces, and each piece is proved in ball arithmetic to hold no eigenvalue on
     the imaginary axis, or a single crossing.  An empty result that is complete thus states that the
     verdict does not change.  Pieces without such a proof are scanned.  The result then says where a
     change is not excluded, and a `StabilityWarning` repeats this.
@@ -77,7 +81,8 @@ def boundaries(
         If the search was not complete.
 
     Source: published thresholds in tests/spectra/test_published.py; all roots counted by another
-    route in tests/boundary/test_boundaries.py; planted boundaries of other functions in
+    route in tests/boundary/test_boundaries.py; planted boundaries of algebraic
+    families in tests/boundary/test_algebraic_boundaries.py, of others in
     tests/boundary/test_interval_search.py.
 
     Examples
@@ -141,13 +146,22 @@ def along(
         raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
     fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
     line = AxisScan(problem, axis, fixed)
+    found = _along(line, low, high, points, log=log)
+    return meaningful(line, low, high, found)
+
+
+def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -> Boundaries:
+    """By exact roots where possible, then with algebraic numbers, otherwise in pieces."""
+    with suppress(NotExact, UnclearError):
+        return located(line, search(line.problem, line.axis, low, high))
     try:
-        found = search(problem, axis, low, high)
-    except (NotExact, UnclearError):
-        grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
-        grid[0], grid[-1] = low, high
-        return proved(line, grid, log=log)
-    return located(line, found)
+        return algebraic(line, low, high)
+    except NotExact as error:
+        reason = str(error)
+    grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
+    grid[0], grid[-1] = low, high
+    found = proved(line, grid, log=log)
+    return replace(found, how=f"{found.how}; no exact search, since {reason}")
 
 
 # --- by exact roots ---

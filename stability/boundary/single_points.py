@@ -67,15 +67,26 @@ def _unstable(source: Conditions | Characteristic, x: Any) -> bool:
     if isinstance(source, Conditions):
         sine = source.sine() if source.sine is not None else arb(0)
         return any(_at(p, x, sine) < 0 for _, p in source.critical)
-    return any(_grows([arb_poly(c)(x) for c in factor]) for factor in source.factors)
+    return any(grows([arb_poly(c)(x) for c in factor]) for factor in source.factors)
 
 
 def _at(p: Any, x: Any, sine: Any) -> Any:
     return sum((arb(c) * x ** int(i) * sine ** int(j) for (i, j), c in p.terms()), arb(0))
 
 
-def _grows(coefficients: Sequence[Any]) -> bool:
-    """Whether a polynomial of balls is proved to have a zero right of the imaginary axis."""
+def grows(coefficients: Sequence[Any]) -> bool:
+    """Whether a polynomial of balls is proved to have a zero right of the imaginary axis.
+
+    Parameters
+    ----------
+    coefficients
+        Balls, lowest first.
+
+    Examples
+    --------
+    >>> grows([arb(-1), arb(0), arb(1)]), grows([arb(1), arb(1)])
+    (True, False)
+    """
     polynomial = acb_poly([acb(c) for c in coefficients])
     middle = np.array([float(c.mid()) for c in map(arb, coefficients)])
     if not np.isfinite(middle).all() or not middle[-1]:

@@ -424,7 +424,8 @@ class Family:
             scale = 1 + size * (1 + np.abs(u).max(axis=1, initial=0))
         if not (np.isfinite(rates).all() and np.isfinite(scale).all()):
             raise NoMemberError(
-                f"{self.name}: the rates overflow double precision; give values nearer to 1."
+                f"{self.name}: the rates have no value there, such as the sign of 0, or overflow "
+                "double precision; give values nearer to 1."
             )
         bound = rate_noise(self.graph, a, u, q, self.states(a, u, q), matrix)
         bound = np.where(np.isfinite(bound), bound, UNKNOWN * scale[:, None])

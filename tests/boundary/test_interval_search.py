@@ -203,20 +203,25 @@ def test_watts_governor_loses_stability_at_its_published_friction() -> None:
 
 
 def test_random_planted_boundaries_are_never_missed() -> None:
-    ends, wrong = campaign(range(12))
+    ends, wrong, _ = campaign(range(12))
     assert not wrong, "\n".join(wrong)
     assert ends["complete"] >= 6
 
 
 @pytest.mark.long
 def test_two_thousand_planted_families_have_every_boundary() -> None:
-    ends, wrong = campaign(range(10_000, 12_000))
+    """Measured: 1637 complete, 0.79 % of the axes unresolved.
+
+    A tenth of the planted functions touches zero, and a touching zero of a function that is not
+    algebraic stays unresolved: that bounds what can be complete.
+    """
+    ends, wrong, share = campaign(range(10_000, 12_000))
     assert not wrong, "\n".join(wrong[:20])
-    assert ends["complete"] > 1200
+    assert ends["complete"] > 1600 and share < 0.009
 
 
-def campaign(seeds: range) -> tuple[Counter[str], list[str]]:
-    """How searches ended, and what was wrong."""
+def campaign(seeds: range) -> tuple[Counter[str], list[str], float]:
+    """How searches ended, what was wrong, and the mean share of the axis left unresolved."""
     ends: Counter[str] = Counter()
     wrong, shares = [], 0.0
     for seed in seeds:
@@ -224,5 +229,4 @@ def campaign(seeds: range) -> tuple[Counter[str], list[str]]:
         ends[how] += 1
         shares += min(share, 1.0)
         wrong += [f"{seed}: {fault}" for fault in faults]
-    print(dict(ends), f"unresolved share {shares / len(seeds):.5f}")
-    return ends, wrong
+    return ends, wrong, shares / len(seeds)

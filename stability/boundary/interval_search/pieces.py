@@ -31,6 +31,8 @@ FINEST = 2.0**-46
 """Width of the smallest piece, relative to the interval's largest number."""
 CUT = 0.4916015625
 """Share of a piece at which it is cut: no simple number, since boundaries often are."""
+OTHER_CUTS = (0.5283203125, 0.4619140625)
+"""Shares of a cut in case an eigenvalue is on the imaginary axis exactly at the first one."""
 EXPLORED = 1 / 16
 """Share of the interval up to which a piece is cut although no member was found in it."""
 
@@ -152,8 +154,11 @@ class _Search:
                 continue
             count += 1
             leaf = self._examined(low, high)
+            if leaf.meetings in (0, 1):
+                leaves.append(leaf)
+                continue
             cut = self._cut(low, high)
-            if leaf.meetings in (0, 1) or not self._divisible(leaf, cut):
+            if not self._divisible(leaf, cut):
                 leaves.append(leaf)
                 continue
             for part in ((low, cut), (cut, high)):
@@ -164,9 +169,14 @@ class _Search:
         return math.log(high / low) if self.log else high - low
 
     def _cut(self, low: float, high: float) -> float:
+        """Where a piece is cut: not where an eigenvalue is on the axis, if that can be avoided."""
+        cuts = [self._at(low, high, share) for share in (CUT, *OTHER_CUTS)]
+        return next((c for c in cuts if self.found.clear(c)), cuts[0])
+
+    def _at(self, low: float, high: float, share: float) -> float:
         if self.log:
-            return low * math.exp(CUT * math.log(high / low))
-        return low + (high - low) * CUT
+            return low * math.exp(share * math.log(high / low))
+        return low + (high - low) * share
 
     def _divisible(self, leaf: Leaf, cut: float) -> bool:
         width = leaf.high - leaf.low

@@ -17,7 +17,7 @@ from typing import Any
 
 from flint import arb, arb_series, ctx
 
-from ...algebra.number_types import UNARY, Algebra
+from ...algebra.number_types import UNARY, Algebra, ball_power
 
 UNIT = arb(0, 1)
 """Every t of a piece."""
@@ -103,7 +103,7 @@ def _fabs(x: Any) -> Any:
 
 def _power(x: Any, y: Any) -> Any:
     if not isinstance(x, arb_series) and not isinstance(y, arb_series):
-        return arb(x) ** arb(y)
+        return ball_power(arb(x), arb(y))
     if not isinstance(y, arb_series):
         twice = 2 * arb(y)
         if twice.is_integer() and abs(twice) < 128:

@@ -22,7 +22,7 @@ from ...algebra.exact.function_field import Expression
 from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
 from ...algebra.exact.triangular import RecordingField, Triangular, occurring
-from ...algebra.number_types import balls
+from ...algebra.number_types import Algebra, balls
 from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ...systems.family import Family
@@ -64,12 +64,14 @@ class Reading:
         groups = (family.at, family.unknown, family.parameters)
         parts = [[symbols[n] for n in names] for names in groups]
         try:
-            self.matrix = family.graph.matrix.dense(EXACT, parts)
+            self.matrix = family.graph.matrix.dense(self.algebra(), parts)
             self.conditions = self._required(symbols)
             equations = []
+            self.denominators: list[Poly] = []
             if family.unknown and not family.closed:
-                residual = family.graph.residual.run(EXACT, parts)[0]
+                residual = family.graph.residual.run(self.algebra(), parts)[0]
                 equations = [r.num for r in map(self.element, residual)]
+                self.denominators = [r.den for r in map(self.element, residual)]
         except ZeroDivisionError:
             raise NotExact("a denominator vanishes all along the family") from None
         first = len(family.at)
@@ -77,6 +79,10 @@ class Reading:
         unknowns = {i for i in [*solved, *self.field.meaning] if self.field.uses(i) & solved}
         self.triangular = Triangular(self.field, equations, unknowns, self.vanishes)
         self.triangular.settle()
+
+    def algebra(self) -> Algebra:
+        """The algebra in which the graph is read."""
+        return EXACT
 
     @property
     def lam(self) -> int:
@@ -204,8 +210,8 @@ def evaluate(poly: Poly, known: Mapping[int, Any]) -> Any:
     for exponents, c in poly.to_dict().items():
         term: Any = c
         for index, power in enumerate(exponents):
-            if power:
-                term = known[index] ** int(power) * term
+            for _ in range(int(power)):  # python-flint's power of a ball around 0 is nan
+                term = known[index] * term
         total = term + total
     return total if isinstance(total, fmpq) else arb(total)
 

@@ -234,7 +234,8 @@ def _orders(
         before, size = size, float(relative(errors, then.states).max())
         if not size < STALLS * before or not np.isfinite(size):
             break
-        found.append(Order(now.path, now.slip, errors))
+        ratio = size / before  # the orders after the next fall as it does
+        found.append(Order(now.path, now.slip, errors / (1 - ratio)))
         if size <= tolerance or size < 1e-14:
             break
         now = then

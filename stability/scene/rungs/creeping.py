@@ -221,6 +221,13 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
     chosen, size = path.orders[best], sizes[best]
     six, first = chosen.states, float(times[-1])
 
+    tails = elements.tails(six)
+
+    def inside(asked: Floats) -> Floats:
+        """Error of interpolation, which slip has in full: it follows from accelerations."""
+        which = np.clip(np.searchsorted(elements.edges, asked, side="right") - 1, 0, len(six) - 1)
+        return np.where(np.isin(asked, elements.edges), 0.0, tails[which])
+
     def early(asked: Floats) -> Floats:
         return between(climb.problem, times[:1], states[:1], asked, FINE)  # one run for all
 
@@ -230,7 +237,7 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
         climb.pieces.append(still)
     climb.pieces += [
         Piece(first, float(elements.edges[-1]), lambda asked: elements.at(asked, six),
-              lambda asked: elements.at(asked, size[..., None])[:, 0]),
+              lambda asked: elements.at(asked, size[..., None])[:, 0] + inside(asked)),
     ]  # fmt: skip
     told = climb.problem.when
     if first > climb.now:

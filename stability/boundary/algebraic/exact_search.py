@@ -1,0 +1,314 @@
+"""Changes of verdict along an axis in which a family is algebraic: every candidate is judged.
+
+Between neighbouring candidates no condition vanishes on any branch, no members meet, and the
+linearisation has a value.  So the member depends continuously on the axis there, and its verdict is
+constant.
+
+Source: tests/boundary/test_algebraic_boundaries.py.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from flint import arb
+
+from ...algebra.exact.hurwitz_forms import Budget
+from ...algebra.exact.number_fields import NotExact
+from ...algebra.exact.real_roots import UnclearError
+from ...base.errors import StabilityError
+from ...derivation.general.elimination import whole
+from ...systems.structure.structural_zeros import structure
+from ..brackets import AxisScan, bracket, crossing_rate
+from ..crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
+from ..interval_search.pieces import BRANCH
+from .branch import Branch, Look
+from .candidates import Candidate, Candidates
+from .polynomials import Watched, watched
+from .tower import Along, Tower
+
+MOST_TERMS = 4000
+"""Largest number of terms of a polynomial."""
+SECONDS = 10.0
+"""Time after which the exact search ends."""
+MOST_STATES = 12
+"""States of the largest system that is searched in this way."""
+SHARES = (0.5, 0.2578125, 0.7265625, 0.0859375, 0.9140625)
+"""Shares of a piece at which its member is examined, in the order of trial."""
+FEWEST, MORE = 4, 24
+"""Numbers in each piece at which a root-finder is tried, and more in all of the interval."""
+HOW = (
+    "every value at which a condition can vanish, or members can meet, was isolated exactly, with "
+    "functions and unknowns as algebraic numbers"
+)
+NEAR = "another candidate is too near for a number between the two"
+MEET = "two steady motions meet at this value, or one goes to infinity, so the branch may end"
+END = "an unknown that must be positive is zero at this value, so the branch may end"
+POLE = "the linearisation of {family} may have no value there; the verdict {said}"
+HERE = "whether the member of {family} there is neutral, between {sides} ones, is not decided"
+LATE = (
+    "the verdict changes here, but no two doubles next to the change have proved verdicts that "
+    "differ: another change is too near"
+)
+
+
+def algebraic(line: AxisScan, low: float, high: float) -> Boundaries:
+    """Every change of verdict along an axis in which a family is algebraic.
+
+    Parameters
+    ----------
+    line
+        The line.
+    low, high
+        Ends of the interval, both included.
+
+    Returns
+    -------
+    Boundaries
+
+    Raises
+    ------
+    NotExact
+        If the family is not algebraic along the axis, or the polynomials are too large.
+    """
+    problem, family = line.problem, line.problem.family
+    if problem.exact is not None or problem.law is not None:
+        raise NotExact("the family's own polynomial is not algebraic along the axis")
+    if len(family.system.states) > MOST_STATES:
+        raise NotExact(f"{len(family.system.states)} states, more than {MOST_STATES}")
+    zeros = structure(family)
+    if not zeros.steady:
+        raise NotExact("a rate does not vanish at typical members")
+    budget = Budget(MOST_TERMS, SECONDS)
+    along = Along(line, low, high, budget)
+    found = whole(along)
+    if found.zeros < zeros.zeros:
+        raise NotExact("zeros by structure are not proved")
+    tower = Tower(along, found)
+    try:
+        candidates = Candidates(tower, watched(tower, budget), low, high, budget)
+    except UnclearError:
+        raise NotExact("candidates could not be separated") from None
+    extra = found.zeros > zeros.zeros
+    return _Judge(line, candidates, Branch(line, tower, budget), extra=extra).result()
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A piece between neighbouring candidates."""
+
+    low: Any
+    """Ball of its low end."""
+    high: Any
+    """Ball of its high end."""
+    place: float
+    """Number at which its member was examined."""
+    look: Look
+    """What is proved there."""
+    doubts: tuple[tuple[Any, Any, str], ...] = ()
+    """Parts (low, high, reason) in which the root-finder gives other members, or none."""
+
+
+class _Judge:
+    """Cells and candidates of a line, and what follows from them."""
+
+    def __init__(
+        self, line: AxisScan, candidates: Candidates, branch: Branch, *, extra: bool
+    ) -> None:
+        self.line, self.candidates, self.branch = line, candidates, branch
+        self.low, self.high = candidates.ends
+        self.points: list[BoundaryPoint] = []
+        self.left: list[Unresolved] = []
+        self.touching: list[float] = []
+        count = len(branch.tower.whole.factors)
+        self.dissipative = not extra and not any(branch.even(i) for i in range(count))
+
+    def result(self) -> Boundaries:
+        """The record."""
+        for cell in self.cells:
+            inside = cell.high > arb(self.low) and cell.low < arb(self.high)
+            if inside and not cell.look.sign:
+                self._leave(cell.low, cell.high, cell.look.reason)
+            for low, high, reason in cell.doubts if inside else ():
+                self._leave(low, high, reason)
+        changes = []
+        for i, one in enumerate(self.candidates.found):
+            if not (one.value < arb(self.low) or one.value > arb(self.high)):
+                below, above = self.cells[i], self.cells[i + 1]
+                if self._judged(one, below, above):
+                    changes.append((one, below, above))
+        for i, change in enumerate(changes):
+            others = [c[0].value for j, c in enumerate(changes) if abs(i - j) == 1]
+            self._change(*change, others)
+        family = self.line.problem.family
+        how = HOW
+        if family.unknown and not family.closed:
+            how += ", on one branch of steady motions"
+        return Boundaries(tuple(self.points), tuple(_tidy(self.left)), tuple(self.touching), how)
+
+    # --- cells ---
+
+    @cached_property
+    def cells(self) -> list[Cell]:
+        """The piece below each candidate, and the last one above them all."""
+        low, high = arb(self.low), arb(self.high)
+        room = (high - low) / 64
+        values = [c.value for c in self.candidates.found]
+        if not values:
+            return [self._cell(low, high)]
+        first, last = min(low, values[0] - room), max(high, values[-1] + room)
+        # next to a candidate at an end the members beyond the interval count too
+        first = low if low < values[0] else first
+        last = high if high > values[-1] else last
+        fence = [first, *values, last]
+        return [self._cell(a, b) for a, b in zip(fence[:-1], fence[1:], strict=True)]
+
+    def _cell(self, low: Any, high: Any) -> Cell:
+        looks = list(self._looks(low, high))
+        known = [(place, look) for place, look in looks if look.sign]
+        if not known:
+            place, look = looks[0] if looks else (math.nan, Look(0, None, NEAR))
+            return Cell(low, high, place, look)
+        [(label, _)] = Counter(look.label for _, look in known).most_common(1)
+        good = [one for one in known if one[1].label == label]
+        if len({look.sign for _, look in good}) > 1:
+            raise NotExact("verdicts on one branch differ between candidates")
+        place, look = good[len(good) // 2]
+        fence = [low, *(arb(v) for v, _ in good), high]
+        doubts = []
+        for value, other in looks:
+            if other.label != label:
+                above = next(i for i, f in enumerate(fence) if f > value)
+                reason = BRANCH if other.sign else other.reason
+                doubts.append((fence[above - 1], fence[above], reason))
+        return Cell(low, high, place, look, tuple(doubts))
+
+    def _looks(self, low: Any, high: Any) -> Iterator[tuple[float, Look]]:
+        """Numbers in a piece, in increasing order, with what is proved there.
+
+        One number is enough where nothing is solved for.  A root-finder may pass to another branch
+        anywhere, most often near an end of the piece, so more numbers show whether it does.
+        """
+        ends = low.upper(), high.lower()
+        family = self.line.problem.family
+        shares: tuple[float, ...] = SHARES
+        if family.unknown and not family.closed:
+            part = float(((ends[1] - ends[0]) / (arb(self.high) - arb(self.low))).mid())
+            count = FEWEST + math.ceil(MORE * min(part, 1.0))
+            shares = tuple(math.sin(math.pi * (i + 0.5) / (2 * count)) ** 2 for i in range(count))
+        for share in shares:
+            place = float((ends[0] + (ends[1] - ends[0]) * share).mid())
+            if not (arb(place) > low and arb(place) < high):
+                continue
+            look = self.branch.look(place)
+            yield place, look
+            if look.sign and shares is SHARES:
+                return
+
+    # --- candidates ---
+
+    def _judged(self, one: Candidate, below: Cell, above: Cell) -> bool:
+        """Whether the verdict changes at a candidate; anything else is recorded."""
+        signs = below.look.sign, above.look.sign
+        if 0 in signs:
+            if not self._closed(one, below, above):
+                self._leave(one.value, one.value, (above if signs[0] else below).look.reason)
+            return False
+        kept = self.branch.vanishing(self.candidates, one)
+        events = [w for w in one.watched if w.kind in ("fold", "pole", "end")]
+        if kept is None or any(w in kept for w in events):
+            kinds = {w.kind for w in events if kept is None or w in kept}
+            self._leave(one.value, one.value, self._event(kinds, same=signs[0] == signs[1]))
+            return False
+        labels = below.look.label, above.look.label
+        ends = below.place, above.place
+        same = self.branch.joined(one, ends, labels) if events else labels[0] == labels[1]
+        if not same:
+            self._leave(arb(below.place), arb(above.place), BRANCH)
+            return False
+        if signs[0] == signs[1] and kept:
+            self._single(one, kept, ends, signs[0])
+        return signs[0] != signs[1]
+
+    def _event(self, kinds: set[str], *, same: bool) -> str:
+        """Reason why a candidate stays open."""
+        for kind, reason in (("fold", MEET), ("end", END)):
+            if kind in kinds:
+                return reason
+        said = "is the same on both sides" if same else "differs on the two sides"
+        return POLE.format(family=self.line.problem.family.name, said=said)
+
+    def _closed(self, one: Candidate, below: Cell, above: Cell) -> bool:
+        """Whether the member at an end has the verdict of those inside; beyond there is none."""
+        for end, inner in ((self.low, above), (self.high, below)):
+            if one.value == arb(end) and inner.look.sign:
+                with suppress(StabilityError):
+                    return self.line.sign(end) == inner.look.sign
+        return False
+
+    def _single(
+        self, one: Candidate, kept: list[Watched], ends: tuple[float, float], sign: int
+    ) -> None:
+        """A candidate between members with the same verdict."""
+        family = self.line.problem.family.name
+        if sign > 0:
+            if not self.dissipative:
+                return  # neutral on both sides too
+            known = [self.branch.zero(self.candidates, one, w, ends) for w in kept]
+            if any(known):
+                self.touching.append(float(one.value.mid()))
+            else:
+                self._leave(one.value, one.value, HERE.format(family=family, sides="stable"))
+            return
+        found = self.branch.unstable(self.candidates, one)
+        if found is None:
+            self._leave(one.value, one.value, HERE.format(family=family, sides="unstable"))
+        elif not found:
+            self.touching.append(float(one.value.mid()))
+
+    def _change(self, one: Candidate, below: Cell, above: Cell, others: list[Any]) -> None:
+        """A change of verdict as a proved bracket."""
+        root = self._inside(one)
+        labels = {False: below.look.label, True: above.look.label}
+        room = min((float(abs(v - one.value).mid()) for v in others), default=math.inf)
+        proof = bracket(lambda v: self.branch.sign(v, labels[v > root]), root, room)
+        if proof is None:
+            self._leave(one.value, one.value, LATE)
+            return
+        kept = self.branch.vanishing(self.candidates, one) or list(one.watched)
+        static = any(w.kind == "static" for w in kept)
+        crossing = Crossing.STATIC if static else Crossing.FLUTTER
+        rate = crossing_rate(self.line, root, crossing)
+        self.points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
+
+    def _inside(self, one: Candidate) -> float:
+        """The candidate as a double in the interval."""
+        return min(max(float(one.value.mid()), self.low), self.high)
+
+    def _leave(self, low: Any, high: Any, reason: str) -> None:
+        """Leave a part of the interval open, rounded outwards."""
+        if low > arb(self.high) or high < arb(self.low):
+            return
+        first = max(float(np.nextafter(float(low.mid()), -np.inf)), self.low)
+        last = min(float(np.nextafter(float(high.mid()), np.inf)), self.high)
+        if first <= last:
+            self.left.append(Unresolved(first, last, f"{reason}."))
+
+
+def _tidy(left: list[Unresolved]) -> Iterator[Unresolved]:
+    """Parts in order; overlapping ones with the same reason as one."""
+    open_: list[Unresolved] = []
+    for part in sorted(left):
+        if open_ and part.reason == open_[-1].reason and part.low <= open_[-1].high:
+            before = open_.pop()
+            open_.append(Unresolved(before.low, max(before.high, part.high), part.reason))
+        elif not any(o.low <= part.low and part.high <= o.high for o in open_):
+            open_.append(part)
+    yield from open_

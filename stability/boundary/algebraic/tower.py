@@ -1,0 +1,399 @@
+"""The variables of a family along an axis: one base variable, and others with polynomial relations.
+
+The base variable z is the axis itself, or the cosine (hyperbolic cosine, exponential) of a multiple
+of the axis.  One transcendental constant, such as the cosine of a given angle, may be another
+variable s: no polynomial over Q vanishes at it (Lindemann), so that it counts as free.  Each
+further variable obeys a polynomial in the variables before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, reduce
+from math import gcd
+from typing import Any
+
+from flint import arb, fmpq, fmpq_mpoly_ctx
+
+from ...algebra.balls import precision
+from ...algebra.exact.function_field import Expression
+from ...algebra.exact.hurwitz_forms import Budget, by_power
+from ...algebra.exact.number_fields import EXACT, NotExact, rational
+from ...algebra.exact.real_roots import UnclearError
+from ...algebra.exact.triangular import occurring
+from ...algebra.number_types import Algebra
+from ...base.errors import StabilityError
+from ...derivation.general.elimination import Reading, Whole
+from ...systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES
+from ..brackets import AxisScan
+
+MOST_TURNS = 12
+"""Largest multiple of an angle that is written as a polynomial in its cosine."""
+SHARES = (0.2718, 0.5772, 0.8541, 0.1202, 0.4142, 0.7321, 0.9159, 0.0331, 0.3606, 0.6458)
+"""Shares of the interval at which members are sought that show the branch."""
+KINDS = {"sin": "circle", "cos": "circle", "sinh": "hyperbola", "cosh": "hyperbola", "exp": "exp"}
+"""Kind of a function of the axis, or of a number."""
+
+
+class Along(Reading):
+    """A family's Jacobian along an axis, every other quantity an exact rational.
+
+    Parameters
+    ----------
+    line
+        The line.
+    low, high
+        Ends of the interval.
+    budget
+        Limits of the work.
+    """
+
+    def __init__(self, line: AxisScan, low: float, high: float, budget: Budget) -> None:
+        self.axis, self._ends = line.axis, (low, high)
+        fixed = {n: rational(v) for n, v in line.fixed.items()}
+        super().__init__(line.problem.family, fixed, budget)
+        self.conditions = [(self._vanishing_with(name), name) for name in self.family.positive]
+        self._exclude_denominators()
+
+    def _vanishing_with(self, name: str) -> Expression:
+        """An expression that vanishes wherever an unknown does: itself, or its sine."""
+        index = self.base.index(name)
+        if self.family.closed:
+            return self.field.number(1)
+        if index in self.triangular.solved or index in dict(self.triangular.kept):
+            return self.field.symbols[index]
+        sine = (i for i, (function, x, _) in self.field.meaning.items()
+                if function == "sin" and x == self.field.symbols[index])  # fmt: skip
+        place = next(sine, None)
+        if place is None:
+            raise NotExact(f"{name} obeys no polynomial equation")
+        return Expression(self.field, self.field.generator(place), self.field.one)
+
+    def _exclude_denominators(self) -> None:
+        """Denominators of the equations, at whose zeros the equations have no meaning."""
+        for poly in self.denominators:
+            below = self.triangular.value(Expression(self.field, poly, self.field.one)).num
+            if not below.is_constant():
+                self.triangular.nonzero.append(self.field.reduced(below))
+
+    def algebra(self) -> Algebra:
+        """Rationals, with functions of numbers as variables too."""
+
+        def lifted(name: str) -> Any:
+            plain = EXACT.functions[name]
+
+            def apply(x: Any, *more: Any) -> Any:
+                number = isinstance(x, (int, fmpq)) and name != "pow"
+                return plain(self.field.number(x) if number else x, *more)
+
+            return apply
+
+        return Algebra("exact", EXACT.constant, {name: lifted(name) for name in EXACT.functions})
+
+    def _required(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:  # noqa: ARG002
+        return []  # the system's conditions are proved along the axis in balls
+
+    @cached_property
+    def samples(self) -> list[dict[int, Any]]:
+        """Values of every indeterminate at members inside the interval, as balls."""
+        low, high = self._ends
+        out: list[dict[int, Any]] = []
+        with precision(SAMPLE_BITS):
+            for share in SHARES:
+                try:
+                    known = self.at(arb(low + share * (high - low)))
+                except (StabilityError, ZeroDivisionError):
+                    continue
+                if all(v.is_finite() for v in known.values()):
+                    out.append(known)
+                if len(out) == SAMPLES:
+                    return out
+        raise NotExact("members were not found at enough values of the axis")
+
+    def at(self, value: Any) -> dict[int, Any]:
+        """Values of every indeterminate at a value of the axis, a ball.
+
+        Parameters
+        ----------
+        value
+            The value.
+
+        Raises
+        ------
+        NoMemberError
+            If no root of the equations is proved there.
+        """
+        return self.member({**self.values, self.axis: value})
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Functions of multiples of one angle g·x + shift, as polynomials in one or two variables."""
+
+    kind: str
+    """plain (the axis itself), circle, hyperbola or exp."""
+    step: Any = 1
+    """g, a rational."""
+    shift: Any = 0
+    """Shift of the angle, a rational."""
+
+    def back(self, z: Any, low: Any, high: Any) -> list[Any]:
+        """Values of the axis from `low` to `high` at which the base variable has a value.
+
+        Parameters
+        ----------
+        z
+            Value of the base variable, a ball.
+        low, high
+            Ends, balls; values that may lie inside count.
+        """
+        bounds = {"plain": (), "exp": (0,), "hyperbola": (1,), "circle": (-1, 1)}[self.kind]
+        if any(z.contains(b) and z != b for b in bounds):
+            raise UnclearError
+        if self.kind == "plain":
+            found = [z]
+        elif self.kind == "exp":
+            found = [self._angle(z.log())] if z > 0 else []
+        elif self.kind == "hyperbola":
+            found = [self._angle(a) for a in _both(z, z.acosh())] if z >= 1 else []
+        else:
+            found = self._turns(z, low, high) if abs(z) <= 1 else []
+        return [x for x in found if not (x < low or x > high)]
+
+    def _angle(self, angle: Any) -> Any:
+        return (angle - arb(self.shift)) / arb(self.step)
+
+    def _turns(self, z: Any, low: Any, high: Any) -> list[Any]:
+        base = z.acos()
+        ends = [(x * self.step + self.shift) / (2 * arb.pi()) for x in (low, high)]
+        first, last = (int(e.mid().floor().fmpq().p) for e in ends)
+        whole = arb.pi() if z == -1 else None  # π and -π are the same angle
+        return [
+            self._angle(angle + 2 * turn * arb.pi())
+            for turn in range(first - 1, last + 2)
+            for angle in ([whole] if whole is not None else _both(z, base))
+        ]
+
+
+def _both(z: Any, angle: Any) -> list[Any]:
+    return [arb(0)] if z == 1 else [angle, -angle]
+
+
+def clock(entries: Sequence[tuple[str, Any, Any]]) -> Clock:
+    """The one angle of which all arguments are multiples.
+
+    Parameters
+    ----------
+    entries
+        (function, factor, shift) of each argument, factor·x + shift.
+
+    Raises
+    ------
+    NotExact
+        If there is none.
+    """
+    kinds = {KINDS.get(name, name) for name, _, _ in entries}
+    if len(kinds) > 1 or not kinds <= set(KINDS.values()):
+        raise NotExact(f"functions of several kinds meet: {', '.join(sorted(kinds))}")
+    if len({b / a for _, a, b in entries}) > 1:
+        raise NotExact("angles with different shifts meet")
+    step = reduce(_common, [abs(a) for _, a, _ in entries])
+    if kinds == {"exp"} and len({a > 0 for _, a, _ in entries}) > 1:
+        raise NotExact("exponentials of both signs meet")
+    if entries[0][1] < 0:
+        step = -step
+    if max(abs(a / step) for _, a, _ in entries) > MOST_TURNS:
+        raise NotExact("an angle is a high multiple of another")
+    return Clock(kinds.pop(), step, step * entries[0][2] / entries[0][1])
+
+
+def _common(a: Any, b: Any) -> Any:
+    p, q = int(a.p) * int(b.q), int(b.p) * int(a.q)
+    return fmpq(gcd(p, q), int(a.q) * int(b.q))
+
+
+def turned(kind: str, function: str, count: int, z: Any, other: Any) -> Any:
+    """A function of a multiple of the angle, as a polynomial.
+
+    Parameters
+    ----------
+    kind
+        Kind of the clock.
+    function
+        sin, cos, sinh, cosh or exp.
+    count
+        The multiple.
+    z, other
+        Cosine and sine of the angle itself; or the exponential.
+
+    Examples
+    --------
+    >>> from flint import fmpz_poly
+    >>> turned("circle", "cos", 2, fmpz_poly([0, 1]), None)
+    2*x^2 + (-1)
+    """
+    if kind == "exp":
+        return z**count
+    before, here = (z**0, z) if function in ("cos", "cosh") else (z - z, other * z**0)
+    for _ in range(count - 1):  # f(n + 1) = 2 z f(n) - f(n - 1) holds for all four
+        before, here = here, 2 * z * here - before
+    return here
+
+
+@dataclass(frozen=True)
+class Level:
+    """A variable with its relation."""
+
+    index: int
+    """Index in the ring of the tower."""
+    relation: Any
+    """Polynomial in this and earlier variables that vanishes."""
+    place: int
+    """Index in the ring of the family's polynomials; -1 for the sine next to a cosine."""
+    own: Any
+    """The relation in that ring; None for such a sine."""
+
+
+class Tower:
+    """Every variable of a family along an axis, in the ring Q[z, s, …, w].
+
+    Parameters
+    ----------
+    along
+        The family's Jacobian.
+    whole
+        Its characteristic polynomial.
+
+    Raises
+    ------
+    NotExact
+        If the variables do not form a tower.
+    """
+
+    def __init__(self, along: Along, whole: Whole) -> None:
+        self.along, self.whole = along, whole
+        count = len(whole.indices)
+        names = ("z", "s", *(f"v{i}" for i in range(count + 2)), "w")
+        self.ring = fmpq_mpoly_ctx.get(names, "lex")
+        gens = self.ring.gens()
+        self._images = [*gens[2 : 2 + count], self.ring.constant(0)]
+        self._extra = gens[2 + count], gens[3 + count]
+        self._built: set[int] = set()
+        extra: list[Level] = []
+        self.base = self._clocked(self._functions(free=True), gens[0], 0, extra)
+        self.fixed = self._clocked(self._functions(free=False), gens[1], 1, extra)
+        self._number = next((i for i in self._built if not self._free(i)), None)
+        self.levels = self._ordered(extra)
+        """The variables, in the order of their elimination."""
+
+    # --- functions ---
+
+    def _free(self, place: int) -> bool:
+        index = self.whole.indices[place]
+        return self.along.base.index(self.along.axis) in self.along.field.uses(index)
+
+    def _functions(self, *, free: bool) -> list[tuple[int, str, Any, Any]]:
+        """(index in the polynomials' ring, function, factor, shift) of each function."""
+        axis = self.along.base.index(self.along.axis)
+        out = []
+        for place, index in enumerate(self.whole.indices):
+            if index not in self.along.field.meaning:
+                continue
+            name, x, _ = self.along.field.meaning[index]
+            if name == "sqrt":
+                continue
+            inside = occurring(x.num) | occurring(x.den)
+            if inside != ({axis} if free else set()):
+                continue
+            parts = by_power(x.num, axis) if x.num != 0 else {}
+            if inside & occurring(x.den) or max(parts, default=0) > 1:
+                raise NotExact(f"the argument of {name} is not linear in the axis")
+            below = x.den.leading_coefficient()
+            numbers = [parts[i].leading_coefficient() / below if i in parts else fmpq(0)
+                       for i in (0, 1)]  # fmt: skip
+            out.append((place, name, numbers[1], numbers[0]) if free else
+                       (place, name, numbers[0], fmpq(0)))  # fmt: skip
+        return out
+
+    def _clocked(
+        self, found: list[tuple[int, str, Any, Any]], z: Any, which: int, extra: list[Level]
+    ) -> Clock:
+        """Images of some functions as polynomials in z and a sine."""
+        axis = self.along.base.index(self.along.axis)
+        plain = [i for i, index in enumerate(self.whole.indices) if index == axis and not which]
+        if plain and found:
+            raise NotExact(f"{self.along.axis} and {found[0][1]} of it both occur")
+        if not found:
+            for place in plain:
+                self._images[place] = z
+                self._built.add(place)
+            return Clock("plain")
+        one = clock([entry[1:] for entry in found])
+        other = self._extra[which]
+        for place, name, factor, _ in found:
+            image = turned(one.kind, name, int(abs(factor / one.step).p), z, other)
+            odd = name in ("sin", "sinh") and factor / one.step < 0
+            self._images[place] = -image if odd else image
+            self._built.add(place)
+        if one.kind != "exp":
+            sign = 1 if one.kind == "circle" else -1
+            relation = other**2 - sign * (1 - z**2)
+            extra.append(Level(self._index(other), relation, -1, None))
+        return one
+
+    def _index(self, generator: Any) -> int:
+        return next(i for i, d in enumerate(generator.degrees()) if d)
+
+    # --- relations ---
+
+    def image(self, poly: Any) -> Any:
+        """A polynomial of the family in the ring of the tower.
+
+        Parameters
+        ----------
+        poly
+            The polynomial, without λ.
+        """
+        return poly.compose(*self._images, ctx=self.ring)
+
+    def _ordered(self, extra: list[Level]) -> tuple[Level, ...]:
+        levels = list(extra)
+        for place, relation in self.whole.relations:
+            if place not in self._built:
+                index = self._index(self._images[place])
+                levels.append(Level(index, self.image(relation), place, relation))
+        known = {0, 1} | {level.index for level in levels}
+        for place, image in enumerate(self._images[:-1]):
+            if not occurring(image) <= known:
+                raise NotExact(f"{self.whole.names[place]} obeys no polynomial equation")
+        if len({level.index for level in levels}) < len(levels):
+            raise NotExact("a variable has two equations")
+        out: list[Level] = []
+        while levels:
+            last = next((one for one in levels if not any(
+                one.index in occurring(other.relation) for other in levels if other is not one
+            )), None)  # fmt: skip
+            if last is None:
+                raise NotExact("the equations of the unknowns are not in triangular form")
+            levels.remove(last)
+            out.append(last)
+        return tuple(out)
+
+    def number(self) -> Any:
+        """Ball of the constant s at the working precision."""
+        angle = arb(self.fixed.step)
+        return {"circle": angle.cos, "hyperbola": angle.cosh, "exp": angle.exp}[self.fixed.kind]()
+
+    # --- members ---
+
+    def known(self, value: Any) -> Mapping[int, Any]:
+        """Values of the polynomials' variables at a value of the axis, as balls.
+
+        Parameters
+        ----------
+        value
+            The value, a ball.
+        """
+        found = self.along.at(value)
+        return {new: found[old] for new, old in enumerate(self.whole.indices)}
