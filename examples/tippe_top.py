@@ -1,11 +1,9 @@
 """The tippe top: which spin keeps it upright, and which inverted, for every friction.
 
 A sphere of radius R slides on a plane under viscous friction; its centre of mass lies a R away from
-its centre.  S. Rauch-Wojciechowski & N. Rutstam, SIGMA 10 (2014) 017: inverted spinning is stable
-where Jellett's integral is above sqrt(m g R³ I3 a) (1 + a)² / sqrt(1 + a - I1/I3).
+its centre; SI units.  S. Rauch-Wojciechowski & N. Rutstam, SIGMA 10 (2014) 017: inverted spinning
+is stable where Jellett's integral is above sqrt(m g R³ I3 a) (1 + a)² / sqrt(1 + a - I1/I3).
 """
-
-import math
 
 import casadi as ca
 
@@ -32,12 +30,11 @@ top = st.System.from_mass_matrix(
     parameters=("m", "R", "a", "I1", "I3", "g", "mu"),
 )  # fmt: skip
 rest = dict.fromkeys((n for n in names if n != "spin_z"), 0.0)
-upright = st.Family(top, "upright", at=("spin_z",), held=rest | {"axis_z": 1.0})
 inverted = st.Family(top, "inverted", at=("spin_z",), held=rest | {"axis_z": -1.0})
-BODY = {"m": 0.02, "R": 0.02, "a": 0.3, "g": 9.82}  # kg, m, 1, m/s²; mu in s/m
-BODY |= {"I3": 2 / 5 * 0.02 * 0.02**2, "I1": 131 / 350 * 0.02 * 0.02**2}  # kg m²
+BODY = {"m": 0.02, "R": 0.02, "a": 0.3, "g": 9.82, "I3": 8e-6 * 2 / 5, "I1": 8e-6 * 131 / 350}
 print(st.spectrum(inverted, at=45.0, mu=0.3, certify=True, **BODY).verdict.word)
 
+upright = st.Family(top, "upright", at=("spin_z",), held=rest | {"axis_z": 1.0})
 for friction in (0.3, 3.0, 30.0):
     (fast,) = st.boundaries(inverted, axis=("spin_z", 1, 99, 50), mu=friction, **BODY)
     (slow,) = st.boundaries(upright, axis=("spin_z", 1, 99, 50), mu=friction, **BODY)
@@ -48,13 +45,13 @@ print(
     f"Jellett's integral there: {BODY['I3'] * BODY['R'] * (1 + BODY['a']) * fast.value:.9e} J s m"
 )
 
-for family, low, high in ((upright, 0, 27.7), (inverted, 41.29, math.inf)):
+for family, low, high in ((upright, 0, 27.7), (inverted, 41.29, ca.inf)):
     (near,) = st.conditions(
         family, positive=("mu",), between={"spin_z": (low, high)}, **BODY
     ).deciding  # one condition in this interval, for every mu > 0
     (square, (two, no_mu)), (constant, _) = near.polynomial.terms
-    edge = math.sqrt(-constant / square)
+    edge = ca.sqrt(-constant / square)
     print(f"{family.name}, every mu: {edge:.12f} rad/s, mu to the power {no_mu}, spin to {two}")
-for family, low, high in ((upright, 27.69, math.inf), (inverted, 0, 22.95), (inverted, 22.9, 41.3)):
+for family, low, high in ((upright, 27.69, ca.inf), (inverted, 0, 22.95), (inverted, 22.9, 41.3)):
     beyond = st.conditions(family, positive=("mu",), between={"spin_z": (low, high)}, **BODY)
     print(f"{family.name}, {low} to {high} rad/s, every mu: {beyond.rule}"[:80])

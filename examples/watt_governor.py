@@ -20,5 +20,5 @@ running = governor.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z")
 for friction in (0.3, 0.4):
     print(friction, st.spectrum(running, at=friction, a=0.5, b=0.5, certify=True).verdict.word)
 
-(edge,) = st.boundaries(running, axis=("e", 0.2, 1, 9), a=0.5, b=0.5)
+(edge,) = st.boundaries(running, axis=("e", 0.1, 1, 10), a=0.5, b=0.5)
 print(f"it runs evenly above e = {edge.value:.12f}, and swings there with {edge.frequency:.12f}")

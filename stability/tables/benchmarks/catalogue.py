@@ -91,8 +91,8 @@ def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
         lines += _lines_of(row)
     missing = [row for row in rows if row["recomputed"] is None]
     agree = sum(str(row["status"]).startswith("agrees") for row in rows)
-    systems = listed(list(dict.fromkeys(str(row["system"]) for row in missing)))
-    where = f"; not covered: {len(missing)} ({systems})" if missing else ""
+    systems = list(dict.fromkeys(str(row["system"]) for row in missing))
+    where = f"; not covered: {len(missing)} ({listed(systems)})" if missing else ""
     return [
         *lines[1:], "",
         f"{len(rows)} known values, {agree} agree{where}.",

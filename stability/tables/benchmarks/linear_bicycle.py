@@ -47,7 +47,7 @@ EXACT = {
     "weave": "4.29238253634110",
     "capsize": "6.02426201538836",
 }
-"""Values from arithmetic of 40 digits, where the last printed digit is not right."""
+"""Values from arithmetic of 40 digits, where the last printed digits are not right."""
 
 
 def matrices(P: Mapping[str, ca.SX]) -> dict[str, ca.SX]:

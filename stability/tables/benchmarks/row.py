@@ -101,7 +101,7 @@ def compared(
     inputs
         What rounding of the published inputs can change in the value.
     exact
-        The value from arithmetic of many digits, where the last published digit is not right.
+        The value from arithmetic of many digits, where the last published digits are not right.
 
     Returns
     -------
@@ -132,7 +132,7 @@ def _status(known: str, recomputed: float, off: Fraction, inputs: float, exact: 
         return AGREES
     beyond = abs(Fraction(recomputed) - Fraction(exact or known))
     if exact and beyond <= _last_digit(exact) / 2 + Fraction(math.ulp(recomputed)):
-        return f"agrees to all digits of {exact}; the last published digit is not right"
+        return f"agrees to all digits of {exact}; the last published digits are not right"
     if abs(off) <= last / 2 + Fraction(inputs):
         return f"agrees within the rounding of the published inputs, {inputs:.0e}"
     digits = -math.log10(float(abs(off)) / abs(float(known) or 1.0)) - math.log10(2)
