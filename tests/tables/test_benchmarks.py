@@ -166,9 +166,9 @@ def test_both_sides_of_each_threshold_are_certified(system: str) -> None:
 
 def bicycle() -> tuple[Any, Any, Any, Any]:
     """M, C1, K0, K2 of the linear bicycle to 40 digits: Meijaard et al. (2007), appendix A."""
-    text = """w 1.02 c .08 g 9.81 rR .3 mR 2 IRxx .0603 IRyy .12 xB .3 zB -.9 mB 85 IBxx 9.2 IBzz 2.8
-        IBxz 2.4 xH .9 zH -.7 mH 4 IHxx .05892 IHzz .00708 IHxz -.00756 rF .35 mF 3 IFxx .1405
-        IFyy .28""".split()  # noqa: SIM905
+    text = """w 1.02 c .08 g 9.81 rR .3 mR 2 IRxx .0603 IRyy .12 xB .3 zB -.9 mB 85 IBxx 9.2
+        IBzz 2.8 IBxz 2.4 xH .9 zH -.7 mH 4 IHxx .05892 IHzz .00708 IHxz -.00756 rF .35 mF 3
+        IFxx .1405 IFyy .28""".split()  # noqa: SIM905
     p = {n: mpf(v) for n, v in zip(text[::2], text[1::2], strict=True)}
     w, c, rR, rF, xB, zB, xH, zH = (p[n] for n in "w c rR rF xB zB xH zH".split())  # noqa: SIM905
     mR, mB, mH, mF = (p[f"m{n}"] for n in "RBHF")
