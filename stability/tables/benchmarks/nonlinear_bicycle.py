@@ -21,13 +21,13 @@ STRAIGHT = Source("nonlinear bicycle, straight", "Meijaard et al., Proc. R. Soc.
 COORDINATES = ("x", "y", "z", "yaw", "lean", "pitch", "steer", "rear", "front")
 """Coordinates; axes x forward, y right, z down."""
 GIVEN = {
-    "z": 0.2440472102925, "theta": 0.0, "psi": 0.9501292851472, "phi": 3.1257073014894,
-    "psif": 0.2311385135743, "xd": -2.8069345714545, "yd": -0.1480982396001,
-    "zd": 0.1058778746261, "thetad": 0.7830033527065, "psid": 0.6068425835418,
-    "phid": -0.0119185528069, "psifd": 0.4859824687093, "betard": 8.9129896614890,
-    "betafd": 8.0133620584155,
+    "z": "0.2440472102925", "theta": "0.0", "psi": "0.9501292851472", "phi": "3.1257073014894",
+    "psif": "0.2311385135743", "xd": "-2.8069345714545", "yd": "-0.1480982396001",
+    "zd": "0.1058778746261", "thetad": "0.7830033527065", "psid": "0.6068425835418",
+    "phid": "-0.0119185528069", "psifd": "0.4859824687093", "betard": "8.9129896614890",
+    "betafd": "8.0133620584155",
 }  # fmt: skip
-"""State of Table 1 in the paper's symbols, as in DynamicistToolKit's `basu_table_one_input`."""
+"""State of Table 1 as printed, as in DynamicistToolKit's `basu_table_one_input`."""
 ACCELERATIONS = {
     "xdd": "-.5041626315047", "ydd": "-.3449706619454", "zdd": "-1.4604528332980",
     "thetadd": ".8353281706379", "psidd": "-7.8555281128244", "phidd": ".1205543897884",
@@ -124,7 +124,7 @@ def accelerations() -> tuple[list[float], list[float]]:
     values, bounds
     """
     system = _system()
-    g = GIVEN
+    g = {name: float(digits) for name, digits in GIVEN.items()}
     place = [0.0, 0.0, -g["z"], -g["theta"], math.pi / 2 - g["psi"], math.pi - g["phi"],
              -g["psif"], 0.0, 0.0]  # fmt: skip
     rates = SIGNS * [v for n, v in g.items() if n.endswith("d")]
