@@ -20,7 +20,7 @@ top = st.mechanics(
     ignorable=("turn",), name="Lagrange top",
 )  # fmt: skip
 held = dict.fromkeys(("lean", "tilt", "lean_rate", "tilt_rate"), 0.0)
-sleeping = st.Family(top, "sleeping", at=("spin",), held=held, conservative=True)
+sleeping = st.Family(top, "sleeping", at=("spin",), held=held)
 
 VALUES = {"I1": 1.0, "I3": 0.5, "mgl": 1.0}
 for rate in (3.9, 4.1):

@@ -27,7 +27,7 @@ def _table(options: argparse.Namespace) -> None:
     settings = _table_settings(options)
     formulas: list[Any] = []
     with _bar("lines") as progress:
-        if options.name in ("conditions", "hopf", "launches", "theorems"):
+        if options.name in ("benchmarks", "conditions", "hopf", "launches", "theorems"):
             settings["progress"] = progress
         rows = [] if options.latex else records(options.name, **settings)
         if options.name == "conditions":

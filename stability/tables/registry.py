@@ -26,6 +26,7 @@ TABLES = {
     "hopf": f"flutter boundaries of {_LINES} as Hopf bifurcations without parameters",
     "launches": f"what becomes of {_LAUNCHED} launched with a tilt, compared with linear theory",
     "theorems": "statements about the disk, proved step by step from its graph",
+    "benchmarks": "systems with known answers: known value, recomputed value, certified verdicts",
     "completeness": "why the viscous disk has no other steady motions: proof and search",
 }
 """Heading of each table, by name."""
@@ -67,6 +68,10 @@ def records(name: str, **options: Any) -> list[dict[str, Any]]:
         from .theorems import theorem_rows
 
         return [asdict(row) for row in theorem_rows(**options)]
+    if name == "benchmarks":
+        from .benchmarks.catalogue import benchmark_rows
+
+        return [asdict(row) for row in benchmark_rows(**options)]
     if name == "completeness":
         from ..derivation.completeness import prove, search
 

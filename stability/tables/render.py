@@ -39,6 +39,10 @@ def text(name: str, rows: list[dict[str, Any]], unit: str) -> str:
         return "\n".join(head + _family_lines(rows))
     if name == "completeness":
         return "\n".join(head + _completeness_lines(rows))
+    if name == "benchmarks":
+        from .benchmarks.catalogue import benchmark_lines
+
+        return "\n".join(head + benchmark_lines(rows))
     if name == "theorems":
         return "\n".join(head + theorem_lines(rows))
     if name in ("drift", "hopf", "launches"):

@@ -202,6 +202,29 @@ def test_watts_governor_loses_stability_at_its_published_friction() -> None:
     assert abs(mpmath.mpf(point.value) - mpmath.mpf(0.5) ** (mpmath.mpf(2) / 3)) <= 1e-14
 
 
+@pytest.mark.parametrize("before", [[], [(0.1, 1.0, 10)]])
+def test_a_member_that_the_axis_does_not_move_is_one_family(
+    before: list[tuple[float, float, int]],
+) -> None:
+    """Watt's governor: the member does not depend on the friction e; Hopf at e = 2 a b^(3/2).
+
+    The enclosure over a piece is then as narrow as the one at its end.
+    """
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 3)
+    angle, rate, speed = ca.vertsplit(x)
+    swing = speed**2 * ca.sin(angle) * ca.cos(angle) - ca.sin(angle) - p[0] * rate
+    system = st.System(
+        "governor", x, p, ca.vertcat(rate, swing, p[1] * (ca.cos(angle) - p[2])),
+        states=("angle", "rate", "speed"), parameters=("e", "a", "b"),
+    )  # fmt: skip
+    near = {"angle": 1.0, "speed": 1.4, "e": 0.4, "a": 0.5, "b": 0.5}
+    family = system.steady("e", held={"rate": 0.0}, equations=("rate", "speed"), guess=near)
+    for axis in [*before, (0.2, 1.0, 9)]:
+        found = st.boundaries(family, axis=("e", *axis), a=0.5, b=0.5)
+        assert found.complete
+        assert [b.value for b in found] == pytest.approx([0.5**1.5], rel=1e-14)
+
+
 def test_random_planted_boundaries_are_never_missed() -> None:
     ends, wrong, _ = campaign(range(12))
     assert not wrong, "\n".join(wrong)

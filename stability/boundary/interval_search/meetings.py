@@ -283,7 +283,7 @@ class Meetings:
         if not self.family.unknown or self.family.closed:
             return True
         for value in (piece.low, piece.high):
-            root = self.root(value)
+            root = self.root(value, 2 * BITS)
             if root is None or not all(
                 wide.contains(ball) for wide, ball in zip(piece.box, root, strict=True)
             ):

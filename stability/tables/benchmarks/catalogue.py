@@ -1,0 +1,115 @@
+"""Every system of the table, and the table itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from ...base.checks import known
+from ...base.errors import listed
+from .cycles import stick_slip, swinging
+from .linear_bicycle import linear_bicycle
+from .nonlinear_bicycle import nonlinear_bicycle
+from .oscillators import rotor, saddle, triangular_points, ziegler
+from .row import BenchmarkRow, Case
+from .tops import lagrange, tippe
+from .wheels import hunting, sympy_disc, turning
+
+CASES: dict[str, Case] = {
+    "nonlinear bicycle": nonlinear_bicycle,
+    "linear bicycle": linear_bicycle,
+    "tippe top": tippe,
+    "railway wheelset": hunting,
+    "Watt governor": swinging,
+    "Ziegler column": ziegler,
+    "Lagrange top": lagrange,
+    "triangular points": triangular_points,
+    "Chaplygin sleigh": turning,
+    "mass on a belt": stick_slip,
+    "Jeffcott rotor": rotor,
+    "rotating saddle": saddle,
+    "SymPy's rolling disc": sympy_disc,
+}
+"""The function of each system's rows, by name."""
+
+
+def benchmark_rows(
+    systems: Sequence[str] | None = None, progress: Callable[[int, int], None] | None = None
+) -> list[BenchmarkRow]:
+    """Every known value, recomputed.
+
+    Parameters
+    ----------
+    systems
+        Names from `CASES`; every system when left out.
+    progress
+        Called with (systems done, systems in all).
+
+    Returns
+    -------
+    list of BenchmarkRow
+
+    Raises
+    ------
+    NameUnknownError
+        If a system is unknown.
+
+    Source: each row names its own; tests/tables/test_benchmarks.py.
+
+    Examples
+    --------
+    >>> for row in benchmark_rows(["Jeffcott rotor"]):
+    ...     print(row.recomputed, row.below, row.above, row.status)
+    250.0 stable unstable agrees to all digits
+    """
+    names = list(CASES) if systems is None else [known("system", n, CASES) for n in systems]
+    rows: list[BenchmarkRow] = []
+    for done, name in enumerate(names, start=1):
+        rows += CASES[name]()
+        if progress is not None:
+            progress(done, len(names))
+    return rows
+
+
+def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
+    """The table of benchmarks as lines of text, one paragraph for each system.
+
+    Parameters
+    ----------
+    rows
+        Rows as records.
+
+    Returns
+    -------
+    list of str
+    """
+    lines: list[str] = []
+    title = None
+    for row in rows:
+        if row["system"] != title:
+            title = row["system"]
+            lines += ["", f"{title}  ({row['source']})"]
+        lines += _lines_of(row)
+    missing = [row for row in rows if row["recomputed"] is None]
+    agree = sum(str(row["status"]).startswith("agrees") for row in rows)
+    systems = list(dict.fromkeys(str(row["system"]) for row in missing))
+    where = f"; not covered: {len(missing)} ({listed(systems)})" if missing else ""
+    return [
+        *lines[1:], "",
+        f"{len(rows)} known values, {agree} agree{where}.",
+        "below, above: certified verdicts at a relative distance of 1e-12 from a threshold.",
+    ]  # fmt: skip
+
+
+def _lines_of(row: dict[str, object]) -> list[str]:
+    unit = f" {row['unit']}" if row["unit"] else ""
+    value, off = row["recomputed"], row["difference"]
+    found = "-" if value is None else f"{value:.16g}{unit}"
+    by = "" if off is None else f", difference {off:.1e}"
+    lines = [
+        f"    {row['quantity']}",
+        f"        known {row['known']}{unit} ({row['origin']})",
+        f"        found {found}{by}: {row['status']}",
+    ]
+    if row["below"]:
+        lines += [f"        below {row['below']}, above {row['above']} (certified)"]
+    return lines

@@ -1,0 +1,79 @@
+"""Watt's governor, and a mass that sticks and slips on a belt."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from ...motion.simulate import simulate
+from ...systems.condition import Condition
+from ...systems.family import Family
+from ...systems.system import System
+from .row import CLOSED, ELSEWHERE, BenchmarkRow, Source, at_threshold, compared, threshold
+
+GOVERNOR = Source("Watt governor", "Sotomayor, Mello & Braga, arXiv math/0606230")
+BELT = Source("mass on a belt", "Coulomb friction, static larger than kinetic")
+MASS = {"belt": 0.2, "rest": 1.0, "sliding": 0.5}
+"""Speed of the belt, friction at rest, sliding friction; mass and spring are 1."""
+
+
+def governor() -> Family:
+    """The engine that runs evenly, by the friction e of the governor."""
+    x, y, z, e, a, b = (ca.SX.sym(n) for n in ("x", "y", "z", "e", "a", "b"))
+    swing = z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y
+    system = System(
+        "Watt governor", ca.vertcat(x, y, z), ca.vertcat(e, a, b),
+        ca.vertcat(y, swing, a * (ca.cos(x) - b)),
+        states=("x", "y", "z"), parameters=("e", "a", "b"),
+    )  # fmt: skip
+    near = {"x": 1.0, "z": 1.4, "e": 0.4, "a": 0.5, "b": 0.5}
+    return system.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z"), name="running")
+
+
+def swinging() -> list[BenchmarkRow]:
+    """Rows of the governor: where it begins to swing, and whether gently.
+
+    Returns
+    -------
+    list of BenchmarkRow
+    """
+    rows: list[BenchmarkRow] = []
+    for a, b, known in ((0.5, 0.5, "0.3535533905932738"), (0.25, 0.64, "0.256")):
+        found = threshold(governor(), float(known) / 2, 2 * float(known), a=a, b=b)
+        quantity = f"friction above which it is even, a = {a}, b = {b}"
+        rows.append(at_threshold(GOVERNOR, found, known, origin=CLOSED, quantity=quantity))
+    why = "no first Lyapunov coefficient of a user's system yet"
+    for a, known in ((0.25, ".7795976849"), (0.5, ".7968357154"), (0.8, ".8506928506")):
+        rows.append(compared(GOVERNOR, f"b where the first Lyapunov coefficient is 0, a = {a}",
+                             f"0{known}", None, origin=ELSEWHERE, reason=why))  # fmt: skip
+    return rows
+
+
+def _phase(name: str, end: str) -> System:
+    """The mass while it slips, or sticks; its run ends where its condition reaches zero."""
+    x, u, belt, rest, sliding = (ca.SX.sym(n) for n in ("x", "u", *MASS))
+    pull, ahead = x - sliding, belt - u
+    # positive where the belt is ahead or the spring pulls forwards: a + b + sqrt(a² + b²), smooth
+    slips = pull + ahead + ca.sqrt(pull**2 + ahead**2)
+    rates, positive = {
+        "slip": (ca.vertcat(u, -pull), slips), "stick": (ca.vertcat(belt, 0), rest - x)
+    }[name]  # fmt: skip
+    return System(
+        name, ca.vertcat(x, u), ca.vertcat(belt, rest, sliding), rates, states=("x", "u"),
+        parameters=tuple(MASS), conditions=(Condition(positive, end),),
+    )  # fmt: skip
+
+
+def stick_slip() -> list[BenchmarkRow]:
+    """Row of the mass on a belt: the period of its cycle, from one run of each phase.
+
+    Returns
+    -------
+    list of BenchmarkRow
+    """
+    start = {"x": MASS["rest"], "u": MASS["belt"]}
+    slip = simulate(_phase("slip", "the belt catches it"), MASS, start, 20.0, tolerance=1e-13)
+    caught = {"x": float(slip.x[-1]), "u": float(slip.u[-1])}
+    stick = simulate(_phase("stick", "the spring wins"), MASS, caught, 20.0, tolerance=1e-13)
+    period = float(slip.end_time) + float(stick.end_time)
+    return [compared(BELT, "period of sticking and slipping", "8.9026054078145", period,
+                     origin=CLOSED)]  # fmt: skip

@@ -1,0 +1,256 @@
+"""A row of the table of benchmarks: a known value, the recomputed one, and what can be said."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from ...base.errors import StabilityWarning
+from ...base.verdict import Verdict
+from ...boundary.changes import boundaries
+from ...spectra.spectrum import spectrum
+from ...systems.family import Family
+
+PUBLISHED = "published"
+"""Origin of a number that its source prints."""
+CLOSED = "closed form"
+"""Origin of a number from a formula of its source."""
+ELSEWHERE = "recomputed elsewhere"
+"""Origin of a number from at least one route outside the package."""
+AGREES = "agrees to all digits"
+"""Status where the recomputed value rounds to the known one."""
+SIDE = 1e-12
+"""Relative distance from a threshold at which the verdicts on both sides are certified."""
+
+
+class Source(NamedTuple):
+    """A system, and where its known values come from."""
+
+    system: str
+    """Name of the system."""
+    source: str
+    """Paper, course or code."""
+
+
+@dataclass(frozen=True)
+class BenchmarkRow:
+    """One known value, and the same quantity from the package."""
+
+    system: str
+    """Name of the system."""
+    quantity: str
+    """What is compared."""
+    unit: str
+    """SI unit, or empty."""
+    source: str
+    """Where the equations or the value are from."""
+    origin: str
+    """How the value is known: `PUBLISHED`, `CLOSED` or `ELSEWHERE`."""
+    known: str
+    """The known value with all its digits."""
+    recomputed: float | None
+    """The package's value, or None."""
+    difference: float | None
+    """Recomputed minus known, or None."""
+    status: str
+    """`AGREES`, how many digits agree, or why the package has no value."""
+    below: str
+    """Certified verdict at a relative distance of 1e-12 below a threshold; empty elsewhere."""
+    above: str
+    """Certified verdict at a relative distance of 1e-12 above a threshold; empty elsewhere."""
+
+
+def compared(
+    about: Source,
+    quantity: str,
+    known: str,
+    recomputed: float | None,
+    *,
+    origin: str,
+    unit: str = "",
+    sides: tuple[str, str] = ("", ""),
+    reason: str = "",
+    inputs: float = 0.0,
+    exact: str = "",
+) -> BenchmarkRow:
+    """A row from a known value and the package's.
+
+    Parameters
+    ----------
+    about
+        System and source.
+    quantity
+        What is compared.
+    known
+        The known value as it is given, with all its digits.
+    recomputed
+        The package's value, or None.
+    origin
+        `PUBLISHED`, `CLOSED` or `ELSEWHERE`.
+    unit
+        SI unit.
+    sides
+        Certified verdicts below and above.
+    reason
+        Why there is no value.
+    inputs
+        What rounding of the published inputs can change in the value.
+    exact
+        The value from arithmetic of many digits, where the last published digits are not right.
+
+    Returns
+    -------
+    BenchmarkRow
+
+    Examples
+    --------
+    >>> pi = Source("circle", "Archimedes")
+    >>> compared(pi, "half its length", "3.14159", 3.141592653589793, origin=CLOSED).status
+    'agrees to all digits'
+    >>> compared(pi, "half its length", "3.14159", 3.1415, origin=CLOSED).status
+    'agrees to 4 digits of 6'
+    """
+    if recomputed is None or not math.isfinite(recomputed):
+        recomputed, difference, status = None, None, f"not covered: {reason}"
+    else:
+        off = Fraction(recomputed) - Fraction(known)
+        difference, status = float(off), _status(known, recomputed, off, inputs, exact)
+    return BenchmarkRow(
+        about.system, quantity, unit, about.source, origin, known, recomputed, difference, status,
+        *sides,
+    )  # fmt: skip
+
+
+def _status(known: str, recomputed: float, off: Fraction, inputs: float, exact: str) -> str:
+    last = _last_digit(known)
+    if abs(off) <= last / 2 + Fraction(math.ulp(recomputed)):
+        return AGREES
+    beyond = abs(Fraction(recomputed) - Fraction(exact or known))
+    if exact and beyond <= _last_digit(exact) / 2 + Fraction(math.ulp(recomputed)):
+        return f"agrees to all digits of {exact}; the last published digits are not right"
+    if abs(off) <= last / 2 + Fraction(inputs):
+        return f"agrees within the rounding of the published inputs, {inputs:.0e}"
+    digits = -math.log10(float(abs(off)) / abs(float(known) or 1.0)) - math.log10(2)
+    all_digits = len(Decimal(known).as_tuple().digits)
+    return f"agrees to {max(0, math.floor(digits))} digits of {all_digits}"
+
+
+def _last_digit(value: str) -> Fraction:
+    return Fraction(Decimal(1).scaleb(int(Decimal(value).as_tuple().exponent)))
+
+
+class Threshold(NamedTuple):
+    """A change of verdict, and what is certified next to it."""
+
+    value: float | None
+    """Value of the family's parameter, or None where none was found."""
+    frequency: float | None
+    """Frequency of the pair that crosses, or None."""
+    sides: tuple[str, str]
+    """Certified verdicts at a relative distance of 1e-12 below and above."""
+    reason: str
+    """Why there is no value."""
+
+
+def threshold(family: Family, low: float, high: float, points: int = 9, **values: Any) -> Threshold:
+    """The only change of verdict along a family, and the certified verdicts on both sides.
+
+    Parameters
+    ----------
+    family
+        A family with one parameter.
+    low, high
+        Ends of the search.
+    points
+        Points of a scan, where the search needs one.
+    **values
+        Parameters of the system.
+
+    Returns
+    -------
+    Threshold
+    """
+    for end in (low, high):
+        if certified(family, end, values) == Verdict.UNDECIDED.word:
+            why = f"the verdict at {family.at[0]} = {end:g} is undecided"
+            return Threshold(None, None, ("", ""), why)
+    with warnings.catch_warnings():  # an incomplete search is no reason to hide what it found
+        warnings.simplefilter("ignore", StabilityWarning)
+        found = boundaries(family, axis=(family.at[0], low, high, points), **values)
+    if len(found) != 1:
+        why = f"{len(found)} changes of verdict between {low:g} and {high:g}"
+        return Threshold(None, None, ("", ""), why)
+    value = found[0].value
+    sides = [certified(family, value * (1 + side), values) for side in (-SIDE, SIDE)]
+    return Threshold(value, found[0].frequency, (sides[0], sides[1]), "")
+
+
+def certified(family: Family, at: float, values: Mapping[str, Any]) -> str:
+    """The verdict at a member, as proved.
+
+    Parameters
+    ----------
+    family
+        A family with one parameter.
+    at
+        The member.
+    values
+        Parameters of the system.
+
+    Returns
+    -------
+    str
+        A verdict in one word; `undecided` where there is no proof.
+    """
+    found = spectrum(family, at=at, certify=True, **values)
+    return str((found.verdict if found.certified else Verdict.UNDECIDED).word)
+
+
+def at_threshold(
+    about: Source,
+    found: Threshold,
+    known: str,
+    *,
+    quantity: str,
+    origin: str,
+    unit: str = "",
+    scale: float = 1.0,
+    exact: str = "",
+) -> BenchmarkRow:
+    """A row of a threshold.
+
+    Parameters
+    ----------
+    about
+        System and source.
+    found
+        Result of `threshold`.
+    known
+        The known value with all its digits.
+    quantity
+        What is compared.
+    origin
+        `PUBLISHED`, `CLOSED` or `ELSEWHERE`.
+    unit
+        SI unit.
+    scale
+        Factor from the family's parameter to the known quantity.
+    exact
+        As in `compared`.
+
+    Returns
+    -------
+    BenchmarkRow
+    """
+    value = None if found.value is None else found.value * scale
+    return compared(about, quantity, known, value, origin=origin, unit=unit, sides=found.sides,
+                    reason=found.reason, exact=exact)  # fmt: skip
+
+
+Case = Callable[[], list[BenchmarkRow]]
+"""A function that returns the rows of a system."""
