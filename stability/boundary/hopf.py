@@ -73,11 +73,11 @@ def hopf(
 def hopf(
     family: str | Family,
     *,
-    contact: Contact | None = None,
-    disk: Disk | None = None,
-    points: int = 400,
-    axis: AxisLike | None = None,
-    **parameters: float,
+    contact: Any = None,
+    disk: Any = None,
+    points: Any = 400,
+    axis: Any = None,
+    **parameters: Any,
 ) -> list[CycleBirth] | list[HopfPoint]:
     """Every flutter boundary, with what begins there: soft or hard, elliptic or hyperbolic.
 

@@ -23,8 +23,8 @@ from .records import CycleBirth, HopfKind, HopfPoint, Onset
 
 PRECISIONS = (192, 512, 1536)
 """Working precisions, in turn, until every sign that decides is proved."""
-SKEW = 1e-6
-"""Largest distance of the proved pair from the bracket's frequency, relative to it."""
+NEAR = 1e-5
+"""Largest distance of the pair's unknowns from those of the family's member, over 1 plus size."""
 
 
 def births(
@@ -130,6 +130,12 @@ def birth(line: Line, point: BoundaryPoint) -> CycleBirth:
 def _checked(line: Line, point: BoundaryPoint) -> Pair:
     """The pair of a boundary, which lies in its bracket."""
     pair = pair_near(line, point.value, point.frequency)
+    rough = line.member(point.value)
+    near = [
+        abs(u - v) <= NEAR * (1 + abs(arb(v))) for u, v in zip(pair.unknowns, rough, strict=True)
+    ]
+    if not all(near):  # another member, which the verdicts are not about
+        raise NotProvedError
     room = 2 * point.error + 1e-9 * abs(point.value)
     if not abs(pair.value - point.value) <= room:
         raise NotProvedError
@@ -152,10 +158,11 @@ def _open(found: Coefficients) -> str:
 def _record(point: BoundaryPoint, pair: Pair, found: Coefficients, reason: str) -> CycleBirth:
     kind = Onset.SOFT if found.first < 0 else Onset.HARD
     value, error = rounded(pair.value)
-    numbers = [*rounded(pair.frequency), *rounded(found.speed), *rounded(found.first)]
+    frequency, speed, first = map(rounded, (pair.frequency, found.speed, found.first))
     return CycleBirth(
-        value, error, Onset.UNDECIDED if reason else kind, point.stable_below, *numbers, reason
-    )
+        value, error, Onset.UNDECIDED if reason else kind, point.stable_below, *frequency, *speed,
+        *first, reason,
+    )  # fmt: skip
 
 
 def rounded(ball: Any) -> tuple[float, float]:

@@ -18,7 +18,6 @@ from .derivatives import Line
 from .krawczyk import NotProvedError, Values, polished, proved
 
 Balls = list[Any]
-I = acb(0, 1)  # noqa: E741
 
 
 @dataclass(frozen=True)
@@ -105,13 +104,13 @@ class PairEquations:
                 row[1 + m + n - start + k] += sign * w
                 row[-1] = sign * other[k]
                 rows.append(row)
-        c = self.phase
-        triples = list(zip(c, vr, vi, strict=True))
+        phase = self.phase
+        triples = list(zip(phase, vr, vi, strict=True))
         values.append(sum((a * r + b * s for (a, b), r, s in triples), arb(-1)))
         values.append(sum((a * s - b * r for (a, b), r, s in triples), arb(0)))
         empty = [arb(0)] * (1 + m)
-        rows.append([*empty, *[a for a, _ in c], *[b for _, b in c], arb(0)])
-        rows.append([*empty, *[-b for _, b in c], *[a for a, _ in c], arb(0)])
+        rows.append([*empty, *[a for a, _ in phase], *[b for _, b in phase], arb(0)])
+        rows.append([*empty, *[-b for _, b in phase], *[a for a, _ in phase], arb(0)])
         return values, rows
 
 
@@ -125,7 +124,7 @@ def guess(line: Line, value: float, frequency: float) -> tuple[PairEquations, li
     value, frequency
         Approximate value of the axis and |Im λ|.
     """
-    family, system = line.family, line.family.system
+    family = line.family
     given = {n: float(arb(v).mid()) for n, v in line.fixed.items()} | {line.axis: value}
     a = np.array([[given[n] for n in family.at]])
     q = np.array([[given[n] for n in family.parameters]]).reshape(1, -1)
@@ -135,8 +134,7 @@ def guess(line: Line, value: float, frequency: float) -> tuple[PairEquations, li
     values, vectors = np.linalg.eig(matrix)
     best = int(np.argmin(np.abs(values - 1j * frequency)))
     mode = vectors[:, best] / np.linalg.norm(vectors[:, best])
-    unknowns = [float(v) for v in u[0]] if line.solved else []
-    assert system is not None
+    unknowns = line.member(value)
     return PairEquations(line, mode), [
         value, *unknowns, *map(float, mode.real), *map(float, mode.imag), float(values[best].imag),
     ]  # fmt: skip

@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import Any
 
 import casadi as ca
+import numpy as np
 from flint import arb
 
 from ...algebra.number_types import balls
@@ -125,6 +126,15 @@ class Line:
         found = list(family.unknown.values()) if family.closed else list(unknowns)
         table |= {n: arb(v) for n, v in zip(family.unknown, found, strict=True)}
         return [table[n] for n in system.states], [table[n] for n in system.parameters]
+
+    def member(self, value: float) -> list[float]:
+        """The unknowns of the family's member, in double precision; none where they are known."""
+        if not self.solved:
+            return []
+        given = {n: float(arb(v).mid()) for n, v in self.fixed.items()} | {self.axis: value}
+        a = np.array([[given[n] for n in self.family.at]])
+        q = np.array([[given[n] for n in self.family.parameters]]).reshape(1, -1)
+        return [float(v) for v in self.family.solve(a, q)[0]]
 
     def first(self, x: Balls, p: Balls) -> tuple[Balls, list[Balls], Balls]:
         """Rates, Jacobian, and slope of the rates by the axis alone."""

@@ -58,7 +58,17 @@ def _solve(system: System, x: Values) -> Values:
 
 
 def proved(system: System, rough: Values, least: Sequence[Any] | None = None) -> Values:
-    """Balls in which the equations have one solution, unique in the box of the test.
+    """Balls in which the equations have one solution, as `tested` finds them."""
+    return tested(system, rough, least)[0]
+
+
+def tested(
+    system: System, rough: Values, least: Sequence[Any] | None = None
+) -> tuple[Values, Values]:
+    """Balls in which the equations have one solution, and the box of the test.
+
+    No other solution is in the box.  Where numbers of the equations are balls themselves, this
+    holds for each of their values.
 
     Parameters
     ----------
@@ -103,7 +113,7 @@ def proved(system: System, rough: Values, least: Sequence[Any] | None = None) ->
         step = (one - inverse * slope) * (arb_mat(size, 1, box) - x)
         image = [x[i, 0] - shift[i, 0] + step[i, 0] for i in range(size)]
         if all(b.contains_interior(v) for b, v in zip(box, image, strict=True)):
-            return image
+            return image, box
         if least is not None:
             raise NotProvedError
         moved = [(2 * (v - x[i, 0])).abs_upper() for i, v in enumerate(image)]

@@ -1,0 +1,191 @@
+"""The reduced characteristic polynomial over a rectangle of two parameters, with its slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from flint import Ordering, arb, arb_mat, arb_series, fmpq_mpoly_ctx
+
+from ...algebra.exact.hurwitz_forms import Budget
+from ...algebra.exact.number_fields import NotExact, rational
+from ...algebra.number_types import balls
+from ...derivation.general.elimination import Reading, whole
+from ...spectra.problem import Problem
+from ...systems.structure.enclosure import ball_unknowns
+from ...systems.structure.structural_zeros import structure
+from ..interval_search.blocks import polynomial
+from ..interval_search.taylor import coefficient, series_algebra, terms
+from .systems_of_two import Slope
+
+PLANE = fmpq_mpoly_ctx.get(("x", "y"), Ordering.lex)
+"""Q[x, y] of the two axes."""
+MOST_TERMS = 4000
+"""Largest number of terms of a polynomial of the exact route."""
+SECONDS = 20.0
+"""Longest time for the polynomial of the exact route [s]."""
+
+
+class GraphPlane:
+    """The polynomial from the graph, in balls, at points or over boxes.
+
+    Parameters
+    ----------
+    problem
+        Family with a number for every quantity but the axes.
+    names
+        Names of x and y.
+    """
+
+    def __init__(self, problem: Problem, names: tuple[str, str]) -> None:
+        self.problem, self.names, self.family = problem, names, problem.family
+        self.zeros = structure(self.family).zeros
+        self.fixed = {n: arb(float(v)) for n, v in problem.values.items() if n not in names}
+
+    def at(self, x: Any, y: Any) -> list[Slope]:
+        """Coefficients with their slopes, lowest first, without structural zeros.
+
+        Parameters
+        ----------
+        x, y
+            Balls.
+
+        Raises
+        ------
+        NoMemberError
+            If no root of the family's equations is proved over the box.
+        """
+        start = self._unknowns(x, y)
+        forms = []
+        for series in ((arb_series([x, 1]), y), (x, arb_series([y, 1]))):
+            with terms(2):
+                forms.append(polynomial(self._matrices(*series, start), fold=False)[self.zeros :])
+        return [Slope(c[0], c[1], d[1]) for c, d in zip(*forms, strict=True)]
+
+    def _given(self, x: Any, y: Any) -> tuple[list[Any], list[Any]]:
+        values = self.fixed | dict(zip(self.names, (x, y), strict=True))
+        a, q, _ = self.problem.reduce(values, lambda v: v.sqrt())
+        return a, q
+
+    def _unknowns(self, x: Any, y: Any) -> list[Any]:
+        family = self.family
+        here = ball_unknowns(family, *self._given(arb(x).mid(), arb(y).mid()))
+        if not family.unknown or family.closed:
+            return here
+        return ball_unknowns(family, *self._given(x, y), [float(v.mid()) for v in here])
+
+    def _matrices(self, x: Any, y: Any, start: list[Any]) -> list[Any]:
+        family = self.family
+        a, q = self._given(x, y)
+        u = list(start)
+        if family.unknown and not family.closed:
+            plain = [[coefficient(v, 0) for v in some] for some in (a, q)]
+            _, stored = family.graph.residual.run(balls(), [plain[0], start, plain[1]])
+            moved, _ = family.graph.residual.run(
+                series_algebra(), [a, [arb_series([v, 0]) for v in start], q]
+            )
+            right = arb_mat(len(start), 1, [-coefficient(r, 1) for r in moved])
+            turn = arb_mat(family.graph.place(stored)).solve(right)
+            u = [arb_series([v, turn[i, 0]]) for i, v in enumerate(start)]
+        entries = family.graph.matrix.run(series_algebra(), [a, u, q])[0]
+        size = len(family.system.states)
+        tables = []
+        for k in range(2):
+            table = [[arb(0)] * size for _ in range(size)]
+            for (i, j), entry in zip(family.graph.matrix.places[0], entries, strict=True):
+                table[i][j] = coefficient(entry, k)
+            tables.append(arb_mat(table))
+        return tables
+
+
+class ExactPlane:
+    """The polynomial with coefficients in Q[x, y].
+
+    Parameters
+    ----------
+    coefficients
+        Elements of `PLANE`, lowest power of λ first.
+    """
+
+    def __init__(self, coefficients: Sequence[Any]) -> None:
+        self.coefficients = list(coefficients)
+        self._terms = [
+            tuple(_terms(p) for p in (c, c.derivative("x"), c.derivative("y")))
+            for c in self.coefficients
+        ]
+
+    def at(self, x: Any, y: Any) -> list[Slope]:
+        """Coefficients with their slopes at balls."""
+        return [Slope(*(_value(t, x, y) for t in row)) for row in self._terms]
+
+
+def _terms(p: Any) -> list[tuple[int, int, Any]]:
+    return [(int(i), int(j), c) for (i, j), c in p.to_dict().items()]
+
+
+def _value(some: Sequence[tuple[int, int, Any]], x: Any, y: Any) -> Any:
+    return sum((arb(x) ** i * arb(y) ** j * c for i, j, c in some), arb(0))
+
+
+def value_of(p: Any, x: Any, y: Any) -> Any:
+    """A polynomial of `PLANE` at balls."""
+    return _value(_terms(p), x, y)
+
+
+def exact_plane(problem: Problem, names: tuple[str, str]) -> ExactPlane:
+    """The polynomial over Q[x, y].
+
+    Parameters
+    ----------
+    problem, names
+        As for `GraphPlane`.
+
+    Raises
+    ------
+    NotExact
+        If the linearisation is not rational in both axes, or too large.
+    """
+    family = problem.family
+    base = (*family.at, *family.parameters)
+    rename = {"at": family.at[0]} if problem.law is not None else {}
+    if problem.law is not None and not problem.dimensionless:
+        raise NotExact("units bring square roots")
+    axes = tuple(rename.get(n, n) for n in names)
+    given = {rename.get(n, n): v for n, v in problem.values.items()}
+    if not set(base) <= set(given) or not set(axes) <= set(base):
+        raise NotExact("the family has other names")
+    values = {n: rational(float(given[n])) for n in base if n not in axes}
+    reading = Reading(family, values, Budget(MOST_TERMS, SECONDS))
+    found = whole(reading)
+    used = {i for factor, _ in found.factors for c in factor for i in _occurring(c)}
+    if not {found.names[i] for i in used} <= set(axes):
+        raise NotExact("functions of the axes remain")
+    zeros = found.zeros - structure(family).zeros
+    if zeros < 0:
+        raise NotExact("structural zeros are not proved")
+    places = {i: axes.index(found.names[i]) for i in used}
+    out = [PLANE.constant(0)] * zeros + [PLANE.constant(1)]
+    for factor, count in found.factors:
+        moved = [_moved(c, places) for c in factor]
+        for _ in range(count):
+            longer = [PLANE.constant(0)] * (len(out) + len(moved) - 1)
+            for i, p in enumerate(out):
+                for j, c in enumerate(moved):
+                    longer[i + j] = longer[i + j] + p * c
+            out = longer
+    return ExactPlane(out)
+
+
+def _occurring(p: Any) -> set[int]:
+    return {i for row in p.to_dict() for i, e in enumerate(row) if e}
+
+
+def _moved(p: Any, places: dict[int, int]) -> Any:
+    out = {}
+    for row, c in p.to_dict().items():
+        powers = [0, 0]
+        for i, e in enumerate(row):
+            if e:
+                powers[places[i]] = int(e)
+        out[tuple(powers)] = c
+    return PLANE.from_dict(out)
