@@ -54,9 +54,24 @@ def ball_algebra() -> Algebra:
     from flint import arb
 
     table: dict[str, Callable[..., Any]] = {name: operator.methodcaller(name) for name in UNARY}
-    table["pow"] = lambda x, y: x**y
+    table["pow"] = _ball_power
     table["fabs"] = abs
     return Algebra("ball", arb, table)
+
+
+MOST_PRODUCTS = 64
+"""Largest whole exponent for which a power of a ball is a product."""
+
+
+def _ball_power(x: Any, y: Any) -> Any:
+    """A power; a small whole one by products, since python-flint's is no number around zero."""
+    count = int(float(y)) if y.is_integer() and 0 <= y <= MOST_PRODUCTS else -1
+    if count < 0 or not x.contains(0):
+        return x**y
+    out = x**0
+    for _ in range(count):
+        out = out * x
+    return out
 
 
 def sympy_algebra() -> Algebra:

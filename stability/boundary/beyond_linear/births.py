@@ -173,7 +173,7 @@ def rounded(ball: Any) -> tuple[float, float]:
     ball
         A real ball.
     """
-    value = float(arb(ball).mid())
+    value = 0.0 if arb(ball).contains(0) else float(arb(ball).mid())
     return value, upper(abs(arb(ball) - arb(value)))
 
 

@@ -208,9 +208,9 @@ def _ball(low: float, high: float) -> Any:
     return arb(low).union(arb(high))
 
 
-def _halves(box: Rectangle, whole: Rectangle) -> Iterator[Rectangle]:
+def _halves(box: Rectangle, whole: Rectangle, axes: Sequence[int] = (0, 1)) -> Iterator[Rectangle]:
     shares = [(b - a) / (d - c) for (a, b), (c, d) in zip(box, whole, strict=True)]
-    axis = 0 if shares[0] >= shares[1] else 1
+    axis = max(axes, key=lambda i: shares[i])
     low, high = box[axis]
     cut = low + (high - low) * CUT
     for part in ((low, cut), (cut, high)):
@@ -237,6 +237,8 @@ class BoxSearch:
         self.unique: list[tuple[PointKind, Values]] = []
         self.left: list[UnresolvedBox] = []
         self.count = 0
+        # a member that is not proved is sought in boxes that are narrow in what it depends on
+        self.cuts = plane.solved if isinstance(plane, GraphPlane) else (0, 1)
 
     def run(self, kinds: Sequence[PointKind] = SPECTRAL) -> None:
         """Search; the results are in `found` and `left`."""
@@ -254,7 +256,9 @@ class BoxSearch:
                 if -share < NARROW**2:
                     self.left += [UnresolvedBox(kind, *box, reason) for kind in rest]
                     continue
-                for part in _halves(box, self.rectangle):
+                for part in _halves(
+                    box, self.rectangle, self.cuts if reason == NO_VALUE else (0, 1)
+                ):
                     self.count += 1
                     heapq.heappush(heap, (self._share(part), self.count, part, rest, reason))
         self.left = joined(self.left)
@@ -330,7 +334,7 @@ class BoxSearch:
 def joined(some: Sequence[UnresolvedBox]) -> list[UnresolvedBox]:
     """Boxes that touch, of one kind and reason, as one box around them."""
     out: list[UnresolvedBox] = []
-    for box in sorted(some):
+    for box in sorted(some, key=lambda b: (b.kind.name, b.x, b.y)):
         new = box
         again = True
         while again:

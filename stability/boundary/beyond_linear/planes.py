@@ -62,6 +62,17 @@ class GraphPlane:
                 forms.append(polynomial(self._matrices(*series, start), fold=False)[self.zeros :])
         return [Slope(c[0], c[1], d[1]) for c, d in zip(*forms, strict=True)]
 
+    @property
+    def solved(self) -> tuple[int, ...]:
+        """Axes in the equations of the unknowns; both where there are none or neither is."""
+        family = self.family
+        base = (*family.at, *family.parameters)
+        rename = {"at": family.at[0]} if self.problem.law is not None else {}
+        names = [rename.get(n, n) for n in self.names]
+        used = {base[i] for i in family.graph.used} if family.unknown else set()
+        found = tuple(i for i, n in enumerate(names) if n in used)
+        return found or (0, 1)
+
     def _given(self, x: Any, y: Any) -> tuple[list[Any], list[Any]]:
         values = self.fixed | dict(zip(self.names, (x, y), strict=True))
         a, q, _ = self.problem.reduce(values, lambda v: v.sqrt())
@@ -124,7 +135,13 @@ def _terms(p: Any) -> list[tuple[int, int, Any]]:
 
 
 def _value(some: Sequence[tuple[int, int, Any]], x: Any, y: Any) -> Any:
-    return sum((arb(x) ** i * arb(y) ** j * c for i, j, c in some), arb(0))
+    powers = []
+    for base, place in ((arb(x), 0), (arb(y), 1)):
+        row = [arb(1)]  # by products: a ball's own power is undefined where it holds zero
+        for _ in range(max((term[place] for term in some), default=0)):
+            row.append(row[-1] * base)
+        powers.append(row)
+    return sum((powers[0][i] * powers[1][j] * c for i, j, c in some), arb(0))
 
 
 def value_of(p: Any, x: Any, y: Any) -> Any:

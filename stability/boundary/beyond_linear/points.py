@@ -8,7 +8,7 @@ import numpy as np
 from flint import arb
 from numpy.typing import ArrayLike
 
-from ...algebra.balls import precision, upper
+from ...algebra.balls import precision
 from ...algebra.exact.number_fields import NotExact
 from ...base.axis import Axis, AxisLike
 from ...base.errors import ParameterError
@@ -18,7 +18,7 @@ from ...spectra.arguments import prepare
 from ...spectra.problem import Problem
 from ...systems.family import Family
 from ...systems.structure.structural_zeros import structure
-from .births import zeros_left
+from .births import rounded, zeros_left
 from .plane_search import BITS, SPECTRAL, BoxSearch, Found, Rectangle, isolated
 from .planes import GraphPlane, exact_plane
 from .point_records import CodimensionTwo, DegeneratePoint, PointKind, UnresolvedBox
@@ -159,7 +159,7 @@ def _spectral(
 
 def _point(problem: Problem, axes: tuple[Axis, Axis], found: Found) -> DegeneratePoint:
     with precision(BITS):
-        place = [_rounded(v) for v in (found.x, found.y)]
+        place = [rounded(v) for v in (found.x, found.y)]
         here = dict(zip((g.name for g in axes), (p[0] for p in place), strict=True))
         values: dict[str, Any] = {n: float(v) for n, v in problem.values.items()} | here
         *_, rate, _ = problem.arrays(values)
@@ -170,12 +170,7 @@ def _point(problem: Problem, axes: tuple[Axis, Axis], found: Found) -> Degenerat
 
 
 def _bautin(found: Any) -> DegeneratePoint:
-    place = [_rounded(v) for v in found.place]
+    place = [rounded(v) for v in found.place]
     frequency = (float(arb(found.frequency).mid()),)
     others = OTHERS[found.others]
     return DegeneratePoint(PointKind.VANISHING, *place[0], *place[1], frequency, others)
-
-
-def _rounded(ball: Any) -> tuple[float, float]:
-    value = float(arb(ball).mid())
-    return value, upper(abs(arb(ball) - arb(value)))
