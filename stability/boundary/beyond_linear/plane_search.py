@@ -8,13 +8,13 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from flint import arb, arb_mat, fmpq
+from flint import arb, arb_mat
 
 from ...algebra.balls import precision
-from ...algebra.exact.number_fields import rational
+from ...algebra.exact.hurwitz_forms import factors
 from ...base.errors import StabilityError
 from ...derivation.general.bounds import real_roots, univariate
 from .krawczyk import NotProvedError, Values, polished, tested
@@ -120,7 +120,14 @@ def isolated(
     Returns
     -------
     found, unresolved
+
+    Raises
+    ------
+    NotExact
+        If an axis stands for a function that is not monotonic.
     """
+    with precision(EXACT_BITS[-1]):
+        inner = tuple(plane.ends(i, *ends) for i, ends in enumerate(rectangle))
     pair = equations(kind, list(plane.coefficients))
     if pair is None or any(f.is_constant() and f != 0 for f in pair):
         return [], []
@@ -130,7 +137,7 @@ def isolated(
     common = pair[0].gcd(pair[1])
     f, g = (p / common for p in pair)
     open_: list[UnresolvedBox] = []
-    if not common.is_constant() and _meets(common, rectangle):
+    if any(_meets(h, inner) for h, _ in factors(common)[1]):
         open_.append(whole)
     if f.is_constant() or g.is_constant():
         return [], open_
@@ -138,28 +145,25 @@ def isolated(
     found: list[Found] = []
     for bits in EXACT_BITS:
         with precision(bits):
-            roots = [_inside(r, ends) for r, ends in zip(sides, rectangle, strict=True)]
-            found, left = _pairs(plane, kind, (f, g), roots)
+            roots = [_inside(r, ends) for r, ends in zip(sides, inner, strict=True)]
+            found, left = _pairs(plane, kind, (f, g), roots, rectangle)
         if not left:
             break
     return found, open_ + left
 
 
-def _inside(p: Any, ends: tuple[float, float]) -> list[Any]:
-    """Real roots in a closed interval, as balls."""
-    low, high = map(rational, ends)
-    out = []
-    for root in real_roots(p):
-        if isinstance(root, fmpq):
-            if low <= root <= high:
-                out.append(arb(root))
-        elif not (root < arb(low) or root > arb(high)):
-            out.append(root)
-    return out
+def _inside(p: Any, ends: tuple[Any, Any]) -> list[Any]:
+    """Real roots that are not proved to be outside a closed interval, as balls."""
+    roots = map(arb, real_roots(p))
+    return [r for r in roots if not (r < ends[0] or r > ends[1])]
 
 
 def _pairs(
-    plane: ExactPlane, kind: PointKind, fg: tuple[Any, Any], roots: Sequence[Sequence[Any]]
+    plane: ExactPlane,
+    kind: PointKind,
+    fg: tuple[Any, Any],
+    roots: Sequence[Sequence[Any]],
+    rectangle: Rectangle,
 ) -> tuple[list[Found], list[UnresolvedBox]]:
     found: list[Found] = []
     left: list[UnresolvedBox] = []
@@ -172,32 +176,41 @@ def _pairs(
                 if not all(b.contains(v) for b, v in zip(box, (x, y), strict=True)):
                     raise NotProvedError
                 point = concluded(plane, kind, *image)
+                place = [plane.back(i, v) for i, v in enumerate(image)]
+                if not all(v.is_finite() for v in place):
+                    raise NotProvedError
             except NotProvedError:
-                ends = [_ends(v) for v in (x, y)]
+                ends = [_ends(plane.back(i, v), rectangle[i]) for i, v in enumerate((x, y))]
                 left.append(UnresolvedBox(kind, ends[0], ends[1], SINGULAR))
                 continue
             if point is not None:
-                found.append(point)
+                found.append(replace(point, x=place[0], y=place[1]))
     return found, left
 
 
-def _ends(ball: Any) -> tuple[float, float]:
+def _ends(ball: Any, whole: tuple[float, float]) -> tuple[float, float]:
+    """Doubles around a ball; the whole axis where it is not finite."""
+    if not ball.is_finite():
+        return whole
     return (
         math.nextafter(float(ball.lower()), -math.inf),
         math.nextafter(float(ball.upper()), math.inf),
     )
 
 
-def _meets(p: Any, rectangle: Rectangle) -> bool:
-    """Whether a polynomial may vanish in the rectangle, by a few halvings."""
-    boxes = [rectangle]
-    for _ in range(256):
+def _meets(p: Any, ends: Any) -> bool:
+    """Whether a polynomial may vanish between ends of its variables, by a few halvings."""
+    boxes = [tuple(low.union(high) for low, high in ends)]
+    for count in range(256):
         if not boxes:
             return False
         box = boxes.pop(0)
-        if not value_of(p, *(_ball(*ends) for ends in box)).contains(0):
+        if not value_of(p, *box).contains(0):
             continue
-        boxes += list(_halves(box, rectangle))
+        side = box[count % 2]
+        middle = side.mid()
+        for part in (side.lower().union(middle), middle.union(side.upper())):
+            boxes.append((part, box[1]) if count % 2 == 0 else (box[0], part))
     return bool(boxes)
 
 

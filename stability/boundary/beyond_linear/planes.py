@@ -9,8 +9,9 @@ from flint import Ordering, arb, arb_mat, arb_series, fmpq_mpoly_ctx
 
 from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact, rational
+from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import balls
-from ...derivation.general.elimination import Reading, whole
+from ...derivation.general.elimination import Reading, Whole, whole
 from ...spectra.problem import Problem
 from ...systems.structure.enclosure import ball_unknowns
 from ...systems.structure.structural_zeros import structure
@@ -110,20 +111,45 @@ class GraphPlane:
 
 
 class ExactPlane:
-    """The polynomial with coefficients in Q[x, y].
+    """The polynomial with coefficients in Q[x, y], where an axis may stand for its sine or cosine.
 
     Parameters
     ----------
     coefficients
         Elements of `PLANE`, lowest power of λ first.
+    turns
+        For each axis sin or cos where the variable is that function of it; otherwise empty.
     """
 
-    def __init__(self, coefficients: Sequence[Any]) -> None:
-        self.coefficients = list(coefficients)
+    def __init__(self, coefficients: Sequence[Any], turns: tuple[str, str] = ("", "")) -> None:
+        self.coefficients, self.turns = list(coefficients), turns
         self._terms = [
             tuple(_terms(p) for p in (c, c.derivative("x"), c.derivative("y")))
             for c in self.coefficients
         ]
+
+    def ends(self, axis: int, low: float, high: float) -> tuple[Any, Any]:
+        """Ends of the variable, as balls, from those of an axis.
+
+        Raises
+        ------
+        NotExact
+            If the function is not monotonic between them.
+        """
+        turn, bounds = self.turns[axis], (arb(low), arb(high))
+        if not turn:
+            return bounds
+        quarter = arb.pi() / 2
+        inside = (-quarter, quarter) if turn == "sin" else (arb(0), 2 * quarter)
+        if not (inside[0] <= bounds[0] and bounds[1] <= inside[1]):
+            raise NotExact(f"the {turn}e of the axis is not monotonic")
+        values = [getattr(v, turn)() for v in bounds]
+        return (values[0], values[1]) if turn == "sin" else (values[1], values[0])
+
+    def back(self, axis: int, value: Any) -> Any:
+        """The axis from its variable; not finite where the ball reaches beyond 1."""
+        turn = self.turns[axis]
+        return getattr(value, f"a{turn}")() if turn else value
 
     def at(self, x: Any, y: Any) -> list[Slope]:
         """Coefficients with their slopes at balls."""
@@ -174,35 +200,83 @@ def exact_plane(problem: Problem, names: tuple[str, str]) -> ExactPlane:
     values = {n: rational(float(given[n])) for n in base if n not in axes}
     reading = Reading(family, values, Budget(MOST_TERMS, SECONDS))
     found = whole(reading)
-    used = {i for factor, _ in found.factors for c in factor for i in _occurring(c)}
-    if not {found.names[i] for i in used} <= set(axes):
-        raise NotExact("functions of the axes remain")
     zeros = found.zeros - structure(family).zeros
     if zeros < 0:
         raise NotExact("structural zeros are not proved")
-    places = {i: axes.index(found.names[i]) for i in used}
+    variables = Variables(reading, found, (axes[0], axes[1]))
     out = [PLANE.constant(0)] * zeros + [PLANE.constant(1)]
     for factor, count in found.factors:
-        moved = [_moved(c, places) for c in factor]
+        moved = [variables.moved(c) for c in factor]
         for _ in range(count):
             longer = [PLANE.constant(0)] * (len(out) + len(moved) - 1)
             for i, p in enumerate(out):
                 for j, c in enumerate(moved):
                     longer[i + j] = longer[i + j] + p * c
             out = longer
-    return ExactPlane(out)
+    return ExactPlane(out, variables.turns)
 
 
-def _occurring(p: Any) -> set[int]:
-    return {i for row in p.to_dict() for i, e in enumerate(row) if e}
+class Variables:
+    """How the variables of a polynomial over Q are functions of two axes.
 
+    Parameters
+    ----------
+    reading, found
+        The family's Jacobian and its characteristic polynomial.
+    axes
+        Names of x and y in the family.
 
-def _moved(p: Any, places: dict[int, int]) -> Any:
-    out = {}
-    for row, c in p.to_dict().items():
-        powers = [0, 0]
-        for i, e in enumerate(row):
-            if e:
-                powers[places[i]] = int(e)
-        out[tuple(powers)] = c
-    return PLANE.from_dict(out)
+    Raises
+    ------
+    NotExact
+        If another function of an axis remains, or both an axis and its sine.
+    """
+
+    def __init__(self, reading: Reading, found: Whole, axes: tuple[str, str]) -> None:
+        polys = [c for factor, _ in found.factors for c in factor]
+        used = {i for p in polys for i in occurring(p)}
+        self._what = {i: self._named(reading, found.indices[i], axes) for i in used}
+        forms = [{f for a, f in self._what.values() if a == axis} for axis in (0, 1)]
+        turns = []
+        for axis, some in enumerate(forms):
+            if "" in some and len(some) > 1:
+                raise NotExact("an axis and its sine occur together")
+            turns.append(self._kept(axis, polys) if len(some) > 1 else "".join(some))
+        self.turns = turns[0], turns[1]
+
+    @staticmethod
+    def _named(reading: Reading, index: int, axes: tuple[str, str]) -> tuple[int, str]:
+        if index < len(reading.base) and reading.base[index] in axes:
+            return axes.index(reading.base[index]), ""
+        if index not in reading.field.meaning:
+            raise NotExact("another variable remains")
+        function, x, _ = reading.field.meaning[index]
+        for axis, name in enumerate(axes):
+            own = reading.field.generator(reading.base.index(name))
+            if function in ("sin", "cos") and x.num == own and x.den.is_constant():
+                return axis, function
+        raise NotExact("another function of the axes remains")
+
+    def _kept(self, axis: int, polys: Sequence[Any]) -> str:
+        """Sin or cos: that whose partner has even powers alone."""
+        for kept, gone in (("sin", "cos"), ("cos", "sin")):
+            places = [i for i, what in self._what.items() if what == (axis, gone)]
+            if all(row[i] % 2 == 0 for p in polys for row in p.to_dict() for i in places):
+                return kept
+        raise NotExact("odd powers of sine and cosine remain")
+
+    def moved(self, p: Any) -> Any:
+        """A coefficient as an element of `PLANE`."""
+        out = PLANE.constant(0)
+        gens = PLANE.gens()
+        for row, c in p.to_dict().items():
+            term = PLANE.constant(c)
+            for i, e in enumerate(row):
+                if not e:
+                    continue
+                axis, form = self._what[i]
+                own = form == self.turns[axis]
+                base = gens[axis] if own else 1 - gens[axis] ** 2
+                term = term * base ** (int(e) if own else int(e) // 2)
+            out = out + term
+        return out

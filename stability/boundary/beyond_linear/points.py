@@ -59,9 +59,9 @@ def codimension_two(
 
     Sought are double zeros (Bogdanov-Takens), a zero with a pair (zero-Hopf), two pairs (double
     Hopf), and points of flutter boundaries with a vanishing first Lyapunov coefficient (Bautin).
-    Where the linearisation is rational in both axes, the first three are isolated over Q by
-    resultants.  Elsewhere the rectangle is cut into boxes, each with a proof.  Points at which
-    other eigenvalues are unstable are listed too, and marked as such.
+    Where the linearisation is rational in both axes, or in their sine and cosine, the first three
+    are isolated over Q by resultants.  Elsewhere the rectangle is cut into boxes, each with a
+    proof.  Points at which other eigenvalues are unstable are listed too, and marked as such.
 
     Parameters
     ----------
@@ -139,8 +139,14 @@ def _spectral(
     problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle
 ) -> tuple[list[Found], list[UnresolvedBox], str]:
     names = axes[0].name, axes[1].name
+    found: list[Found] = []
+    left: list[UnresolvedBox] = []
     try:
         plane = exact_plane(problem, names)
+        for kind in SPECTRAL:
+            some, open_ = isolated(plane, kind, rectangle)
+            found += some
+            left += open_
     except NotExact:
         search = BoxSearch(GraphPlane(problem, names), rectangle, len(problem.family.system.states))
         search.run()
@@ -148,12 +154,6 @@ def _spectral(
         if problem.family.unknown and not problem.family.closed:
             how += ON_BRANCH
         return search.found, search.left, how
-    found: list[Found] = []
-    left: list[UnresolvedBox] = []
-    for kind in SPECTRAL:
-        some, open_ = isolated(plane, kind, rectangle)
-        found += some
-        left += open_
     return found, left, RESULTANTS
 
 
