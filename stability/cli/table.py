@@ -124,7 +124,7 @@ def _system_hopf(options: argparse.Namespace) -> None:
 
 
 def _points(options: argparse.Namespace) -> None:
-    from ..boundary.beyond_linear.points import codimension_two
+    from ..boundary.beyond_linear.two_parameters.points import codimension_two
     from ..tables.beyond_linear import point_json, point_text
     from .system_option import family_named, numbers
 

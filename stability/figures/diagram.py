@@ -21,7 +21,7 @@ from ..base.errors import ParameterError
 from ..base.quantities import axis_label, in_latex, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.thin_disk.disk_quantities import quantities_of
-from ..boundary.beyond_linear.point_records import CodimensionTwo
+from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
 from .point_marks import counted, mark

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
-from ..boundary.beyond_linear.point_records import CodimensionTwo, PointKind
+from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo, PointKind
 
 MARKERS = {
     PointKind.DOUBLE_ZERO: "s",

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from ..boundary.beyond_linear.point_records import CodimensionTwo
 from ..boundary.beyond_linear.records import CycleBirth, HopfPoint
+from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from ..storage.json_text import json_text
 
 HOPF_HEADING = "flutter boundaries of {name}: how oscillation begins (recomputed)"

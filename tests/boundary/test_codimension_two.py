@@ -20,8 +20,12 @@ from flint import arb
 import stability as st
 from stability.algebra.number_types import balls
 from stability.boundary.beyond_linear.krawczyk import NotProvedError, proved
-from stability.boundary.beyond_linear.point_records import PointKind
-from stability.boundary.beyond_linear.systems_of_two import determinant, nature, subresultant
+from stability.boundary.beyond_linear.two_parameters.point_records import PointKind
+from stability.boundary.beyond_linear.two_parameters.systems_of_two import (
+    determinant,
+    nature,
+    subresultant,
+)
 
 matplotlib.use("Agg")
 DOUBLE_ZERO, ZERO_HOPF, DOUBLE_HOPF, VANISHING = PointKind
@@ -86,11 +90,11 @@ def test_a_planted_point_is_found_over_q(
     assert listed(found) == [true] and found.complete and "over Q" in found.how
     assert found[0].frequencies == pytest.approx(frequencies, rel=1e-15)
     assert found[0].others == "stable" and found[0].x_error < 1e-50
-    # the closed rectangle: a point in its corner belongs to it, and one beside it does not
+    # the closed rectangle: a point in its corner belongs to it, and one next to it does not
     corner = st.codimension_two(family, x=(x, 0.25, 1, 3), y=(y, -1, -0.5, 3))
     assert listed(corner) == [true] and corner.complete
-    beside = st.codimension_two(family, x=(x, np.nextafter(0.25, 1), 1, 3), y=(y, -1, 1, 3))
-    assert listed(beside) == [] and beside.complete
+    near = st.codimension_two(family, x=(x, np.nextafter(0.25, 1), 1, 3), y=(y, -1, 1, 3))
+    assert listed(near) == [] and near.complete
 
 
 @pytest.mark.parametrize(("make", "kind", "frequencies", "x", "y"), PLANTED)
@@ -103,7 +107,7 @@ def test_a_planted_point_is_found_in_boxes(
     assert found[0].frequencies == pytest.approx(frequencies, rel=1e-15)
 
 
-def test_an_axis_may_stand_for_its_sine_or_cosine() -> None:
+def test_the_variable_of_an_axis_may_be_its_sine_or_cosine() -> None:
     family = takens(lambda v: ca.sin(v) ** 3 * ca.cos(v) ** 2 - 0.125, lambda v: ca.cos(v) - 0.75)
     found = st.codimension_two(family, x=("x0", 0, 1.5, 2), y=("b2", 0, 2, 2))
     t = sympy.Symbol("t")

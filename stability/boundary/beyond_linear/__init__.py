@@ -2,8 +2,7 @@
 
 `derivatives` reads second and third derivatives of a graph in balls, `krawczyk` proves solutions,
 `crossings_proved` the crossing of a pair, `first_coefficient` its first Lyapunov coefficient or the
-normal form of a line, `births` goes along an axis; `points` and `vanishing` find what meets at
-single points of a parameter plane, from `coefficients` and `systems_of_two`.
+normal form of a line, and `births` goes along an axis.  `two_parameters` goes over a plane.
 May import what `boundary` may, and its `changes`, `crossings` and `interval_search`.
-To add a kind of point: a `PointKind`, and its equations in `systems_of_two`.
+To add a normal form: a function of a `Pair` in `first_coefficient`.
 """

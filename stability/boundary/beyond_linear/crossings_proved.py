@@ -1,7 +1,7 @@
 """A pair of eigenvalues on the imaginary axis, proved: member, frequency and mode together.
 
 The equations are those of the member, A v = i ω v, and a condition that fixes the size and phase of
-v.  They are regular where the pair is simple and crosses with speed, whatever other eigenvalues
+v.  They are regular where the pair is simple and crosses with speed, also where other eigenvalues
 vanish by structure.
 """
 

@@ -10,17 +10,17 @@ import numpy as np
 from flint import arb
 from scipy.optimize import brentq
 
-from ...algebra.balls import precision
-from ...base.axis import Axis
-from ...base.errors import StabilityError
-from ...spectra.problem import Problem
-from ...systems.family import Family
-from ..changes import along
-from ..crossings import Crossing
-from .crossings_proved import Pair, PairEquations, guess, pair_of
-from .derivatives import Line
-from .first_coefficient import coefficients, others, signed
-from .krawczyk import NotProvedError, polished, tested
+from ....algebra.balls import precision
+from ....base.axis import Axis
+from ....base.errors import StabilityError
+from ....spectra.problem import Problem
+from ....systems.family import Family
+from ...changes import along
+from ...crossings import Crossing
+from ..crossings_proved import Pair, PairEquations, guess, pair_of
+from ..derivatives import Line
+from ..first_coefficient import coefficients, others, signed
+from ..krawczyk import NotProvedError, polished, tested
 
 BITS = 192
 """Working precision."""

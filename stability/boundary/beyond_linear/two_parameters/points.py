@@ -8,17 +8,17 @@ import numpy as np
 from flint import arb
 from numpy.typing import ArrayLike
 
-from ...algebra.balls import precision
-from ...algebra.exact.number_fields import NotExact
-from ...base.axis import Axis, AxisLike
-from ...base.errors import ParameterError
-from ...bodies.contact import Contact
-from ...bodies.disk import Disk
-from ...spectra.arguments import prepare
-from ...spectra.problem import Problem
-from ...systems.family import Family
-from ...systems.structure.structural_zeros import structure
-from .births import rounded, zeros_left
+from ....algebra.balls import precision
+from ....algebra.exact.number_fields import NotExact
+from ....base.axis import Axis, AxisLike
+from ....base.errors import ParameterError
+from ....bodies.contact import Contact
+from ....bodies.disk import Disk
+from ....spectra.arguments import prepare
+from ....spectra.problem import Problem
+from ....systems.family import Family
+from ....systems.structure.structural_zeros import structure
+from ..births import rounded, zeros_left
 from .plane_search import BITS, SPECTRAL, BoxSearch, Found, Rectangle, isolated
 from .planes import GraphPlane, exact_plane
 from .point_records import CodimensionTwo, DegeneratePoint, PointKind, UnresolvedBox

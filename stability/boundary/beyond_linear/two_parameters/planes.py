@@ -7,16 +7,16 @@ from typing import Any
 
 from flint import Ordering, arb, arb_mat, arb_series, fmpq_mpoly_ctx
 
-from ...algebra.exact.hurwitz_forms import Budget
-from ...algebra.exact.number_fields import NotExact, rational
-from ...algebra.exact.triangular import occurring
-from ...algebra.number_types import balls
-from ...derivation.general.elimination import Reading, Whole, whole
-from ...spectra.problem import Problem
-from ...systems.structure.enclosure import ball_unknowns
-from ...systems.structure.structural_zeros import structure
-from ..interval_search.blocks import polynomial
-from ..interval_search.taylor import coefficient, series_algebra, terms
+from ....algebra.exact.hurwitz_forms import Budget
+from ....algebra.exact.number_fields import NotExact, rational
+from ....algebra.exact.triangular import occurring
+from ....algebra.number_types import balls
+from ....derivation.general.elimination import Reading, Whole, whole
+from ....spectra.problem import Problem
+from ....systems.structure.enclosure import ball_unknowns
+from ....systems.structure.structural_zeros import structure
+from ...interval_search.blocks import polynomial
+from ...interval_search.taylor import coefficient, series_algebra, terms
 from .systems_of_two import Slope
 
 PLANE = fmpq_mpoly_ctx.get(("x", "y"), Ordering.lex)
@@ -111,7 +111,7 @@ class GraphPlane:
 
 
 class ExactPlane:
-    """The polynomial with coefficients in Q[x, y], where an axis may stand for its sine or cosine.
+    """The polynomial with coefficients in Q[x, y], in axes or their sines or cosines.
 
     Parameters
     ----------

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, overload
 
-from ...base.checks import Sentences
-from ...base.errors import StabilityWarning
+from ....base.checks import Sentences
+from ....base.errors import StabilityWarning
 
 
 class PointKind(Sentences):

@@ -13,11 +13,11 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from ...algebra.balls import precision
-from ...algebra.exact.hurwitz_forms import factors
-from ...base.errors import StabilityError
-from ...derivation.general.bounds import real_roots, univariate
-from .krawczyk import NotProvedError, Values, polished, tested
+from ....algebra.balls import precision
+from ....algebra.exact.hurwitz_forms import factors
+from ....base.errors import StabilityError
+from ....derivation.general.bounds import real_roots, univariate
+from ..krawczyk import NotProvedError, Values, polished, tested
 from .planes import ExactPlane, GraphPlane, value_of
 from .point_records import PointKind, UnresolvedBox
 from .systems_of_two import Nature, Slope, equations, nature
@@ -124,7 +124,7 @@ def isolated(
     Raises
     ------
     NotExact
-        If an axis stands for a function that is not monotonic.
+        If the variable of an axis is a function of it that is not monotonic.
     """
     with precision(EXACT_BITS[-1]):
         inner = tuple(plane.ends(i, *ends) for i, ends in enumerate(rectangle))

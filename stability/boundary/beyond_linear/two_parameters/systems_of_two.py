@@ -20,8 +20,8 @@ from typing import Any
 
 from flint import arb
 
-from ...algebra.routh_balls import hurwitz_sign
-from .krawczyk import NotProvedError
+from ....algebra.routh_balls import hurwitz_sign
+from ..krawczyk import NotProvedError
 from .point_records import PointKind
 
 Poly = list[Any]
