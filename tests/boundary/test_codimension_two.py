@@ -12,6 +12,7 @@ from typing import Any
 
 import casadi as ca
 import matplotlib
+import mpmath
 import numpy as np
 import pytest
 import sympy
@@ -105,6 +106,15 @@ def test_a_planted_point_is_found_in_boxes(
     found = st.codimension_two(family, x=(x, -1, 1, 2), y=(y, -1, 1.1, 2))
     assert listed(found) == [(kind, 0.25, -0.5)] and found.complete and "boxes" in found.how
     assert found[0].frequencies == pytest.approx(frequencies, rel=1e-15)
+
+
+def test_two_points_near_each_other_are_both_found_in_boxes() -> None:
+    """A box holds one point only where this is proved: exp v = 1 + 1.02 v at 0 and near 0.04."""
+    family = takens(lambda v: ca.exp(v) - 1 - 1.02 * v, lambda v: ca.sinh(v + 0.5))
+    found = st.codimension_two(family, x=("x0", -1, 1, 2), y=("b2", -1, 1.1, 2))
+    second = float(mpmath.findroot(lambda v: mpmath.exp(v) - 1 - mpmath.mpf(1.02) * v, 0.04))
+    assert [p.x for p in found] == pytest.approx([0, second], abs=1e-15) and found.complete
+    assert [p.kind for p in found] == [DOUBLE_ZERO] * 2
 
 
 def test_the_variable_of_an_axis_may_be_its_sine_or_cosine() -> None:
