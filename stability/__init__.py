@@ -49,6 +49,13 @@ _HOME = {
     "derivation.conditions": ("conditions", "Conditions"),
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
+    "boundary.beyond_linear.records": ("CycleBirth", "Onset"),
+    "boundary.beyond_linear.two_parameters.points": ("codimension_two",),
+    "boundary.beyond_linear.two_parameters.point_records": (
+        "CodimensionTwo",
+        "DegeneratePoint",
+        "PointKind",
+    ),
     "motion.simulate": ("simulate",),
     "motion.starts": ("launch",),
     "figures.launch.animate": ("animate",),
@@ -89,6 +96,16 @@ if TYPE_CHECKING:
     from .bodies.thin_disk.disk_equations import disk_system as disk_system
     from .bodies.thin_disk.disk_families import disk_family as disk_family
     from .bodies.thin_disk.disk_polynomials import exact_polynomial as exact_polynomial
+    from .boundary.beyond_linear.records import CycleBirth as CycleBirth
+    from .boundary.beyond_linear.records import Onset as Onset
+    from .boundary.beyond_linear.two_parameters.point_records import (
+        CodimensionTwo as CodimensionTwo,
+    )
+    from .boundary.beyond_linear.two_parameters.point_records import (
+        DegeneratePoint as DegeneratePoint,
+    )
+    from .boundary.beyond_linear.two_parameters.point_records import PointKind as PointKind
+    from .boundary.beyond_linear.two_parameters.points import codimension_two as codimension_two
     from .boundary.changes import boundaries as boundaries
     from .boundary.crossings import Boundaries as Boundaries
     from .boundary.crossings import BoundaryPoint as BoundaryPoint

@@ -20,9 +20,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import casadi as ca
 import numpy as np
@@ -34,9 +33,9 @@ from ..algebra.exact.real_roots import UnclearError
 from ..algebra.number_types import balls
 from ..algebra.program import Program
 from ..algebra.upright import Upright
-from ..base.checks import Sentences, checked, instance, whole_number
+from ..base.axis import AxisLike
+from ..base.checks import instance, whole_number
 from ..base.errors import ParameterError, StabilityError, StabilityWarning, listed, shown
-from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
@@ -45,6 +44,10 @@ from ..spectra.disk_problem import disk_problem
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.enclosure import ball_unknowns
+from .beyond_linear.births import births
+from .beyond_linear.records import CycleBirth
+from .beyond_linear.records import HopfKind as HopfKind
+from .beyond_linear.records import HopfPoint as HopfPoint
 from .changes import along
 from .crossings import Crossing
 from .search import Mark, search
@@ -59,118 +62,70 @@ MOST_POINTS = 100_000
 """Most points of the search."""
 
 
-class HopfKind(Sentences):
-    """Fate of a motion next to the boundary; the value is the sentence a user reads."""
-
-    ELLIPTIC = (
-        "elliptic: a motion near the unstable part of the line swings out and settles on the "
-        "stable part, about as far beyond the boundary as it began before it"
-    )
-    HYPERBOLIC = (
-        "hyperbolic: a motion near the unstable part leaves a neighbourhood of the boundary, and "
-        "may settle elsewhere on the family; near the stable part only motions inside a cone "
-        "of small amplitude settle nearby"
-    )
-    DEGENERATE = (
-        "degenerate: the pair does not cross with speed, or does not move the motion along the "
-        "line, within the error of the computation; higher orders decide"
-    )
-
-    @property
-    def word(self) -> str:
-        """One lower-case word."""
-        return self.name.lower()
-
-
-@dataclass(frozen=True)
-class HopfPoint:
-    """A flutter boundary along a line of steady motions, with its normal form."""
-
-    at: float
-    """Family parameter at the boundary, in the user's unit."""
-    kind: HopfKind
-    """Elliptic, hyperbolic or degenerate."""
-    stable_below: bool
-    """Whether the stable part of the line has the smaller family parameter."""
-    frequency: float
-    """|Im λ| of the pair, in the user's unit of rate."""
-    crossing: float
-    """Re μ': speed of the pair's real part along the line, dimensionless."""
-    push: float
-    """c: drift along the line by the pair, for the mode of unit length, dimensionless."""
-    mode: Floats
-    """The pair's eigenvector, complex, of unit length over the states, dimensionless."""
-    unit: float
-    """One dimensionless unit of the family parameter in the user's unit."""
-
-    def landing(self, distance: float, amplitude: float = 0.0) -> float | None:
-        """Place on the line where a motion settles, to leading order.
-
-        Parameters
-        ----------
-        distance
-            Signed distance of the start from the boundary along the line, in the user's unit.
-        amplitude
-            |z| of the start: the disturbance is 2 Re(z mode).
-
-        Returns
-        -------
-        float or None
-            Signed distance of the end from the boundary; None if the motion leaves the line.
-
-        Examples
-        --------
-        >>> from stability.bodies.contact_laws import Viscous
-        >>> [point] = hopf("spinning", contact=Viscous(0.8))
-        >>> round(point.landing(0.01), 12)  # unstable side, vanishing amplitude
-        -0.01
-        """
-        if self.kind is HopfKind.DEGENERATE:
-            raise ParameterError("the boundary is degenerate there; no landing can be told.")
-        far, size = checked("distance", distance), checked("amplitude", amplitude)
-        if not isinstance(far, float) or not isinstance(size, float):
-            raise ParameterError("distance and amplitude must be one number each.")
-        y = far / self.unit
-        square = y * y - self.push / self.crossing * size * size
-        stable_side = -1.0 if self.stable_below else 1.0
-        if square < 0 or (self.kind is HopfKind.HYPERBOLIC and y * stable_side <= 0):
-            return None
-        return float(stable_side * np.sqrt(square) * self.unit)
-
-
+@overload
 def hopf(
-    family: str, *, contact: Contact, disk: Disk | None = None, points: int = 400
-) -> list[HopfPoint]:
-    """Every flutter boundary along a line of steady motions, with its type.
+    family: str, *, contact: Contact | None = None, disk: Disk | None = None, points: int = 400
+) -> list[HopfPoint]: ...
+@overload
+def hopf(
+    family: Family, *, axis: AxisLike, **parameters: float
+) -> list[CycleBirth] | list[HopfPoint]: ...
+def hopf(
+    family: str | Family,
+    *,
+    contact: Any = None,
+    disk: Any = None,
+    points: Any = 400,
+    axis: Any = None,
+    **parameters: Any,
+) -> list[CycleBirth] | list[HopfPoint]:
+    """Every flutter boundary, with what begins there: soft or hard, elliptic or hyperbolic.
 
-    The search is complete: every real root of the conditions over Q is isolated, along all of the
-    line (phi_dot > 0; theta between 0 and upright, beyond which it is mirrored).  A user's law has
-    no stored conditions.  Where its graph is not rational, part of the line is scanned, and a
-    `StabilityWarning` says which part.
+    For a user's family: the boundaries of `boundaries` along an axis.  Where its steady motions are
+    isolated, each has its first Lyapunov coefficient with a proved bound.  Where the axis is a
+    state in `at`, so that they are a line, each has the normal form of a line.  States on which
+    nothing depends are left out first.
+
+    For the disk the search is complete: every real root of the conditions over Q is isolated, along
+    all of the line (phi_dot > 0; theta between 0 and upright, beyond which it is mirrored).  A
+    user's law has no stored conditions.  Where its graph is not rational, part of the line is
+    scanned, and a `StabilityWarning` says which part.
 
     Parameters
     ----------
     family
-        `spinning`, `tumbling`, or another family with `DiskFamily.flutter`.
+        A family of a user's system; or `spinning`, `tumbling`, or another family of the disk with
+        `DiskFamily.flutter`.
     contact
-        A law with friction; each parameter is one number.
+        For the disk: a law with friction; each parameter is one number.
     disk
         The body, one number each; the uniform disk with m = R = g = 1 when left out.
     points
-        Number of points of the scan, where one is needed.
+        For the disk: number of points of the scan, where one is needed.
+    axis
+        For a user's family: (name, low, high, n) or (name, low, high, n, "log"), as for
+        `boundaries`.
+    **parameters
+        For a user's family: every other quantity, one number each.
 
     Returns
     -------
-    list of HopfPoint
-        In increasing order of the family parameter; empty where there is none.
+    list of CycleBirth or HopfPoint
+        In increasing order of the axis; empty where there is none.
 
     Raises
     ------
     ParameterError
-        If the family is no such line, or the law has no friction.  (Rolling's boundary has two
-        zeros and a pair, and is passed slowly instead: see `stability.drift`.)
+        If the family is conservative, or has structural zeros for another reason; for the disk if
+        the family is no line, or the law has no friction.  (Rolling's boundary has two zeros and a
+        pair, and is passed slowly instead: see `stability.drift`.)
 
-    Source: tests/boundary/test_hopf.py.
+    Warns
+    -----
+    StabilityWarning
+        If the search for boundaries was not complete.
+
+    Source: tests/boundary/test_hopf.py, test_hopf_any.py.
 
     Examples
     --------
@@ -178,7 +133,33 @@ def hopf(
     >>> [(p.kind.word, p.stable_below) for p in hopf("tumbling", contact=Viscous(0.9),
     ...                                              disk=Disk(k=0.375))]
     [('elliptic', True), ('hyperbolic', False)]
+
+    >>> import casadi as ca, stability as st
+    >>> x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    >>> rates = ca.vertcat(x[1], -x[0] + (c - x[0] ** 2) * x[1])
+    >>> oscillator = st.System("van der Pol", x, c, rates, states=("q", "v"), parameters=("c",))
+    >>> rest = st.Family(oscillator, "rest", at=("c",), held={"q": 0, "v": 0})
+    >>> [point] = st.hopf(rest, axis=("c", -1, 1, 9))
+    >>> point.kind.word, point.coefficient, point.crossing
+    ('soft', -0.25, 0.5)
     """
+    if isinstance(family, Family):
+        given = {"contact": contact, "disk": disk}
+        for name, value in given.items():
+            if value is not None:
+                raise ParameterError(
+                    f"{name} belongs to the disk; {family.name} takes axis and its parameters."
+                )
+        if axis is None:
+            raise ParameterError(
+                f"axis is missing; {family.name} needs (name, low, high, n), as for boundaries."
+            )
+        return births(family, axis, dict(parameters))
+    for name in (["axis"] if axis is not None else []) + list(parameters):
+        raise ParameterError(
+            f"{name} belongs to a user's family; the disk's lines are searched throughout, with "
+            "disk=Disk(...) and contact=Viscous(mu)."
+        )
     record = FAMILIES.get(family) if isinstance(family, str) else None
     if record is None or record.flutter is None:
         lines = listed([name for name, one in FAMILIES.items() if one.flutter])

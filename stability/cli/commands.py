@@ -222,7 +222,7 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "name",
         metavar="NAME",
-        help="families, conditions, drift, hopf, launches, theorems or completeness",
+        help="families, conditions, drift, hopf, codimension, launches, theorems or completeness",
     )
     sub.add_argument("--k", type=_list, help="inertia factors, comma-separated")
     sub.add_argument("--mu", type=_list, help="friction coefficients, comma-separated")
@@ -231,7 +231,12 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--time", type=float, help="length of a run of `table launches`")
     sub.add_argument("--latex", action="store_true", help="formulas of `table conditions` as LaTeX")
     sub.add_argument("--system", metavar="MODULE:FAMILY",
-                     help="`table conditions` of your own family: module or file.py")  # fmt: skip
+                     help="`table conditions`, `hopf` or `codimension` of your own family: module "
+                     "or file.py")  # fmt: skip
+    sub.add_argument("--family", help="`table codimension` of one of the disk's families")
+    for axis in ("--x", "--y"):
+        sub.add_argument(axis, metavar="NAME:LO:HI:N[:log]",
+                         help="axis of `table codimension`; --x: also of `table hopf`")  # fmt: skip
     sub.add_argument("--positive", metavar="NAMES", help="with --system: positive quantities")
     sub.add_argument("--parameter", action="append", metavar="NAME=X",
                      help="with --system: a number for a parameter; once for each")  # fmt: skip

@@ -20,11 +20,14 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from ..base.errors import ParameterError
 from ..base.quantities import Quantity, axis_label, in_latex, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.thin_disk.disk_quantities import quantities_of
+from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
+from .point_marks import counted, mark
 
 if TYPE_CHECKING:
     import xarray
@@ -70,6 +73,7 @@ def diagram(
     *,
     above: Strip | None = None,
     below: Strip | None = None,
+    points: CodimensionTwo | None = None,
     title: str = "",
 ) -> Figure:
     """Stability diagram of a map: abscissa in colour, exact boundary curves, limits next to it.
@@ -80,6 +84,8 @@ def diagram(
         Map from `stability_map`.
     above, below
         Limit laws at the upper and the lower end of the y axis, or None.
+    points
+        Points to mark, from `codimension_two` with the axes of the map, or None.
     title
         Title of the figure.
 
@@ -107,6 +113,8 @@ def diagram(
         rows = [row[0] for row in panels]
         main = rows[1 if above else 0]
         mesh = _colour(main, dataset)
+        if points is not None:
+            _points(main, dataset, points)
         _curves(main, dataset)
         _axis_labels(main, dataset)
         for strip, panel in ((above, rows[0]), (below, rows[-1])):
@@ -132,18 +140,20 @@ def diagram(
     return figure
 
 
-def caption(dataset: xarray.Dataset) -> str:
+def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> str:
     """What a diagram shows: the family, colours, and how many cells have each verdict or no member.
 
     Parameters
     ----------
     dataset
         Map from `stability_map`.
+    points
+        Points that are marked, or None.
 
     Returns
     -------
     str
-        Two sentences or three.
+        Two sentences or more.
 
     Examples
     --------
@@ -167,6 +177,7 @@ def caption(dataset: xarray.Dataset) -> str:
     return (
         f"{title[:1].upper()}{title[1:]} of {dataset.attrs['system']}.  Colour: largest growth "
         f"rate{texture}.{blank}  Cells: {cells}{none}."
+        f"{counted(points) if points is not None else ''}"
     )
 
 
@@ -254,6 +265,17 @@ def _bar_ticks(bar: Any, norm: Any) -> None:
     bar.set_ticks(ticks)
     bar.set_ticklabels([power_of_ten(t) for t in ticks])
     bar.ax.minorticks_off()
+
+
+def _points(axes: Axes, dataset: xarray.Dataset, points: CodimensionTwo) -> None:
+    names = tuple(name for name, _, _ in points.axes)
+    known = (_x(dataset), _y(dataset))
+    if sorted(names) != sorted(known):
+        raise ParameterError(
+            f"points has the axes {', '.join(names)}, and the map {', '.join(known)}; give points "
+            "of the same two axes."
+        )
+    mark(axes, points, swapped=names != known)
 
 
 def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
