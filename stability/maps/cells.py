@@ -220,8 +220,10 @@ class Cells:
 
     def _complete(self) -> None:
         """The cells that the slice left open: by the graph, verdicts of members as they are."""
-        flat = {n: getattr(self, n).reshape(-1, *getattr(self, n).shape[2:])
-                for n in ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes))}
+        flat = {
+            n: getattr(self, n).reshape(-1, *getattr(self, n).shape[2:])
+            for n in ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes))
+        }
         left = np.flatnonzero(np.isinf(flat["error"]) | (flat["codes"] == ELSEWHERE))
         for first in range(0, len(left), CHUNK):
             some = left[first : first + CHUNK]

@@ -153,7 +153,7 @@ def _enclose(
     """Radii of the discs of some polynomials, and whether these are apart."""
     roots, radius, apart = out
     n = len(a)
-    # each complex product and sum of Horner's scheme is within 4 units; the product of distances too
+    # a complex product and sum are within 4 units, in Horner's scheme and among the distances
     unit, slack = 8.0 * (n + 2) * UNIT, 1 + 16.0 * (n + 1) * UNIT
     whole = len(index) == len(apart)
     for first in range(0, len(index), BLOCK):

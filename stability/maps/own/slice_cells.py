@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
+from ...algebra.exact.number_fields import NotExact
 from ...base.axis import Axis
 from ...base.types import Floats
 from ...spectra.problem import Problem
 from .rates import Coefficients, Rates, monic, rates
+from .slice_record import Slice
 from .slice_verdicts import ELSEWHERE, Codes, SliceVerdicts, surface
-from .slices import Slice, slice_of
+from .slices import slice_of
 from .surfaces import LEAST, Surface, Window, powers
 
 SAMPLE = 16
@@ -26,7 +29,7 @@ class SliceCells:
     Parameters
     ----------
     found
-        The slice, with its conditions.
+        The slice.
     axes
         x and y.
     modes
@@ -82,7 +85,7 @@ class SliceCells:
 
 
 def slice_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> SliceCells | None:
-    """The cells of a map by a slice; None where the family has none, or no conditions.
+    """The cells of a map by a slice; None where the family has none.
 
     Parameters
     ----------
@@ -90,9 +93,9 @@ def slice_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> Slice
         As for `stability.maps.cells.Cells`.
     """
     found = slice_of(problem, axes[0].name, axes[1].name)
-    if found is None or found.conditions is None:
-        return None
-    return SliceCells(found, axes, modes)
+    with suppress(NotExact):
+        return None if found is None else SliceCells(found, axes, modes)
+    return None
 
 
 def _coefficients(row: list[Surface | None], t: Floats, s: Floats) -> Coefficients:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -10,11 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...algebra.exact.number_fields import NotExact
 from ...base.axis import Axis
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
 from ...spectra.problem import Problem
-from .slices import Condition, Slice, slice_of
+from .ball_polynomials import BallPolynomial
+from .slice_record import Condition, Slice
+from .slices import slice_of
 from .surfaces import Box, Signs, Surface, Window, powers
 
 Codes = NDArray[np.int8]
@@ -24,7 +28,7 @@ SIDES = (64, 16, 4)
 MESH = 64
 """Boxes along each axis on which every point is proved to be a member."""
 ELSEWHERE = -1
-"""Flag of a cell that the slice does not decide: no member, or none that its polynomials hold at."""
+"""Flag of a cell that the slice leaves open: perhaps no member, or a sign that balls leave open."""
 
 
 class SliceVerdicts:
@@ -33,13 +37,12 @@ class SliceVerdicts:
     Parameters
     ----------
     slice_
-        Polynomial and conditions; the conditions are there.
+        Polynomial and conditions.
     axes
         x and y.
     """
 
     def __init__(self, slice_: Slice, axes: tuple[Axis, Axis]) -> None:
-        assert slice_.conditions is not None
         self.slice, self.axes = slice_, axes
         self.windows = Window(axes[0]), Window(axes[1])
         self.surfaces = [surface(p, self.windows) for p in slice_.surfaces]
@@ -75,10 +78,10 @@ class SliceVerdicts:
         """Flags from the signs of the surfaces, 0 where these do not decide."""
         count = signs.shape[1]
         good, bad = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
-        for condition in self.slice.conditions or ():
+        for condition in self.slice.conditions:
             sign = _product(condition, signs, count)
             good, bad = good & (sign > 0), bad | (sign < 0)
-        codes: Codes = (good * np.int8(self.good) + bad * np.int8(CODES[Verdict.UNSTABLE]))
+        codes: Codes = good * np.int8(self.good) + bad * np.int8(CODES[Verdict.UNSTABLE])
         return np.where(self._member(signs), codes, np.int8(0))
 
     def _over(self, x: tuple[Any, Any], y: tuple[Any, Any], signs: Any) -> Signs:
@@ -154,9 +157,7 @@ class SliceVerdicts:
         signs = self._over(x, y, signs)
         return self._codes(signs), signs
 
-    def _single(
-        self, codes: Codes, i: Any, j: Any, signs: Any, xs: Floats, ys: Floats
-    ) -> int:
+    def _single(self, codes: Codes, i: Any, j: Any, signs: Any, xs: Floats, ys: Floats) -> int:
         """Flags of single cells, into their places."""
         inside = (i < codes.shape[0]) & (j < codes.shape[1])
         i, j, signs = i[inside], j[inside], signs[:, inside]
@@ -186,7 +187,9 @@ def slice_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts |
         x and y.
     """
     found = slice_of(problem, axes[0].name, axes[1].name)
-    return None if found is None or found.conditions is None else SliceVerdicts(found, axes)
+    with suppress(NotExact):
+        return None if found is None else SliceVerdicts(found, axes)
+    return None
 
 
 def surface(poly: Any, windows: tuple[Window, Window]) -> Surface:
@@ -199,6 +202,8 @@ def surface(poly: Any, windows: tuple[Window, Window]) -> Surface:
     windows
         Windows of x and y.
     """
+    if isinstance(poly, BallPolynomial):
+        return Surface(poly.terms, windows)
     terms = {
         (int(e[0]), int(e[1])): Fraction(int(c.p), int(c.q)) for e, c in poly.to_dict().items()
     }

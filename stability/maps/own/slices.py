@@ -8,38 +8,38 @@ linearly or not at all, and the equations vanish identically.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
-from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
+from flint import arb
 from scipy.sparse.csgraph import connected_components
 
+from ...algebra.balls import precision
 from ...algebra.exact.function_field import Expression
 from ...algebra.exact.hurwitz_forms import (
     Budget,
-    TooLarge,
     by_power,
     factors,
     hurwitz_determinants,
     subdiscriminants,
 )
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
-from ...algebra.exact.routh import on_the_axis
 from ...algebra.exact.triangular import RecordingField, occurring
+from ...algebra.number_types import balls
 from ...algebra.program import Program
 from ...base.errors import StabilityError
-from ...base.types import fields_of
-from ...base.verdict import Verdict
+from ...derivation.general.elimination import evaluate
 from ...spectra.problem import Problem
 from ...systems.family import Family
 from ...systems.structure.multiplicity import certain
 from ...systems.structure.structural_zeros import structure
+from .ball_polynomials import BallPolynomial, ball_determinants
+from .slice_record import RING, Poly, Rows, Slice, Table
 
-Poly = Any
-"""An `fmpq_mpoly` in x, y, λ."""
+BITS = 2048
+"""Precision of sines and roots of fixed numbers."""
 
 MOST_STATES = 12
 """Most states of a system whose polynomial is sought."""
@@ -49,89 +49,8 @@ MOST_TERMS = 2000
 """Largest number of terms of a polynomial."""
 SECONDS = 2.0
 """Time after which the work ends, and the map takes the graph's route."""
-MOST_FACTORED = 80
-"""Terms of a condition beyond which its factors are not sought."""
-RING = fmpq_mpoly_ctx.get(("x", "y", "l"), Ordering.degrevlex)
-"""The ring of all slices: x, y and λ."""
 LAM = 2
 """Place of λ in the ring."""
-
-
-@dataclass(frozen=True)
-class Condition:
-    """A polynomial as a sign times powers of factors, given by their place in a list."""
-
-    sign: int
-    """1, -1, or 0 for the polynomial zero."""
-    powers: tuple[tuple[int, int], ...]
-    """(place of the factor, power)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Slice:
-    """The polynomial and the conditions of a family in the axes of a map, over Q."""
-
-    zeros: int
-    """Power of λ that is left out: zeros by structure."""
-    factors: tuple[tuple[tuple[Poly, ...], bool, int], ...]
-    """(coefficients by powers of λ lowest first, whether even, multiplicity) of each factor."""
-    surfaces: tuple[Poly, ...]
-    """Polynomials in x and y whose signs are asked."""
-    conditions: tuple[Condition, ...] | None
-    """All positive: best verdict; one negative: unstable.  None where they are too large."""
-    required: tuple[Condition, ...]
-    """Positive at every member of the family."""
-    nonzero: tuple[Condition, ...]
-    """Not zero where the polynomial holds."""
-    even: bool
-    """Whether the best verdict is neutral."""
-
-    def __reduce__(self) -> Any:
-        """For other processes: polynomials as their terms."""
-        return _unpacked, tuple(map(_packed, fields_of(self).values()))
-
-    def verdict(self, x: float, y: float) -> Verdict | None:
-        """The verdict of one cell over Q; None where it is no member, or this form fails.
-
-        Parameters
-        ----------
-        x, y
-            Doubles, taken as exact.
-        """
-        point = rational(x), rational(y), fmpq(0)
-        signs = [_sign(p(*point)) for p in self.surfaces]
-        value = [_value(c, signs) for c in self.required]
-        if any(v <= 0 for v in value) or any(_value(c, signs) == 0 for c in self.nonzero):
-            return None
-        polys = [fmpq_poly([c(*point) for c in row]) for row, _, _ in self.factors]
-        return on_the_axis(polys)
-
-
-def _packed(value: Any) -> Any:
-    if isinstance(value, fmpq_mpoly):
-        return {tuple(map(int, e)): (int(c.p), int(c.q)) for e, c in value.to_dict().items()}
-    return tuple(map(_packed, value)) if type(value) is tuple else value
-
-
-def _rebuilt(value: Any) -> Any:
-    if isinstance(value, dict):
-        return RING.from_dict({e: fmpq(*c) for e, c in value.items()})
-    return tuple(map(_rebuilt, value)) if type(value) is tuple else value
-
-
-def _unpacked(*values: Any) -> Slice:
-    return Slice(*map(_rebuilt, values))
-
-
-def _sign(value: Any) -> int:
-    return 1 if value > 0 else -1 if value < 0 else 0
-
-
-def _value(condition: Condition, signs: Sequence[int]) -> int:
-    out = condition.sign
-    for place, power in condition.powers:
-        out *= signs[place] ** power
-    return out
 
 
 def slice_of(problem: Problem, x: str, y: str) -> Slice | None:
@@ -258,33 +177,93 @@ class _Reading:
         """The slice of this reading."""
         entries = self.family.graph.matrix.dense(EXACT, [self.a, self.u, self.q])
         matrix = [[self._element(v) for v in row] for row in entries]
-        if self.field.meaning:
-            raise NotExact("functions that are not algebraic")
+        rows = self._in_balls(matrix) if self.field.meaning else self._over_q(matrix)
+        convert = self._enclosed if self.field.meaning else self._moved
+        table = Table()
+        required = tuple(table.condition(convert(p)) for p in self.required)
+        apart = [convert(p) for p in self.nonzero] + [row[-1] for row, _, _ in rows]
+        nonzero = tuple(table.condition(p) for p in apart if not p.is_constant())
+        with precision(BITS):
+            polys = [p for row, even, _ in rows for p in _conditions(row, even, self.budget)]
+        conditions = tuple(table.condition(*some) for some in polys)
+        even = any(even for _, even, _ in rows)
+        return Slice(rows, tuple(table.polys), conditions, required, nonzero, even)
+
+    def _over_q(self, matrix: list[list[Expression]]) -> Rows:
+        """The factors of the polynomial over Q."""
         zeros, found = 0, []
         for block in _blocks(matrix):
             poly = self._determinant(block)
             for factor, count in factors(poly)[1]:
                 if factor == RING.gens()[LAM]:
                     zeros += count
-                elif LAM in occurring(factor):
-                    found.append((_coefficients(factor), count))
                 else:
-                    self._apart(factor)
+                    found.append((_coefficients(factor), count))
         if zeros != structure(self.family).zeros or not found:
             raise NotExact("zeros beside those by structure")
-        rows = tuple((row, _is_even(row), count) for row, count in found)
-        table = _Table()
-        required = tuple(map(table.condition, map(self._moved, self.required)))
-        apart = [self._moved(p) for p in self.nonzero] + [row[-1] for row, _, _ in rows]
-        nonzero = tuple(table.condition(p) for p in apart if not p.is_constant())
-        conditions: tuple[Condition, ...] | None = None
-        try:
-            polys = [p for row, even, _ in rows for p in _conditions(row, even, self.budget)]
-            conditions = tuple(map(table.condition, polys))
-        except TooLarge:
-            pass
-        even = any(even for _, even, _ in rows)
-        return Slice(zeros, rows, tuple(table.polys), conditions, required, nonzero, even)
+        return tuple((row, _is_even(row), count) for row, count in found)
+
+    def _in_balls(self, matrix: list[list[Expression]]) -> Rows:
+        """The polynomial with sines and roots of fixed numbers as narrow balls."""
+        common, plain = self._cleared(matrix, self.field.one, lambda p: p)
+        self._apart(common)
+        reduced = self.field.reduced
+        powers = [self._element(c).num for c in characteristic(
+            [[Expression(self.field, reduced(p), self.field.one) for p in row] for row in plain])]
+        powers = [reduced(c * common**k) for k, c in enumerate(powers)]
+        content = powers[-1]
+        for c in powers:
+            content = content.gcd(c)
+        row = [self._enclosed(c / content) for c in powers]
+        row = row[structure(self.family).zeros :]
+        even = self.family.conservative  # an identity, as its zeros are
+        if even:
+            row = [BallPolynomial({}) if k % 2 else c for k, c in enumerate(row)]
+        if len(row) < 2 or row[0].is_zero():
+            raise NotExact("zeros beside those by structure")
+        return ((tuple(row), even, 1),)
+
+    @cached_property
+    def _atoms(self) -> dict[int, Any]:
+        """Values of the functions of fixed numbers, as balls."""
+        known: dict[int, Any] = {}
+        for index, (name, x, over) in sorted(self.field.meaning.items()):
+            if not self.field.uses(index) <= set(self.field.meaning):
+                raise NotExact("functions of what varies")
+            argument = arb(evaluate(x.num, known)) / arb(evaluate(x.den, known))
+            known[index] = balls().functions[name](argument)
+            if name == "sqrt" and over is not None:
+                known[index] = known[index] * arb(evaluate(over, known)).sgn()
+        return known
+
+    def _enclosed(self, poly: Poly) -> BallPolynomial:
+        """A polynomial of the field, with balls for the functions in it."""
+        with precision(BITS):
+            terms: dict[tuple[int, int], Any] = {}
+            for e, c in poly.to_dict().items():
+                value = arb(c)
+                for index, power in enumerate(e[2:], start=2):
+                    if power:
+                        value = value * self._atoms[index] ** int(power)
+                key = int(e[0]), int(e[1])
+                terms[key] = terms[key] + value if key in terms else value
+        return BallPolynomial(terms)
+
+    def _cleared(
+        self, block: list[list[Expression]], one: Poly, convert: Callable[[Poly], Poly]
+    ) -> tuple[Poly, list[list[Poly]]]:
+        """A common denominator, and the entries times it; a polynomial of low degree."""
+        common = one
+        dens = [[convert(e.den) for e in row] for row in block]
+        for row in dens:
+            for den in row:
+                common = common * (den / common.gcd(den))
+        plain = [[convert(e.num) * (common / den) for e, den in zip(*both, strict=True)]
+                 for both in zip(block, dens, strict=True)]  # fmt: skip
+        reach = max((int(p.total_degree()) for row in plain for p in row if p != 0), default=0)
+        if len(block) * max(reach, int(common.total_degree())) > MOST_DEGREE:
+            raise NotExact("a polynomial of high degree")
+        return common, plain
 
     def _moved(self, poly: Poly) -> Poly:
         """A polynomial of the field, in the ring of slices."""
@@ -297,17 +276,8 @@ class _Reading:
 
     def _determinant(self, block: list[list[Expression]]) -> Poly:
         """A multiple of det(λ - A), without common factor of its coefficients."""
-        common = RING.constant(1)
-        dens = [[self._moved(e.den) for e in row] for row in block]
-        for row in dens:
-            for den in row:
-                common = common * (den / common.gcd(den))
+        common, plain = self._cleared(block, RING.constant(1), self._moved)
         self._apart(common)
-        plain = [[self._moved(e.num) * (common / den) for e, den in zip(*both, strict=True)]
-                 for both in zip(block, dens, strict=True)]  # fmt: skip
-        reach = max((int(p.total_degree()) for row in plain for p in row if p != 0), default=0)
-        if len(block) * max(reach, int(common.total_degree())) > MOST_DEGREE:
-            raise NotExact("a polynomial of high degree")
         powers = [c * common**k for k, c in enumerate(characteristic(plain))]
         powers = [RING.constant(c) if isinstance(c, int) else c for c in powers]
         content = powers[-1]
@@ -318,27 +288,6 @@ class _Reading:
             total = total + c / content * lam**k
         self.budget.watch(total)
         return total
-
-
-class _Table:
-    """Polynomials in x and y, each kept once, and conditions as products of them."""
-
-    def __init__(self) -> None:
-        self.polys: list[Poly] = []
-
-    def condition(self, poly: Poly) -> Condition:
-        """A polynomial as a product of kept ones."""
-        if poly == 0:  # neither positive nor negative: exact arithmetic decides each cell
-            return Condition(0, ())
-        if poly.is_constant():
-            return Condition(_sign(poly.leading_coefficient()), ())
-        constant, found = (fmpq(1), [(poly, 1)]) if len(poly) > MOST_FACTORED else factors(poly)
-        return Condition(_sign(constant), tuple((self._place(f), n) for f, n in found))
-
-    def _place(self, poly: Poly) -> int:
-        if poly not in self.polys:
-            self.polys.append(poly)
-        return self.polys.index(poly)
 
 
 def _blocks(matrix: list[list[Expression]]) -> list[list[list[Expression]]]:
@@ -361,8 +310,8 @@ def _is_even(row: Sequence[Poly]) -> bool:
     return len(row) % 2 == 1 and all(c == 0 for c in row[1::2])
 
 
-def _conditions(row: Sequence[Poly], even: bool, budget: Budget) -> list[Poly]:
-    """Polynomials, all positive only where no root has Re > 0; one negative: some root has.
+def _conditions(row: Sequence[Poly], even: bool, budget: Budget) -> list[tuple[Poly, ...]]:
+    """Products of polynomials, all positive only where no root has Re > 0; one negative: some root has.
 
     Liénard and Chipart's conditions; for q(λ²) coefficients and subdiscriminants of q.
     """
@@ -370,16 +319,18 @@ def _conditions(row: Sequence[Poly], even: bool, budget: Budget) -> list[Poly]:
     if even:
         q = row[::2]
         named = [(c, 1) for c in q[:-1]]
+        if isinstance(lead, BallPolynomial) and len(q) > 3:
+            raise NotExact("subdiscriminants need divisions")
         minors = subdiscriminants(q, budget) if len(q) > 2 else []
         named += [(d, 2) for d in (minors[-1:] if len(q) < 5 else minors)]
     else:
         n = len(row) - 1
-        minors = hurwitz_determinants(row, budget) if n > 1 else []
+        by = ball_determinants if isinstance(lead, BallPolynomial) else hurwitz_determinants
+        minors = by(row, budget) if n > 1 else []
         named = [(minors[k - 1], k) for k in range(n - 1, 1, -2)]
         sets: list[set[int]] = [{0, *range(2, n, 2)}, {0, *range(1, n, 2)}]
         cost: Callable[[set[int]], int] = lambda some: sum(len(row[k]) for k in some)  # noqa: E731
         chosen = min(sets, key=cost) | ({n - 1} if n % 2 == 0 else set())
         named = [(row[k], 1) for k in sorted(chosen)] + named
     open_lead = not lead.is_constant()
-    out = [p * lead if open_lead and power % 2 else p for p, power in named]
-    return out
+    return [(p, lead) if open_lead and power % 2 else (p,) for p, power in named]

@@ -2,19 +2,22 @@
 
 A polynomial is shifted exactly to the middle of a narrow map, and scaled by powers of two so that
 both variables are at most one in size.  Doubles then give its value with an error of a few units in
-the last place of the sum of its terms' sizes.  Over a box the linear part is exact, and the rest is
-bounded by the terms' sizes.
+the last place of the sum of its terms' sizes.  Over a box Taylor's sum at the middle bounds it.
 """
 
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cached_property
 from math import comb, frexp
 from typing import Any
 
 import numpy as np
+from flint import arb
 from numpy.typing import NDArray
 
+from ...algebra.balls import precision
+from ...algebra.exact.number_fields import NotExact
 from ...algebra.running_error import UNIT
 from ...base.axis import Axis
 from ...base.types import Floats
@@ -23,6 +26,10 @@ Signs = NDArray[np.int8]
 
 NARROW = 0.5
 """An axis whose width is less than this share of its largest number is shifted to its middle."""
+BITS = 2048
+"""Precision in which balls are shifted."""
+LOSS = 2.0**-180
+"""Radius of a ball, relative to the largest coefficient, that is allowed; far below rounding."""
 LEAST = 1e-280
 """Size below which no sign is taken as proved: far above every loss by underflow."""
 
@@ -58,42 +65,37 @@ def powers(t: Floats, degree: int) -> Floats:
     return out
 
 
-def slopes(table: Floats) -> Floats:
-    """Derivatives of powers, from the powers."""
-    out = np.zeros_like(table)
-    for i in range(1, len(table)):
-        np.multiply(table[i - 1], float(i), out=out[i])
-    return out
-
-
 class Surface:
     """A polynomial in x and y over the windows of a map.
 
     Parameters
     ----------
     terms
-        Rational coefficient by exponents (i, j).
+        Coefficient by exponents (i, j): all are fractions, or narrow balls.
     windows
         Windows of x and y.
     """
 
-    def __init__(self, terms: dict[tuple[int, int], Fraction], windows: tuple[Window, Window]):
+    def __init__(self, terms: dict[tuple[int, int], Any], windows: tuple[Window, Window]):
         shape = tuple(1 + max(e[k] for e in terms) for k in (0, 1))
-        table = [[Fraction(0)] * shape[1] for _ in range(shape[0])]
+        number = arb if isinstance(next(iter(terms.values())), arb) else Fraction
+        table = [[number(0)] * shape[1] for _ in range(shape[0])]
         for (i, j), c in terms.items():
             table[i][j] = c
-        table = _shifted(table, windows[0])
-        turned = _shifted([list(column) for column in zip(*table, strict=True)], windows[1])
-        top = max(abs(c) for row in turned for c in row)
-        self.exponent = top.numerator.bit_length() - top.denominator.bit_length()
-        """The polynomial is 2^exponent times the stored one."""
-        scale = Fraction(2) ** -self.exponent
-        self.matrix = np.array([[_double(c * scale) for c in row] for row in turned]).T.copy()
+        with precision(BITS):
+            table = _shifted(table, windows[0], number)
+            turned = _shifted([list(c) for c in zip(*table, strict=True)], windows[1], number)
+            self.exponent = max(_exponent(c) for row in turned for c in row)
+            """The polynomial is 2^exponent times the stored one."""
+            rows_ = [[_double(c, self.exponent) for c in row] for row in turned]
+        self.matrix = np.array(rows_).T.copy()
+        self.least = LEAST if number is Fraction else LOSS * len(rows_) * len(rows_[0])
+        """Absolute error that the sum of the terms' sizes does not tell."""
         self.size = np.abs(self.matrix)
         rows, columns = self.matrix.shape
         self.unit = (6 * (rows + columns) + 20) * UNIT
         """Relative rounding error of a value, to the sum of the sizes of its terms."""
-        self.most = self.unit * self.size.sum() * 1.01
+        self.most = self.unit * self.size.sum() * 1.01 + self.least
         """Largest rounding error of a value where |t| <= 1."""
 
     @property
@@ -115,7 +117,7 @@ class Surface:
         left = np.flatnonzero(signs == 0)
         if len(left):
             some = np.abs(t[:rows, left]), np.abs(s[:columns, left])
-            bound = self.unit * 1.01 * _sum(self.size, *some)
+            bound = self.unit * 1.01 * _sum(self.size, *some) + self.least
             signs[left] = _sure(value[left], bound)
         return signs
 
@@ -127,19 +129,37 @@ class Surface:
         box
             The boxes.
         """
+        value: Any = 0.0
+        spread: Any = 0.0
+        high, wide, left_out = float(box.h.max()), float(box.k.max()), 0.0
+        for a, b, matrix, size in self.derivatives:
+            largest = size * high**a * wide**b
+            if left_out + largest < 4.0 * self.most and a + b:  # no more than the roundings
+                left_out += largest
+                continue
+            found = _sum(matrix, box.t[: len(matrix)], box.s[: matrix.shape[1]])
+            if a or b:
+                np.abs(found, out=found)
+                spread = spread + found * box.far_t[a] * box.far_s[b]
+            else:
+                value = found
+        spread = spread + left_out * box.reach
+        slack = 2.0 * self.most * box.reach  # all sums together round as one of the terms' sizes
+        return _sure(value, spread * (1 + 1e-9) + slack)
+
+    @cached_property
+    def derivatives(self) -> list[tuple[int, int, Floats, float]]:
+        """(a, b, matrix of the derivative of these orders by a! b!, its size), last orders first."""
         rows, columns = self.matrix.shape
-        t, s, dt, ds = box.t[:rows], box.s[:columns], box.dt[:rows], box.ds[:columns]
-        along = self.matrix @ s
-        value = (along * t).sum(0)
-        slope = np.abs((along * dt).sum(0)) * box.h
-        slope += np.abs(_sum(self.matrix, t, ds)) * box.k
-        at, as_, adt, ads = np.abs(t), np.abs(s), np.abs(dt), np.abs(ds)
-        sized = self.size @ as_
-        rest = _sum(self.size, box.far_t[:rows], box.far_s[:columns]) - (sized * at).sum(0)
-        rest -= (sized * adt).sum(0) * box.h + _sum(self.size, at, ads) * box.k
-        # eleven sums above, each with slopes at most `rows + columns` times the terms, and h, k <= 2
-        slack = 16.0 * (rows + columns) * self.most
-        return _sure(value, (slope + np.maximum(rest, 0.0)) * (1 + 1e-9) + slack * box.reach)
+        along = [[float(comb(n, k)) for n in range(max(rows, columns))]
+                 for k in range(max(rows, columns))]  # fmt: skip
+        found = []
+        for a in range(rows):
+            for b in range(columns):
+                factor = np.outer(along[a][a:rows], along[b][b:columns])
+                matrix = self.matrix[a:, b:] * factor
+                found.append((a, b, matrix, float(np.abs(matrix).sum())))
+        return sorted((v for v in found if v[3]), key=lambda v: -(v[0] + v[1]))
 
     def product(self, t: Floats, s: Floats) -> tuple[Floats, Floats]:
         """Values and bounds on their errors over a grid, in units of 2^exponent.
@@ -152,7 +172,7 @@ class Surface:
         rows, columns = self.matrix.shape
         t, s = t[:rows], s[:columns]
         value = s.T @ (self.matrix.T @ t)
-        error = np.abs(s).T @ (self.unit * 1.02 * self.size.T @ np.abs(t)) + LEAST
+        error = np.abs(s).T @ (self.unit * 1.02 * self.size.T @ np.abs(t)) + self.least
         return value, error
 
 
@@ -177,12 +197,11 @@ class Box:
             for v, m in zip((t, s), middle, strict=True)
         )
         self.t, self.s = (powers(m, d) for m, d in zip(middle, degrees, strict=True))
-        self.dt, self.ds = slopes(self.t), slopes(self.s)
         self.far_t, self.far_s = (
-            powers(np.abs(m) + r, d)
-            for m, r, d in zip(middle, (self.h, self.k), degrees, strict=True)
+            powers(r, d) for r, d in zip((self.h, self.k), degrees, strict=True)
         )
-        self.reach = np.maximum(self.far_t[-1], 1.0) * np.maximum(self.far_s[-1], 1.0)
+        ends = [np.abs(m) + r for m, r in zip(middle, (self.h, self.k), strict=True)]
+        self.reach = np.maximum(ends[0], 1.0) ** degrees[0] * np.maximum(ends[1], 1.0) ** degrees[1]
         """Largest size of a monomial over each box, at least one."""
 
     def take(self, index: Any) -> Box:
@@ -210,18 +229,33 @@ def _sure(value: Floats, bound: Any) -> Signs:
     return (value > bound).astype(np.int8) - (value < -bound).astype(np.int8)
 
 
-def _shifted(table: list[list[Fraction]], window: Window) -> list[list[Fraction]]:
-    """P(middle + unit t) by powers of t, for the first index; exact."""
-    middle, unit = Fraction(window.middle), Fraction(window.unit)
+def _shifted(table: list[list[Any]], window: Window, number: Any) -> list[list[Any]]:
+    """P(middle + unit t) by powers of t, for the first index; exact, or in balls."""
+    middle, unit = number(window.middle), number(window.unit)
     out = []
     for k in range(len(table)):
-        rows = [(comb(i, k) * middle ** (i - k), table[i]) for i in range(k, len(table))]
-        rows = [(c, row) for c, row in rows if c]
-        out.append([unit**k * sum((c * row[j] for c, row in rows), Fraction(0))
+        rows = [(number(comb(i, k)) * middle ** (i - k), table[i]) for i in range(k, len(table))]
+        rows = [(c, row) for c, row in rows if c != 0]
+        out.append([unit**k * sum((c * row[j] for c, row in rows), number(0))
                     for j in range(len(table[0]))])  # fmt: skip
     return out
 
 
-def _double(value: Fraction) -> float:
-    """The nearest double; a size of at most 2, so nothing overflows."""
-    return value.numerator / value.denominator
+def _exponent(value: Any) -> int:
+    """An exponent e with |value| <= 2^e; very small for zero."""
+    if isinstance(value, Fraction):
+        return value.numerator.bit_length() - value.denominator.bit_length() + 1 if value else -9999
+    man, exp = value.abs_upper().man_exp()
+    return int(man).bit_length() + int(exp) if man else -9999
+
+
+def _double(value: Any, exponent: int) -> float:
+    """value/2^exponent as the nearest double, of a size of at most one."""
+    if isinstance(value, Fraction):
+        scaled = value * Fraction(2) ** -exponent
+        return scaled.numerator / scaled.denominator
+    scaled = value * arb(2) ** -exponent
+    if not scaled.rad() < LOSS / 4:
+        raise NotExact("a ball that is not narrow")
+    middle = float(scaled.mid())
+    return middle if abs(middle) > LOSS else 0.0
