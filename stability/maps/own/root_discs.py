@@ -79,7 +79,7 @@ def discs(a: Floats, error: Floats) -> Discs:
         left = np.flatnonzero(~apart)
         if len(left):  # the neighbour's roots may be of another kind: both real, or a pair
             own = np.ascontiguousarray(a[:, left])
-            roots[:, left] = _improved(own, _started(own), 1)
+            roots[:, left] = _improved(own, _started(own), STEPS)
             _enclose(a, error, (roots, radius, apart), left)
         for _ in range(MORE):  # convergence is quadratic
             left = np.flatnonzero(apart & (most(radius) > GOOD * most(_size(roots))))
