@@ -1,4 +1,4 @@
-"""Maps of one's own families: every verdict against exact fractions, and growth rates against NumPy.
+"""Maps of one's own families: verdicts against exact fractions, growth rates against NumPy.
 
 The oracle is Routh's array over `fractions.Fraction`, from the coefficients of SymPy's determinant.
 """
@@ -142,7 +142,7 @@ def oscillator() -> st.Family:
 
 
 def test_cells_on_a_boundary_are_neutral() -> None:
-    """a = b on the diagonal of a grid of quarters, so doubles lie on the boundary itself."""
+    """A = b on the diagonal of a grid of quarters, so doubles lie on the boundary itself."""
     axes = {"x": ("a", -8, 8, 65), "y": ("b", -8, 8, 65)}
     found = st.stability_map(oscillator(), **axes, boundaries=False)
     a, b = np.meshgrid(found.a.values, found.b.values)
@@ -225,7 +225,7 @@ def test_an_angle_that_is_fixed_may_stand_in_a_sine() -> None:
 
 
 def test_members_solved_from_linear_equations_and_conditions_that_fail() -> None:
-    """x' = v, v' = -k x - c v + f with x as unknown; members exist for k > 0.5 by a condition."""
+    """X' = v, v' = -k x - c v + f with x as unknown; members exist for k > 0.5 by a condition."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     k, c = p[0], p[1]
     system = st.System(
@@ -291,7 +291,9 @@ def test_boxes_of_an_algebraic_family_hold_one_verdict(
     chance = random.Random(3)
     for n in range(0, found.sizes["box"], 5):
         if found.box_verdict.values[n]:
-            a, b = (chance.uniform(*ends) for ends in (found.box_a.values[n], found.box_b.values[n]))
+            a, b = (
+                chance.uniform(*ends) for ends in (found.box_a.values[n], found.box_b.values[n])
+            )
             wanted = STABLE if routh(polynomial(a, b)) else UNSTABLE
             assert found.box_verdict.values[n] == wanted
 

@@ -43,7 +43,7 @@ class BallPolynomial:
         return BallPolynomial({e: -c for e, c in self.terms.items()})
 
     def __sub__(self, other: Any) -> BallPolynomial:
-        return self + -other
+        return self.__add__(-other)
 
     def __mul__(self, other: Any) -> BallPolynomial:
         out: dict[Exponents, Any] = {}

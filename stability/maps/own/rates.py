@@ -180,7 +180,7 @@ def _sizes(matrix: list[list[Any]]) -> list[Any]:
 
 
 def _dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
-    """A sum of products; the integer 0 stands for nothing."""
+    """A sum of products; the integer 0 means nothing."""
     terms = [v * w for v, w in zip(left, right, strict=False)
              if not (isinstance(v, int) or isinstance(w, int))]  # fmt: skip
     return sum(terms[1:], start=terms[0]) if terms else 0

@@ -26,7 +26,7 @@ BLOCK = 4096
 STRIDE = 32
 """Distance between the cells of a row of cells at which the eigensolver starts."""
 STEPS = 3
-"""Corrections of a cell that starts from a cell beside it."""
+"""Corrections of a cell that starts from a cell near it."""
 
 MORE = 3
 """Most further corrections of cells whose discs are large."""

@@ -23,7 +23,7 @@ from .surfaces import Box, Signs, Surface, Window, powers
 
 Codes = NDArray[np.int8]
 
-SIDES = (64, 16, 4)
+SIDES = (64, 16)
 """Cells along the side of a tile, coarse to fine."""
 MESH = 64
 """Boxes along each axis on which every point is proved to be a member."""
@@ -48,8 +48,8 @@ class SliceVerdicts:
         self.surfaces = [surface(p, self.windows) for p in slice_.surfaces]
         self.degrees = tuple(max((s.degrees[k] for s in self.surfaces), default=0) for k in (0, 1))
         self.good = CODES[best(even=slice_.even)]
-        ends = [np.array([[g.low], [g.high]]) for g in axes]
-        self.known = self._over(*((e[0], e[1]) for e in ends), np.zeros((len(self.surfaces), 1)))
+        x, y = ((np.array([g.low]), np.array([g.high])) for g in axes)
+        self.known = self._over(x, y, np.zeros((len(self.surfaces), 1)))
         """Signs of the surfaces that are one on all of the map, 0 for the others."""
 
     @cached_property
@@ -81,13 +81,14 @@ class SliceVerdicts:
         for condition in self.slice.conditions:
             sign = _product(condition, signs, count)
             good, bad = good & (sign > 0), bad | (sign < 0)
-        codes: Codes = good * np.int8(self.good) + bad * np.int8(CODES[Verdict.UNSTABLE])
-        return np.where(self._member(signs), codes, np.int8(0))
+        codes: Any = good * np.int8(self.good) + bad * np.int8(CODES[Verdict.UNSTABLE])
+        codes[~self._member(signs)] = 0
+        return np.asarray(codes, dtype=np.int8)
 
     def _over(self, x: tuple[Any, Any], y: tuple[Any, Any], signs: Any) -> Signs:
         """Signs over boxes; those known already stay."""
-        t, s = (tuple(map(w, ends)) for w, ends in zip(self.windows, (x, y), strict=True))
-        signs, box = signs.astype(np.int8), Box(t, s, self.degrees)  # type: ignore[arg-type]
+        t, s = ([w(end) for end in ends] for w, ends in zip(self.windows, (x, y), strict=True))
+        signs, box = signs.astype(np.int8), Box(t, s, self.degrees)
         for row, one in zip(signs, self.surfaces, strict=True):
             left = np.flatnonzero(row == 0)
             if len(left) == len(row):
@@ -144,8 +145,8 @@ class SliceVerdicts:
                 padded.reshape(tall, side, wide, side)[i, :, j, :] = found[:, None, None]
                 left = found == 0
                 i, j, signs = i[left], j[left], signs[:, left]
-            codes = padded[: shape[0], : shape[1]]
-            return codes, self._single(codes, *_split(i, j, signs, side), xs, ys)
+            exact = self._single(padded, i, j, signs, xs, ys) if len(i) else 0
+            return padded[: shape[0], : shape[1]], exact
 
     def _tiles(
         self, i: Any, j: Any, side: int, xs: Floats, ys: Floats, signs: Any
@@ -157,23 +158,50 @@ class SliceVerdicts:
         signs = self._over(x, y, signs)
         return self._codes(signs), signs
 
-    def _single(self, codes: Codes, i: Any, j: Any, signs: Any, xs: Floats, ys: Floats) -> int:
-        """Flags of single cells, into their places."""
-        inside = (i < codes.shape[0]) & (j < codes.shape[1])
-        i, j, signs = i[inside], j[inside], signs[:, inside]
+    def _single(self, padded: Codes, i: Any, j: Any, signs: Any, xs: Floats, ys: Floats) -> int:
+        """Flags of the cells of the last tiles, into their places."""
+        side = SIDES[-1]
+        steps = np.arange(side)
+        rows, columns = (
+            np.minimum(first[:, None] * side + steps, len(v) - 1) for first, v in ((i, ys), (j, xs))
+        )
+        grid = self.windows[0](xs)[columns], self.windows[1](ys)[rows]
+        ends = [(v[:, 0], v[:, -1]) for v in grid]
+        box = Box(ends[0], ends[1], self.degrees)
+        offsets = [v - middle[:, None] for v, middle in zip(grid, box.middle, strict=True)]
+        cells = np.repeat(signs, side * side, axis=1).reshape(len(signs), -1, side, side)
+        for row, known, one in zip(cells, signs, self.surfaces, strict=True):
+            left = np.flatnonzero(known == 0)
+            if len(left):
+                row[left] = one.inside(box.take(left), *(v[left] for v in offsets))
+        found = self._codes(cells.reshape(len(signs), -1))
+        left = np.flatnonzero(found == 0)
+        tile, rest = np.divmod(left, side * side)
+        place = rows[tile, rest // side], columns[tile, rest % side]
+        found[left], exact = self._each(cells.reshape(len(signs), -1)[:, left], *place, xs, ys)
+        whole = padded.reshape(padded.shape[0] // side, side, padded.shape[1] // side, side)
+        whole[i, :, j, :] = found.reshape(-1, side, side)
+        return exact
+
+    def _each(
+        self, signs: Any, rows: Any, columns: Any, xs: Floats, ys: Floats
+    ) -> tuple[Codes, int]:
+        """Flags of single cells: by the surfaces that are open, then over Q."""
         t, s = (powers(w(v), d) for w, v, d in zip(self.windows, (xs, ys), self.degrees,
                                                    strict=True))  # fmt: skip
         for row, one in zip(signs, self.surfaces, strict=True):
             left = np.flatnonzero(row == 0)
             if len(left):
-                row[left] = one.at(t[:, j[left]], s[:, i[left]])
+                row[left] = one.at(t[:, columns[left]], s[:, rows[left]])
         found = self._codes(signs)
-        left = np.flatnonzero(found == 0)
-        for place in left:
-            verdict = self.slice.verdict(float(xs[j[place]]), float(ys[i[place]]))
-            found[place] = ELSEWHERE if verdict is None else CODES[verdict]
-        codes[i, j] = found
-        return len(left)
+        known: dict[tuple[int, int], int] = {}
+        for place in np.flatnonzero(found == 0):
+            key = int(rows[place]), int(columns[place])
+            if key not in known:  # tiles that reach beyond the grid repeat its last cells
+                verdict = self.slice.verdict(float(xs[key[1]]), float(ys[key[0]]))
+                known[key] = ELSEWHERE if verdict is None else CODES[verdict]
+            found[place] = known[key]
+        return found, len(known)
 
 
 def slice_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts | None:

@@ -29,6 +29,7 @@ from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, rati
 from ...algebra.exact.triangular import RecordingField, occurring
 from ...algebra.number_types import balls
 from ...algebra.program import Program
+from ...algebra.upright import Upright
 from ...base.errors import StabilityError
 from ...derivation.general.elimination import evaluate
 from ...spectra.problem import Problem
@@ -160,16 +161,18 @@ class _Reading:
         if any(self._element(r).num != 0 for r in rates):
             raise NotExact("a rate that does not vanish identically")
         table = dict(known) | dict(zip(family.unknown, self.u, strict=True))
-        table |= {n: self.field.number(rational(float(v))) for n, v in family.held.items()
-                  if family.system.conditions}  # fmt: skip
+        for name, value in family.held.items() if family.system.conditions else ():
+            if isinstance(value, Upright):
+                raise NotExact("a condition at the right angle")
+            table[name] = self.field.number(rational(value))
         values = [table[n] for n in family.positive]
         system = family.system
         for condition in system.conditions:
             program = Program(ca.Function("condition", [system.x, system.p], [condition.value]))
             place = [[table[n] for n in names] for names in (system.states, system.parameters)]
             values.append(program.run(EXACT, place)[0][0])
-        for value in map(self._element, values):
-            self.required.append(value.num * value.den)
+        for found in map(self._element, values):
+            self.required.append(found.num * found.den)
 
     # --- the polynomial ---
 
@@ -200,7 +203,7 @@ class _Reading:
                 else:
                     found.append((_coefficients(factor), count))
         if zeros != structure(self.family).zeros or not found:
-            raise NotExact("zeros beside those by structure")
+            raise NotExact("zeros in addition to those by structure")
         return tuple((row, _is_even(row), count) for row, count in found)
 
     def _in_balls(self, matrix: list[list[Expression]]) -> Rows:
@@ -208,8 +211,12 @@ class _Reading:
         common, plain = self._cleared(matrix, self.field.one, lambda p: p)
         self._apart(common)
         reduced = self.field.reduced
-        powers = [self._element(c).num for c in characteristic(
-            [[Expression(self.field, reduced(p), self.field.one) for p in row] for row in plain])]
+        powers = [
+            self._element(c).num
+            for c in characteristic(
+                [[Expression(self.field, reduced(p), self.field.one) for p in row] for row in plain]
+            )
+        ]
         powers = [reduced(c * common**k) for k, c in enumerate(powers)]
         content = powers[-1]
         for c in powers:
@@ -220,7 +227,7 @@ class _Reading:
         if even:
             row = [BallPolynomial({}) if k % 2 else c for k, c in enumerate(row)]
         if len(row) < 2 or row[0].is_zero():
-            raise NotExact("zeros beside those by structure")
+            raise NotExact("zeros in addition to those by structure")
         return ((tuple(row), even, 1),)
 
     @cached_property
@@ -311,7 +318,7 @@ def _is_even(row: Sequence[Poly]) -> bool:
 
 
 def _conditions(row: Sequence[Poly], even: bool, budget: Budget) -> list[tuple[Poly, ...]]:
-    """Products of polynomials, all positive only where no root has Re > 0; one negative: some root has.
+    """Products: all positive only where no root has Re >= 0; one negative only where one has > 0.
 
     Liénard and Chipart's conditions; for q(λ²) coefficients and subdiscriminants of q.
     """

@@ -7,6 +7,7 @@ the last place of the sum of its terms' sizes.  Over a box Taylor's sum at the m
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cached_property
 from math import comb, frexp
@@ -32,6 +33,10 @@ LOSS = 2.0**-180
 """Radius of a ball, relative to the largest coefficient, that is allowed; far below rounding."""
 LEAST = 1e-280
 """Size below which no sign is taken as proved: far above every loss by underflow."""
+
+
+ORDERS = 6
+"""Largest order of Taylor's coefficients for the points of a small box."""
 
 
 class Window:
@@ -131,25 +136,80 @@ class Surface:
         """
         value: Any = 0.0
         spread: Any = 0.0
-        high, wide, left_out = float(box.h.max()), float(box.k.max()), 0.0
-        for a, b, matrix, size in self.derivatives:
-            largest = size * high**a * wide**b
-            if left_out + largest < 4.0 * self.most and a + b:  # no more than the roundings
-                left_out += largest
-                continue
-            found = _sum(matrix, box.t[: len(matrix)], box.s[: matrix.shape[1]])
+        rounding = self._rounding(box)
+        found, left_out = self._taylor(box, sum(self.degrees), rounding)
+        for a, b, coefficient in found:
             if a or b:
-                np.abs(found, out=found)
-                spread = spread + found * box.far_t[a] * box.far_s[b]
+                np.abs(coefficient, out=coefficient)
+                spread = spread + coefficient * box.far_t[a] * box.far_s[b]
             else:
-                value = found
-        spread = spread + left_out * box.reach
-        slack = 2.0 * self.most * box.reach  # all sums together round as one of the terms' sizes
+                value = coefficient
+        # all sums together round as one of the terms' sizes
+        slack = 2.0 * rounding + left_out
         return _sure(value, spread * (1 + 1e-9) + slack)
+
+    def inside(self, box: Box, t: Floats, s: Floats) -> Signs:
+        """Proved signs at points of a grid in each box, 0 where open.
+
+        Parameters
+        ----------
+        box
+            The boxes.
+        t, s
+            Scaled numbers of the grid less those of the middle of its box, shapes (N, ·).
+
+        Returns
+        -------
+        ndarray
+            Shape (N, points along s, points along t).
+        """
+        rounding = self._rounding(box)
+        found, left_out = self._taylor(box, ORDERS, rounding)
+        by_power: dict[int, Any] = {}
+        size: Any = 0.0
+        for a, b, coefficient in found:
+            size = size + np.abs(coefficient) * box.far_t[a] * box.far_s[b]
+            term = coefficient[:, None] * t**a if a else coefficient[:, None]
+            by_power[b] = by_power[b] + term if b in by_power else term
+        value: Any = np.zeros((len(t), s.shape[1], t.shape[1]))
+        for b in range(max(by_power), -1, -1):
+            if b < max(by_power):
+                value *= s[:, :, None]
+            if b in by_power:
+                value += by_power[b][:, None, :]
+        # the scaled numbers are rounded too: as much as a unit of the terms' sizes
+        bound = 4.0 * rounding + left_out + 64 * UNIT * size
+        return _sure(value, bound[:, None, None])
+
+    def _rounding(self, box: Box) -> Floats:
+        """Rounding error of a value anywhere in each box."""
+        rows, columns = self.matrix.shape
+        most = _sum(self.size, box.end_t[:rows], box.end_s[:columns])
+        out: Floats = self.unit * 1.01 * most + self.least
+        return out
+
+    def _taylor(
+        self, box: Box, orders: int, rounding: Floats
+    ) -> tuple[list[tuple[int, int, Floats]], Any]:
+        """(a, b, Taylor's coefficient at the middle of each box), and a bound on the rest.
+
+        Coefficients whose terms are small, or of higher order than asked, are left out.
+        """
+        found = []
+        high, wide, left_out = float(box.h.max()), float(box.k.max()), 0.0
+        limit = 2.0 * float(rounding.min())
+        for a, b, matrix, size in self.derivatives:
+            largest = size * high**a * wide**b * 1.001
+            if a + b and (a + b > orders or left_out + largest < limit):
+                left_out += largest
+            else:
+                value = _sum(matrix, box.t[: len(matrix)], box.s[: matrix.shape[1]])
+                found.append((a, b, value))
+        return found, left_out * box.reach
 
     @cached_property
     def derivatives(self) -> list[tuple[int, int, Floats, float]]:
-        """(a, b, matrix of the derivative of these orders by a! b!, its size), last orders first."""
+        """(a, b, derivative of these orders by a! b! as a matrix, its size), last orders first."""
         rows, columns = self.matrix.shape
         along = [[float(comb(n, k)) for n in range(max(rows, columns))]
                  for k in range(max(rows, columns))]  # fmt: skip
@@ -187,10 +247,8 @@ class Box:
         Largest degrees in both.
     """
 
-    def __init__(
-        self, t: tuple[Floats, Floats], s: tuple[Floats, Floats], degrees: tuple[int, int]
-    ) -> None:
-        middle = 0.5 * (t[0] + t[1]), 0.5 * (s[0] + s[1])
+    def __init__(self, t: Sequence[Floats], s: Sequence[Floats], degrees: Sequence[int]) -> None:
+        middle = self.middle = 0.5 * (t[0] + t[1]), 0.5 * (s[0] + s[1])
         # the ends, and the middle, are rounded: a few units of their size
         self.h, self.k = (
             np.maximum(v[1] - m, m - v[0]) * (1 + 8 * UNIT) + 8 * UNIT * (np.abs(m) + 1e-30)
@@ -201,7 +259,8 @@ class Box:
             powers(r, d) for r, d in zip((self.h, self.k), degrees, strict=True)
         )
         ends = [np.abs(m) + r for m, r in zip(middle, (self.h, self.k), strict=True)]
-        self.reach = np.maximum(ends[0], 1.0) ** degrees[0] * np.maximum(ends[1], 1.0) ** degrees[1]
+        self.end_t, self.end_s = (powers(e, d) for e, d in zip(ends, degrees, strict=True))
+        self.reach = np.maximum(self.end_t[-1], 1.0) * np.maximum(self.end_s[-1], 1.0)
         """Largest size of a monomial over each box, at least one."""
 
     def take(self, index: Any) -> Box:
@@ -214,7 +273,8 @@ class Box:
         """
         out = object.__new__(Box)
         for name, value in vars(self).items():
-            setattr(out, name, value[..., index])
+            taken = tuple(v[index] for v in value) if name == "middle" else value[..., index]
+            setattr(out, name, taken)
         return out
 
 
@@ -226,7 +286,8 @@ def _sum(matrix: Floats, t: Floats, s: Floats) -> Floats:
 def _sure(value: Floats, bound: Any) -> Signs:
     """The sign where the size is beyond the bound; NaN, from an overflow, is open."""
     bound = bound + LEAST
-    return (value > bound).astype(np.int8) - (value < -bound).astype(np.int8)
+    signs: Signs = (value > bound).astype(np.int8) - (value < -bound).astype(np.int8)
+    return signs
 
 
 def _shifted(table: list[list[Any]], window: Window, number: Any) -> list[list[Any]]:
