@@ -2,8 +2,8 @@
 
 The bicycle has its 25 parameters as symbols, so CasADi builds its Jacobian as a user would.  The
 other route maps CasADi's function over all cells and takes one batched `numpy.linalg.eigvals`: no
-bound, no proof.  The routes take turns, since machines are shared and noisy; the least time of each
-counts.
+bound, no proof.  The routes take turns, since machines are shared and noisy; the least processor
+time of each counts.
 
 Usage: python benchmarks/maps.py --own
 
@@ -33,9 +33,9 @@ EVERY = 5
 """Both routes are compared on every fifth cell along each axis."""
 SOME = 20
 """The other route is timed on every twentieth: runs of like length meet a busy machine alike."""
-COARSE = 12
+COARSE = 3
 """Growth rates are timed on axes with so many times fewer cells."""
-REPEATS = 15
+REPEATS = 7
 CLEAR = 1e-9
 """Share of the largest modulus beyond which LAPACK's sign is taken as clear."""
 
@@ -140,15 +140,15 @@ def other(
 
 
 def least(runs: dict[str, Callable[[], Any]]) -> dict[str, float]:
-    """Least time of each, taken in turns."""
+    """Least processor time of each, of all threads, taken in turns."""
     out = dict.fromkeys(runs, np.inf)
     for run in runs.values():
         run()
     for _ in range(REPEATS):
         for name, run in runs.items():
-            start = time.perf_counter()
+            start = time.process_time()
             run()
-            out[name] = min(out[name], time.perf_counter() - start)
+            out[name] = min(out[name], time.process_time() - start)
     return out
 
 

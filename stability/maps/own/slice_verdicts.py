@@ -95,7 +95,8 @@ class SliceVerdicts:
                 row[:] = one.over(box)
             elif len(left):
                 row[left] = one.over(box.take(left))
-        return signs
+        out: Signs = signs
+        return out
 
     def boxes(self, spans: Mapping[str, tuple[Floats, Floats]]) -> Codes:
         """Flags proved over whole boxes inside the map, 0 where none is.
