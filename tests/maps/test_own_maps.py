@@ -9,6 +9,7 @@ import pickle
 import random
 from concurrent.futures import ProcessPoolExecutor
 from fractions import Fraction
+from math import comb
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from stability.maps.own import graph_rates, slices
 from stability.maps.own.root_discs import discs
 from stability.maps.own.slice_verdicts import ELSEWHERE, slice_verdicts
 from stability.maps.own.slices import slice_of
+from stability.maps.own.surfaces import Box, Surface, Window, powers
 from stability.spectra.arguments import prepare
 from stability.spectra.certificate import verdict
 
@@ -350,6 +352,33 @@ def test_cells_that_a_slice_leaves_open_are_marked() -> None:
     codes, _ = judged(np.array([-2.0, -1.0, 0.0]), np.array([1.0, 2.0]))
     assert codes.tolist() == [[UNSTABLE, ELSEWHERE, STABLE]] * 2
     assert not judged.everywhere
+
+
+def test_no_sign_is_taken_from_a_rounded_sum() -> None:
+    """(3x - y)⁷ in powers of x and y: next to its zeros most of its digits cancel."""
+    windows = Window(Axis.of(("x", 0.1, 2.0, 9), "x")), Window(Axis.of(("y", 0.1, 6.0, 9), "y"))
+    terms = {(k, 7 - k): Fraction(comb(7, k) * 3**k * (-1) ** (7 - k)) for k in range(8)}
+    one = Surface(terms, windows)
+    random_ = np.random.default_rng(2)
+    x = random_.uniform(0.1, 1.6, 4000)
+    y = 3 * x * (1 + random_.uniform(-1, 1, 4000) * 10.0 ** random_.uniform(-6, -0.5, 4000))
+    y = np.clip(y, 0.1, 6.0)
+    wanted = np.array([1 if 3 * Fraction(u) > Fraction(v) else -1 if 3 * Fraction(u) < Fraction(v)
+                       else 0 for u, v in zip(x, y, strict=True)])  # fmt: skip
+    t, s = powers(windows[0](x), 7), powers(windows[1](y), 7)
+    found = [one.at(t, s)]
+    for share in (0.2, 0.001):
+        ends = [windows[0](x), windows[0](x + share * x)]
+        box = Box(ends, [windows[1](y), windows[1](y)], (7, 7))
+        over = one.over(box)
+        beyond = (3 * (1 + share) * x - y) * wanted > 0  # the other end of the box
+        assert beyond[over != 0].all()
+        offsets = [windows[k](v)[:, None] - box.middle[k][:, None] for k, v in ((0, x), (1, y))]
+        found += [over, one.inside(box, *offsets)[:, 0, 0]]
+    for signs in found:
+        assert (signs[signs != 0] == wanted[signs != 0]).all()
+    shares = [(signs != 0).mean() for signs in found]
+    assert 0.05 < min(shares[0], shares[3], shares[4]) and max(shares) < 1, shares
 
 
 def test_a_small_map_takes_no_polynomial() -> None:
