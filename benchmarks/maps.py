@@ -5,7 +5,7 @@ takes the largest real part of `numpy.linalg.eigvals` point by point.  This rout
 bound, no boundary, and no reliable verdict near a boundary.  A second, faster obvious route
 evaluates the whole grid at once.
 
-Usage: python benchmarks/maps.py [--large]
+Usage: python benchmarks/maps.py [--large | --own]   (own: families of one's own alone)
 """
 
 from __future__ import annotations
@@ -128,7 +128,17 @@ def large() -> dict[str, float]:
     }
 
 
+def own() -> None:
+    from own_maps import report
+
+    for row in report():
+        print(json.dumps(row), flush=True)
+
+
 def main() -> None:
+    if "--own" in sys.argv:
+        own()
+        return
     report: dict[str, Any] = {
         "machine": f"{platform.machine()}, python {platform.python_version()}",
         "import_s": import_time(),

@@ -28,14 +28,23 @@ from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
 from ..systems.structure.multiplicity import certain
 from ..systems.structure.structural_zeros import structure
-from .dataset import EXACT, GRAPH, OWN
+from .dataset import EXACT, GRAPH, OWN, SLICE
 from .growth_rates import GrowthKernel, steady_memory
+from .own.graph_rates import quick_rates
+from .own.slice_cells import slice_cells
+from .own.slice_verdicts import ELSEWHERE
 from .verdict_tiles import GridVerdicts
 
 CHUNK = 16384
 """Cells of a chunk: few enough for the cache, many enough for NumPy."""
 BAND = 262144
 """Cells of a chunk of whole rows on the exact route: many, so that no thread waits for Python."""
+
+
+OWN_BAND = 65536
+"""The same for a user's family: few enough for the arrays of its roots."""
+LEAST = 1024
+"""Fewest cells for which a user's family gets its polynomial over Q."""
 
 
 LEFT = "left"
@@ -79,6 +88,9 @@ class Cells:
         family = problem.family
         zeros = structure(family).zeros  # established here, before the threads start
         self._certain = problem.derived or certain(family)
+        self.slice = None
+        if problem.law is None and math.prod(self.shape) >= LEAST:
+            self.slice = slice_cells(problem, axes, modes)
         self._count = len(family.system.states) - zeros
         if modes:
             self.values = np.empty((*self.shape, self._count), dtype=complex)
@@ -87,13 +99,23 @@ class Cells:
             self._growth = GrowthKernel(problem, modes=modes)
             self.chunk = max(1, BAND // self.shape[1]) * self.shape[1]
             steady_memory()
+        elif self.by_slice:
+            self.chunk = max(1, OWN_BAND // self.shape[1]) * self.shape[1]
+            steady_memory()
         else:
             self.chunk = CHUNK
 
     @property
+    def by_slice(self) -> bool:
+        """Whether verdicts and growth rates come from the polynomial in the axes."""
+        return self.slice is not None and self.slice.growth
+
+    @property
     def route(self) -> str:
         """Method of computation of the cells, in words."""
-        if not self.exact:
+        if self.by_slice:
+            route = SLICE
+        elif not self.exact:
             route = self._graph
             if self.problem.exact is None:
                 return route
@@ -120,7 +142,7 @@ class Cells:
             "modes": self.values is not None,
             **({"anchor": repr(family.anchor)} if family.anchor else {}),
             "chunk": self.chunk,
-            "route": EXACT if self.exact else self._graph,
+            "route": EXACT if self.exact else SLICE if self.by_slice else self._graph,
         }
 
     def __getstate__(self) -> dict[str, Any]:
@@ -148,7 +170,7 @@ class Cells:
         total, cells = math.prod(self.shape), shared(self, executor)
 
         def task(start: int) -> Callable[[], Chunk]:
-            if self.exact:
+            if self.exact or self.by_slice:
                 return partial(_band, cells, start, total)
             return partial(_work, cells, *self._inputs(start, total))
 
@@ -158,6 +180,8 @@ class Cells:
         )) as results:  # fmt: skip
             for start, chunk in results:
                 self._place(start, chunk)
+        if self.by_slice:
+            self._complete()
         if (self.codes == NO_MEMBER).all():
             raise NoMemberError(self.refusal or f"{self.problem.family.name} has no member here.")
 
@@ -174,6 +198,13 @@ class Cells:
         """Compute whole rows by the exact route, which uses no CasADi function."""
         rows = slice(start // self.shape[1], min(start + self.chunk, total) // self.shape[1])
         x, y = self.axes
+        if self.slice is not None:
+            found, left, rates = self.slice.band(x.values, y.values[rows])
+            part: Chunk = {
+                LEFT: np.array([left]), "codes": found, "abscissa": rates.abscissa,
+                "error": rates.error, "frequency": rates.frequency,
+            }  # fmt: skip
+            return part if rates.values is None else part | {"values": rates.values}
         values = dict(self.problem.values)
         values |= {x.name: x.values[None, :], y.name: y.values[rows, None]}
         codes, left = self._verdicts(x.values, y.values[rows])
@@ -187,12 +218,32 @@ class Cells:
             chunk["values"] = growth.values
         return chunk
 
+    def _complete(self) -> None:
+        """The cells that the slice left open: by the graph, verdicts of members as they are."""
+        flat = {
+            n: getattr(self, n).reshape(-1, *getattr(self, n).shape[2:])
+            for n in ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes))
+        }
+        left = np.flatnonzero(np.isinf(flat["error"]) | (flat["codes"] == ELSEWHERE))
+        for first in range(0, len(left), CHUNK):
+            some = left[first : first + CHUNK]
+            chunk = self._work(*self._members_of(some))
+            known = flat["codes"][some]
+            chunk["codes"] = np.where(known == ELSEWHERE, chunk["codes"], known)
+            for name, array in chunk.items():
+                flat[name][some] = array
+
     def _inputs(
         self, start: int, total: int
     ) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.bool_]]:
         """Numbers and unknowns of the members of a chunk, and which of its cells have one."""
+        return self._members_of(np.arange(start, min(start + CHUNK, total)))
+
+    def _members_of(
+        self, cells: NDArray[np.intp]
+    ) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.bool_]]:
         xs, ys = self.axes[0].values, self.axes[1].values
-        row, column = np.divmod(np.arange(start, min(start + CHUNK, total)), self.shape[1])
+        row, column = np.divmod(cells, self.shape[1])
         swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
         values = dict(self.problem.values) | swept
         a, q, rate, _ = self.problem.arrays(values)
@@ -224,6 +275,13 @@ class Cells:
         watch = not self._certain
         reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
         even = family.conservative and self._certain
+        found = None if watch else quick_rates(reduced, even=even, modes=self.modes)
+        if found is not None:
+            return {
+                "codes": found.codes, "abscissa": found.abscissa * rate,
+                "error": found.error * rate, "frequency": found.frequency * rate,
+                **({"values": found.values * rate[:, None]} if found.values is not None else {}),
+            }  # fmt: skip
         values, radius, _ = eigenvalues(reduced, even=even)
         codes = decide(values, radius, even=even)
         if watch:

@@ -34,7 +34,15 @@ EXACT = (
 
 GRAPH = (
     "eigenvalues of the AD Jacobian with structural zeros removed through null vectors "
-    "(LAPACK), error discs by running error analysis and Gershgorin's theorem"
+    "(LAPACK), or roots of its polynomial where their discs are small; error discs by running "
+    "error analysis and Gershgorin's theorem"
+)
+
+SLICE = (
+    "characteristic polynomial of the family over Q in the two axes: verdicts from its conditions "
+    "by a floating-point filter with a proved bound, growth rates by Weierstrass' correction with "
+    "the discs of Braess and Hadeler; what these leave open in rational arithmetic, or from the "
+    "graph by the eigensolver with Gershgorin's discs"
 )
 
 OWN = "; verdicts that these leave open from the family's polynomial, exactly or in balls"

@@ -3,12 +3,13 @@
 A rectangle is halved in both directions until the conditions of its family keep their signs on all
 of it, or until it is as narrow as the levels allow.  For the disk the conditions are the
 polynomials of `stability.bodies.thin_disk.disk_polynomials`, bounded over many boxes at once by the
-mean value form.  For a user's family they are Routh's array in wide balls.
+mean value form.  For a user's family they are its polynomials over Q in the two axes, or Routh's
+array in wide balls.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +26,7 @@ from ..base.errors import NoMemberError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, Verdict, best
 from ..spectra.problem import Problem
+from .own.slice_verdicts import slice_verdicts
 from .verdict_filter import tabulated
 
 MOST_LEVELS = 16
@@ -100,7 +102,7 @@ def prove_boxes(
     """
     levels = whole_number("levels", levels, 0, MOST_LEVELS)
     fast = isinstance(problem.exact, TabulatedPolynomial)
-    judge = BoxConditions(problem) if fast else _WideBalls(problem)
+    judge = BoxConditions(problem) if fast else _own(problem, axes)
     edges = [_edges(axis, levels) for axis in axes]
     i = j = np.zeros(1, dtype=np.int64)
     found: list[tuple[Any, Any, Any]] = []
@@ -129,6 +131,12 @@ def _edges(axis: Axis, levels: int) -> Floats:
 
 
 Spans = Mapping[str, tuple[Floats, Floats]]
+
+
+def _own(problem: Problem, axes: tuple[Axis, Axis]) -> Callable[[Spans], NDArray[np.int8]]:
+    """Verdicts over boxes of a user's family."""
+    found = slice_verdicts(problem, axes)
+    return _WideBalls(problem) if found is None else found.boxes
 
 
 class BoxConditions:

@@ -26,12 +26,18 @@ from ..bodies.disk import Disk
 from ..jobs.pipeline import Counted, check_run, ordered
 from ..jobs.shared import shared
 from ..spectra.arguments import prepare
+from ..spectra.problem import Problem
 from ..storage.checksum import ATTRIBUTE, STATEMENT, seal
 from ..storage.files import atomic_write, postponed
 from ..storage.targets import NETCDF, check_suffix, check_target, path_text
+from ..systems.family import Family
 from .dataset import axis_attributes, provenance
 from .growth_rates import steady_memory
+from .own.slice_verdicts import SliceVerdicts, slice_verdicts
 from .verdict_tiles import Codes, GridVerdicts
+
+Judge = GridVerdicts | SliceVerdicts
+"""What gives the verdicts of a band."""
 
 BAND = 2**20
 """Cells of a band of rows."""
@@ -46,7 +52,7 @@ METHOD = (
 
 
 def stream_map(
-    family: str,
+    family: str | Family,
     *,
     x: AxisLike,
     y: AxisLike,
@@ -58,13 +64,14 @@ def stream_map(
     executor: Executor | None = None,
     overwrite: bool = False,
     progress: Progress | None = None,
+    **parameters: ArrayLike,
 ) -> Path:
     """Proved verdicts over two parameters, written to a file in bands, for very large maps.
 
     Parameters
     ----------
     family
-        Name of a disk's family.
+        Name of a disk's family, or a `Family` that is algebraic in both axes.
     x, y
         Axes, as for `stability_map`.
     out
@@ -80,6 +87,8 @@ def stream_map(
         Whether an existing file may be replaced.
     progress
         Called with (cells done, cells in all).
+    **parameters
+        For a `Family`: its fixed parameters by name.
 
     Returns
     -------
@@ -102,15 +111,12 @@ def stream_map(
     ...     st.read_map(file).verdict.shape
     (40, 50)
     """
-    if not isinstance(family, str):
-        raise ParameterError(
-            "family is not a name; maps are streamed for the disk's families, which have exact "
-            "polynomials. Use stability_map for one's own."
-        )
     check_run(workers, progress, executor)
     axes = Axis.of(x, "x"), Axis.of(y, "y")
-    problem = prepare(str(family), axes, disk, contact, at, {})
-    if not isinstance(problem.exact, TabulatedPolynomial):
+    own = isinstance(family, Family)
+    problem = prepare(family if own else str(family), axes, disk, contact, at, parameters)
+    verdicts = _own_verdicts(problem, axes) if own else None
+    if verdicts is None and not isinstance(problem.exact, TabulatedPolynomial):
         raise ParameterError(
             f"{problem.family.name} under the {problem.law.name if problem.law else ''} law has no "
             "exact polynomials, by which maps are streamed; use stability_map."
@@ -128,7 +134,7 @@ def stream_map(
             "free there."
         )
     steady_memory()
-    verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
+    judge = verdicts or GridVerdicts(problem, axes[0].name, axes[1].name)
     with atomic_write(target, overwrite=overwrite) as draft:
         with _Sink(draft) as sink:
             # an exception within HDF5's calls of the sink, even Ctrl-C, would end the process
@@ -137,7 +143,7 @@ def stream_map(
                 with postponed():
                     file, variable = _created(sink, problem, axes)
                 count = workers or (1 if executor is None else os.cpu_count() or 1)
-                left = _fill(variable, sink, verdicts, axes, count, progress, executor)
+                left = _fill(variable, sink, judge, axes, count, progress, executor)
                 with postponed():
                     file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
                     file.attrs[ATTRIBUTE] = STATEMENT
@@ -148,6 +154,22 @@ def stream_map(
             sink.check()
         seal(draft)
     return Path(out)
+
+
+def _own_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
+    """Verdicts of a user's family, which exist in every cell."""
+    found = slice_verdicts(problem, axes)
+    if found is None:
+        raise ParameterError(
+            f"{problem.family.name} has no polynomial over Q in {axes[0].name} and {axes[1].name} "
+            "that proves its verdicts, by which maps are streamed; use stability_map."
+        )
+    if not found.everywhere:
+        raise ParameterError(
+            f"{problem.family.name} is not proved to have a member in every cell of this map; use "
+            "stability_map."
+        )
+    return found
 
 
 class _Sink(io.RawIOBase):
@@ -239,7 +261,7 @@ def _rows(axes: tuple[Axis, Axis]) -> int:
 
 
 def _fill(
-    variable: Any, sink: _Sink, verdicts: GridVerdicts, axes: tuple[Axis, Axis], workers: int,
+    variable: Any, sink: _Sink, verdicts: Judge, axes: tuple[Axis, Axis], workers: int,
     progress: Progress | None, executor: Executor | None,
 ) -> int:  # fmt: skip
     """Write the bands in order; return the number of cells that went to exact arithmetic."""
@@ -263,5 +285,5 @@ def _fill(
     return left
 
 
-def _band(judge: Callable[[], GridVerdicts], xs: Floats, ys: Floats) -> tuple[Codes, int]:
+def _band(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> tuple[Codes, int]:
     return judge()(xs, ys)

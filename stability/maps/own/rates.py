@@ -1,0 +1,186 @@
+"""Growth rates and verdicts of many members from their polynomials' coefficients."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...algebra.exact.number_fields import characteristic
+from ...algebra.running_error import TINY, UNIT
+from ...base.types import Complexes, Floats
+from ...base.verdict import CODES, Verdict
+from .root_discs import Discs, discs, most
+
+WANTED = 1e-10
+"""Error of the abscissa, relative to the largest modulus, beyond which a cell is computed again."""
+BLOCK = 4096
+"""Members of a block whose polynomials are formed at once."""
+MOST_STATES = 12
+"""Largest degree of a polynomial whose roots are found here."""
+
+
+class Rates(NamedTuple):
+    """Quantities of the eigenvalues of many members."""
+
+    abscissa: Floats
+    """Largest real part, shape (N,)."""
+    error: Floats
+    """Bound on its error, shape (N,)."""
+    frequency: Floats
+    """|Im| of the eigenvalue with the largest real part, shape (N,)."""
+    codes: NDArray[np.int8]
+    """Verdict flags, 0 where the discs do not decide, shape (N,)."""
+    values: Complexes | None
+    """All eigenvalues, sorted, shape (N, n); None unless asked for."""
+    poor: NDArray[np.bool_]
+    """Where the discs meet or are large, shape (N,)."""
+
+
+Coefficients = tuple[Floats, Floats]
+"""Coefficients of a monic polynomial below its leading one, and bounds on their errors, (n, N)."""
+
+
+def rates(factors: Sequence[tuple[Coefficients, bool, int]], *, modes: bool) -> Rates:
+    """Eigenvalues from the coefficients of factors.
+
+    Parameters
+    ----------
+    factors
+        (coefficients, whether even, multiplicity) of each factor of a polynomial.
+    modes
+        Whether to return all eigenvalues.
+
+    Returns
+    -------
+    Rates
+    """
+    with np.errstate(all="ignore"):
+        parts = [(_mirrored(discs(a[::2], e[::2])) if even else discs(a, e), even, count)
+                 for (a, e), even, count in factors]  # fmt: skip
+        real = [part.roots.real for part, _, _ in parts]
+        # on the imaginary axis by symmetry, without an error of the real part
+        spread = [np.where(r == 0, 0.0, part.radius) if even else part.radius
+                  for r, (part, even, _) in zip(real, parts, strict=True)]  # fmt: skip
+        x, r = np.concatenate(real), np.concatenate(spread)
+        z = np.concatenate([part.roots for part, _, _ in parts])
+        apart = np.logical_and.reduce([part.apart for part, _, _ in parts])
+        top = most(x)
+        low, high = most(x - r), most(x + r)
+        error = np.maximum(high - top, top - low)
+        error += np.where(error > 0, 4 * UNIT * np.abs(top), 0.0)
+        lead = most(np.where(x == top, np.abs(z.imag), 0.0))
+        largest = most(np.abs(x) + np.abs(z.imag))
+        even = any(even for _, even, _ in parts)
+        sure = (high <= 0) if even else (high < 0)
+        codes = np.where(sure, np.int8(CODES[Verdict.NEUTRAL if even else Verdict.STABLE]), 0)
+        codes = np.where(low > 0, np.int8(CODES[Verdict.UNSTABLE]), codes)
+        codes = np.where(apart, codes, 0).astype(np.int8)
+        values = None
+        if modes:
+            every = [p.roots for p, _, count in parts for _ in range(count)]
+            spectrum = np.ascontiguousarray(np.concatenate(every).T)
+            order = np.lexsort((spectrum.imag, spectrum.real), axis=-1)
+            values = np.take_along_axis(spectrum, order, -1)
+        poor = ~(apart & (error <= WANTED * largest))
+    return Rates(top, error, lead, codes, values, poor)
+
+
+def _mirrored(squares: Discs) -> Discs:
+    """±√y for the roots y = λ² of an even factor: |λ - λ'| |λ + λ'| = |y - y'|."""
+    y, r = squares.roots, squares.radius
+    real = y.imag == 0
+    size = np.sqrt(np.abs(y))
+    root = np.where(real & (y.real < 0), 1j * size, np.sqrt(y))
+    radius = r / size * (1 + 8 * UNIT) + 4 * UNIT * size
+    radius[~np.isfinite(radius)] = np.inf
+    # the sign of a real y must be sure, or its roots are neither real nor imaginary
+    apart = squares.apart & (~real | (np.abs(y.real) > r)).all(axis=0)
+    apart &= (radius < size).all(axis=0)
+    return Discs(np.concatenate([root, -root]), np.concatenate([radius, radius]), apart)
+
+
+def monic(values: Sequence[Floats], errors: Sequence[Floats]) -> Coefficients:
+    """Coefficients divided by the leading one, with bounds on their errors.
+
+    Parameters
+    ----------
+    values, errors
+        Coefficients by powers and bounds on their errors, arrays of one shape.
+    """
+    lead, off = np.abs(values[-1]), errors[-1]
+    least = np.maximum(lead - off, 0.0)
+    out, bounds = [], []
+    for v, e in zip(values[:-1], errors[:-1], strict=True):
+        quotient = v / values[-1]
+        out.append(quotient)
+        size = np.abs(quotient)
+        bounds.append(1.01 * ((e + size * off) / least + 2 * UNIT * size))
+    return np.array(out), np.array(bounds)
+
+
+def of_matrices(matrix: Floats, error: Floats) -> Coefficients:
+    """Coefficients of det(λ - A), each with a bound on its error.
+
+    Parameters
+    ----------
+    matrix, error
+        Matrices and bounds on the errors of their entries, shapes (N, n, n).
+
+    Returns
+    -------
+    Coefficients
+    """
+    count, n = matrix.shape[:2]
+    out, bounds = np.empty((n, count)), np.empty((n, count))
+    used = (matrix != 0).any(axis=0) | (error != 0).any(axis=0)
+    for first in range(0, count, BLOCK):
+        rows = slice(first, first + BLOCK)
+        out[:, rows], bounds[:, rows] = _of_block(matrix[rows], error[rows], used)
+    return out, bounds
+
+
+def _of_block(matrix: Floats, error: Floats, used: NDArray[np.bool_]) -> Coefficients:
+    n = matrix.shape[-1]
+    entries: list[list[Any]] = [[np.ascontiguousarray(matrix[:, i, j]) if used[i, j] else 0
+                                 for j in range(n)] for i in range(n)]  # fmt: skip
+    sizes: list[list[Any]] = [[np.abs(matrix[:, i, j]) + error[:, i, j] if used[i, j] else 0
+                               for j in range(n)] for i in range(n)]  # fmt: skip
+    values, largest = characteristic(entries), _sizes(sizes)
+    # entries off by a share ε of their size change a product of k of them by at most k ε
+    share: Any = 0.0
+    for i in range(n):
+        for j in range(n):
+            if used[i, j]:
+                w = sizes[i][j]
+                share = np.maximum(share, np.where(w > 0, error[:, i, j] / w, 0.0))
+    out, bounds = np.empty((n, len(matrix))), np.empty((n, len(matrix)))
+    # roundings on the way to a coefficient: at stage s, s for each of its entries of A but one, and
+    # s + 2 for the sum over the stage; the entries of all stages are at most n
+    rounding = (1.5 * n * n + 2.5 * n + 2) * UNIT
+    for k in range(n):
+        out[k] = values[k]
+        bounds[k] = 1.01 * (rounding + 1.01 * (n - k) * share) * largest[k] + TINY * n**4
+    return out, bounds
+
+
+def _sizes(matrix: list[list[Any]]) -> list[Any]:
+    """The steps of `characteristic` with sizes: nothing cancels, so that it bounds every sum."""
+    poly: list[Any] = [1.0]
+    for n in range(len(matrix)):
+        row, column = matrix[n][:n], [matrix[i][n] for i in range(n)]
+        band: list[Any] = [1.0, matrix[n][n]]
+        for _ in range(n):
+            band.append(_dot(row, column))
+            column = [_dot(matrix[i][:n], column) for i in range(n)]
+        poly = [_dot(band[i::-1], poly) for i in range(n + 2)]
+    return poly[::-1]
+
+
+def _dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
+    """A sum of products; the integer 0 means nothing."""
+    terms = [v * w for v, w in zip(left, right, strict=False)
+             if not (isinstance(v, int) or isinstance(w, int))]  # fmt: skip
+    return sum(terms[1:], start=terms[0]) if terms else 0

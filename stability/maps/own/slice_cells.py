@@ -1,0 +1,116 @@
+"""Verdicts and growth rates of the cells of a map from a slice, without members or matrices."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from ...algebra.exact.number_fields import NotExact
+from ...base.axis import Axis
+from ...base.types import Floats
+from ...spectra.problem import Problem
+from .rates import Coefficients, Rates, monic, rates
+from .slice_record import Slice
+from .slice_verdicts import ELSEWHERE, Codes, SliceVerdicts, surface
+from .slices import slice_of
+from .surfaces import LEAST, Surface, Window, powers
+
+SAMPLE = 16
+"""Cells along each axis on which the discs are tried."""
+MOST_POOR = 0.25
+"""Share of these cells beyond which growth rates come from the graph instead."""
+
+
+class SliceCells:
+    """The cells of a map of a family with a slice.
+
+    Parameters
+    ----------
+    found
+        The slice.
+    axes
+        x and y.
+    modes
+        Whether to keep all eigenvalues.
+    """
+
+    def __init__(self, found: Slice, axes: tuple[Axis, Axis], modes: bool) -> None:
+        self.modes = modes
+        self.verdicts = SliceVerdicts(found, axes)
+        self.windows = Window(axes[0]), Window(axes[1])
+        self._factors = [
+            ([surface(c, self.windows) if c != 0 else None for c in row], even, count)
+            for row, even, count in found.factors
+        ]
+        present = [s for row, _, _ in self._factors for s in row if s is not None]
+        self._degrees = tuple(max(s.degrees[k] for s in present) for k in (0, 1))
+        x, y = (g.values[:: max(1, g.count // SAMPLE)] for g in axes)
+        self.growth = bool(self.rates(x, y).poor.mean() <= MOST_POOR)
+        """Whether the discs are good enough for growth rates."""
+
+    def rates(self, xs: Floats, ys: Floats) -> Rates:
+        """Growth rates over a grid, flat, with y outermost.
+
+        Parameters
+        ----------
+        xs, ys
+            Values of the axes.
+        """
+        with np.errstate(all="ignore"):
+            t, s = (powers(w(v), d) for w, v, d in zip(self.windows, (xs, ys), self._degrees,
+                                                       strict=True))  # fmt: skip
+            parts = [(_coefficients(row, t, s), even, count) for row, even, count in self._factors]
+        return rates(parts, modes=self.modes)
+
+    def band(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
+        """Flags and growth rates over a grid, flat; an infinite error where these are missing.
+
+        Parameters
+        ----------
+        xs, ys
+            Increasing values of the axes.
+
+        Returns
+        -------
+        codes, exact, rates
+            As from `SliceVerdicts` and `rates`.
+        """
+        codes, exact = self.verdicts(xs, ys)
+        found = self.rates(xs, ys)
+        flat = codes.reshape(-1)
+        found.error[found.poor | (flat == ELSEWHERE)] = np.inf
+        return flat, exact, found
+
+
+def slice_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> SliceCells | None:
+    """The cells of a map by a slice; None where the family has none.
+
+    Parameters
+    ----------
+    problem, axes, modes
+        As for `stability.maps.cells.Cells`.
+    """
+    found = slice_of(problem, axes[0].name, axes[1].name)
+    with suppress(NotExact):
+        return None if found is None else SliceCells(found, axes, modes)
+    return None
+
+
+def _coefficients(row: list[Surface | None], t: Floats, s: Floats) -> Coefficients:
+    """Monic coefficients of a factor over a grid, flat."""
+    top = max(p.exponent for p in row if p is not None)
+    shape = s.shape[1] * t.shape[1]
+    values: list[Any] = []
+    errors: list[Any] = []
+    for p in row:
+        if p is None:
+            values.append(np.zeros(shape))
+            errors.append(np.zeros(shape))
+            continue
+        value, error = p.product(t, s)
+        scale = 2.0 ** (p.exponent - top)  # exact, or zero: LEAST is far above that
+        values.append((value * scale).reshape(-1))
+        errors.append((error * scale).reshape(-1) + LEAST)
+    return monic(values, errors)

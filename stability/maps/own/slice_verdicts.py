@@ -1,0 +1,254 @@
+"""Proved verdicts over a grid from a slice: whole tiles at once, then cells, then over Q."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...algebra.exact.number_fields import NotExact
+from ...base.axis import Axis
+from ...base.types import Floats
+from ...base.verdict import CODES, Verdict, best
+from ...spectra.problem import Problem
+from .ball_polynomials import BallPolynomial
+from .slice_record import Condition, Slice
+from .slices import slice_of
+from .surfaces import Box, Signs, Surface, Window, powers
+
+Codes = NDArray[np.int8]
+
+SIDES = (64, 16)
+"""Cells along the side of a tile, coarse to fine."""
+MESH = 64
+"""Boxes along each axis on which every point is proved to be a member."""
+ELSEWHERE = -1
+"""Flag of a cell that the slice leaves open: perhaps no member, or a sign that balls leave open."""
+
+
+class SliceVerdicts:
+    """Verdicts of the members in the axes of a map.
+
+    Parameters
+    ----------
+    slice_
+        Polynomial and conditions.
+    axes
+        x and y.
+    """
+
+    def __init__(self, slice_: Slice, axes: tuple[Axis, Axis]) -> None:
+        self.slice, self.axes = slice_, axes
+        self.windows = Window(axes[0]), Window(axes[1])
+        self.surfaces = [surface(p, self.windows) for p in slice_.surfaces]
+        self.degrees = tuple(max((s.degrees[k] for s in self.surfaces), default=0) for k in (0, 1))
+        self.good = CODES[best(even=slice_.even)]
+        x, y = ((np.array([g.low]), np.array([g.high])) for g in axes)
+        self.known = self._over(x, y, np.zeros((len(self.surfaces), 1)))
+        """Signs of the surfaces that are one on all of the map, 0 for the others."""
+
+    @cached_property
+    def everywhere(self) -> bool:
+        """Whether every point of the map is proved to be a member at which the slice holds."""
+        edges = [np.linspace(g.low, g.high, MESH + 1) for g in self.axes]
+        x, y = ([v.ravel() for v in np.meshgrid(*pair)] for pair in zip(
+            *((e[:-1], e[1:]) for e in edges), strict=True))  # fmt: skip
+        with np.errstate(all="ignore"):
+            signs = self._over((x[0], y[0]), (x[1], y[1]), np.repeat(self.known, MESH**2, axis=1))
+        return bool(self._member(signs).all())
+
+    # --- signs to flags ---
+
+    def _member(self, signs: Any) -> Any:
+        """Where the signs prove a member at which the slice holds."""
+        count = signs.shape[1]
+        out = np.ones(count, dtype=bool)
+        for condition in self.slice.required:
+            out &= _product(condition, signs, count) > 0
+        for condition in self.slice.nonzero:
+            out &= _product(condition, signs, count) != 0
+        return out
+
+    def _codes(self, signs: Any) -> Codes:
+        """Flags from the signs of the surfaces, 0 where these do not decide."""
+        count = signs.shape[1]
+        good, bad = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
+        for condition in self.slice.conditions:
+            sign = _product(condition, signs, count)
+            good, bad = good & (sign > 0), bad | (sign < 0)
+        codes: Any = good * np.int8(self.good) + bad * np.int8(CODES[Verdict.UNSTABLE])
+        codes[~self._member(signs)] = 0
+        return np.asarray(codes, dtype=np.int8)
+
+    def _over(self, x: tuple[Any, Any], y: tuple[Any, Any], signs: Any) -> Signs:
+        """Signs over boxes; those known already stay."""
+        t, s = ([w(end) for end in ends] for w, ends in zip(self.windows, (x, y), strict=True))
+        signs, box = signs.astype(np.int8), Box(t, s, self.degrees)
+        for row, one in zip(signs, self.surfaces, strict=True):
+            left = np.flatnonzero(row == 0)
+            if len(left) == len(row):
+                row[:] = one.over(box)
+            elif len(left):
+                row[left] = one.over(box.take(left))
+        out: Signs = signs
+        return out
+
+    def boxes(self, spans: Mapping[str, tuple[Floats, Floats]]) -> Codes:
+        """Flags proved over whole boxes inside the map, 0 where none is.
+
+        Parameters
+        ----------
+        spans
+            Low and high ends by name of the axis, shapes (N,).
+        """
+        x, y = (spans[g.name] for g in self.axes)
+        with np.errstate(all="ignore"):
+            return self._codes(self._over(x, y, np.repeat(self.known, len(x[0]), axis=1)))
+
+    # --- a grid ---
+
+    def __call__(self, xs: Floats, ys: Floats) -> tuple[Codes, int]:
+        """Flags over a grid inside the map.
+
+        Parameters
+        ----------
+        xs, ys
+            Increasing values of the axes.
+
+        Returns
+        -------
+        codes, exact
+            Flags, shape (y, x), `ELSEWHERE` where the slice has none; and how many cells were
+            decided over Q.
+        """
+        shape, side = (len(ys), len(xs)), SIDES[0]
+        tall, wide = (-(-n // side) for n in shape)
+        padded = np.empty((tall * side, wide * side), dtype=np.int8)
+        i, j = (v.ravel() for v in np.indices((tall, wide)))
+        signs: Any = np.repeat(self.known, len(i), axis=1)
+        with np.errstate(all="ignore"):
+            found, signs = self._tiles(i, j, side, xs, ys, signs)
+            rows = np.repeat(found.reshape(tall, wide), side, axis=1)
+            padded.reshape(tall, side, wide * side)[...] = rows[:, None, :]
+            left = found == 0
+            i, j, signs = i[left], j[left], signs[:, left]
+            for finer in SIDES[1:]:
+                i, j, signs, side = *_split(i, j, signs, side // finer), finer
+                inside = (i * side < shape[0]) & (j * side < shape[1])
+                i, j, signs = i[inside], j[inside], signs[:, inside]
+                found, signs = self._tiles(i, j, side, xs, ys, signs)
+                tall, wide = padded.shape[0] // side, padded.shape[1] // side
+                padded.reshape(tall, side, wide, side)[i, :, j, :] = found[:, None, None]
+                left = found == 0
+                i, j, signs = i[left], j[left], signs[:, left]
+            exact = self._single(padded, i, j, signs, xs, ys) if len(i) else 0
+            return padded[: shape[0], : shape[1]], exact
+
+    def _tiles(
+        self, i: Any, j: Any, side: int, xs: Floats, ys: Floats, signs: Any
+    ) -> tuple[Codes, Signs]:
+        x, y = (
+            (v[first * side], v[np.minimum(first * side + side, len(v)) - 1])
+            for v, first in ((xs, j), (ys, i))
+        )
+        signs = self._over(x, y, signs)
+        return self._codes(signs), signs
+
+    def _single(self, padded: Codes, i: Any, j: Any, signs: Any, xs: Floats, ys: Floats) -> int:
+        """Flags of the cells of the last tiles, into their places."""
+        side = SIDES[-1]
+        steps = np.arange(side)
+        rows, columns = (
+            np.minimum(first[:, None] * side + steps, len(v) - 1) for first, v in ((i, ys), (j, xs))
+        )
+        grid = self.windows[0](xs)[columns], self.windows[1](ys)[rows]
+        ends = [(v[:, 0], v[:, -1]) for v in grid]
+        box = Box(ends[0], ends[1], self.degrees)
+        offsets = [v - middle[:, None] for v, middle in zip(grid, box.middle, strict=True)]
+        cells = np.repeat(signs, side * side, axis=1).reshape(len(signs), -1, side, side)
+        for row, known, one in zip(cells, signs, self.surfaces, strict=True):
+            left = np.flatnonzero(known == 0)
+            if len(left):
+                row[left] = one.inside(box.take(left), *(v[left] for v in offsets))
+        found = self._codes(cells.reshape(len(signs), -1))
+        left = np.flatnonzero(found == 0)
+        tile, rest = np.divmod(left, side * side)
+        place = rows[tile, rest // side], columns[tile, rest % side]
+        found[left], exact = self._each(cells.reshape(len(signs), -1)[:, left], *place, xs, ys)
+        whole = padded.reshape(padded.shape[0] // side, side, padded.shape[1] // side, side)
+        whole[i, :, j, :] = found.reshape(-1, side, side)
+        return exact
+
+    def _each(
+        self, signs: Any, rows: Any, columns: Any, xs: Floats, ys: Floats
+    ) -> tuple[Codes, int]:
+        """Flags of single cells: by the surfaces that are open, then over Q."""
+        t, s = (powers(w(v), d) for w, v, d in zip(self.windows, (xs, ys), self.degrees,
+                                                   strict=True))  # fmt: skip
+        for row, one in zip(signs, self.surfaces, strict=True):
+            left = np.flatnonzero(row == 0)
+            if len(left):
+                row[left] = one.at(t[:, columns[left]], s[:, rows[left]])
+        found = self._codes(signs)
+        known: dict[tuple[int, int], int] = {}
+        for place in np.flatnonzero(found == 0):
+            key = int(rows[place]), int(columns[place])
+            if key not in known:  # tiles that reach beyond the grid repeat its last cells
+                verdict = self.slice.verdict(float(xs[key[1]]), float(ys[key[0]]))
+                known[key] = ELSEWHERE if verdict is None else CODES[verdict]
+            found[place] = known[key]
+        return found, len(known)
+
+
+def slice_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts | None:
+    """Verdicts from the slice of a problem; None where it has none, or no conditions.
+
+    Parameters
+    ----------
+    problem
+        Problem of a user's family.
+    axes
+        x and y.
+    """
+    found = slice_of(problem, axes[0].name, axes[1].name)
+    with suppress(NotExact):
+        return None if found is None else SliceVerdicts(found, axes)
+    return None
+
+
+def surface(poly: Any, windows: tuple[Window, Window]) -> Surface:
+    """A polynomial of a slice, over the windows of a map.
+
+    Parameters
+    ----------
+    poly
+        An `fmpq_mpoly` in x, y and λ, without λ.
+    windows
+        Windows of x and y.
+    """
+    if isinstance(poly, BallPolynomial):
+        return Surface(poly.terms, windows)
+    terms = {
+        (int(e[0]), int(e[1])): Fraction(int(c.p), int(c.q)) for e, c in poly.to_dict().items()
+    }
+    return Surface(terms, windows)
+
+
+def _product(condition: Condition, signs: Any, count: int) -> Signs:
+    """Sign of a product of powers; 0 where one is open."""
+    out: Signs = np.full(count, condition.sign, dtype=np.int8)
+    for place, power in condition.powers:
+        out = out * (signs[place] if power % 2 else np.abs(signs[place]))
+    return out
+
+
+def _split(i: Any, j: Any, signs: Any, ratio: int) -> tuple[Any, Any, Any]:
+    """The parts of tiles that are cut `ratio` times along each side."""
+    down, along = (v.ravel() for v in np.indices((ratio, ratio)))
+    signs = np.repeat(signs, ratio * ratio, axis=1)
+    return (ratio * i[:, None] + down).ravel(), (ratio * j[:, None] + along).ravel(), signs

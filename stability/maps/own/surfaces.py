@@ -1,0 +1,322 @@
+"""Signs of polynomials in two variables over many points and boxes, each sign proved.
+
+A polynomial is shifted exactly to the middle of a narrow map, and scaled by powers of two so that
+both variables are at most one in size.  Doubles then give its value with an error of a few units in
+the last place of the sum of its terms' sizes.  Over a box Taylor's sum at the middle bounds it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cached_property
+from math import comb, frexp
+from typing import Any
+
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from ...algebra.balls import precision
+from ...algebra.exact.number_fields import NotExact
+from ...algebra.running_error import UNIT
+from ...base.axis import Axis
+from ...base.types import Floats
+
+Signs = NDArray[np.int8]
+
+NARROW = 0.5
+"""An axis whose width is less than this share of its largest number is shifted to its middle."""
+BITS = 2048
+"""Precision in which balls are shifted."""
+LOSS = 2.0**-180
+"""Radius of a ball, relative to the largest coefficient, that is allowed; far below rounding."""
+LEAST = 1e-280
+"""Size below which no sign is taken as proved: far above every loss by underflow."""
+
+
+ORDERS = 6
+"""Largest order of Taylor's coefficients for the points of a small box."""
+
+
+class Window:
+    """An axis of a map as t = (x - middle)/unit, with |t| at most about one.
+
+    Parameters
+    ----------
+    axis
+        The axis.
+    """
+
+    def __init__(self, axis: Axis) -> None:
+        size = max(abs(axis.low), abs(axis.high))
+        narrow = axis.high - axis.low < NARROW * size
+        self.middle = axis.low + 0.5 * (axis.high - axis.low) if narrow else 0.0
+        reach = max(abs(axis.low - self.middle), abs(axis.high - self.middle))
+        self.unit = 2.0 ** frexp(reach or 1.0)[1]
+
+    def __call__(self, x: Floats) -> Floats:
+        """Scaled numbers, each with a relative error of one rounding."""
+        out: Floats = (x - self.middle) / self.unit
+        return out
+
+
+def powers(t: Floats, degree: int) -> Floats:
+    """Powers 0 … degree, shape (degree + 1, N)."""
+    out = np.empty((degree + 1, *np.shape(t)))
+    out[0] = 1.0
+    for i in range(degree):
+        np.multiply(out[i], t, out=out[i + 1])
+    return out
+
+
+class Surface:
+    """A polynomial in x and y over the windows of a map.
+
+    Parameters
+    ----------
+    terms
+        Coefficient by exponents (i, j): all are fractions, or narrow balls.
+    windows
+        Windows of x and y.
+    """
+
+    def __init__(self, terms: dict[tuple[int, int], Any], windows: tuple[Window, Window]):
+        shape = tuple(1 + max(e[k] for e in terms) for k in (0, 1))
+        number = arb if isinstance(next(iter(terms.values())), arb) else Fraction
+        table = [[number(0)] * shape[1] for _ in range(shape[0])]
+        for (i, j), c in terms.items():
+            table[i][j] = c
+        with precision(BITS):
+            table = _shifted(table, windows[0], number)
+            turned = _shifted([list(c) for c in zip(*table, strict=True)], windows[1], number)
+            self.exponent = max(_exponent(c) for row in turned for c in row)
+            """The polynomial is 2^exponent times the stored one."""
+            rows_ = [[_double(c, self.exponent) for c in row] for row in turned]
+        self.matrix = np.array(rows_).T.copy()
+        self.least = LEAST if number is Fraction else LOSS * len(rows_) * len(rows_[0])
+        """Absolute error that the sum of the terms' sizes does not tell."""
+        self.size = np.abs(self.matrix)
+        rows, columns = self.matrix.shape
+        self.unit = (6 * (rows + columns) + 20) * UNIT
+        """Relative rounding error of a value, to the sum of the sizes of its terms."""
+        self.most = self.unit * self.size.sum() * 1.01 + self.least
+        """Largest rounding error of a value where |t| <= 1."""
+
+    @property
+    def degrees(self) -> tuple[int, int]:
+        """Degrees in x and y."""
+        return self.matrix.shape[0] - 1, self.matrix.shape[1] - 1
+
+    def at(self, t: Floats, s: Floats) -> Signs:
+        """Proved signs at points, 0 where open.
+
+        Parameters
+        ----------
+        t, s
+            Powers of the scaled numbers, shapes (at least degree + 1, N).
+        """
+        rows, columns = self.matrix.shape
+        value = _sum(self.matrix, t[:rows], s[:columns])
+        signs = _sure(value, self.most)
+        left = np.flatnonzero(signs == 0)
+        if len(left):
+            some = np.abs(t[:rows, left]), np.abs(s[:columns, left])
+            bound = self.unit * 1.01 * _sum(self.size, *some) + self.least
+            signs[left] = _sure(value[left], bound)
+        return signs
+
+    def over(self, box: Box) -> Signs:
+        """Proved signs over whole boxes, 0 where open.
+
+        Parameters
+        ----------
+        box
+            The boxes.
+        """
+        value: Any = 0.0
+        spread: Any = 0.0
+        rounding = self._rounding(box)
+        found, left_out = self._taylor(box, sum(self.degrees), rounding)
+        for a, b, coefficient in found:
+            if a or b:
+                np.abs(coefficient, out=coefficient)
+                spread = spread + coefficient * box.far_t[a] * box.far_s[b]
+            else:
+                value = coefficient
+        # all sums together round as one of the terms' sizes
+        slack = 2.0 * rounding + left_out
+        return _sure(value, spread * (1 + 1e-9) + slack)
+
+    def inside(self, box: Box, t: Floats, s: Floats) -> Signs:
+        """Proved signs at points of a grid in each box, 0 where open.
+
+        Parameters
+        ----------
+        box
+            The boxes.
+        t, s
+            Scaled numbers of the grid less those of the middle of its box, shapes (N, ·).
+
+        Returns
+        -------
+        ndarray
+            Shape (N, points along s, points along t).
+        """
+        rounding = self._rounding(box)
+        found, left_out = self._taylor(box, ORDERS, rounding)
+        by_power: dict[int, Any] = {}
+        size: Any = 0.0
+        for a, b, coefficient in found:
+            size = size + np.abs(coefficient) * box.far_t[a] * box.far_s[b]
+            term = coefficient[:, None] * t**a if a else coefficient[:, None]
+            by_power[b] = by_power[b] + term if b in by_power else term
+        value: Any = np.zeros((len(t), s.shape[1], t.shape[1]))
+        for b in range(max(by_power), -1, -1):
+            if b < max(by_power):
+                value *= s[:, :, None]
+            if b in by_power:
+                value += by_power[b][:, None, :]
+        # the scaled numbers are rounded too: as much as a unit of the terms' sizes
+        bound = 4.0 * rounding + left_out + 64 * UNIT * size
+        return _sure(value, bound[:, None, None])
+
+    def _rounding(self, box: Box) -> Floats:
+        """Rounding error of a value anywhere in each box."""
+        rows, columns = self.matrix.shape
+        most = _sum(self.size, box.end_t[:rows], box.end_s[:columns])
+        out: Floats = self.unit * 1.01 * most + self.least
+        return out
+
+    def _taylor(
+        self, box: Box, orders: int, rounding: Floats
+    ) -> tuple[list[tuple[int, int, Floats]], Any]:
+        """(a, b, Taylor's coefficient at the middle of each box), and a bound on the rest.
+
+        Coefficients whose terms are small, or of higher order than asked, are left out.
+        """
+        found = []
+        high, wide, left_out = float(box.h.max()), float(box.k.max()), 0.0
+        limit = 2.0 * float(rounding.min())
+        for a, b, matrix, size in self.derivatives:
+            largest = size * high**a * wide**b * 1.001
+            if a + b and (a + b > orders or left_out + largest < limit):
+                left_out += largest
+            else:
+                value = _sum(matrix, box.t[: len(matrix)], box.s[: matrix.shape[1]])
+                found.append((a, b, value))
+        return found, left_out * box.reach
+
+    @cached_property
+    def derivatives(self) -> list[tuple[int, int, Floats, float]]:
+        """(a, b, derivative of these orders by a! b! as a matrix, its size), last orders first."""
+        rows, columns = self.matrix.shape
+        along = [[float(comb(n, k)) for n in range(max(rows, columns))]
+                 for k in range(max(rows, columns))]  # fmt: skip
+        found = []
+        for a in range(rows):
+            for b in range(columns):
+                factor = np.outer(along[a][a:rows], along[b][b:columns])
+                matrix = self.matrix[a:, b:] * factor
+                found.append((a, b, matrix, float(np.abs(matrix).sum())))
+        return sorted((v for v in found if v[3]), key=lambda v: -(v[0] + v[1]))
+
+    def product(self, t: Floats, s: Floats) -> tuple[Floats, Floats]:
+        """Values and bounds on their errors over a grid, in units of 2^exponent.
+
+        Parameters
+        ----------
+        t, s
+            Powers of the scaled numbers along x and y.
+        """
+        rows, columns = self.matrix.shape
+        t, s = t[:rows], s[:columns]
+        value = s.T @ (self.matrix.T @ t)
+        error = np.abs(s).T @ (self.unit * 1.02 * self.size.T @ np.abs(t)) + self.least
+        return value, error
+
+
+class Box:
+    """Boxes in scaled numbers, with the tables that every surface needs.
+
+    Parameters
+    ----------
+    t, s
+        Low and high ends of the scaled numbers, shapes (N,).
+    degrees
+        Largest degrees in both.
+    """
+
+    def __init__(self, t: Sequence[Floats], s: Sequence[Floats], degrees: Sequence[int]) -> None:
+        middle = self.middle = 0.5 * (t[0] + t[1]), 0.5 * (s[0] + s[1])
+        # the ends, and the middle, are rounded: a few units of their size
+        self.h, self.k = (
+            np.maximum(v[1] - m, m - v[0]) * (1 + 8 * UNIT) + 8 * UNIT * (np.abs(m) + 1e-30)
+            for v, m in zip((t, s), middle, strict=True)
+        )
+        self.t, self.s = (powers(m, d) for m, d in zip(middle, degrees, strict=True))
+        self.far_t, self.far_s = (
+            powers(r, d) for r, d in zip((self.h, self.k), degrees, strict=True)
+        )
+        ends = [np.abs(m) + r for m, r in zip(middle, (self.h, self.k), strict=True)]
+        self.end_t, self.end_s = (powers(e, d) for e, d in zip(ends, degrees, strict=True))
+        self.reach = np.maximum(self.end_t[-1], 1.0) * np.maximum(self.end_s[-1], 1.0)
+        """Largest size of a monomial over each box, at least one."""
+
+    def take(self, index: Any) -> Box:
+        """Some of the boxes.
+
+        Parameters
+        ----------
+        index
+            Their places.
+        """
+        out = object.__new__(Box)
+        for name, value in vars(self).items():
+            taken = tuple(v[index] for v in value) if name == "middle" else value[..., index]
+            setattr(out, name, taken)
+        return out
+
+
+def _sum(matrix: Floats, t: Floats, s: Floats) -> Floats:
+    out: Floats = ((matrix @ s) * t).sum(0)
+    return out
+
+
+def _sure(value: Floats, bound: Any) -> Signs:
+    """The sign where the size is beyond the bound; NaN, from an overflow, is open."""
+    bound = bound + LEAST
+    signs: Signs = (value > bound).astype(np.int8) - (value < -bound).astype(np.int8)
+    return signs
+
+
+def _shifted(table: list[list[Any]], window: Window, number: Any) -> list[list[Any]]:
+    """P(middle + unit t) by powers of t, for the first index; exact, or in balls."""
+    middle, unit = number(window.middle), number(window.unit)
+    out = []
+    for k in range(len(table)):
+        rows = [(number(comb(i, k)) * middle ** (i - k), table[i]) for i in range(k, len(table))]
+        rows = [(c, row) for c, row in rows if c != 0]
+        out.append([unit**k * sum((c * row[j] for c, row in rows), number(0))
+                    for j in range(len(table[0]))])  # fmt: skip
+    return out
+
+
+def _exponent(value: Any) -> int:
+    """An exponent e with |value| <= 2^e; very small for zero."""
+    if isinstance(value, Fraction):
+        return value.numerator.bit_length() - value.denominator.bit_length() + 1 if value else -9999
+    man, exp = value.abs_upper().man_exp()
+    return int(man).bit_length() + int(exp) if man else -9999
+
+
+def _double(value: Any, exponent: int) -> float:
+    """value/2^exponent as the nearest double, of a size of at most one."""
+    if isinstance(value, Fraction):
+        scaled = value * Fraction(2) ** -exponent
+        return scaled.numerator / scaled.denominator
+    scaled = value * arb(2) ** -exponent
+    if not scaled.rad() < LOSS / 4:
+        raise NotExact("a ball that is not narrow")
+    middle = float(scaled.mid())
+    return middle if abs(middle) > LOSS else 0.0
