@@ -56,7 +56,8 @@ def tables_of_facts(folder: Path) -> Iterator[tuple[str, str]]:
 
 def test_no_unit_symbol_or_name_is_stated_in_a_second_place() -> None:
     found = set(tables_of_facts(PACKAGE))
-    assert {t for t in found if t[0] not in TABLES} == OPTIONS
+    own = "tables/benchmarks/"  # systems of their own, with their own units
+    assert {t for t in found if t[0] not in TABLES and not t[0].startswith(own)} == OPTIONS
 
 
 def test_a_second_table_would_be_found(tmp_path: Path) -> None:

@@ -95,16 +95,11 @@ def test_the_boundary_between_neutral_and_unstable_is_found(name: str) -> None:
     given = dict(others)
     at = {"at": given.pop(family.at[0])} if family.at[0] in given else {}
     low, high = float(threshold) * 0.7, float(threshold) * 1.4
-    exact = name != "L4"
-    if exact:
-        found = st.boundaries(family, axis=(axis, low, high, 5), **at, **given)
-    else:
-        with pytest.warns(st.StabilityWarning):
-            found = st.boundaries(family, axis=(axis, low, high, 5), **at, **given)
+    found = st.boundaries(family, axis=(axis, low, high, 5), **at, **given)
     [point] = found
     assert abs(Fraction(point.value) - threshold) <= Fraction(point.error)
     assert point.stable_below == (not above)
-    assert found.complete == exact
+    assert found.complete
     static = name in ("saddle", "disc", "wheel", "body")
     assert point.crossing is (st.Crossing.STATIC if static else st.Crossing.FLUTTER)
 

@@ -174,7 +174,7 @@ def test_text_says_roundings_proofs_and_witnesses() -> None:
     (("conditions", "--system", BICYCLE, "--positive", "w"), "positive is 'w'"),
     (("conditions", "--system", BICYCLE, "--parameter", "g"), "NAME=NUMBER"),
     (("conditions", "--system", BICYCLE, "--parameter", "h=1"), "parameter is 'h'"),
-    (("conditions", "--positive", "v"), "belongs to `table conditions --system`"),
+    (("conditions", "--positive", "v"), "belongs to `table … --system`"),
 ])  # fmt: skip
 def test_bad_input_ends_with_one_sentence_and_code_2(
     words: tuple[str, ...], part: str, capsys: pytest.CaptureFixture[str]
