@@ -69,8 +69,9 @@ class Nonlinear(Sentences):
     """
 
     ASYMPTOTIC = (
-        "asymptotic along the family: a disturbed motion tends to a neighbouring member "
-        "(Lyapunov-Malkin: every structural zero is a tangent of the family)"
+        "asymptotic along the family: a disturbed motion tends to this member, or on a line of "
+        "steady motions to a neighbouring one (Lyapunov-Malkin: every structural zero is a tangent "
+        "of the family)"
     )
     DRIFTS = (
         "drifts: spectrally stable, yet Lyapunov-unstable: every disturbance with a slow tilt, "

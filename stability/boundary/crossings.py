@@ -123,6 +123,7 @@ class Boundaries(Sequence[BoundaryPoint]):
         if self.unresolved:
             state = f"; not complete, {len(self.unresolved)} unresolved: {self._first()}"
         points = f": {list(self.points)!r}" if self.points else ""
+        points += "".join(f"; at {value:.10g} alone it is neutral" for value in self.touching)
         count = f"{len(self.points)} boundar{'y' if len(self.points) == 1 else 'ies'}"
         return f"<{count}{where}{points}{state}>"
 

@@ -289,3 +289,13 @@ def test_the_table_says_the_same(tmp_path: Any, capsys: pytest.CaptureFixture[st
     assert main(place) == 0
     assert "soft, stable below" in capsys.readouterr().out
     assert main([*place, "--y", "c:0:1:3"]) == 2
+
+
+def test_linear_rates_begin_neither_softly_nor_hard() -> None:
+    x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    swing = st.System("swing", x, c, ca.vertcat(x[1], -x[0] - c * x[1]), states=("q", "v"),
+                      parameters=("c",))  # fmt: skip
+    rest = st.Family(swing, "rest", at=("c",), held={"q": 0, "v": 0})
+    [one] = st.hopf(rest, axis=("c", -1, 1, 9))
+    assert one.kind.word == "undecided"
+    assert "linear in the states" in one.reason

@@ -129,3 +129,15 @@ def test_a_condition_that_is_zero_between_unstable_sides_proves_nothing_alone(wo
     said = st.Verdict[word]
     found = single(Search((mark,), source), mark, lambda _: said)
     assert found is (said if said is st.Verdict.NEUTRAL else st.Verdict.UNDECIDED)
+
+
+def test_a_result_names_the_value_at_which_alone_a_stable_member_is_neutral() -> None:
+    x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    swing = st.System("swing", x, c, ca.vertcat(x[1], -x[0] - c**2 * x[1]), states=("q", "v"),
+                      parameters=("c",))  # fmt: skip
+    rest = st.Family(swing, "rest", at=("c",), held={"q": 0, "v": 0})
+    found = st.boundaries(rest, axis=("c", -1, 1, 9))
+    assert (len(found), found.touching, found.complete) == (0, (0.0,), True)
+    assert "at 0 alone it is neutral" in repr(found)
+    words = [st.spectrum(rest, at=v, certify=True).verdict.word for v in (-0.5, 0.0, 0.5)]
+    assert words == ["stable", "neutral", "stable"]

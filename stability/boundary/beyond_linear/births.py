@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from flint import arb
 
@@ -112,7 +113,7 @@ def birth(line: Line, point: BoundaryPoint) -> CycleBirth:
             try:
                 pair = _checked(line, point)
                 found = coefficients(pair)
-                reason = _open(found)
+                reason = _linear(line.family) or _open(found)
                 if not reason or bits == PRECISIONS[-1] or found.others < 0:
                     return _record(point, pair, found, reason)
             except NotProvedError:
@@ -140,6 +141,14 @@ def _checked(line: Line, point: BoundaryPoint) -> Pair:
     if not abs(pair.value - point.value) <= room:
         raise NotProvedError
     return pair
+
+
+def _linear(family: Family) -> str:
+    """Why nothing begins softly or hard in a system whose rates are linear, or nothing."""
+    system = family.system
+    if ca.depends_on(system.jacobian, system.x):
+        return ""
+    return "the rates are linear in the states: beyond the boundary a disturbance grows forever"
 
 
 def _open(found: Coefficients) -> str:
