@@ -90,7 +90,8 @@ def spectrum(
     (-1.7739+0j)
     """
     if at is None and lean is None:
-        raise ParameterError("at is missing; it names the member of the family.")
+        own = f", here {' and '.join(family.at)}" if isinstance(family, Family) else ""
+        raise ParameterError(f"at is missing; it names the member of the family{own}.")
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
     problem = problem_of(family, at, disk, contact, dict(parameters), lean)
     if isinstance(problem.family.system, NumericSystem):
