@@ -141,7 +141,9 @@ def largest_tilt(problem: Problem, track: Track) -> Found:  # noqa: ARG001
                 best = max(best, _largest(values))
                 break
             low, high = float(around[0]), float(around[1])
-    return Found(best, track.error)
+    # the track's errors are over 1 or the size of the state; the tilt may be near 0 where θ is not
+    size = track.errors * np.maximum(1.0, np.abs(track.states[:, 0]))
+    return Found(best, float(size.max(initial=0.0)))
 
 
 def _peaks(times: Floats, tilt: Floats, rate: Floats) -> list[tuple[int, float]]:

@@ -45,6 +45,8 @@ STALLS = 0.7
 """Ratio of two corrections above which the orders no longer converge."""
 LAYER = 1e-3
 """Share of the tolerance to which the slip of the start has decayed when creep begins."""
+LAYER_LOOKS = 25
+"""Times in a run of the transient at which the rate of decay is looked at; the lower counts."""
 STEPS = 6
 """Steps of the Taylor method in an element."""
 RESOLVED = 10.0
@@ -332,7 +334,7 @@ def transient(
         span = min(1.05 * (needed - done) / pull, problem.last - now)
         if span <= 0:
             break
-        inner = now + span * np.linspace(0, 1, 9)
+        inner = now + span * np.linspace(0, 1, LAYER_LOOKS)
         inner[-1] = min(inner[-1], problem.last)
         asked = problem.times[(problem.times > now) & (problem.times < inner[-1])][:1000]
         grid = np.union1d(inner, asked)
@@ -344,7 +346,7 @@ def transient(
         if run.end is not None:
             return times, states, run.end
         pulls = _pull(problem, held, run.states)
-        done += float(((pulls[1:] + pulls[:-1]) / 2 * np.diff(grid)).sum())
+        done += float((np.minimum(pulls[1:], pulls[:-1]) * np.diff(grid)).sum())
         now = float(grid[-1])
         if done >= needed or now >= problem.last:
             break

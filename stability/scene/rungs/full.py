@@ -196,11 +196,15 @@ def _track(problem: Problem, begin: float, times: Floats, one: Result, tolerance
         if one.path.end is not None and (not len(when) or when[-1] < finish.time):
             when = np.append(when, finish.time)
             reported = np.vstack([reported, problem.flow.reported(one.final)[None]])
+    known, passed = when, reported
+    if times[0] != 0:  # states before the first sample follow from the start
+        known = np.append(begin, when)
+        passed = np.vstack([problem.flow.reported(one.path.states)[:1], reported])
     errors = np.full(len(when), size)
     errors[when == 0.0] = 0.0
 
     def at(asked: Floats) -> Floats:
-        return between(problem, when, reported, asked, tolerance)
+        return between(problem, known, passed, asked, tolerance)
 
     notes = (one.choice.reason,) if one.choice.reason else ()
     return Track(when, reported, errors, at, finish, one.path.steps, notes)
