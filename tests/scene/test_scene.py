@@ -246,3 +246,24 @@ def test_each_rung_asked_for_alone_answers_or_says_why_not(law: st.Contact) -> N
         answer = scene.answer(only=name)
         assert answer.model == name or (answer.model == "none" and "cannot" in answer.sentence)
     assert answer.model == law.name  # the law itself always answers
+
+
+@pytest.mark.parametrize(("quantity", "mu", "horizon", "tolerance", "start"), [
+    # slip is free again where the normal force fades, before it decays
+    ("final", 10642.5, 3.54565, 3.5374e-7,
+     (0.6207726, -0.3893043, 0.5506503, 1.4027599, 3.2279e-7, 9.997e-6)),
+    # an error over the size of theta is no error of a tilt near 0
+    ("largest_tilt", 88940.0, 5.3806, 8.4414e-5,
+     (1.57079594, -3.93612e-5, 1.58916684, 4.95743e-5, -2.33e-8, 8.3e-9)),
+])  # fmt: skip
+def test_an_answer_that_was_once_outside_its_tolerance(
+    quantity: str, mu: float, horizon: float, tolerance: float, start: tuple[float, ...]
+) -> None:
+    names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
+    scene = st.Scene(
+        st.Disk(k=0.25), st.Viscous(mu), dict(zip(names, start, strict=True)), horizon, tolerance,
+        quantities=(quantity,),
+    )  # fmt: skip
+    answer = scene.verify()
+    assert answer.true_error <= tolerance
+    assert answer.estimate <= tolerance

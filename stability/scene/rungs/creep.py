@@ -346,7 +346,11 @@ def transient(
         if run.end is not None:
             return times, states, run.end
         pulls = _pull(problem, held, run.states)
-        done += float((np.minimum(pulls[1:], pulls[:-1]) * np.diff(grid)).sum())
+        decay = np.minimum(pulls[1:], pulls[:-1]) * np.diff(grid)
+        past = done + np.append(0.0, np.cumsum(decay))
+        free = np.maximum(_free(held, run.states[:, :6]) / (LAYER * tolerance), 1e-300)
+        needed = max(needed, float((past + np.log(free)).max()))
+        done = float(past[-1])
         now = float(grid[-1])
         if done >= needed or now >= problem.last:
             break
@@ -354,6 +358,20 @@ def transient(
     else:
         return "the slip of the start does not decay"
     return times, states, None
+
+
+def _free(held: Held, states: Floats) -> Floats:
+    """Distance of slip from the slip that the rough disk's force gives, 0 where it is bound.
+
+    Slip that was bound is free again while the normal force fades, and has to decay anew.
+    """
+    none = np.zeros((1, len(states), 2))
+    _, forces = held.motion(states[None, :, :4], none, none)
+    bound = held.slip(forces)[0]
+    apart = np.abs(states[:, 4:6] - bound).max(axis=1)
+    fades = (forces[0, :, 2] <= 0) | (apart > np.abs(bound).max(axis=1))
+    apart = np.where(forces[0, :, 2] > 0, apart, np.abs(states[:, 4:6]).max(axis=1))
+    return np.where(fades, apart, 0.0)
 
 
 def _pull(problem: Problem, held: Held, states: Floats) -> Floats:
