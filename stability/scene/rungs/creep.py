@@ -363,7 +363,7 @@ def transient(
 def _free(held: Held, states: Floats) -> Floats:
     """Distance of slip from the slip that the rough disk's force gives, 0 where it is bound.
 
-    Slip that was bound is free again while the normal force fades, and has to decay anew.
+    Slip that was bound is free again while the normal force fades, and has to decay again.
     """
     none = np.zeros((1, len(states), 2))
     _, forces = held.motion(states[None, :, :4], none, none)
