@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.user_code import imported
 from .contact import Contact
 from .contact_laws import RegularisedCoulomb, law_class
 
@@ -95,18 +95,10 @@ def _imported(place: str) -> Any:
     module, _, name = place.partition(":")
     if not all(part.isidentifier() for part in (*module.split("."), name)):
         raise NameUnknownError(f"contact is {shown(place)}; give `module:Class`.")
-    before = list(sys.path)
-    sys.path.insert(0, os.getcwd())
-    try:
-        found = getattr(import_module(module), name)
-    except Exception as error:  # a user's module may raise anything while it is imported
-        why = f"{type(error).__name__}: {error}".splitlines()[0]
-        raise NameUnknownError(
-            f"contact is {shown(place)}, which cannot be imported ({why[:120]}); give a module on "
-            "Python's path or in this folder, and a class in it."
-        ) from None
-    finally:
-        sys.path[:] = before
+    found = imported(
+        "contact", place, lambda: getattr(import_module(module), name), os.getcwd(),
+        "give a module on Python's path or in this folder, and a class in it",
+    )  # fmt: skip
     if not (isinstance(found, type) and issubclass(found, Contact) and found.name):
         raise NameUnknownError(
             f"contact is {shown(place)}, which is not a subclass of Contact with a name of its own."

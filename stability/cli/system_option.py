@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import os
 import runpy
-import sys
 from contextlib import redirect_stdout
 from importlib import import_module
 from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.user_code import imported
 from .options import _number
 
 
@@ -39,21 +39,18 @@ def family_named(place: str) -> Any:
         raise NameUnknownError(
             f"system is {shown(place)}; give `module:family` or `file.py:family`."
         )
-    before = list(sys.path)
     folder = os.path.dirname(module) if module.endswith(".py") else os.getcwd()
-    sys.path.insert(0, folder or os.getcwd())
-    try:
+
+    def names_of() -> dict[str, Any]:
         with redirect_stdout(io.StringIO()):
-            table = runpy.run_path(module) if module.endswith(".py") else vars(
-                import_module(module))  # fmt: skip
-    except Exception as error:  # a user's module may raise anything while it is imported
-        why = f"{type(error).__name__}: {error}".splitlines()[0]
-        raise NameUnknownError(
-            f"system is {shown(place)}, which cannot be imported ({why[:120]}); give a module on "
-            "Python's path or a file, and a family in it."
-        ) from None
-    finally:
-        sys.path[:] = before
+            if module.endswith(".py"):
+                return runpy.run_path(module)
+            return vars(import_module(module))
+
+    table = imported(
+        "system", place, names_of, folder or os.getcwd(),
+        "give a module on Python's path or a file, and a family in it",
+    )  # fmt: skip
     if not isinstance(table.get(name), Family):
         names = sorted(n for n, v in table.items() if isinstance(v, Family)) or ["none"]
         raise NameUnknownError(
