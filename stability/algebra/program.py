@@ -30,7 +30,7 @@ _SYMBOLS = {
     ca.OP_POW: "f_pow({0}, {1})",
     ca.OP_CONSTPOW: "f_pow({0}, {1})",
     ca.OP_FABS: "f_fabs({0})",
-    ca.OP_SIGN: "{0} / f_fabs({0})",  # the slope of |x|: no value at 0, in any number type
+    ca.OP_SIGN: "f_sign({0})",
 }
 """Each operation of CasADi as Python source."""
 _SYMBOLS |= {getattr(ca, f"OP_{name.upper()}"): f"f_{name}({{0}})" for name in UNARY}
@@ -108,7 +108,10 @@ class Program:
                 )
         body = "\n".join(lines)
         used = [name for name in (*UNARY, "pow", "fabs") if f"f_{name}(" in body]
-        head = "\n".join(["def run(f, c, a):", *[f"    f_{n} = f[{n!r}]" for n in used]])
+        lines = ["def run(f, c, a):", *[f"    f_{n} = f[{n!r}]" for n in used]]
+        if "f_sign(" in body:  # the slope of |x|: no value at 0, unless the number type has one
+            lines.append("    f_sign = f.get('sign') or (lambda x: x / f['fabs'](x))")
+        head = "\n".join(lines)
         outputs = ", ".join(f"o{i}" for i in range(len(self.places)))
         return f"{head}\n{body}\n    return [{outputs}]\n"
 

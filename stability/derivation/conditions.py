@@ -26,6 +26,7 @@ from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .general.deduction import Deduction, domain_of
 from .general.elimination import Reading, whole
+from .general.members import sloped_somewhere
 from .general.records import Factor, SignCondition, Variable, Witness
 
 MOST_TERMS = 4000
@@ -321,6 +322,8 @@ def conditions(
             f"{family.name}: a rate does not vanish at its typical members; conditions need a "
             "family of steady motions."
         )
+    if not sloped_somewhere(family, values):
+        raise StabilityError(f"{family.name}: the rates have no slope at its members, as |x| at 0.")
     try:
         reading = Reading(family, values, budget)
         found = whole(reading)

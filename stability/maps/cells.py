@@ -26,7 +26,7 @@ from ..spectra.certificate import verdict
 from ..spectra.deflation import deflate
 from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
-from ..systems.structure.multiplicity import certain
+from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .dataset import EXACT, GRAPH, OWN, SLICE
 from .growth_rates import GrowthKernel, steady_memory
@@ -88,6 +88,8 @@ class Cells:
         family = problem.family
         zeros = structure(family).zeros  # established here, before the threads start
         self._certain = problem.derived or certain(family)
+        declared = family.conservative and self._certain
+        self._even = declared or (not problem.derived and symmetric(family))
         self.slice = None
         if problem.law is None and math.prod(self.shape) >= LEAST:
             self.slice = slice_cells(problem, axes, modes)
@@ -274,7 +276,7 @@ class Cells:
         family.checked_states(a, u, q)
         watch = not self._certain
         reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
-        even = family.conservative and self._certain
+        even = self._even
         found = None if watch else quick_rates(reduced, even=even, modes=self.modes)
         if found is not None:
             return {

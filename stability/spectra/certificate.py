@@ -243,6 +243,8 @@ def _enclosed_verdict(polynomial: Balls) -> Verdict | None:
 
     A ball equals 0 only as the exact zero; a wider ball around 0 is neither equal nor unequal.
     """
+    if not all(c.is_finite() for c in polynomial):
+        return None
     extra = next(i for i, c in enumerate(polynomial) if not c == 0)
     rest = polynomial[extra:]
     if len(rest) == 1:

@@ -98,8 +98,8 @@ def eigenvalues(reduced: Reduced, *, even: bool) -> Enclosed:
         raise DomainError("every eigenvalue is zero by structure; there is no spectrum to judge.")
     if not np.isfinite(reduced.matrix).all():
         raise DomainError(
-            "the linearisation overflows double precision; give values nearer to 1 "
-            "(dimensionless mu, at and 1/k below 1e100)."
+            "the linearisation has no value there, or overflows double precision; give values "
+            "nearer to 1."
         )
     with np.errstate(all="ignore"):  # an overflow gives an infinite disc
         found = _even(reduced) if even else _general(reduced.matrix, reduced.error)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
-from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
+from ..base.errors import DomainError, NameUnknownError, NoMemberError, ParameterError, shown
 from ..base.types import Floats, fields_of
 from .equations import Equations
 from .following.members import Found, find
@@ -23,6 +23,7 @@ from .following.sheet import Anchor
 from .following.steadiness import rate_noise
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable
+from .graph.smoothness import sloped
 from .system_checks import check_family, tables
 
 UNKNOWN = 1e-10
@@ -253,6 +254,13 @@ class Family:
         self._require_steady(a, u, q)
         # a factor zero folds away in the family's graph, which may hide an overflow in the system's
         self.system.rates(states, given)
+        fine = sloped(self.system, states, given)
+        if not fine.all():
+            place = listing((*self.at, *self.parameters), (*a[i := int(np.argmin(fine))], *q[i]))
+            raise DomainError(
+                f"{self.name} at {place}: the rates of {self.system.name} have no slope there, as "
+                "|x| or sqrt(x) at 0; a spectrum needs rates that are differentiable at the member."
+            )
         return states
 
     def matrix(self, a: Floats, u: Floats, q: Floats) -> Floats:

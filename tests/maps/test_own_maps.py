@@ -215,6 +215,20 @@ def test_reversible_families_are_decided_by_the_square() -> None:
         assert (found.abscissa_error.values[inside] == 0).all()
 
 
+@pytest.mark.parametrize("count", [9, 40])  # below LEAST cells, and above it without a polynomial
+def test_the_graph_too_decides_reversible_families_by_the_square(count: int) -> None:
+    """A bead on a turning hoop, q'' = e^q W² q - sinh q: neutral for W < 1, with W² = e^w."""
+    q, v, w, k = (ca.SX.sym(n) for n in ("q", "v", "w", "k"))
+    rates = ca.vertcat(v, (ca.exp(w) * ca.cos(q) - ca.cosh(k * q)) * ca.sinh(q))
+    system = st.System("bead", ca.vertcat(q, v), ca.vertcat(w, k), rates, states=("q", "v"),
+                       parameters=("w", "k"))  # fmt: skip
+    bottom = st.Family(system, "bottom", at=("w",), held={"q": 0.0, "v": 0.0})
+    axes = {"x": ("w", -2, 1.93, count), "y": ("k", 0.5, 3, count)}
+    found = st.stability_map(bottom, **axes, boundaries=False)
+    wanted = np.where(found.w.values < 0, NEUTRAL, UNSTABLE)
+    assert (found.verdict.values == wanted[None, :]).all()
+
+
 def test_an_angle_that_is_fixed_may_stand_in_a_sine() -> None:
     """λ² + (a sin t - b) λ + 1 with t = 1: the boundary is b = a sin 1, which no double is on."""
     p = ca.SX.sym("p", 3)

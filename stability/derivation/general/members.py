@@ -6,6 +6,7 @@ import random
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from flint import arb, fmpq
 
 from ...algebra.balls import precision
@@ -13,6 +14,9 @@ from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.triangular import occurring
 from ...base.errors import DomainError, NoMemberError
+from ...systems.family import Family
+from ...systems.graph.smoothness import sloped
+from ...systems.structure.structural_zeros import sampled
 from .bounds import Bounds, between, real_roots, univariate
 from .elimination import Reading, Whole, evaluate
 from .signs import Domain
@@ -189,3 +193,24 @@ class Members:
 def _short(value: Any) -> str:
     number = float(value.p) / float(value.q) if isinstance(value, fmpq) else float(arb(value).mid())
     return f"{number:.6g}"
+
+
+def sloped_somewhere(family: Family, given: Mapping[str, Any]) -> bool:
+    """Whether the rates have a slope at a typical member; True where no such member is found.
+
+    Parameters
+    ----------
+    family
+        The family.
+    given
+        Parameters that have a number.
+    """
+    names = (*family.at, *family.parameters)
+    known = {n: float(v) for n, v in zip(names, sampled(family, 0), strict=True)}
+    known |= {n: float(v) for n, v in given.items()}
+    a, q = (np.array([[known[n] for n in part]]) for part in (family.at, family.parameters))
+    found = family.search(a, q)
+    if not found.good.all():
+        return True
+    point = np.array([[known[n] for n in family.system.parameters]]).reshape(1, -1)
+    return bool(sloped(family.system, family.states(a, found.u, q), point)[0])

@@ -1,0 +1,184 @@
+"""Whether the rates have a slope at a state: roots, powers and |x| at the edge of their range.
+
+There the slope of such a function g(s) is infinite or has no value, and s often has the slope 0.
+CasADi folds 0 · ∞ to 0, so the linearisation alone does not show it.  Each number of the graph
+therefore answers two questions, from the instructions before it: may it move with the states to
+first order, and may it lack a slope.  At a distance r, an s that does not move changes by o(r), and
+then |s|, √s, s^e with e ≥ 1/2 and arccos(1 - s) by o(√r).  So does |s| of any s.  A product of two
+such numbers, or with a number that is 0, is o(r) again: x |x| has the slope 0.  Every other number
+at an edge stays without a slope.  Arguments are at an edge if their double is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from ...algebra.number_types import UNARY, Algebra, numpy_algebra
+from ...algebra.program import Program
+from ...base.errors import ParameterError
+from ...base.types import Floats
+from ..equations import Equations
+
+EDGES: dict[str, tuple[float, ...]] = {
+    "sqrt": (0.0,), "asin": (-1.0, 1.0), "acos": (-1.0, 1.0),
+}  # fmt: skip
+"""Arguments at which a function has a value and no slope."""
+LEVEL: dict[str, tuple[float, ...]] = {"cos": (0.0,), "cosh": (0.0,)}
+"""Arguments at which a function has the slope 0."""
+_CODES = {ca.OP_SQRT, ca.OP_FABS, ca.OP_ASIN, ca.OP_ACOS, ca.OP_POW, ca.OP_CONSTPOW}
+_PLAIN = numpy_algebra().functions
+
+
+@dataclass(frozen=True)
+class _Number:
+    """A number of the graph at many states."""
+
+    value: Any
+    """The number in double precision."""
+    moves: Any = np.False_
+    """Whether its slope in the states may differ from 0."""
+    kinked: Any = np.False_
+    """Whether it may have no slope, and changes by o(√r)."""
+    broken: Any = np.False_
+    """Whether it may have no slope, and no product with 0 helps."""
+    depends: bool = False
+    """Whether any state is in it."""
+
+    def _with(self, other: Any, value: Any, mine: Any, others: Any) -> _Number:
+        """Of two numbers; mine and others: whether each one's change counts."""
+        return _Number(
+            value, (self.moves & mine) | (other.moves & others),
+            (self.kinked & mine) | (other.kinked & others), self.broken | other.broken,
+            self.depends or other.depends,
+        )  # fmt: skip
+
+    def __add__(self, other: Any) -> _Number:
+        other = _number(other)
+        return self._with(other, self.value + other.value, np.True_, np.True_)
+
+    def __sub__(self, other: Any) -> _Number:
+        other = _number(other)
+        return self._with(other, self.value - other.value, np.True_, np.True_)
+
+    def __mul__(self, other: Any) -> _Number:
+        other = _number(other)
+        value = self.value * other.value
+        return self._with(other, value, np.not_equal(other.value, 0), np.not_equal(self.value, 0))
+
+    def __truediv__(self, other: Any) -> _Number:
+        other = _number(other)
+        return self._with(other, self.value / other.value, np.True_, np.not_equal(self.value, 0))
+
+    def __rtruediv__(self, other: Any) -> _Number:
+        return _number(other) / self
+
+    def __neg__(self) -> _Number:
+        return replace(self, value=-self.value)
+
+
+def _number(value: Any) -> _Number:
+    return value if isinstance(value, _Number) else _Number(np.float64(value))
+
+
+def _function(name: str) -> Callable[[Any], _Number]:
+    def apply(x: Any) -> _Number:
+        x = _number(x)
+        level = ~np.isin(x.value, LEVEL.get(name, ()))
+        edge = x.depends & np.isin(x.value, EDGES.get(name, ()))
+        return _at_edge(x, edge, x.moves & level, x.kinked & level, _PLAIN[name](x.value))
+
+    return apply
+
+
+def _at_edge(x: _Number, edge: Any, moves: Any, kinked: Any, value: Any) -> _Number:
+    """A function with an edge: √s of an s that moves is broken, of another it has a kink."""
+    rests = ~np.asarray(x.moves | x.kinked)
+    broken = x.broken | (edge & ~rests)
+    return _Number(value, moves & ~edge, kinked | (edge & rests), broken, x.depends)
+
+
+def _fabs(x: Any) -> _Number:
+    x = _number(x)
+    edge = np.equal(x.value, 0) & (x.moves | x.kinked)
+    return _Number(np.abs(x.value), x.moves & ~edge, x.kinked | edge, x.broken, x.depends)
+
+
+def _power(x: Any, exponent: Any) -> _Number:
+    """A power with an exponent that does not move: below 1/2 it is steeper than any root."""
+    x, e = _number(x), _number(exponent)
+    whole = np.equal(e.value, np.round(e.value))
+    zero = np.equal(x.value, 0)
+    level = ~(zero & (e.value > 1))
+    edge = x.depends & zero & ~whole & (e.value < 1)
+    found = _at_edge(x, edge, x.moves & level, x.kinked & level, _PLAIN["pow"](x.value, e.value))
+    steep = (edge & (e.value < 0.5)) | (zero & e.depends)
+    return _Number(
+        found.value, found.moves | e.moves, found.kinked | e.kinked,
+        found.broken | e.broken | steep, x.depends or e.depends,
+    )  # fmt: skip
+
+
+def _sign(x: Any) -> _Number:
+    return _Number(
+        np.sign(_number(x).value)
+    )  # its own kink is a jump, where the rates have no value
+
+
+_TABLE = {name: _function(name) for name in UNARY}
+_ALGEBRA = Algebra("slopes", _number, {**_TABLE, "pow": _power, "fabs": _fabs, "sign": _sign})
+
+
+@lru_cache(maxsize=64)
+def _program(system: Equations) -> Program | None:
+    """The rates of a system, or None where no function may lack a slope."""
+    try:
+        rates = ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)])
+    except ParameterError:
+        return None  # a numeric system has no graph
+    codes = {rates.instruction_id(i) for i in range(rates.n_instructions())}
+    return Program(rates) if codes & _CODES else None
+
+
+def sloped(system: Equations, x: Floats, p: Floats) -> NDArray[np.bool_]:
+    """Whether the rates of a system have a slope at states, which |x| has not at 0.
+
+    Parameters
+    ----------
+    system
+        The equations of motion.
+    x, p
+        States and parameters, shapes (N, n) and (N, m).
+
+    Returns
+    -------
+    ndarray of bool
+        Shape (N,); True says that no function of the graph is at its edge in double precision, or
+        that no rate depends on it to first order.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> v, c = ca.SX.sym("v"), ca.SX.sym("c")
+    >>> drag = st.System("drag", v, c, -c * v * ca.fabs(v), states=("v",), parameters=("c",))
+    >>> dry = st.System("dry", v, c, -c * ca.fabs(v), states=("v",), parameters=("c",))
+    >>> [bool(sloped(s, np.zeros((1, 1)), np.ones((1, 1)))[0]) for s in (drag, dry)]
+    [True, False]
+    """
+    fine = np.ones(len(x), dtype=bool)
+    program = _program(system)
+    if program is None:
+        return fine
+    moving = np.ones(len(x), dtype=bool)
+    states = [_Number(column, moving, depends=True) for column in x.T]
+    with np.errstate(all="ignore"):  # a value that is not finite is refused as such
+        rates = program.run(_ALGEBRA, [states, [_Number(column) for column in p.T]])[0]
+    for rate in map(_number, rates):
+        fine &= ~(rate.kinked | rate.broken)
+    return fine

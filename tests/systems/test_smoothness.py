@@ -1,0 +1,102 @@
+"""Rates without a slope at a member are refused, as judged by difference quotients of 60 digits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import casadi as ca
+import mpmath
+import numpy as np
+import pytest
+
+import stability as st
+from stability.systems.graph.smoothness import sloped
+
+Rate = Callable[[Any], Any]
+DIRECTIONS = ((1, 0), (0, 1), (1, 1), (2, -3), (-1, 0), (0, -1), (-1, -1), (-2, 3))
+
+KINKS: dict[str, Rate] = {
+    "cube root of a square": lambda f: (f.x**2 + f.v**2) ** f.third,
+    "fourth root of a square": lambda f: (f.x**2) ** f.quarter,
+    "distance": lambda f: f.sqrt(f.x**2 + f.v**2),
+    "size": lambda f: f.fabs(f.x),
+    "size in a sine": lambda f: f.sin(f.fabs(f.v)),
+    "arccos at its end": lambda f: f.acos(1 - f.x**2),
+    "arcsin of a root": lambda f: f.asin(f.sqrt(f.x**2)),
+    "root of a size": lambda f: f.sqrt(f.fabs(f.x)),
+    "flat root times flat root": lambda f: (f.x**2) ** f.quarter * (f.v**2) ** f.quarter,
+    "distance that a parameter rounds off": lambda f: f.sqrt(f.x**2 + f.zero**2) - f.zero,
+}
+SMOOTH: dict[str, Rate] = {
+    "quadratic drag": lambda f: f.v * f.fabs(f.v),
+    "drag along a velocity": lambda f: f.v * f.sqrt(f.x**2 + f.v**2),
+    "product in a size": lambda f: f.fabs(f.x * f.v),
+    "product of distances": lambda f: f.sqrt(f.x**2 + f.v**2) * f.sqrt(4 * f.x**2 + f.v**2),
+    "root of a parameter": lambda f: f.x * f.sqrt(f.zero) + f.sqrt(f.zero**2) * f.v,
+    "root away from its end": lambda f: f.sqrt(1 + f.x) - 1,
+}
+
+
+def _numbers(module: Any, x: Any, v: Any, *, zero: Any, size: Any) -> SimpleNamespace:
+    names = ("sqrt", "sin", "acos", "asin")
+    found = {n: getattr(module, n) for n in names}
+    return SimpleNamespace(x=x, v=v, fabs=size, zero=zero, third=1 / 3, quarter=0.25, **found)
+
+
+def _family(rate: Rate) -> st.Family:
+    x, v, zero = ca.SX.sym("x"), ca.SX.sym("v"), ca.SX.sym("zero")
+    extra = rate(_numbers(ca, x, v, zero=zero, size=ca.fabs))
+    rates = ca.vertcat(v, -x - v + 3 * extra)
+    system = st.System("kinked", ca.vertcat(x, v), zero, rates, states=("x", "v"),
+                       parameters=("zero",))  # fmt: skip
+    return st.Family(system, "rest", at=("zero",), held={"x": 0.0, "v": 0.0})
+
+
+def _slope(rate: Rate) -> tuple[float, float] | None:
+    """The slope at 0 from difference quotients at 1e-25 in eight directions, or None."""
+    with mpmath.workdps(60):
+        h = mpmath.mpf(10) ** -25
+
+        def value(a: int, b: int) -> Any:
+            return rate(_numbers(mpmath, h * a, h * b, zero=mpmath.mpf(0), size=abs))
+
+        found = [(value(a, b) - value(0, 0)) / h for a, b in DIRECTIONS]
+        by_x, by_v = found[:2]
+        off = [abs(q - a * by_x - b * by_v) for q, (a, b) in zip(found, DIRECTIONS, strict=True)]
+        return (float(by_x), float(by_v)) if max(off) < 1e-9 else None
+
+
+@pytest.mark.parametrize("name", KINKS)
+def test_a_member_without_a_slope_is_refused(name: str) -> None:
+    assert _slope(KINKS[name]) is None
+    family = _family(KINKS[name])
+    for certify in (False, True):
+        with pytest.raises(st.StabilityError, match="have no slope there"):
+            st.spectrum(family, at=0.0, certify=certify)
+    with pytest.raises(st.StabilityError, match="have no slope there"):
+        st.boundaries(family, axis=("zero", 0, 1, 5))
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_a_product_with_zero_has_the_slope_that_difference_quotients_show(name: str) -> None:
+    slope = _slope(SMOOTH[name])
+    assert slope is not None
+    spectrum = st.spectrum(_family(SMOOTH[name]), at=0.0, certify=True)
+    trace, determinant = 3 * slope[1] - 1, 1 - 3 * slope[0]
+    expected = np.roots([1, -trace, determinant])
+    assert np.sort_complex(spectrum.eigenvalues) == pytest.approx(np.sort_complex(expected))
+
+
+def test_each_state_is_judged_by_itself() -> None:
+    family = _family(KINKS["distance that a parameter rounds off"])
+    states = np.array([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]])
+    zero = np.array([[0.0], [0.5], [0.0]])
+    assert sloped(family.system, states, zero).tolist() == [False, True, True]
+    assert st.spectrum(family, at=0.5, certify=True).verdict.word == "stable"
+
+
+def test_conditions_of_a_family_without_slopes_are_refused() -> None:
+    with pytest.raises(st.StabilityError, match="no slope"):
+        st.conditions(_family(KINKS["cube root of a square"]))
