@@ -26,6 +26,13 @@ EVERY = 8
 """One row of so many is then followed from the anchor itself."""
 NEXT = 1e-4
 """Longest way from the end of a line to the fold or branch point that ended it, as a share."""
+FOLD, CROSSING = "a fold at ", "a branch point at "
+BEYOND = {
+    FOLD: ", where this branch turns; branch with arclength=True goes round it",
+    CROSSING: ", where another branch crosses; branch lists this point in branch_points, and "
+    "its switch follows the other branch",
+}
+"""What is on the other side of each singular point, and how to get there."""
 
 _KNOWN: WeakKeyDictionary[FamilyGraph, tuple[Floats, Floats]] = WeakKeyDictionary()
 
@@ -186,14 +193,15 @@ def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequ
     return (
         f"{family.name} has no member at "
         f"{listing([names[i] for i in moved], asked[moved])} that continuation from {start} "
-        f"reaches: it stopped at {what}{listing([names[i] for i in moved], stop[moved])}."
+        f"reaches: it stopped at {what}{listing([names[i] for i in moved], stop[moved])}"
+        f"{BEYOND.get(what, '')}."
     )
 
 
 def _singular(curve: Curve, u: Floats, share: float) -> tuple[str, float]:
     """The words `a fold at ` or `a branch point at ` and its place, where one ends the line."""
     end = np.array([*u, share])
-    for what, locate in (("a fold at ", locate_fold), ("a branch point at ", locate_branch_point)):
+    for what, locate in ((FOLD, locate_fold), (CROSSING, locate_branch_point)):
         found = locate(curve, end)
         if found.resolved and abs(found.z[-1] - share) <= NEXT:
             return what, float(found.z[-1])
