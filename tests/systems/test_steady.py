@@ -62,10 +62,27 @@ def test_many_members_over_all_parameters_are_those_of_the_closed_form(plus: Any
 @pytest.mark.parametrize("r", [1.0, 0.999, 0.5, -3.0])
 def test_no_other_fixed_point_stands_in_where_this_one_ends(plus: Any, r: float) -> None:
     """Below r = 1 the origin is left, and Newton's method would go there."""
-    with pytest.raises(st.StabilityError, match=r"stopped at (a branch point at )?r = 1\."):
+    with pytest.raises(st.StabilityError, match="stopped at a branch point at r = 1,"):
         plus.member([r], [10.0, B])
     with pytest.raises(st.StabilityError, match=r"no member at r = "):
         st.spectrum(plus, at=[2.0, r], sigma=10, b=B)
+
+
+def test_a_branch_point_is_named_wherever_the_question_lies(plus: Any) -> None:
+    for r in np.random.default_rng(6).uniform(-500, 1, 60):
+        said = plus.search([[r]], [[10.0, B]]).why(0)
+        assert "stopped at a branch point at r = 1, where another branch crosses; " in said
+        assert said.endswith("its switch follows the other branch.")
+    run = st.branch(plus, 28, -3, [10, B], points=11)
+    [point] = run.branch_points
+    assert (point.kind, point.value) == ("pitchfork", pytest.approx(1.0, abs=1e-12))
+    assert np.abs(point.switch(-3.0).state).max() < 1e-12  # the remedy: the origin goes on
+
+
+def test_a_branch_of_a_bare_system_is_refused_with_the_way_to_a_family(lorenz: Any) -> None:
+    with pytest.raises(st.StabilityError, match=r"family is a System; give a Family, such as "
+                                                r"system\.steady\(at, guess=\{…\}\) finds\."):
+        st.branch(lorenz, 2, 28, [10, B])
 
 
 def test_a_member_beyond_a_fold_is_refused_though_another_sheet_has_one() -> None:

@@ -4,30 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from ...base.types import Floats
 from ..graph.family_graph import FamilyGraph
-from .roots import roots
-from .sheet import Anchor, follow, hop
+from .roots import newton_step, roots
+from .sheet import follow
 from .singular_points import Curve, locate_branch_point, locate_fold
 
-NEAR = 0.05
-"""Longest way, relative to 1 or to the number, from a member found before to one that is asked."""
-MOST_KNOWN = 4096
-"""Most members kept for later questions."""
-MANY = 64
-"""Number of rows above which most are found from a neighbour."""
-EVERY = 8
-"""One row of so many is then followed from the anchor itself."""
 NEXT = 1e-4
 """Longest way from the end of a line to the fold or branch point that ended it, as a share."""
-
-_KNOWN: WeakKeyDictionary[FamilyGraph, tuple[Floats, Floats]] = WeakKeyDictionary()
+LAST = 1e-2
+"""Largest correction of an unknown at the end of a line, relative to 1 or to the unknown."""
+TINY = 1e-6
+"""Largest correction after three Newton steps there."""
+FOLD, CROSSING = "a fold at ", "a branch point at "
+BEYOND = {
+    FOLD: ", where this branch turns; branch with arclength=True goes round it",
+    CROSSING: ", where another branch crosses; branch lists this point in branch_points, and "
+    "its switch follows the other branch",
+}
+"""What is on the other side of each singular point, and how to get there."""
 
 
 class Found(NamedTuple):
@@ -91,45 +90,11 @@ def _unreached(family: Any, a: Floats, q: Floats) -> str:
 
 def _followed(family: Any, a: Floats, q: Floats, positive: Sequence[int]) -> Found:
     """Members on the smooth sheet of the anchor, each along a straight line."""
-    graph, given, cut = family.graph, np.hstack([a, q]), a.shape[1]
-    u, good = np.zeros((len(a), len(family.unknown))), np.zeros(len(a), dtype=bool)
-    share = np.zeros(len(a))
-
-    def direct(rows: NDArray[np.intp]) -> None:
-        anchor: Anchor = family.anchor
-        start = np.tile(anchor.given, (len(rows), 1)), np.tile(anchor.unknown, (len(rows), 1))
-        u[rows], good[rows], share[rows] = _ended(graph, cut, (*start, given[rows]), positive)
-
-    near = _cached(graph, given) if len(a) == 1 else None
-    if len(a) > MANY:  # a few from the anchor, and the others from the nearest of these
-        few = np.arange(0, len(a), EVERY)
-        direct(few)
-        few = few[good[few]]
-        near = (given[few], u[few]) if len(few) else None
-    rest = np.flatnonzero(~good)
-    if near is not None:
-        u[rest], good[rest] = _beside(graph, cut, near, given[rest], positive)
-    left = np.flatnonzero(~good & (share == 0))
-    if len(left):
-        direct(left)
-    if near is not None and len(a) > MANY:
-        _keep(graph, *near)
-    elif len(left):
-        _keep(graph, given[left][good[left]], u[left][good[left]])
+    given, anchor = np.hstack([a, q]), family.anchor
+    start = np.tile(anchor.given, (len(a), 1)), np.tile(anchor.unknown, (len(a), 1))
+    # each row from the anchor itself: a member next to another may lie beyond the end of the sheet
+    u, good, share = _ended(family.graph, a.shape[1], (*start, given), positive)
     return Found(u, good, lambda row: _stopped(family, given[row], u[row], share[row], positive))
-
-
-def _beside(
-    graph: FamilyGraph, cut: int, near: tuple[Floats, Floats], given: Floats,
-    positive: Sequence[int],
-) -> tuple[Floats, NDArray[np.bool_]]:  # fmt: skip
-    """Members one short step from the nearest of known ones."""
-    points, unknowns = near
-    size = 1e-300 + np.abs(given).max(axis=0)
-    row = cKDTree(points / size).query(given / size)[1] if len(points) > 1 else [0] * len(given)
-    start, u = points[row], unknowns[row]
-    a, q = given[:, :cut], given[:, cut:]
-    return hop(graph, cut, start, u, given, lambda guess: roots(graph, a, q, guess, positive))
 
 
 def _ended(
@@ -140,33 +105,20 @@ def _ended(
     found, share = follow(graph, cut, start, u, stop)
     good = share == 1
     if good.any():
-        a, q = stop[good][:, :cut], stop[good][:, cut:]
-        polished, fine = roots(graph, a, q, found[good], positive)
+        a, q, near = stop[good][:, :cut], stop[good][:, cut:], found[good]
+        steps = []
+        for _ in range(3):  # the last correction on the way need not be small
+            steps.append(newton_step(graph, a, near, q))
+            near = near - np.where(np.isfinite(steps[-1]), steps[-1], 0.0)
+        size = 1 + np.abs(near)
+        way = [np.abs(s / size).max(axis=1) for s in steps]
+        fine = (way[0] <= LAST) & (way[1] <= way[0] / 4 + TINY) & (way[2] <= way[1] / 4 + TINY)
+        polished, root = roots(graph, a, q, near, positive)
         # the polish moves by rounding alone, or it went to another root
-        size = 1e-6 * (1 + np.abs(found[good]))
-        fine &= (np.abs(polished - found[good]) <= size).all(axis=1)
-        found[good] = np.where(fine[:, None], polished, found[good])
+        fine &= root & (np.abs(polished - near) <= TINY * size).all(axis=1)
+        found[good] = np.where(fine[:, None], polished, near)
         good[good] = fine
     return found, good, share
-
-
-def _cached(graph: FamilyGraph, point: Floats) -> tuple[Floats, Floats] | None:
-    """The nearest member of earlier questions, if it is near."""
-    if graph not in _KNOWN:
-        return None
-    given, u = _KNOWN[graph]
-    way = (np.abs(given - point) / (1 + np.abs(point))).max(axis=1)
-    row = int(way.argmin())
-    return (given[row : row + 1], u[row : row + 1]) if way[row] <= NEAR else None
-
-
-def _keep(graph: FamilyGraph, given: Floats, u: Floats) -> None:
-    """Keep members that were followed all the way from the anchor; no chain of short ways."""
-    if not len(given):
-        return
-    if graph in _KNOWN:
-        given, u = (np.vstack(p) for p in zip((given, u), _KNOWN[graph], strict=True))
-    _KNOWN[graph] = given[:MOST_KNOWN], u[:MOST_KNOWN]
 
 
 def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequence[int]) -> str:
@@ -186,14 +138,15 @@ def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequ
     return (
         f"{family.name} has no member at "
         f"{listing([names[i] for i in moved], asked[moved])} that continuation from {start} "
-        f"reaches: it stopped at {what}{listing([names[i] for i in moved], stop[moved])}."
+        f"reaches: it stopped at {what}{listing([names[i] for i in moved], stop[moved])}"
+        f"{BEYOND.get(what, '')}."
     )
 
 
 def _singular(curve: Curve, u: Floats, share: float) -> tuple[str, float]:
     """The words `a fold at ` or `a branch point at ` and its place, where one ends the line."""
     end = np.array([*u, share])
-    for what, locate in (("a fold at ", locate_fold), ("a branch point at ", locate_branch_point)):
+    for what, locate in ((FOLD, locate_fold), (CROSSING, locate_branch_point)):
         found = locate(curve, end)
         if found.resolved and abs(found.z[-1] - share) <= NEXT:
             return what, float(found.z[-1])

@@ -10,7 +10,6 @@ between two branches.  A fold is never passed: the members that are reached form
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -158,36 +157,6 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
         step[done] = np.where(patience[done] > 0, h[fine], 2 * h[fine])
         patience[done] = np.maximum(patience[done] - 1, 0)
     return Followed(u, t)
-
-
-def hop(
-    graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats,
-    root: Callable[[Floats], tuple[Floats, NDArray[np.bool_]]],
-) -> tuple[Floats, NDArray[np.bool_]]:  # fmt: skip
-    """One short step from known members, and whether it stays plainly on the same sheet.
-
-    Parameters
-    ----------
-    graph, cut, start, u, stop
-        As in `follow`.
-    root
-        The roots near first guesses, and whether each is one.
-
-    Returns
-    -------
-    u, good
-        Unknowns at `stop`, shape (N, u), and whether to trust them, shape (N,).
-    """
-    lines, rows, one = _Lines(graph, cut, start, stop), np.arange(len(u)), np.ones(len(u))
-    _, slope, along = lines.at(rows, u, 0 * one)
-    turn = -solved(slope, along)
-    turn[~np.isfinite(turn)] = 0.0
-    new, good = root(u + turn)
-    _, slope_there, along = lines.at(rows, new, one)
-    missed = np.abs(new - u - turn).max(axis=1) <= (
-        CONTRACTION * np.abs(turn).max(axis=1) + SETTLED)  # fmt: skip
-    same = _sign(slope) * _sign(slope_there) > 0
-    return new, good & missed & same & _smooth(one, u, new, turn, -solved(slope_there, along))
 
 
 def _sign(slope: Floats) -> NDArray[np.float64]:

@@ -171,11 +171,17 @@ def locate_branch_point(curve: Curve, z: Floats) -> Located:
         if step is None:
             break
         z, mu, psi = z - step[: n + 1], mu - float(step[n + 1]), psi - step[n + 2 :]
-        if _settled(z, last, last := np.abs(step[: n + 1])):
+        rest = _settled(z, last, last := np.abs(step[: n + 1]))
+        # μ may lag by a step: it is quadratic in the last error of z
+        if rest and (abs(float(step[n + 1])) <= abs(mu) or abs(mu) <= _least(curve, z)):
             break
     near = bool((last <= RESOLVED * (1 + np.abs(z))).all())
-    small = near and abs(mu) <= GENUINE * float(np.linalg.norm(curve.noise(z))) + TINY
-    return Located(z, last, bool(small), psi)
+    return Located(z, last, near and abs(mu) <= _least(curve, z), psi)
+
+
+def _least(curve: Curve, z: Floats) -> float:
+    """Largest unfolding that rounding of the equations accounts for."""
+    return GENUINE * float(np.linalg.norm(curve.noise(z))) + TINY
 
 
 def directions(curve: Curve, point: Located) -> Floats | None:

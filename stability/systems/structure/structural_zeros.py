@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
 from flint import arb
 
 from ...algebra.balls import precision
@@ -19,6 +20,9 @@ SAMPLES = 3
 
 SAMPLE_BITS = 400
 """Precision at the samples; a coefficient below half as many bits at each one is structural."""
+
+MOST_HALVINGS = 30
+"""Most halvings of the way from a known member to a sample, where its sheet ends on the way."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,8 @@ def structure(family: Family) -> Structure:
 def sampled(family: Family, sample: int) -> list[arb]:
     """Random family parameters and parameters near the typical ones, away from special values.
 
+    A family that is followed from a known member is sampled about this member.
+
     Parameters
     ----------
     family
@@ -98,9 +104,17 @@ def sampled(family: Family, sample: int) -> list[arb]:
         # incommensurable factors near 1 avoid special values
         spread = [arb(2 + 7 * sample + 3 * i).sqrt() for i in range(len(names))]
         factor = [1 + (s - s.floor()) / 4 - arb(1) / 8 for s in spread]
-        return [
-            (arb(family.typical.get(n, 1.0)) * f).mid() for n, f in zip(names, factor, strict=True)
-        ]
+        size = [arb(family.typical.get(n, 1.0)) for n in names]
+        if family.anchor is None:
+            return [(s * f).mid() for s, f in zip(size, factor, strict=True)]
+        way = [s * (f - 1) for s, f in zip(size, factor, strict=True)]
+        middle = [arb(float(v)) for v in family.anchor.given]
+        for halvings in range(0, MOST_HALVINGS, 2):
+            point = [(m + w / 2**halvings).mid() for m, w in zip(middle, way, strict=True)]
+            row = np.array([[float(v) for v in point]])
+            if family.search(row[:, : len(family.at)], row[:, len(family.at) :]).good[0]:
+                break
+        return point
 
 
 def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
