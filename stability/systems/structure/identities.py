@@ -16,6 +16,7 @@ from ...base.errors import StabilityError
 from ..family import Family
 from . import pattern
 from .entries import with_symbols
+from .null_chains import constant_zeros
 from .structural_zeros import structure
 
 MOST_STATES = 16
@@ -56,7 +57,7 @@ def identity(family: Family) -> Identity:
         tangents = _fixed_directions(family, parts, zero)
         sampled = structure(family)
         zeros, even = _zero_pattern(
-            blocks_of(exact_matrix(family, *parts), zero), zero, (sampled.zeros, sampled.even)
+            exact_matrix(family, *parts), zero, (sampled.zeros, sampled.even)
         )
     zeros = max(zeros, tangents, pattern.zeros(stored), len(family.left_out))
     return Identity(zeros, even or pattern.mirrored(stored))
@@ -155,15 +156,18 @@ def whole_polynomial(matrix: list[list[Any]]) -> list[Any]:
 
 
 def _zero_pattern(
-    blocks: list[list[list[Any]]], zero: Callable[[Any], bool], wanted: tuple[int, bool]
+    matrix: list[list[Any]], zero: Callable[[Any], bool], wanted: tuple[int, bool]
 ) -> tuple[int, bool]:
     """Zeros of the product of the blocks' polynomials, and whether the rest is even.
 
-    The places of zero entries cost nothing, symbols in place of the others little.  What samples
-    do not show is not tried.
+    The places of zero entries cost nothing, constant vectors and symbols in place of the others
+    little.  What samples do not show is not tried.
     """
+    blocks = blocks_of(matrix, zero)
     places = [nonzero(block, zero) for block in blocks]
     count, even = sum(map(pattern.zeros, places)), all(map(pattern.mirrored, places))
+    if count < wanted[0]:
+        count = max(count, constant_zeros(matrix, zero))
     large = max(map(len, blocks)) > MOST_STATES
 
     def enough() -> bool:
