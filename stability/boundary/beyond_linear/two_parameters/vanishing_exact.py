@@ -43,7 +43,7 @@ MOST_TERMS = 20_000
 """Largest number of terms of a polynomial."""
 SECONDS = 20.0
 """Longest time before the elimination [s]."""
-MOST_DEGREE = 240
+MOST_DEGREE = 700
 """Largest degree of a resultant."""
 MOST_SIGNS = 3
 """Most square roots in one polynomial."""
