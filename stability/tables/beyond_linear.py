@@ -97,6 +97,7 @@ def point_records(found: CodimensionTwo) -> dict[str, Any]:
         "unresolved": [b._asdict() | {"kind": b.kind.word} for b in found.unresolved],
         "how": found.how,
         "vanishing": found.vanishing,
+        "vanishing_complete": found.vanishing_complete,
     }
 
 

@@ -137,7 +137,7 @@ def isolated(
     common = pair[0].gcd(pair[1])
     f, g = (p / common for p in pair)
     open_: list[UnresolvedBox] = []
-    if any(_meets(h, inner) for h, _ in factors(common)[1]):
+    if any(meets(h, inner) for h, _ in factors(common)[1]):
         open_.append(whole)
     if f.is_constant() or g.is_constant():
         return [], open_
@@ -180,7 +180,7 @@ def _pairs(
                 if not all(v.is_finite() for v in place):
                     raise NotProvedError
             except NotProvedError:
-                ends = [_ends(plane.back(i, v), rectangle[i]) for i, v in enumerate((x, y))]
+                ends = [box_of(plane.back(i, v), rectangle[i]) for i, v in enumerate((x, y))]
                 left.append(UnresolvedBox(kind, ends[0], ends[1], SINGULAR))
                 continue
             if point is not None:
@@ -188,8 +188,16 @@ def _pairs(
     return found, left
 
 
-def _ends(ball: Any, whole: tuple[float, float]) -> tuple[float, float]:
-    """Doubles around a ball; the whole axis where it is not finite."""
+def box_of(ball: Any, whole: tuple[float, float]) -> tuple[float, float]:
+    """Doubles around a ball.
+
+    Parameters
+    ----------
+    ball
+        The ball.
+    whole
+        Ends of the axis, for a ball that is not finite.
+    """
     if not ball.is_finite():
         return whole
     return (
@@ -198,8 +206,16 @@ def _ends(ball: Any, whole: tuple[float, float]) -> tuple[float, float]:
     )
 
 
-def _meets(p: Any, ends: Any) -> bool:
-    """Whether a polynomial may vanish between ends of its variables, by a few halvings."""
+def meets(p: Any, ends: Any) -> bool:
+    """Whether a polynomial may vanish between ends of its variables, by a few halvings.
+
+    Parameters
+    ----------
+    p
+        An element of `PLANE`.
+    ends
+        Balls of both ends of each variable.
+    """
     boxes = [tuple(low.union(high) for low, high in ends)]
     for count in range(256):
         if not boxes:

@@ -77,14 +77,16 @@ class CodimensionTwo(Sequence[DegeneratePoint]):
     """One sentence on how double zeros, zeros with a pair, and two pairs were sought."""
     vanishing: str
     """One sentence on how vanishing coefficients were sought."""
+    vanishing_complete: bool = False
+    """Whether every vanishing coefficient in the closed rectangle is listed, by proof."""
 
     @property
     def complete(self) -> bool:
         """Whether every point of the first three kinds in the closed rectangle is listed.
 
-        Vanishing coefficients are each proved to exist, and never to be all.
+        For vanishing coefficients see `vanishing_complete`.
         """
-        return not self.unresolved
+        return all(box.kind is PointKind.VANISHING for box in self.unresolved)
 
     def __len__(self) -> int:
         return len(self.points)
@@ -108,15 +110,19 @@ class CodimensionTwo(Sequence[DegeneratePoint]):
     @property
     def statement(self) -> str:
         """What was searched, and what stays open."""
-        if self.complete:
-            return f"{self.how}; {self.vanishing}"
-        first, more = self.unresolved[0], len(self.unresolved) - 1
-        said = (
+        open_ = [b for b in self.unresolved if b.kind is PointKind.VANISHING]
+        spectral = [b for b in self.unresolved if b.kind is not PointKind.VANISHING]
+        said = self._not(spectral) if spectral else self.how
+        return f"{said}; {self._not(open_) + '; ' if open_ else ''}{self.vanishing}"
+
+    def _not(self, boxes: Sequence[UnresolvedBox]) -> str:
+        """What stays open in boxes."""
+        first, more = boxes[0], len(boxes) - 1
+        return (
             f"not complete: {first.kind.word} near {self.axes[0][0]} {first.x[0]:.10g} to "
             f"{first.x[1]:.10g}, {self.axes[1][0]} {first.y[0]:.10g} to {first.y[1]:.10g}: "
-            f"{first.reason}"
+            f"{first.reason}" + (f" (and {more} more in .unresolved)" if more else "")
         )
-        return f"{said}{f' (and {more} more in .unresolved)' if more else ''}; {self.vanishing}"
 
     def warn(self, level: int = 3) -> None:
         """Issue a `StabilityWarning` where the search was not complete.

@@ -19,10 +19,11 @@ from ....spectra.problem import Problem
 from ....systems.family import Family
 from ....systems.structure.structural_zeros import structure
 from ..births import rounded, zeros_left
-from .plane_search import BITS, SPECTRAL, BoxSearch, Found, Rectangle, isolated
+from .plane_search import BITS, SPECTRAL, BoxSearch, Found, Rectangle, isolated, joined
 from .planes import GraphPlane, exact_plane
 from .point_records import CodimensionTwo, DegeneratePoint, PointKind, UnresolvedBox
-from .vanishing import vanishing
+from .vanishing import Vanishing, vanishing
+from .vanishing_exact import ExactSearch
 
 MOST_LINES = 2000
 """Most lines of an axis."""
@@ -39,6 +40,11 @@ LINES = (
     "vanishing first Lyapunov coefficients: each that is listed is proved; boundaries were "
     "followed between {x} lines along {x_name} and {y} along {y_name}, so others are not excluded"
 )
+EXACT = (
+    "vanishing first Lyapunov coefficients: every change of sign along a flutter boundary was "
+    "isolated over Q by resultants, and proved at the member"
+)
+FLAT = "; on some boundary the coefficient is zero all along, where no point is listed"
 NONE_ON_LINES = (
     "vanishing first Lyapunov coefficients were not sought, since eigenvalues vanish by structure"
 )
@@ -61,7 +67,9 @@ def codimension_two(
     Hopf), and points of flutter boundaries with a vanishing first Lyapunov coefficient (Bautin).
     Where the linearisation is rational in both axes, or in their sine and cosine, the first three
     are isolated over Q by resultants.  Elsewhere the rectangle is cut into boxes, each with a
-    proof.  Points at which other eigenvalues are unstable are listed too, and marked as such.
+    proof.  Where the derivatives up to the third are algebraic too, vanishing coefficients are
+    isolated over Q as well.  Elsewhere boundaries are followed between lines, and `.vanishing`
+    says why.  Points at which other eigenvalues are unstable are listed too, and marked as such.
 
     Parameters
     ----------
@@ -69,12 +77,14 @@ def codimension_two(
         As for `stability_map`, with one number for every quantity but the axes.
     x, y
         (name, low, high, n) or (name, low, high, n, "log").  n is the number of lines on which
-        flutter boundaries are sought and followed, for vanishing coefficients alone.
+        flutter boundaries are sought and followed, for vanishing coefficients that are not
+        isolated over Q.
 
     Returns
     -------
     CodimensionTwo
-        A sequence of `DegeneratePoint`, with `.complete`, `.unresolved` and `.statement`.
+        A sequence of `DegeneratePoint`, with `.complete` for the first three kinds,
+        `.vanishing_complete`, `.unresolved` and `.statement`.
 
     Raises
     ------
@@ -87,7 +97,7 @@ def codimension_two(
         If the search for the first three kinds was not complete.
 
     Source: Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, ch. 8;
-    tests/boundary/test_codimension_two.py.
+    tests/boundary/test_codimension_two.py, tests/boundary/test_bautin.py.
 
     Examples
     --------
@@ -106,16 +116,15 @@ def codimension_two(
     rectangle: Rectangle = ((axes[0].low, axes[0].high), (axes[1].low, axes[1].high))
     found, left, how = _spectral(problem, axes, rectangle)
     units = [_point(problem, axes, f) for f in found]
-    said = NONE_ON_LINES
+    said, every = NONE_ON_LINES, False
     if problem.law is None and zeros_left(problem.family) == 0:
-        units += [_bautin(v) for v in vanishing(problem, axes)]
-        said = LINES.format(
-            x=axes[0].count, y=axes[1].count, x_name=axes[1].name, y_name=axes[0].name
-        )
+        some, open_, said, every = _vanishing(problem, axes, rectangle)
+        units += some
+        left += open_
     order = list(PointKind)
     points = tuple(sorted(units, key=lambda p: (order.index(p.kind), p.x, p.y)))
     ends = tuple((g.name, g.low, g.high) for g in axes)
-    result = CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said)
+    result = CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every)
     result.warn()
     return result
 
@@ -157,6 +166,22 @@ def _spectral(
     return found, left, RESULTANTS
 
 
+def _vanishing(
+    problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle
+) -> tuple[list[DegeneratePoint], list[UnresolvedBox], str, bool]:
+    """Vanishing coefficients: points, what stays open, how they were sought, and whether all."""
+    names = axes[0].name, axes[1].name
+    try:
+        search = ExactSearch(problem, names, rectangle)
+        found, left = search.run()
+    except NotExact as error:
+        said = LINES.format(x=axes[0].count, y=axes[1].count, x_name=names[1], y_name=names[0])
+        some = [_bautin(v) for v in vanishing(problem, axes)]
+        return some, [], f"{said} (no exact search, since {error})", False
+    said = EXACT + (FLAT if search.flat else "")
+    return [_bautin(v) for v in found], joined(left), said, not left
+
+
 def _point(problem: Problem, axes: tuple[Axis, Axis], found: Found) -> DegeneratePoint:
     with precision(BITS):
         place = [rounded(v) for v in (found.x, found.y)]
@@ -169,7 +194,7 @@ def _point(problem: Problem, axes: tuple[Axis, Axis], found: Found) -> Degenerat
     return DegeneratePoint(found.kind, *place[0], *place[1], pairs, OTHERS[found.nature.others])
 
 
-def _bautin(found: Any) -> DegeneratePoint:
+def _bautin(found: Vanishing) -> DegeneratePoint:
     place = [rounded(v) for v in found.place]
     frequency = (float(arb(found.frequency).mid()),)
     others = OTHERS[found.others]
