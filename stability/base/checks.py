@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import NameUnknownError, ParameterError, StabilityError, shown
+from .exact_numbers import warn_rounded
 
 Number = float | NDArray[np.float64]
 MOST_WORKERS = 1024
@@ -105,11 +106,14 @@ def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
         ):
             raise TypeError
         with np.errstate(all="ignore"):  # an overflow is infinite; callers refuse it
-            return np.asarray(given, dtype=float)
+            found = np.asarray(given, dtype=float)
     except ParameterError:
         raise
     except Exception:  # the value's own conversion may raise anything
         raise ParameterError(f"{name} is {shown(value)}; a real number is needed.") from None
+    if given.dtype.kind == "O":
+        warn_rounded(name, given.flat)
+    return found
 
 
 def positive(

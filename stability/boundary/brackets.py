@@ -56,6 +56,10 @@ class AxisScan:
         self._solution: tuple[int, list[Any], list[Any]] | None = None
         self._known: dict[tuple[float, int], list[Any]] = {}
 
+    def exact(self) -> dict[str, Any]:
+        """Value of every other quantity as a ball around the exact number, by name."""
+        return {n: arb(v) for n, v in self.problem.rationals(self.fixed).items()}
+
     @cached_property
     def even(self) -> bool:
         """Whether λ² decides: the family is conservative, or proved symmetric under λ → -λ."""
@@ -90,7 +94,7 @@ class AxisScan:
         exact = self.problem.exact
         if not isinstance(exact, TabulatedPolynomial):
             return None
-        given = {n: arb(float(v)) for n, v in (self.fixed | {self.axis: value}).items()}
+        given = self.exact() | {self.axis: arb(float(value))}
         scale = arb(exact.natural(exact.point(given, MIXED))).sqrt()
         product = [arb(0)] * exact.zeros + [arb(1)]
         for factor in exact.coefficients(given, MIXED):

@@ -94,7 +94,7 @@ def boundaries(
     ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
     """
     grid = Axis.of(axis, "axis", most=MOST_SCAN)
-    problem = prepare(family, (grid,), disk, contact, at, dict(parameters))
+    problem = prepare(family, (grid,), disk, contact, at, dict(parameters), exact=True)
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     found = replace(found, searched=(grid.name, grid.low, grid.high))
     found.warn(grid.name)

@@ -97,7 +97,7 @@ def search(
     >>> [(m.kind, round(float(m.value), 10)) for m in found.marks if m.below != m.above]
     [('static', 2.0), ('flutter', 2.0451355787)]
     """
-    given = {n: rational(float(v)) for n, v in problem.values.items() if n != axis}
+    given = problem.rationals({n: v for n, v in problem.values.items() if n != axis})
     source, angle, edge = _source(problem, given, axis)
     ends = tuple(None if v is None else rational(v) for v in (low, high))
     positive = problem.law is not None and axis in POSITIVE

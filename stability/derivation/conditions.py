@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -14,19 +13,20 @@ from numpy.typing import ArrayLike
 
 from ..algebra.balls import precision
 from ..algebra.exact.hurwitz_forms import Budget, TooLarge
-from ..algebra.exact.number_fields import NotExact, rational
+from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.routh import on_the_axis
 from ..algebra.polynomial import Polynomial
 from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
-from ..base.checks import instance, known, one_number, rows, whole_number
+from ..base.checks import flag, instance, known, whole_number
 from ..base.checks import positive as above_zero
-from ..base.errors import ParameterError, StabilityError, shown
+from ..base.errors import ParameterError, StabilityError
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .general.deduction import Deduction, domain_of
 from .general.elimination import Reading, whole
 from .general.members import sloped_somewhere
+from .general.numbers import Numbers
 from .general.records import Factor, SignCondition, Variable, Witness
 
 MOST_TERMS = 4000
@@ -42,7 +42,7 @@ class Conditions:
     """Exact conditions of stability of a family: polynomials, what decides, boundaries, proofs.
 
     Every polynomial has integer coefficients.  Numbers of the graph are the exact ratios of their
-    doubles.
+    doubles, or the decimals that were written: `numbers` says which.
     """
 
     family: Family
@@ -73,7 +73,10 @@ class Conditions:
     """Largest number of terms of a polynomial on the way."""
     seconds: float
     """Time of the derivation."""
+    numbers: str
+    """How decimals in the graph and in the given numbers were read; empty where all are exact."""
     _deduction: Deduction
+    _reads: Numbers
 
     def __repr__(self) -> str:
         family = self.family
@@ -150,7 +153,8 @@ class Conditions:
         for name in names:
             if name not in values:
                 raise ParameterError(f"{name} is missing; give a number for {', '.join(names)}.")
-        point = [_exact(values[n], n) for n in names]
+        table = self._reads.point({n: values[n] for n in names})
+        point = [table[n] for n in names]
         if not self._deduction.members.check(point):
             return Verdict.UNDECIDED
         signs = [_sign(c.polynomial(*point)) for c in self.deciding]
@@ -177,7 +181,7 @@ class Conditions:
             return Verdict.UNSTABLE
         return Verdict.UNDECIDED if 0 in signs else good
 
-    def values(self, at: ArrayLike, **parameters: float) -> dict[str, Any]:
+    def values(self, at: ArrayLike, **parameters: Any) -> dict[str, Any]:
         """Values of the variables at a member: rationals, or balls where these are irrational.
 
         Parameters
@@ -204,7 +208,7 @@ class Conditions:
             )
         )
 
-    def verdict(self, at: ArrayLike, **parameters: float) -> Verdict:
+    def verdict(self, at: ArrayLike, **parameters: Any) -> Verdict:
         """The verdict from the conditions at a member.
 
         Parameters
@@ -231,14 +235,16 @@ class Conditions:
                 break
         return found
 
-    def _point(self, at: ArrayLike, parameters: Mapping[str, float]) -> dict[str, Any]:
-        a = rows("at", np.atleast_1d(np.asarray(at, dtype=object)), self.family.at)
-        if a.ndim != 1:
-            raise ParameterError(f"at has shape {a.shape}; give one member.")
-        point = {n: rational(v) for n, v in zip(self.family.at, a, strict=True)}
+    def _point(self, at: Any, parameters: Mapping[str, Any]) -> dict[str, Any]:
+        a = np.atleast_1d(np.asarray(at, dtype=object))
+        if a.shape != (len(self.family.at),):
+            raise ParameterError(
+                f"at has shape {a.shape}; give one member ({', '.join(self.family.at)})."
+            )
+        point = self._reads.point(dict(zip(self.family.at, a, strict=True)))
         for name, value in parameters.items():
             known("parameter", name, self.family.parameters)
-            point[name] = rational(one_number(name, value))
+            point[name] = self._reads.rational(name, value)
         for name in self.family.parameters:
             if name in self.given:
                 own = fmpq(self.given[name].numerator, self.given[name].denominator)
@@ -247,14 +253,6 @@ class Conditions:
             if name not in point:
                 raise ParameterError(f"{name} is missing; give a number.")
         return point
-
-
-def _exact(value: Any, name: str) -> Any:
-    if isinstance(value, (int, Fraction)):
-        return fmpq(value.numerator, value.denominator)
-    if isinstance(value, float):
-        return rational(one_number(name, value))
-    return value
 
 
 def _sign(value: Any) -> int | None:
@@ -266,9 +264,10 @@ def conditions(
     *,
     positive: Sequence[str] = (),
     between: Mapping[str, tuple[float, float]] | None = None,
+    decimals: bool = False,
     terms: int = MOST_TERMS,
     seconds: float = SECONDS,
-    **parameters: float,
+    **parameters: Any,
 ) -> Conditions:
     """Exact conditions of stability of a family, over Q.
 
@@ -280,12 +279,17 @@ def conditions(
         Names of parameters, family parameters or unknowns that are positive.
     between
         Open intervals by name; an end may be infinite.
+    decimals
+        Whether a float, in the graph or given, is read as the decimal that was written: 9.81 as
+        981/100.  A float that is nearest to no decimal of 15 digits stays as it is, such as 1/3.
+        If False, every float is its exact double, as in certified spectra.
     terms
         Largest number of terms of a polynomial.
     seconds
         Longest time [s].
     **parameters
-        Numbers of some of the system's parameters; the others stay variables.
+        Numbers of some of the system's parameters; the others stay variables.  An integer, a
+        `Fraction`, a `Decimal` or a rational of SymPy is taken exactly.
 
     Returns
     -------
@@ -312,9 +316,11 @@ def conditions(
     'Stable where c > 0; unstable where it is negative.'
     """
     instance("family", family, Family, "give a stability.Family")
-    intervals = _intervals(family, positive, between or {})
-    values = {known("parameter", n, family.parameters): rational(one_number(n, v))
+    reads = Numbers(flag("decimals", decimals))
+    intervals = reads.intervals(family, positive, between or {})
+    values = {known("parameter", n, family.parameters): reads.rational(n, v)
               for n, v in parameters.items()}  # fmt: skip
+    own, family = family, reads.family(family)
     budget = Budget(whole_number("terms", terms, 1), float(above_zero("seconds", seconds)))
     zeros = structure(family)
     if not zeros.steady:
@@ -325,7 +331,7 @@ def conditions(
     if not sloped_somewhere(family, values):
         raise StabilityError(f"{family.name}: the rates have no slope at its members, as |x| at 0.")
     try:
-        reading = Reading(family, values, budget)
+        reading = Reading(family, values, budget, reads.ratio)
         found = whole(reading)
     except NotExact as reason:
         large = isinstance(reason, TooLarge)
@@ -340,10 +346,13 @@ def conditions(
             "the equations of its unknowns do not reduce the polynomial far enough."
         )
     deduction = Deduction(reading, found, domain_of(reading, found, intervals), zeros.zeros)
-    return _record(deduction, budget)
+    said = reads.statement(family, tuple(parameters.values()))
+    return _record(deduction, budget, own, reads, said)
 
 
-def _record(deduction: Deduction, budget: Budget) -> Conditions:
+def _record(
+    deduction: Deduction, budget: Budget, family: Family, reads: Numbers, said: str
+) -> Conditions:
     found, reading = deduction.whole, deduction.reading
     shown_ = deduction.polynomial
     rows_ = deduction.conditions(budget)
@@ -351,7 +360,7 @@ def _record(deduction: Deduction, budget: Budget) -> Conditions:
         row["witnesses"] = tuple(Witness(*w) for w in row["witnesses"])
     ordered = sorted((SignCondition(**r) for r in rows_), key=lambda c: not c.decides)
     return Conditions(
-        family=reading.family,
+        family=family,
         given={n: Fraction(int(v.p), int(v.q)) for n, v in reading.values.items()},
         variables=tuple(Variable(*row) for row in deduction.variables()),
         domain=tuple(deduction.assumptions()),
@@ -370,25 +379,7 @@ def _record(deduction: Deduction, budget: Budget) -> Conditions:
         degree=len(reading.matrix),
         terms=budget.largest,
         seconds=budget.spent,
+        numbers=said,
         _deduction=deduction,
+        _reads=reads,
     )
-
-
-def _intervals(
-    family: Family, positive: Sequence[str], between: Mapping[str, tuple[float, float]]
-) -> dict[str, tuple[Any, Any]]:
-    """Open intervals by name, as rationals; None for an infinite end."""
-    names = (*family.at, *family.unknown, *family.parameters)
-    if isinstance(positive, str):
-        raise ParameterError(f"positive is {shown(positive)}; give a tuple of names.")
-    out: dict[str, tuple[Any, Any]] = {}
-    for name in positive:
-        out[known("positive", name, names)] = (fmpq(0), None)
-    for name, limits in between.items():
-        known("between", name, names)
-        ends = np.asarray(limits, dtype=float) if np.ndim(limits) == 1 else np.zeros(0)
-        if ends.shape != (2,) or not ends[0] < ends[1]:
-            raise ParameterError(f"between of {name} is {shown(limits)}; give (low, high).")
-        low, high = (None if math.isinf(v) else rational(v) for v in ends)
-        out[name] = (low, high)
-    return out

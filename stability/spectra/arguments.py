@@ -34,6 +34,8 @@ def prepare(
     contact: Contact | type[Contact] | None,
     at: ArrayLike | None,
     parameters: Mapping[str, ArrayLike],
+    *,
+    exact: bool = False,
 ) -> Problem:
     """The problem of a map, with its axes checked and every other value given.
 
@@ -43,6 +45,9 @@ def prepare(
         As for `stability_map`.
     axes
         The axes of the map.
+    exact
+        Whether numbers that are exact by their type stay so; otherwise they are rounded, with a
+        warning.
 
     Returns
     -------
@@ -103,7 +108,9 @@ def prepare(
     merged = kept | {n: _middle(v) for n, v in axis_values.items()}
     from dataclasses import replace
 
-    problem = replace(problem, values=merged)
+    ratios = {n: r for n, r in problem.ratios.items() if n not in names}
+    problem = replace(problem, values=merged, ratios=ratios)
+    problem = problem if exact else problem.rounded()
     law = problem.law
     if law and problem.dimensionless and set(names) & set(PHYSICAL):  # the numbers are SI then
         roundings = disk_roundings(problem.family.at, law, si=True)

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..algebra.balls import MIXED, precision, upper
 from ..algebra.exact.known_polynomial import ExactPolynomial
-from ..algebra.exact.number_fields import EXACT, NotExact, rational, rational_root
+from ..algebra.exact.number_fields import EXACT, NotExact, rational_root
 from ..algebra.exact.root_balls import clustered, exact_roots, isolated
 from ..algebra.exact.routh import on_the_axis
 from ..algebra.routh_balls import hurwitz_sign, product, verdict_polynomial
@@ -76,7 +76,7 @@ def certify(
     problem
         Family with values in the user's units.
     values
-        Doubles by name, taken as exact.
+        Doubles by name, taken as exact, or as the ratios that the problem has for them.
     zeros
         For a user's family: number of zero eigenvalues to leave out.  If not given: all
         structural ones that are proved zero at this point.
@@ -163,7 +163,7 @@ def member_at(
 
 def _exact(problem: Problem, values: Mapping[str, float]) -> tuple[list[Any], list[Any], Any]:
     """Family parameters, parameters and unit of rate: rationals, or balls where irrational."""
-    given = {n: rational(v) for n, v in values.items()}
+    given = problem.rationals(values)
     if "lean" in given:  # π/2 - lean is a ball at best
         given["lean"] = arb(given["lean"])
     with precision(MOST_BITS):
@@ -190,7 +190,7 @@ def _decided(
     exact: ExactPolynomial, problem: Problem, values: Mapping[str, float]
 ) -> tuple[Verdict, int]:
     """The verdict from an exact polynomial, and the bits of the deciding balls, or 0."""
-    given = {name: rational(value) for name, value in values.items()}
+    given = problem.rationals(values)
     even = problem.family.conservative
     try:
         conditions = exact.conditions(given, EXACT)
@@ -335,7 +335,7 @@ def _roots(
     exact: ExactPolynomial, problem: Problem, values: Mapping[str, float], *, last: bool
 ) -> Balls | None:
     """Every eigenvalue that is not zero by structure, as a complex ball; None if not isolated."""
-    given = {name: rational(value) for name, value in values.items()}
+    given = problem.rationals(values)
     scale, square = exact.scale(given)
     unit = arb(square).sqrt() if scale is None else arb(scale)
     out: Balls = []

@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq_poly
+from flint import arb, fmpq, fmpq_poly
 from numpy.typing import ArrayLike
 
 from ..algebra.balls import MIXED, precision
@@ -24,6 +25,7 @@ from ..algebra.exact.number_fields import EXACT, NotExact, rational
 from ..algebra.routh_balls import product
 from ..base.checks import checked
 from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.exact_numbers import double, no_double, warn_rounded
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..systems.family import Family, listing
@@ -63,6 +65,35 @@ class Problem:
     """The contact law, for the disk."""
     exact: ExactPolynomial | None = None
     """The characteristic polynomial, or None where it is not known."""
+    ratios: Mapping[str, Fraction] = field(default_factory=dict)
+    """Values that are given exactly and are no doubles; `values` has their nearest doubles."""
+
+    def rationals(self, values: Mapping[str, float]) -> dict[str, Any]:
+        """Exact rationals of values: the user's own where these are no doubles.
+
+        Parameters
+        ----------
+        values
+            Doubles by name.
+
+        Returns
+        -------
+        dict
+            By name, for exact work.
+        """
+        return {n: self._rational(n, float(v)) for n, v in values.items()}
+
+    def _rational(self, name: str, value: float) -> Any:
+        ratio = self.ratios.get(name)
+        return rational(value) if ratio is None or double(ratio) != value else fmpq(
+            ratio.numerator, ratio.denominator)  # fmt: skip
+
+    def rounded(self) -> Problem:
+        """The same with doubles for numbers that are given exactly; a warning says so."""
+        for name, ratio in self.ratios.items():
+            warn_rounded(name, [ratio])
+        none = (0,) * len(self.roundings)
+        return replace(self, ratios={}, roundings=none) if self.ratios else self
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -101,7 +132,7 @@ class Problem:
         return columns[:, :cut], columns[:, cut:-1], columns[:, -1], shape
 
     def balls(self, values: Mapping[str, Any]) -> tuple[list[Any], list[Any]]:
-        """Family parameters and parameters as balls around the exact doubles.
+        """Family parameters and parameters as balls around the exact numbers.
 
         Parameters
         ----------
@@ -112,7 +143,7 @@ class Problem:
         -------
         a, q
         """
-        exact = {name: arb(float(v)) for name, v in values.items()}
+        exact = {name: arb(v) for name, v in self.rationals(values).items()}
         a, q, _ = self.reduce(exact, lambda v: v.sqrt())
         return a, q
 
@@ -175,9 +206,19 @@ def system_problem(
                 f"{shown(name)} is not a parameter of {family.name}; known are "
                 f"{', '.join((*family.parameters, *family.at)) or 'none'}."
             )
-    values: dict[str, Any] = {n: checked(n, v) for n, v in parameters.items()}
     keys = family.at
+    several = isinstance(at, (tuple, list)) and len(at) == len(keys) > 1
+    parts: list[Any] = list(at) if several else [at]  # type: ignore[arg-type]
+    own = dict(zip(keys, parts, strict=False)) if len(parts) == len(keys) else {}
+    ratios = {n: r for n, v in (*parameters.items(), *own.items())
+              if (r := no_double(v)) is not None}  # fmt: skip
+    values: dict[str, Any] = {
+        n: double(ratios[n]) if n in ratios else checked(n, v) for n, v in parameters.items()
+    }
     if at is not None:
+        if own and ratios.keys() & own.keys():
+            parts = [double(ratios[n]) if n in ratios else v for n, v in own.items()]
+            at = parts if several else parts[0]
         given = np.asarray(checked("at", at), dtype=float)
         if len(keys) > 1 and (given.ndim == 0 or given.shape[-1] != len(keys)):
             raise ParameterError(
@@ -187,9 +228,12 @@ def system_problem(
         columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
         values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
 
-    roundings = (0,) * (len(family.at) + len(family.parameters))
+    roundings = tuple(int(n in ratios) for n in (*family.at, *family.parameters))
     reduce = partial(_reduce, family)
-    return Problem(family, values, False, reduce, roundings=roundings, exact=_compared(family))
+    return Problem(
+        family, values, False, reduce,
+        roundings=roundings, exact=_compared(family), ratios=ratios,
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=64)

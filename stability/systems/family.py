@@ -183,10 +183,12 @@ class Family:
     @cached_property
     def graph(self) -> FamilyGraph:
         """The system's graph read at this family; built at first use."""
+        return FamilyGraph(self._frame())
+
+    def _frame(self, *, decimals: bool = False) -> Frame:
         zero = hidden_pairs(self.system, self.left_out) if self.left_out else ()
-        return FamilyGraph(
-            Frame(self.system, self.at, self.fixed, self.unknown, self.equations, zero)
-        )
+        parts = self.system, self.at, self.fixed, self.unknown, self.equations, zero
+        return Frame(*parts, decimals)
 
     @property
     def closed(self) -> bool:

@@ -234,7 +234,7 @@ class Branch:
         """Whether the members at both ends are in a box with one root for each value between."""
 
         def solved(value: Any, near: Sequence[float] | None) -> list[Any]:
-            given = {n: arb(v) for n, v in self.line.fixed.items()} | {self.line.axis: value}
+            given = self.line.exact() | {self.line.axis: value}
             a, q = ([given[n] for n in names]
                     for names in (self.family.at, self.family.parameters))  # fmt: skip
             return ball_unknowns(self.family, a, q, near)

@@ -19,7 +19,7 @@ from flint import arb, fmpq, fmpq_mpoly_ctx
 from ...algebra.balls import precision
 from ...algebra.exact.function_field import Expression
 from ...algebra.exact.hurwitz_forms import Budget, by_power
-from ...algebra.exact.number_fields import EXACT, NotExact, rational
+from ...algebra.exact.number_fields import EXACT, NotExact
 from ...algebra.exact.real_roots import UnclearError
 from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import Algebra
@@ -51,7 +51,7 @@ class Along(Reading):
 
     def __init__(self, line: AxisScan, low: float, high: float, budget: Budget) -> None:
         self.axis, self._ends = line.axis, (low, high)
-        fixed = {n: rational(v) for n, v in line.fixed.items()}
+        fixed = line.problem.rationals(line.fixed)
         super().__init__(line.problem.family, fixed, budget)
         self.conditions = [(self._vanishing_with(name), name) for name in self.family.positive]
         self._exclude_denominators()

@@ -117,7 +117,7 @@ class _Conditions:
         return None
 
     def _values(self, place: Any) -> list[Any]:
-        family, given = self.family, {n: arb(v) for n, v in self.line.fixed.items()}
+        family, given = self.family, self.line.exact()
         given[self.line.axis] = place
         a, q = ([given[n] for n in names] for names in (family.at, family.parameters))
         near = None

@@ -84,7 +84,7 @@ class Meetings:
     # --- members ---
 
     def _given(self, value: Any) -> tuple[list[Any], list[Any]]:
-        fixed = {n: arb(v) for n, v in self.line.fixed.items()}
+        fixed = self.line.exact()
         a, q, _ = self.line.problem.reduce(fixed | {self.line.axis: value}, lambda v: v.sqrt())
         return a, q
 

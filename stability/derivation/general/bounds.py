@@ -93,7 +93,7 @@ def real_roots(poly: Any) -> list[Any]:
             found.append(fmpq(-int(factor[0]), int(factor[1])))
         elif factor.degree() > 1:
             found += [r.real for r, _ in factor.complex_roots() if r.imag == 0]
-    return sorted(found, key=lambda r: float(r.p) / float(r.q) if isinstance(r, fmpq) else float(r))
+    return sorted(found, key=lambda r: r if isinstance(r, fmpq) else r.mid().fmpq())
 
 
 def between(roots: Sequence[Any], low: Any, high: Any) -> Iterator[Any]:

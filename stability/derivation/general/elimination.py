@@ -8,7 +8,7 @@ linearly are gone, and others are reduced by the equations that they obey.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -46,6 +46,8 @@ class Reading:
         Parameters with a given number, as rationals by name.
     budget
         Limits of the work.
+    number
+        Function from a double to the rational as which it is read.
 
     Raises
     ------
@@ -53,14 +55,20 @@ class Reading:
         If the graph is not algebraic in functions of the variables, or too large.
     """
 
-    def __init__(self, family: Family, values: Mapping[str, Any], budget: Budget) -> None:
-        self.family, self.values, self.budget = family, values, budget
+    def __init__(
+        self,
+        family: Family,
+        values: Mapping[str, Any],
+        budget: Budget,
+        number: Callable[[float], Any] = rational,
+    ) -> None:
+        self.family, self.values, self.budget, self.number = family, values, budget, number
         self.base = (*family.at, *family.unknown, *family.parameters)
         self.field = RecordingField([*self.base, "λ"], self.budget)
         symbols: dict[str, Any] = dict(zip(self.base, self.field.symbols, strict=False))
         symbols |= {n: self.field.number(v) for n, v in self.values.items()}
         if family.closed:
-            symbols |= {n: self.field.number(rational(v)) for n, v in family.unknown.items()}
+            symbols |= {n: self.field.number(number(v)) for n, v in family.unknown.items()}
         groups = (family.at, family.unknown, family.parameters)
         parts = [[symbols[n] for n in names] for names in groups]
         try:
@@ -95,20 +103,24 @@ class Reading:
 
     def _required(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:
         system = self.family.system
-        table: dict[str, Any] = {n: rational(v) for n, v in self.family.held.items()
+        table: dict[str, Any] = {n: self.number(v) for n, v in self.family.held.items()
                                  if not isinstance(v, Upright)} | dict(symbols)  # fmt: skip
         out: list[tuple[Any, str]] = []
+        as_read = replace(EXACT, name="read", constant=self._constant)
         for condition in system.conditions:
             program = Program(ca.Function("condition", [system.x, system.p], [condition.value]))
             place = [[table.get(n, "upright") for n in names]
                      for names in (system.states, system.parameters)]  # fmt: skip
             try:
-                value = program.run(EXACT, place)[0][0]
+                value = program.run(as_read, place)[0][0]
             except (NotExact, TypeError, ZeroDivisionError):
                 continue  # assumed nowhere: the result is then weaker, never wrong
             if isinstance(value, Expression):
                 out.append((value, condition.sentence))
         return out
+
+    def _constant(self, value: float) -> Any:
+        return self.number(value) if np.isfinite(value) else EXACT.constant(value)
 
     # --- members in balls ---
 

@@ -191,7 +191,7 @@ class Members:
 
 
 def _short(value: Any) -> str:
-    number = float(value.p) / float(value.q) if isinstance(value, fmpq) else float(arb(value).mid())
+    number = float(arb(value).mid())
     return f"{number:.6g}"
 
 

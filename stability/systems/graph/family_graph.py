@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -14,11 +15,14 @@ from ...algebra.exact.number_fields import RATIONAL_AT
 from ...algebra.number_types import Algebra, casadi_algebra
 from ...algebra.program import Program
 from ...algebra.upright import Upright
+from ...base.exact_numbers import decimal_of
 from ..equations import Equations
 from .slopes import rates_and_slopes
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
 """Options for CasADi's root-finder, to the last digit; `Family` checks the root afterwards."""
+TEN = 22
+"""Largest power of ten that is a double without rounding."""
 LARGE = 40_000
 """Instructions times states above which slopes are folded on the way."""
 
@@ -39,6 +43,8 @@ class Frame:
     """States whose rates must vanish."""
     zero: Sequence[tuple[int, int]] = ()
     """Entries of the linearisation that are proved zero, for any entry of the graph."""
+    decimals: bool = False
+    """Whether a double that is the nearest one to a short decimal is read as the decimal."""
 
 
 class Constants:
@@ -46,16 +52,47 @@ class Constants:
 
     CasADi computes sums, products or sines of numbers in double precision when it builds an
     expression.  A graph for exact arithmetic must not hold such rounded numbers.
+
+    Parameters
+    ----------
+    decimals
+        Whether 9.81 is read as 981/100: a quotient of two symbols, exact in every algebra.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, decimals: bool = False) -> None:
         self._symbols: dict[float, ca.SX] = {}
+        self._decimals = decimals
+        self._quotients: dict[float, ca.SX] = {}
 
     def __call__(self, value: float) -> ca.SX:
         """The number as a symbol; zero stays a number, since zeros fold without rounding."""
         if value == 0:
             return ca.SX(0)
-        return self._symbols.setdefault(float(value), ca.SX.sym(f"c{len(self._symbols)}"))
+        value = float(value)
+        ratio = decimal_of(value) if self._decimals else None
+        if ratio is None or ratio == Fraction(value):
+            return self._kept(value)
+        if value not in self._quotients:  # one expression for each number, so that x - x folds
+            self._quotients[value] = self._quotient(ratio)
+        return self._quotients[value]
+
+    @property
+    def read(self) -> tuple[float, ...]:
+        """Doubles that are read as decimals."""
+        return tuple(self._quotients)
+
+    def _quotient(self, decimal: Fraction) -> ca.SX:
+        """Digits times or over powers of ten, each a double without rounding."""
+        power = 0
+        while decimal.denominator != 1:
+            decimal, power = decimal * 10, power + 1
+        while decimal.numerator % 10 == 0:
+            decimal, power = decimal / 10, power - 1
+        out = self._kept(float(decimal.numerator))
+        for _ in range(abs(power) // TEN):
+            out = out / self._kept(10.0**TEN) if power > 0 else out * self._kept(10.0**TEN)
+        last = self._kept(10.0 ** (abs(power) % TEN))
+        return out / last if power > 0 else out * last
 
     @property
     def column(self) -> ca.SX:
@@ -164,7 +201,7 @@ class FamilyGraph:
         a, u, q = ([ca.SX.sym(n) for n in names] for names in (frame.at, frame.unknown, others))
         self._inputs = [ca.vertcat(*s) if s else ca.SX(0, 1) for s in (a, u, q)]
         self._size = len(u)
-        self._constants = Constants()
+        self._constants = Constants(decimals=frame.decimals)
         known: dict[str, Any] = dict(zip([*frame.at, *others], [*a, *q], strict=True))
         known |= {n: v if isinstance(v, Upright) else self._constants(v)
                   for n, v in frame.held.items()}  # fmt: skip
@@ -183,6 +220,11 @@ class FamilyGraph:
         self.matrix = self._program("matrix", slopes)
         self._equations(residual, self._numbers(guessed if self.closed else table, system.states))
         self._conditions(table)
+
+    @property
+    def numbers(self) -> tuple[list[float], tuple[float, ...]]:
+        """Doubles that are read as they are, and doubles that are read as decimals."""
+        return self._constants.values, self._constants.read
 
     def _program(self, name: str, *outputs: Any) -> Program:
         inputs = [*self._inputs, self._constants.column]
