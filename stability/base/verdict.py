@@ -89,6 +89,12 @@ class Nonlinear(Sentences):
         "grows like t in the linear flow: more eigenvalues vanish by structure than there are null "
         "vectors (proved: rank A > n - structural zeros); only higher orders could hold the motion"
     )
+    LINEAR = (
+        "linear: the rates of the states that act on others are proved to be linear in them, so "
+        "that the linear flow is the whole motion and no higher orders exist; on the imaginary "
+        "axis it is bounded if every eigenvalue has as many modes as its multiplicity, and grows "
+        "like a power of t otherwise"
+    )
     OPEN = "open: the spectrum does not decide; higher orders do"
 
     @property

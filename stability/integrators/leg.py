@@ -26,6 +26,8 @@ HALVINGS = 1000
 """Most iterations of a search for a guard's zero; a multiple zero takes many."""
 UNRESOLVED = "unresolved"
 """Kind of the end at which an integrator gave up."""
+GROWN = 1e30
+"""Size of a state from which a motion without a further state is said to have grown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,6 +166,44 @@ class Budget:
     def __call__(self, _integrator: object) -> bool:
         """Whether to continue."""
         return not self.spent
+
+
+def too_many(steps: int) -> str:
+    """Reason for the end of a run that has taken all its steps, with the remedy.
+
+    Parameters
+    ----------
+    steps
+        Number of steps that were allowed.
+    """
+    return f"max_steps = {steps} steps were not enough; give a larger max_steps"
+
+
+def lost(method: str, state: Floats) -> str:
+    """Reason for the end of a run that finds no further state, with the remedy.
+
+    Parameters
+    ----------
+    method
+        Name of the integrator.
+    state
+        The last state that it found.
+
+    Examples
+    --------
+    >>> lost("heyoka", np.array([1e150, 0.0]))
+    'the state has grown to 1e+150, and its numbers soon overflow; ask for an earlier last time'
+    """
+    size = float(np.abs(state).max())
+    if size > GROWN:
+        return (
+            f"the state has grown to {size:.1g}, and its numbers soon overflow; ask for an "
+            "earlier last time"
+        )
+    return (
+        f"{method} finds no further state: the motion grows without bound, or its equations have "
+        "no value there; ask for an earlier last time, or for another method"
+    )
 
 
 Integrate = Callable[[Leg], Path]

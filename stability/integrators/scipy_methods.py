@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base.types import Floats
 from .flow import Evaluator
-from .leg import HALVINGS, UNRESOLVED, Budget, End, Leg, Path
+from .leg import HALVINGS, UNRESOLVED, Budget, End, Leg, Path, lost, too_many
 
 FINEST = 100 * np.finfo(float).eps
 """Smallest relative tolerance that SciPy accepts."""
@@ -70,16 +70,17 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
         before = run.watch(leg.start)
         while solver.status == "running" and not samples.done:
             try:
-                message = solver.step() if steps < leg.max_steps else None
+                if steps < leg.max_steps:
+                    solver.step()
             except (ValueError, np.linalg.LinAlgError):  # a Jacobian that is not finite
-                end = End(UNRESOLVED, time, good, "the equations have no value at the next step")
+                end = End(UNRESOLVED, time, good, lost(method, good))
                 return Path(samples.kept, end, steps)
             steps += 1
-            too_many = steps > leg.max_steps or budget.spent
-            if too_many or solver.status == "failed" or not np.abs(solver.y).max() < LARGEST:
-                many = budget.message if budget.spent else f"more than {leg.max_steps} steps"
-                why = message or (many if too_many else "the state is not finite")
-                return Path(samples.kept, End(UNRESOLVED, time, good, why), steps - too_many)
+            ended = steps > leg.max_steps or budget.spent
+            if ended or solver.status == "failed" or not np.abs(solver.y).max() < LARGEST:
+                many = budget.message if budget.spent else too_many(leg.max_steps)
+                why = many if ended else lost(method, good)
+                return Path(samples.kept, End(UNRESOLVED, time, good, why), steps - ended)
             after = run.watch(solver.y)
             found = _first_zero(solver, run, before, after)
             samples.take(solver, None if found is None else found[0])

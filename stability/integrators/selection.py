@@ -317,7 +317,7 @@ def _alone(
         if path is None:
             fewer = leg if most == leg.max_steps else replace(leg, max_steps=most)
             path = _timed(choice.method, fewer)
-        return _second(leg, path, choice) if auto and _gave_up(path, leg) else (path, choice)
+        return _second(leg, path, choice, most) if auto and _gave_up(path, leg) else (path, choice)
 
 
 def _timed(method: str, leg: Leg) -> Path:
@@ -327,7 +327,7 @@ def _timed(method: str, leg: Leg) -> Path:
     return replace(path, seconds=budget.used)
 
 
-def _second(leg: Leg, first: Path, choice: Choice) -> tuple[Path, Choice]:
+def _second(leg: Leg, first: Path, choice: Choice, most: int) -> tuple[Path, Choice]:
     """Path by another integrator where the chosen one gave up; the first if both give up."""
     assert first.end is not None
     if first.seconds >= leg.seconds:
@@ -336,5 +336,7 @@ def _second(leg: Leg, first: Path, choice: Choice) -> tuple[Path, Choice]:
     second = _timed(other, replace(leg, seconds=leg.seconds - first.seconds))
     second = replace(second, seconds=first.seconds + second.seconds)
     if second.end is not None and second.end.kind == UNRESOLVED:
-        return replace(first, seconds=second.seconds), choice
+        short = most < leg.max_steps and first.steps >= most  # no limit of the user's ended it
+        end = replace(first.end, message=second.end.message) if short else first.end
+        return replace(first, end=end, seconds=second.seconds), choice
     return second, Choice(other, f"{choice.method} gave up at {first.end.time:.6g}")

@@ -40,7 +40,7 @@ from ..bodies.thin_disk.disk_model import (
 )
 from .flow import Flow, flow
 from .friction_at_rest import continuations, polish, slip_acceleration, sticking_force
-from .leg import UNRESOLVED, Budget, End, Leg, Path
+from .leg import UNRESOLVED, Budget, End, Leg, Path, too_many
 from .scipy_methods import integrate as integrate_scipy
 from .selection import METHODS, explicit
 
@@ -199,7 +199,7 @@ class _Dry:
             if len(self.transitions) > TRANSITIONS:
                 self._stop(UNRESOLVED, f"more than {TRANSITIONS} transitions")
             elif self.steps > self.leg.max_steps:
-                self._stop(UNRESOLVED, f"more than {self.leg.max_steps} steps")
+                self._stop(UNRESOLVED, too_many(self.leg.max_steps))
             elif self.budget.spent:
                 self._stop(UNRESOLVED, self.budget.message)
             elif mode == STICKING:

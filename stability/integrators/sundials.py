@@ -18,7 +18,7 @@ import numpy as np
 
 from ..base.types import Floats
 from .flow import Flow
-from .leg import HALVINGS, UNRESOLVED, Budget, End, Leg, Path
+from .leg import HALVINGS, UNRESOLVED, Budget, End, Leg, Path, lost, too_many
 
 FILL, FILL_OWN = 200, 2000
 """Least number of intervals at which the guards are checked: of a body, of a user's system."""
@@ -115,7 +115,7 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
         return Path(known[at[at < len(known)]], end, steps)
     known, steps = np.vstack([leg.start[None], whole[0]]), whole[1]
     if steps > leg.max_steps:
-        end = End(UNRESOLVED, float(times[0]), leg.start, f"more than {leg.max_steps} steps")
+        end = End(UNRESOLVED, float(times[0]), leg.start, too_many(leg.max_steps))
         return Path(leg.start[None], end, leg.max_steps)
     for i in _suspects(leg, grid, known):  # nearly always a minimum that stays above zero
         _, end, more = _march(leg, plugin, grid[i : i + 2], known[i])
@@ -212,12 +212,13 @@ def _march(leg: Leg, plugin: str, grid: Floats, start: Floats) -> tuple[Floats, 
                 piece /= 8
                 steps += min(STEPS, leg.max_steps)
                 if piece < shortest or steps > leg.max_steps:
-                    end = End(UNRESOLVED, time, state, f"{plugin} made no further step")
+                    why = lost(plugin, state) if piece < shortest else too_many(leg.max_steps)
+                    end = End(UNRESOLVED, time, state, why)
                     return np.array(rows).reshape(-1, len(start)), end, steps
                 continue
             steps += got[1]
             if steps > leg.max_steps:
-                end = End(UNRESOLVED, time, state, f"more than {leg.max_steps} steps")
+                end = End(UNRESOLVED, time, state, too_many(leg.max_steps))
                 return np.array(rows).reshape(-1, len(start)), end, steps
             states = np.vstack([state[None], got[0]])
             for fall in _suspects(leg, fine, states):
@@ -266,7 +267,7 @@ def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
     index = list(leg.flow.guards).index(name)
     left, first = (abs(float(leg.flow.margins(y, leg.p)[0][index])) for y in (state, start))
     if not left < ZERO * max(1.0, first):  # the integrator failed there, or the state is not finite
-        return End(UNRESOLVED, low, start, f"{plugin} made no further step")
+        return End(UNRESOLVED, low, start, lost(plugin, start))
     return End(name, when, state)
 
 

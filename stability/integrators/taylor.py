@@ -25,7 +25,7 @@ from ..bodies.thin_disk.disk_model import NO_CONTACT
 from ..jobs.pipeline import Counted, here, ordered, threads
 from ..jobs.shared import shared
 from .flow import ASKING, Flow
-from .leg import UNRESOLVED, Budget, End, Leg, Path, guard_at
+from .leg import UNRESOLVED, Budget, End, Leg, Path, guard_at, lost, too_many
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 """Default number of threads for batches."""
@@ -202,7 +202,7 @@ def integrate(leg: Leg) -> Path:
         steps, states, message = steps + more, np.vstack([states, rest[1:]]), budget.message
     end = None
     if outcome != hy.taylor_outcome.time_limit:
-        end = _end(leg, outcome, float(ta.time), ta.state.copy(), np.asarray(states))
+        end = _end(leg, outcome, ta, np.asarray(states))
         if outcome == hy.taylor_outcome.cb_stop:
             end = replace(end, message=message)
         states = states[: max(1, int(np.searchsorted(leg.times, end.time)))]
@@ -233,15 +233,15 @@ def _sound(leg: Leg, path: Path) -> Path:
     return Path(leg.start[None], end, path.steps)
 
 
-def _end(leg: Leg, outcome: Any, time: float, state: Floats, states: Floats) -> End:
-    event = int(outcome) > -(2**32) - 1
-    if np.isfinite(state).all() and math.isfinite(time):
-        if event:
-            return _on_guard(leg, time, state)
-        return End(UNRESOLVED, time, state, f"heyoka stopped: {outcome}")
-    states = states if len(states) else leg.start[None]
-    good = max(0, int(np.isfinite(states).all(axis=1).sum()) - 1)  # the start is one of them
-    return End(UNRESOLVED, float(leg.times[good]), states[good], f"heyoka stopped: {outcome}")
+def _end(leg: Leg, outcome: Any, ta: Any, states: Floats) -> End:
+    time, state = float(ta.time), ta.state.copy()
+    if not (np.isfinite(state).all() and math.isfinite(time)):
+        good = max(0, int(np.isfinite(states).all(axis=1).sum()) - 1)  # the start is one of them
+        time, state = float(leg.times[good]), states[good] if len(states) else leg.start
+    elif int(outcome) > -(2**32) - 1:
+        return _on_guard(leg, time, state)
+    why = too_many(leg.max_steps) if outcome.name == "step_limit" else lost("heyoka", state)
+    return End(UNRESOLVED, time, state, why)
 
 
 def _on_guard(leg: Leg, time: float, state: Floats) -> End:
@@ -387,14 +387,12 @@ def _read(
     paths = []
     for lane, leg in enumerate(legs):
         outcome, _, _, steps = ta.propagate_res[lane]
-        if outcome != hy.taylor_outcome.time_limit:
-            paths.append(integrate(leg))  # one lane failed and stopped all: each runs alone
-            continue
         mine, end = states[:, :, lane], None
         if lane in ends:
-            when, where = ends[lane]
-            end = _on_guard(leg, when, where)
-            when = end.time
-            mine = mine[: np.searchsorted(leg.times, when)]
+            end = _on_guard(leg, *ends[lane])
+            mine = mine[: np.searchsorted(leg.times, end.time)]
+        if outcome != hy.taylor_outcome.time_limit or not np.isfinite(mine).all():
+            paths.append(integrate(leg))  # one lane failed and stopped all: each runs alone
+            continue
         paths.append(_sound(leg, Path(mine, end, int(steps))))
     return paths

@@ -59,8 +59,9 @@ def stability_map(
         `mass`, `radius`, `gravity`; `lean` for tumbling, `theta`, `phi_dot` for circling and
         precession; for a `Family`, its own names.
     disk, contact, at
-        Fixed values, as for `spectrum`.  An axis replaces the value given here.  Where `mu` is an
-        axis, contact may be left out (viscous) or be the class of a law.
+        Fixed values, as for `spectrum`.  An axis replaces a value in disk or contact; any other
+        quantity that is an axis must not be given as a number too.  Where `mu` is an axis, contact
+        may be left out (viscous) or be the class of a law.
     certify
         Whether to prove whole boxes of the map too, to enclose the boundary in a strip of narrow
         boxes, and to decide in balls every cell that double precision leaves open.

@@ -289,7 +289,7 @@ def _errors(
     results: list[Result], clock: Floats, variable: Any, second: str
 ) -> dict[str, Any]:  # fmt: skip
     """Estimated errors of the final state and of the end's time; empty without neighbours."""
-    if all(r.doubt is None for r in results):
+    if any(r.doubt is None and r.outcome is not Outcome.UNRESOLVED for r in results):
         return {}
     # a run without an outcome has no neighbours: its error has no bound
     state = [r.doubt.final_error if r.doubt else np.inf for r in results]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,9 +15,11 @@ from ..bodies.disk import Disk
 from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
 from ..jobs.pipeline import check_run
+from ..settling.departure import departures
+from ..settling.system_settling import SystemSettling, length
 from ..systems.family import Family
 from ..systems.system import System
-from .result import Settings
+from .result import Outcome, Result, Settings
 from .starts import Starts, gather
 from .system_starts import gather_system
 
@@ -66,7 +69,9 @@ def simulate(
         from 0.  The start is time 0.
     families
         Families of the user's system on which it may settle; the disk has its own.  Angles are
-        not wrapped: a member a whole turn away is a different one.
+        not wrapped: a member a whole turn away is a different one.  The evidence says *departs*
+        where the member nearest to the start is unstable, and the distance from its family has
+        grown at least tenfold, beyond `settle` and its error.
     method
         `auto` (by stiffness and tolerance), or `heyoka`, `dop853`, `lsoda`, `radau`, `bdf`,
         `cvodes`, `idas` (a system needs a mass matrix for it).
@@ -159,7 +164,26 @@ def simulate(
                 raise ParameterError("families belong to a stability.System; leave them out.")
             launches = gather(disk, contact, start, times, pose=pose)
             _not_flat(launches, settings)
-        return assemble(launches, settings, results(launches, settings, progress))
+        found = results(launches, settings, progress)
+        if isinstance(launches.settling, SystemSettling):
+            found = _departed(launches, settings, found, launches.settling)
+        return assemble(launches, settings, found)
+
+
+def _departed(
+    launches: Starts, settings: Settings, found: list[Result], settling: SystemSettling
+) -> list[Result]:
+    """The results, whose evidence says which motions have departed from an unstable member."""
+    reported = flow_of(launches.model).reported
+    ends = np.array([reported(result.final) for result in found])
+    errors = np.array([r.doubt.final_error if r.doubt else 0.0 for r in found])
+    errors *= length(np.maximum(1.0, np.abs(ends)))
+    said = departures(settling, launches.starts, ends, launches.p, settings.settle, errors)
+    return [
+        replace(r, evidence=f"{r.evidence}; {why}")
+        if why and r.outcome is not Outcome.UNDETERMINED else r
+        for r, why in zip(found, said, strict=True)
+    ]  # fmt: skip
 
 
 def _not_flat(launches: Starts, settings: Settings) -> None:

@@ -43,14 +43,14 @@ class SystemSettling:
             why = "it lasted to the last time; give families=... to see what it settles on"
             return Nearest("", 0.0, np.inf, False, 0.0, why), None, ""
         found = [(members(f, state[None], p), f) for f in self.families]
-        far = [np.inf if m is None else float(np.linalg.norm(state - m[0])) for m, _ in found]
+        far = [np.inf if m is None else float(length(state - m[0])) for m, _ in found]
         best = int(np.argmin(far))
         (states, family), distance = found[best], far[best]
         if states is None:
             names = ", ".join(f.name for f in self.families)
             why = f"none of {names} has a member there"
             return Nearest("", 0.0, np.inf, False, 0.0, why), None, ""
-        at = _with_units(family, family.at, _at(family, state[None], p)[0])
+        at = in_words(family, family.at, at_of(family, state[None], p)[0])
         where = f"nearest is {family.name} at {at}, {distance:.3g} away"
         return Nearest(family.name, 0.0, distance, False, 0.0, where, states[0]), family, at
 
@@ -67,7 +67,7 @@ class SystemSettling:
         along = [n for n in family.system.states if n in family.at]  # as y is ordered
         limit = ""
         if along:  # the limit is one of many members, known within an error
-            limit = f" at {_with_units(family, along, proof.limit)} within {proof.error:.2g}"
+            limit = f" at {in_words(family, along, proof.limit)} within {proof.error:.2g}"
         unit = rate_unit(family.system.units)
         where = (
             f"{distance:.3g} from {family.name} at {at}; proved in ball arithmetic: from there on "
@@ -82,23 +82,56 @@ class SystemSettling:
         found = np.full(len(states), np.inf)
         known = members(family, states, p)
         if known is not None:
-            found = np.linalg.norm(states - known, axis=-1)
+            found = length(states - known)
         else:  # some have no member
             for i, state in enumerate(states):
                 one = members(family, state[None], p)
-                found[i] = np.inf if one is None else np.linalg.norm(state - one[0])
+                found[i] = np.inf if one is None else length(state - one[0])
         return found
 
 
-def _with_units(family: Family, names: Sequence[str], values: Iterable[float]) -> str:
-    """Names with values and units, for a sentence."""
+def length(vectors: Floats) -> Floats:
+    """Euclidean length along the last axis, which no square on the way can make overflow.
+
+    Parameters
+    ----------
+    vectors
+        Shape (…, n).
+
+    Examples
+    --------
+    >>> float(length(np.array([3e200, 4e200])))
+    5e+200
+    """
+    found: Floats = np.hypot.reduce(vectors, axis=-1)
+    return found
+
+
+def in_words(family: Family, names: Sequence[str], values: Iterable[float]) -> str:
+    """Names with values and units, for a sentence.
+
+    Parameters
+    ----------
+    family
+        The family.
+    names, values
+        Names of states or parameters, and their values.
+    """
     units = (family.system.units.get(n, "1") for n in names)
     parts = zip(names, values, units, strict=True)
     return ", ".join(listing((n,), (v,)) + ("" if u == "1" else f" {u}") for n, v, u in parts)
 
 
-def _at(family: Family, states: Floats, p: Floats) -> Floats:
-    """Family parameters `at` from the values of states and parameters, shape (t, at)."""
+def at_of(family: Family, states: Floats, p: Floats) -> Floats:
+    """Family parameters `at` from the values of states and parameters, shape (t, at).
+
+    Parameters
+    ----------
+    family
+        The family.
+    states, p
+        States, shape (t, n), and the system's parameters, shape (m,).
+    """
     system, count = family.system, len(states)
     columns = [
         states[:, system.states.index(n)] if n in system.states
@@ -124,7 +157,7 @@ def members(family: Family, states: Floats, p: Floats) -> Floats | None:
         States of the members, shape (t, n); None where a member does not exist.
     """
     values = [p[family.system.parameters.index(n)] for n in family.parameters]
-    a, q = _at(family, states, p), np.tile(np.array(values, dtype=float), (len(states), 1))
+    a, q = at_of(family, states, p), np.tile(np.array(values, dtype=float), (len(states), 1))
     try:
         found = family.checked_states(a, family.solve(a, q), q)
     except StabilityError:

@@ -89,13 +89,16 @@ def prepare(
             raise _taken(name)
         if len(names) == 2 and name in COLUMNS:
             raise _taken(name)
+    for grid in axes if isinstance(family, Family) else ():
+        if grid.name in problem.values:
+            raise _twice(grid, problem.values[grid.name])
     axis_values = {g.name: g.values for g in axes}
     for name, values in axis_values.items():
         check_axis(problem, name, values)
     keys = tuple(n for n in known if n in ("at", "lean", *problem.family.at))
     for key in keys:
         if key in problem.values and key in names and at is not None and at is given:
-            raise ParameterError(f"{key} is given as a value and as an axis; give it once.")
+            raise _twice(axes[names.index(key)], problem.values[key])
         if key not in problem.values and key not in names:
             raise ParameterError(f"{key} is missing; make it an axis or give its value.")
     for name, value in problem.values.items():
@@ -117,6 +120,13 @@ def prepare(
         problem = replace(problem, dimensionless=False, roundings=roundings)
     _check_members(problem, axis_values)
     return problem
+
+
+def _twice(axis: Axis, value: Any) -> ParameterError:
+    return ParameterError(
+        f"{axis.name} is given as {shown(value)}, and as an axis from {axis.low:g} to "
+        f"{axis.high:g}; give it once."
+    )
 
 
 def _taken(name: str) -> NameUnknownError:

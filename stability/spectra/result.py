@@ -16,6 +16,7 @@ from ..base.quantities import Kind, rate_unit
 from ..base.types import Complexes, Floats
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
 from ..systems.family import Family
+from ..systems.structure.linearity import linear
 from .deflation import Place
 from .eigenvalues import REASONS, Eigenpairs, in_words
 from .modes import Modes, lift, mode_labels, track
@@ -189,7 +190,14 @@ class Spectrum:
             known = np.isin(codes, [c for c, told in table.items() if told is Nonlinear.OPEN])
             asked = known & (self.codes != CODES[Verdict.UNDECIDED])
             codes = np.where(self.grows & asked, GROWS, codes)
+        if Nonlinear.OPEN in (table[c] for c in np.unique(codes)) and self._linear:
+            table |= {c: Nonlinear.LINEAR for c, told in table.items() if told is Nonlinear.OPEN}
         return _members(np.asarray(codes), table)
+
+    @property
+    def _linear(self) -> bool:
+        """Whether the rates of a user's system are proved to be linear."""
+        return self.law is None and linear(self.family.system)
 
     @property
     def reason(self) -> str:

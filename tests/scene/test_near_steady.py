@@ -84,3 +84,19 @@ def test_parallel_modes_are_refused() -> None:
     scene = st.Scene(free, {"p": 1.0}, {"q": 1e-3, "v": 0.0}, 1.0, 1e-6, families=rest)
     assert scene.answer().model == "free"
     assert "parallel" in scene.answer(only=LINEARISED).sentence
+
+
+def test_a_system_without_known_steady_motions_is_told_the_argument_that_mends_it() -> None:
+    x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    swing = st.System("swing", x, c, ca.vertcat(x[1], -ca.sin(x[0]) - c * x[1]),
+                      states=("angle", "rate"), parameters=("c",))  # fmt: skip
+    start = {"angle": 1e-3, "rate": 0.0}
+    bare = st.Scene(swing, {"c": 0.2}, start, 10.0, 1e-4).answer()
+    whys = [r.why for r in bare.rungs if r.name == LINEARISED]
+    assert whys == ["no steady motion is known near the start; name some with families="]
+    fast = st.Family(swing, "fast", at=("c",), held={"rate": 0}, unknown={"angle": 1.0},
+                     equations=("rate",), positive=("angle",))  # fmt: skip
+    none = st.Scene(swing, {"c": 0.2}, start, 10.0, 1e-4, families=fast).answer()
+    assert "families=" not in " ".join(r.why for r in none.rungs)
+    rest = st.Family(swing, "rest", at=("c",), held={"angle": 0, "rate": 0})
+    assert st.Scene(swing, {"c": 0.2}, start, 10.0, 1e-4, families=rest).answer().model == LINEARISED

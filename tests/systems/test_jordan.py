@@ -10,7 +10,8 @@ from scipy.linalg import expm
 
 import stability as st
 
-GROWS, OPEN = st.Nonlinear.GROWS, st.Nonlinear.OPEN
+# every system here is linear, so that no higher orders could decide
+GROWS, LINEAR = st.Nonlinear.GROWS, st.Nonlinear.LINEAR
 
 
 def steady(matrix: Any, at: int = 0) -> Any:
@@ -37,7 +38,7 @@ def test_the_counterexample_grows_like_t() -> None:
 def test_semisimple_zeros_are_not_said_to_grow() -> None:
     found = st.spectrum(steady([[0, 0, 1], [0, 0, 2], [0, 0, -1]]), at=0.3)
     assert found.structural_zeros == 2
-    assert found.nonlinear is OPEN
+    assert found.nonlinear is LINEAR
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -64,11 +65,11 @@ def test_random_systems_with_planted_blocks_against_exact_ranks(seed: int) -> No
     exact = sp.Matrix(matrix.tolist())
     found = st.spectrum(steady(matrix.tolist()), at=0.5)
     if found.verdict is not st.Verdict.STABLE:
-        assert found.nonlinear is OPEN
+        assert found.nonlinear is LINEAR
         return
     assert found.structural_zeros == zeros
     semisimple = exact.rank() == n - zeros
-    assert found.nonlinear is (OPEN if semisimple else GROWS)
+    assert found.nonlinear is (LINEAR if semisimple else GROWS)
     late = np.linalg.norm(expm(1e4 * matrix.astype(float)))
     early = np.linalg.norm(expm(1e3 * matrix.astype(float)))
     assert (late > 5 * early) == (not semisimple)
@@ -81,7 +82,7 @@ def test_a_coupling_below_its_rounding_is_left_open() -> None:
     system = st.System("s", x, p, ca.vertcat(small, 0, -x[2]), states=("x", "v", "z"),
                        parameters=("p",))  # fmt: skip
     rest = st.Family(system, "rest", at=("x",), held={"v": 0.0, "z": 0.0})
-    assert st.spectrum(rest, at=0.3, p=0.1).nonlinear is OPEN
+    assert st.spectrum(rest, at=0.3, p=0.1).nonlinear is LINEAR
 
 
 def test_many_points_are_judged_one_by_one() -> None:
@@ -90,7 +91,7 @@ def test_many_points_are_judged_one_by_one() -> None:
                        parameters=("p",))  # fmt: skip
     rest = st.Family(system, "rest", at=("x",), held={"v": 0.0, "z": 0.0})
     found = st.spectrum(rest, at=0.3, p=[0.0, 1.0, 1e-12])
-    assert found.nonlinear.tolist() == [OPEN, GROWS, GROWS]
+    assert found.nonlinear.tolist() == [LINEAR, GROWS, GROWS]
 
 
 def test_the_disks_rolling_is_semisimple_as_its_drift_requires() -> None:

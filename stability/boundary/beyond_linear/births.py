@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import casadi as ca
 import numpy as np
 from flint import arb
 
@@ -13,6 +12,7 @@ from ...base.axis import Axis, AxisLike
 from ...base.errors import ParameterError, StabilityError
 from ...spectra.arguments import prepare
 from ...systems.family import Family
+from ...systems.structure.linearity import linear
 from ...systems.structure.structural_zeros import structure
 from ..changes import MOST_SCAN, along
 from ..crossings import BoundaryPoint, Crossing
@@ -26,6 +26,12 @@ PRECISIONS = (192, 512, 1536)
 """Working precisions, in turn, until every sign that decides is proved."""
 NEAR = 1e-5
 """Largest distance of the pair's unknowns from those of the family's member, over 1 plus size."""
+
+LINEAR = (
+    "the rates of the states that act on others are proved to be linear in them, so that the "
+    "terms of order two and three vanish identically"
+)
+"""Reason where there is no first Lyapunov coefficient."""
 
 
 def births(
@@ -113,7 +119,7 @@ def birth(line: Line, point: BoundaryPoint) -> CycleBirth:
             try:
                 pair = _checked(line, point)
                 found = coefficients(pair)
-                reason = _linear(line.family) or _open(found)
+                reason = LINEAR if linear(line.family.system) else _open(found)
                 if not reason or bits == PRECISIONS[-1] or found.others < 0:
                     return _record(point, pair, found, reason)
             except NotProvedError:
@@ -143,14 +149,6 @@ def _checked(line: Line, point: BoundaryPoint) -> Pair:
     return pair
 
 
-def _linear(family: Family) -> str:
-    """Why nothing begins softly or hard in a system whose rates are linear, or nothing."""
-    system = family.system
-    if ca.depends_on(system.jacobian, system.x):
-        return ""
-    return "the rates are linear in the states: beyond the boundary a disturbance grows forever"
-
-
 def _open(found: Coefficients) -> str:
     """Why the onset is undecided, or nothing."""
     if found.others < 0:
@@ -166,11 +164,12 @@ def _open(found: Coefficients) -> str:
 
 def _record(point: BoundaryPoint, pair: Pair, found: Coefficients, reason: str) -> CycleBirth:
     kind = Onset.SOFT if found.first < 0 else Onset.HARD
+    if reason:
+        kind = Onset.LINEAR if reason == LINEAR else Onset.UNDECIDED
     value, error = rounded(pair.value)
     frequency, speed, first = map(rounded, (pair.frequency, found.speed, found.first))
     return CycleBirth(
-        value, error, Onset.UNDECIDED if reason else kind, point.stable_below, *frequency, *speed,
-        *first, reason,
+        value, error, kind, point.stable_below, *frequency, *speed, *first, reason,
     )  # fmt: skip
 
 

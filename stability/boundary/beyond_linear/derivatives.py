@@ -21,6 +21,7 @@ from ...base.errors import StabilityError
 from ...systems.equations import Equations
 from ...systems.family import Family
 from ...systems.graph.family_graph import Constants, exact_numbers
+from ...systems.structure.linearity import kept
 
 Balls = list[Any]
 
@@ -63,21 +64,8 @@ class Derivatives:
         self.third = program("third", [u, v, w], thrice)
         mixed = ca.jacobian(once, system.p)
         self.mixed = program("mixed", [u], mixed)
-        self.kept = _kept(slopes)
+        self.kept = kept(slopes)
         """States that others depend on: the rest follow them, and are left out."""
-
-
-def _kept(slopes: Any) -> list[int]:
-    """Indices of the states without those on which no rate of the others depends, in turn."""
-    pattern = {
-        (int(i), int(j)) for i, j in zip(*ca.SX(slopes).sparsity().get_triplet(), strict=True)
-    }
-    kept = set(range(slopes.size1()))
-    while True:
-        idle = {j for j in kept if not any((i, j) in pattern for i in kept)}
-        if not idle:
-            return sorted(kept)
-        kept -= idle
 
 
 @lru_cache(maxsize=16)

@@ -102,6 +102,10 @@ class Onset(Sentences):
         "motions jump away; before the boundary an unstable oscillation limits the disturbances "
         "that die out"
     )
+    LINEAR = (
+        "linear: the system is linear, so that there is no first Lyapunov coefficient and no "
+        "oscillation of its own size: beyond the boundary a disturbance grows forever"
+    )
     UNDECIDED = "undecided: no sign of the first Lyapunov coefficient is proved"
 
     @property
@@ -123,7 +127,7 @@ class CycleBirth:
     error: float
     """Half-width of the proved bracket, same unit."""
     kind: Onset
-    """Soft, hard or undecided."""
+    """Soft, hard, linear or undecided."""
     stable_below: bool
     """Whether the stable side has the smaller value of the axis."""
     frequency: float
@@ -140,4 +144,4 @@ class CycleBirth:
     coefficient_error: float
     """Bound on its error."""
     reason: str = ""
-    """Why the onset is undecided; empty otherwise."""
+    """Why the onset is undecided, or linear; empty otherwise."""

@@ -19,6 +19,7 @@ import numpy as np
 from ...algebra.eigensolver import eigenpairs
 from ...algebra.program import Program
 from ...base.types import Floats
+from ...settling.system_settling import SystemSettling
 from ...systems.system import System
 from .track import Problem, Refused, Track, relative
 
@@ -247,6 +248,9 @@ def near_steady(
     near = problem.launches.settling.closest(problem.start, problem.p)
     if near.member is None:
         why = "no steady motion is known near the start"
+        settling = problem.launches.settling
+        if isinstance(settling, SystemSettling):
+            why += f": {near.evidence}" if settling.families else "; name some with families="
         return dict.fromkeys(every, Refused(why))
     size = float(relative(problem.start - near.member, near.member))
     where = {f"distance from {near.family}": size}
