@@ -1,4 +1,4 @@
-"""Number types in which a graph is read: NumPy arrays, balls, SymPy, CasADi itself."""
+"""Number types in which a graph is read: NumPy arrays, balls, SymPy, heyoka, CasADi itself."""
 
 from __future__ import annotations
 
@@ -115,6 +115,23 @@ def casadi_algebra() -> Algebra:
 
     table = {name: exact(name) for name in UNARY}
     return Algebra("casadi", ca.SX, table | {"pow": ca.power, "fabs": ca.fabs})
+
+
+@lru_cache(maxsize=1)
+def heyoka_algebra() -> Algebra:
+    """Expressions of heyoka.
+
+    Returns
+    -------
+    Algebra
+    """
+    import heyoka as hy
+
+    hy.set_logger_level_critical()  # it logs to standard output, which is the user's
+    names = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh")
+    table: dict[str, Callable[..., Any]] = {n: getattr(hy, n) for n in (*names, "tanh")}
+    table["pow"] = lambda x, y: x**y
+    return Algebra("heyoka", hy.expression, table)
 
 
 @lru_cache(maxsize=1)

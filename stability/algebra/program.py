@@ -8,14 +8,16 @@ many threads may run one `Program` at once.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from ..base.errors import StabilityError
-from .number_types import UNARY, Algebra, numpy_algebra
+from ..base.types import Floats
+from .number_types import UNARY, Algebra, heyoka_algebra, numpy_algebra
 
 _SYMBOLS = {
     ca.OP_ADD: "{0} + {1}",
@@ -64,6 +66,8 @@ class Program:
         self._given = constants
         function = function if function.is_a("SXFunction") else function.expand()
         self.name: str = function.name()
+        self.inputs = tuple(function.numel_in(i) for i in range(function.n_in()))
+        """Number of entries of each input."""
         self.shapes = tuple(function.size_out(i) for i in range(function.n_out()))
         """Shape of each output."""
         self.places = tuple(
@@ -184,6 +188,57 @@ class Program:
                 array[..., row, column] = entry
             results.append(array)
         return results
+
+    def many(self, points: Floats) -> Floats:
+        """Values at many points: by machine code where heyoka is installed, 20 to 100 times faster.
+
+        The code is built at the first call, in a few tenths of a second.
+
+        Parameters
+        ----------
+        points
+            Entries of all inputs, one input after the other, shape (inputs, N).
+
+        Returns
+        -------
+        ndarray
+            Entries of all outputs in column order, zeros written out, shape (outputs, N).
+
+        Examples
+        --------
+        >>> x = ca.SX.sym("x", 2)
+        >>> Program(ca.Function("f", [x], [x[0] / x[1]])).many(np.array([[1.0, 3.0], [4.0, 2.0]]))
+        array([[0.25, 1.5 ]])
+        """
+        return self._machine(np.ascontiguousarray(points))
+
+    @cached_property
+    def _machine(self) -> Callable[[Floats], Floats]:
+        """The function of `many`."""
+        parts = np.cumsum((0, *self.inputs))
+
+        def split(rows: Any) -> list[list[Any]]:
+            return [list(rows[a:b]) for a, b in zip(parts, parts[1:], strict=False)]
+
+        def interpreted(points: Floats) -> Floats:
+            found = self.arrays(split(points), points.shape[1:])
+            rows = [v.swapaxes(1, 2).reshape(len(v), -1).T for v in found]
+            return np.concatenate(rows)
+
+        try:
+            import heyoka as hy
+
+            algebra, names = heyoka_algebra(), [hy.expression(f"a{i}") for i in range(parts[-1])]
+            zero, entries = algebra.constant(0.0), []
+            for (rows, columns), places, values in zip(
+                self.shapes, self.places, self.run(algebra, split(names)), strict=True
+            ):
+                table = dict(zip(places, values, strict=True))
+                entries += [table.get((i, j), zero) for j in range(columns) for i in range(rows)]
+            made: Callable[[Floats], Floats] = hy.cfunc(entries, names)
+        except (ImportError, KeyError):  # not installed, or a function that heyoka does not have
+            return interpreted
+        return made
 
 
 _NUMPY = numpy_algebra()

@@ -17,7 +17,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..algebra.number_types import Algebra
+from ..algebra.number_types import heyoka_algebra
 from ..algebra.program import Program
 from ..base.errors import StabilityError
 from ..base.types import Floats
@@ -49,23 +49,6 @@ def available() -> bool:
     bool
     """
     return importlib.util.find_spec("heyoka") is not None
-
-
-@cache
-def heyoka_algebra() -> Algebra:
-    """Expressions of heyoka.
-
-    Returns
-    -------
-    Algebra
-    """
-    import heyoka as hy
-
-    hy.set_logger_level_critical()  # it logs to standard output, which is the user's
-    names = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh")
-    table: dict[str, Callable[..., Any]] = {n: getattr(hy, n) for n in (*names, "tanh")}
-    table["pow"] = lambda x, y: x**y
-    return Algebra("heyoka", hy.expression, table)
 
 
 @lru_cache(maxsize=64)

@@ -35,7 +35,7 @@ LAWS = (Viscous, LinearViscous)
 """Laws whose slip the force gives."""
 MOST_ORDERS = 12
 """Largest order of creep."""
-BENT = 3e-3
+BENT = 3e-2
 """Correction of the path above which the slopes along it are computed again."""
 WINDOW = 0.3
 """Distance of the rough path at which creep starts again from its own state."""
@@ -111,22 +111,21 @@ class Held:
 
     def motion(self, path: Floats, slip: Floats, rate: Floats) -> tuple[Floats, Floats]:
         """Rates of the four states, shape (E, N, 4), and forces, shape (E, N, 3)."""
-        rates, forces = self._run(0, path, slip, rate)
-        return rates, forces
+        found = self._run(0, path, slip, rate)
+        return found[..., :4], found[..., 4:]
 
     def slope(self, path: Floats, slip: Floats, rate: Floats) -> Floats:
         """Slope of the rates in the states, shape (E, N, 4, 4)."""
-        found: Floats = self._run(1, path, slip, rate)[0]
-        return found
+        found = self._run(1, path, slip, rate)
+        columns = found.reshape(*path.shape[:-1], 4, 4)
+        return np.ascontiguousarray(columns.swapaxes(-1, -2))
 
-    def _run(self, which: int, path: Floats, slip: Floats, rate: Floats) -> Any:
-        columns = [list(np.moveaxis(v, -1, 0).reshape(v.shape[-1], -1)) for v in (path, slip, rate)]
-        arguments: list[list[Any]] = [columns[0], [self.k], *columns[1:]]
-        shape = path.shape[:-1]
-        found = held_disk()[which].arrays(arguments, (len(columns[0][0]),))
-        if which:
-            return [found[0].reshape(*shape, 4, 4)]
-        return [v.reshape(*shape, -1) for v in found]
+    def _run(self, which: int, path: Floats, slip: Floats, rate: Floats) -> Floats:
+        points = np.empty((9, path.size // 4))
+        points[:4], points[4] = path.reshape(-1, 4).T, self.k
+        points[5:7], points[7:] = slip.reshape(-1, 2).T, rate.reshape(-1, 2).T
+        found = held_disk()[which].many(points)
+        return np.ascontiguousarray(found.T).reshape(*path.shape[:-1], -1)
 
     def slip(self, forces: Floats) -> Floats:
         """The slip at which the law has these forces, shape (E, N, 2)."""
@@ -189,9 +188,8 @@ def creep_path(
     rough = _rough(problem, held, start, begin, last, tolerance)
     if isinstance(rough, str):
         return rough
-    elements, path = rough
+    elements, path, slope = rough
     none = np.zeros((*path.shape[:-1], 2))
-    slope = held.slope(path, none, none)
     _, forces = held.motion(path, none, none)
     slip = held.slip(forces)
     rate = elements.derivative(slip)
@@ -261,8 +259,8 @@ def _follows(relaxation: Floats) -> int:
 
 def _rough(
     problem: Problem, held: Held, start: Floats, begin: float, last: float, tolerance: float
-) -> tuple[Elements, Floats] | str:
-    """The rough disk's path on elements that resolve it, up to its own end."""
+) -> tuple[Elements, Floats, Floats] | str:
+    """The rough disk's path on elements that resolve it, up to its own end, and its slope."""
     rough = flow("rough")
     points = int(np.clip(8 + np.ceil(-0.75 * np.log10(tolerance)), 8, 18))
     p = np.array([held.k, np.sin(problem.flat)])
@@ -280,30 +278,41 @@ def _rough(
             break
         halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
         elements = Elements(np.union1d(elements.edges, halves), points)
-    pieces = _pieces(held, elements, path)
+    none = np.zeros((*path.shape[:-1], 2))
+    slope = held.slope(path, none, none)
+    pieces = _pieces(elements, slope)
     if (pieces > 1).any():
         inner = np.repeat(elements.edges[:-1], pieces)
         share = np.concatenate([np.arange(n) / n for n in pieces])
         edges = inner + share * np.repeat(elements.lengths, pieces)
         elements = Elements(np.append(edges, elements.edges[-1]), points)
         path = run.at(elements.times.ravel())[:, :4].reshape(-1, points, 4)
-    return elements, path
+        none = np.zeros((*path.shape[:-1], 2))
+        slope = held.slope(path, none, none)
+    return elements, path, slope
 
 
-def _pieces(held: Held, elements: Elements, path: Floats) -> NDArray[np.intp]:
+def _pieces(elements: Elements, slope: Floats) -> NDArray[np.intp]:
     """Number of parts of each element in which `Linear` follows the turns of small deviations.
 
     Near a steady motion the path is smooth at the size of the tolerance on long elements, but the
     linear equation still turns at its own rate.  A step h of an exponential to eighth order loses
     a phase of (ω h)⁹/9!.
     """
-    some = path[:, :: max(1, path.shape[1] // 4)]
-    none = np.zeros((*some.shape[:-1], 2))
-    rates = np.abs(np.linalg.eigvals(held.slope(some, none, none))).max(axis=(1, 2))
-    lost = ((rates * elements.gaps[..., 0, 0]) ** 9).sum(axis=0) / math.factorial(9)
-    if not lost.sum() > PHASE:
-        return np.ones(len(lost), dtype=np.intp)
-    parts = (lost * (len(lost) / PHASE)) ** 0.125
+    some = slope[:, :: max(1, slope.shape[1] // 4)]
+    gaps = elements.gaps[..., 0, 0]
+
+    def lost(rates: Floats) -> Floats:
+        found: Floats = ((rates[:, None] * gaps) ** 9).sum(axis=1) / math.factorial(9)
+        return found
+
+    least = np.ones(len(some), dtype=np.intp)
+    if lost(np.sqrt((some**2).sum(axis=(2, 3)).max(axis=1))).sum() <= PHASE:
+        return least  # no rate is above the norm
+    phases = lost(np.abs(np.linalg.eigvals(some)).max(axis=(1, 2)))
+    if not phases.sum() > PHASE:
+        return least
+    parts = (phases * (len(phases) / PHASE)) ** 0.125
     found: NDArray[np.intp] = np.ceil(np.maximum(parts, 1.0)).astype(np.intp)
     return found
 

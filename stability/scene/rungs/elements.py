@@ -9,15 +9,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
+import casadi as ca
 import numpy as np
+from scipy.linalg.lapack import dtbtrs
 
+from ...algebra.program import Program
 from ...base.types import Floats
+from ...integrators.taylor import available
 
 POINTS = 16
 """Chebyshev points of an element."""
 TOGETHER = 128
 """Elements whose equations are solved at once, for memory."""
+MOST_COMPILED = 4
+"""Most states for which the steps of `Linear` are machine code: more take long to build."""
 
 
 @lru_cache(maxsize=8)
@@ -96,8 +103,8 @@ class Elements:
 
     @cached_property
     def gaps(self) -> Floats:
-        """Steps between the points, shape (N - 1, E, 1, 1)."""
-        found: Floats = (_midpoints(self.points)[1][:, None] * self.lengths)[..., None, None]
+        """Steps between the points, shape (E, N - 1, 1, 1)."""
+        found: Floats = (self.lengths[:, None] * _midpoints(self.points)[1])[..., None, None]
         return found
 
     def derivative(self, values: Floats) -> Floats:
@@ -176,8 +183,11 @@ def _midpoints(count: int) -> tuple[Floats, Floats]:
 
 
 def _between(elements: Elements, values: Floats) -> Floats:
-    """Values in the middle of each step, shape (N - 1, E, n)."""
-    return np.ascontiguousarray((_midpoints(elements.points)[0] @ values).swapaxes(0, 1))
+    """Values in the middle of each step, shape (E, N - 1, …)."""
+    count, points = values.shape[:2]
+    inner = _midpoints(elements.points)[0] @ values.reshape(count, points, -1)
+    found: Floats = inner.reshape(count, points - 1, *values.shape[2:])
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,11 +204,9 @@ class Linear:
     elements: Elements
     """The division of time."""
     half: Floats
-    """Matrices that take e from the middle of each step to its end, shape (N-1, E, n, n)."""
+    """Matrices that take e from the middle of each step to its end, shape (E, N-1, n, n)."""
     step: Floats
-    """Matrices that take e from each point to the next, shape (N-1, E, n, n)."""
-    transfer: Floats
-    """Matrices that take e from the start of an element to each point, shape (N, E, n, n)."""
+    """Matrices that take e from each point to the next, shape (E, N-1, n, n)."""
 
     @classmethod
     def along(cls, elements: Elements, matrices: Floats) -> Linear:
@@ -215,29 +223,36 @@ class Linear:
         -------
         Linear
         """
-        count, points, n, _ = matrices.shape
-        middle = _between(elements, matrices.reshape(count, points, n * n))
-        middle = middle.reshape(points - 1, count, n, n)
-        every, h = np.ascontiguousarray(matrices.swapaxes(0, 1)), elements.gaps
-        first, last = every[:-1], every[1:]
-        turn = first @ last
-        turn -= last @ first
-        step = _exponential(h / 6 * (first + 4 * middle + last) - h**2 / 12 * turn)
-        half = h / 4 * (middle + last)
-        square = half @ half
-        half = np.eye(n) + half + square / 2 + half @ square / 6
-        transfer = np.empty((points, count, n, n))
-        transfer[0] = np.eye(n)
-        for j in range(points - 1):
-            np.matmul(step[j], transfer[j], out=transfer[j + 1])
-        return cls(elements, half, step, transfer)
+        middle, h = _between(elements, matrices), elements.gaps
+        first, last, n = matrices[:, :-1], matrices[:, 1:], matrices.shape[-1]
+        if n > MOST_COMPILED or not available():
+            step, half = _steps(first, middle, last, h, np.eye(n))
+            return cls(elements, half, step)
+        given = np.empty((3 * n * n + 1, h.size))
+        for i, part in enumerate((first, middle, last)):
+            given[i * n * n : (i + 1) * n * n] = part.reshape(h.size, -1).T
+        given[-1] = h.ravel()
+        found = np.ascontiguousarray(_program(n).many(given).T)
+        both = found.reshape(*h.shape[:2], 2, n, n)
+        return cls(elements, both[:, :, 1], both[:, :, 0])
 
     def first(self, count: int) -> Linear:
         """The equation on the first elements alone."""
-        return Linear(
-            self.elements.first(count), self.half[:, :count], self.step[:, :count],
-            self.transfer[:, :count],
-        )  # fmt: skip
+        return Linear(self.elements.first(count), self.half[:count], self.step[:count])
+
+    @cached_property
+    def _chain(self) -> Floats:
+        """The steps as a banded matrix of all points but the first of the elements after the first.
+
+        It is unit lower triangular: e at a point less the step from the point before it.
+        """
+        n = self.step.shape[-1]
+        steps = self.step.reshape(-1, n, n)
+        band = np.zeros((n * (len(steps) + 1), 2 * n))
+        columns = band[:-n].reshape(-1, n, 2 * n)
+        for i in range(n):
+            columns[:, i, n - i : 2 * n - i] = -steps[:, :, i]
+        return band.T  # as LAPACK stores it
 
     def solve(self, defect: Floats, start: Floats) -> Floats:
         """The solution for a defect and a start.
@@ -255,32 +270,42 @@ class Linear:
             e at the points, of the shape of the defect.
         """
         count, points, n = defect.shape[:3]
-        inner = _between(self.elements, defect.reshape(count, points, -1))
-        inner = inner.reshape(points - 1, count, n, -1)
-        every = np.ascontiguousarray(defect.reshape(count, points, n, -1).swapaxes(0, 1))
-        push = self.step @ every[:-1] + 4 * (self.half @ inner) + every[1:]
+        every = defect.reshape(count, points, n, -1)
+        push = self.half @ _between(self.elements, every)
+        push *= 4
+        push += self.step @ every[:, :-1]
+        push += every[:, 1:]
         push *= self.elements.gaps / 6
-        found = np.zeros(every.shape)
-        for now, then, step, more in zip(found, found[1:], self.step, push, strict=False):
-            np.matmul(step, now, out=then)
-            then += more
-        starts = np.empty(found.shape[1:])
-        at = start.reshape(n, -1)
-        for i, (over, own) in enumerate(zip(self.transfer[-1], found[-1], strict=True)):
-            starts[i] = at
-            at = over @ at + own
-        whole = (found + self.transfer @ starts).swapaxes(0, 1)
-        return np.ascontiguousarray(whole.reshape(defect.shape))
+        drive = np.concatenate([start.reshape(n, -1), push.reshape(-1, every.shape[-1])])
+        chain, _ = dtbtrs(self._chain, drive, uplo="L", diag="U")
+        found = np.empty(every.shape)
+        found[:, 1:] = chain[n:].reshape(push.shape)
+        found[0, 0], found[1:, 0] = chain[:n], found[:-1, -1]
+        return found.reshape(defect.shape)
 
 
-def _exponential(matrices: Floats) -> Floats:
+def _steps(first: Any, middle: Any, last: Any, h: Any, one: Any) -> tuple[Any, Any]:
+    """Matrices over a step h and its second half, from the slopes at three points of it."""
+    turn = h / 6 * (first + 4 * middle + last) - h**2 / 12 * (first @ last - last @ first)
+    half = h / 4 * (middle + last)
+    square = half @ half
+    return _exponential(turn, one), one + half + square / 2 + half @ square / 6
+
+
+def _exponential(matrices: Any, one: Any) -> Any:
     """The exponential of small matrices, shape (…, n, n), to eighth order."""
-    one = np.eye(matrices.shape[-1])
     second = matrices @ matrices
     third, fourth = matrices @ second, second @ second
     later = one / 24 + matrices / 120 + second / 720 + third / 5040 + fourth / 40320
-    found: Floats = one + matrices + second / 2 + third / 6 + fourth @ later
-    return found
+    return one + matrices + second / 2 + third / 6 + fourth @ later
+
+
+@lru_cache(maxsize=MOST_COMPILED)
+def _program(n: int) -> Program:
+    """`_steps` of matrices by rows, which are the columns of its transposes."""
+    slopes, h = [ca.SX.sym("A", n, n) for _ in range(3)], ca.SX.sym("h")
+    found = _steps(*(v.T for v in slopes), h, ca.SX.eye(n))
+    return Program(ca.Function("steps", [*slopes, h], [ca.densify(v.T) for v in found]))
 
 
 def carried(elements: Elements, matrices: Floats, defect: Floats, start: Floats) -> Floats:
