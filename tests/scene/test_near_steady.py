@@ -99,4 +99,5 @@ def test_a_system_without_known_steady_motions_is_told_the_argument_that_mends_i
     none = st.Scene(swing, {"c": 0.2}, start, 10.0, 1e-4, families=fast).answer()
     assert "families=" not in " ".join(r.why for r in none.rungs)
     rest = st.Family(swing, "rest", at=("c",), held={"angle": 0, "rate": 0})
-    assert st.Scene(swing, {"c": 0.2}, start, 10.0, 1e-4, families=rest).answer().model == LINEARISED
+    near = st.Scene(swing, {"c": 0.2}, start, 10.0, 1e-4, families=rest)
+    assert near.answer().model == LINEARISED
