@@ -62,41 +62,40 @@ class Axis:
             raise ParameterError(
                 f"{which} is {shown(axis)}; give (name, low, high, n) or (…, 'log')."
             )
+        what = which if which == "axis" else f"{which} axis"
         name, low, high, count, *rest = axis
         if not isinstance(name, str):
-            raise ParameterError(f"{which} axis name is {shown(name)}; give a string such as 'at'.")
+            raise ParameterError(f"{what} name is {shown(name)}; give a string such as 'at'.")
         if rest and not (isinstance(rest[0], str) and rest[0] in ("log", "linear")):
             raise ParameterError(f"{which} spacing is {shown(rest[0])}; give 'linear' or 'log'.")
         low, high = (
-            one_number(f"the {what} end of the {which} axis {name}", value)
-            for what, value in (("low", low), ("high", high))
+            one_number(f"the {side} end of the {what} {name}", value)
+            for side, value in (("low", low), ("high", high))
         )
         integer = isinstance(count, (int, np.integer)) and not isinstance(count, bool)
         if not integer or count < 2:
             raise ParameterError(
-                f"{which} axis {shown(name)} has {shown(count)} points; a whole number of at "
+                f"{what} {shown(name)} has {shown(count)} points; a whole number of at "
                 "least 2 is needed."
             )
         if not low < high:
             raise ParameterError(
-                f"{which} axis {name} runs from {low:g} to {high:g}; the low end must be below "
+                f"{what} {name} runs from {low:g} to {high:g}; the low end must be below "
                 "the high end."
             )
         log = bool(rest) and rest[0] == "log"
         if log and low <= 0:
             raise ParameterError(
-                f"{which} axis {name} starts at {low:g}; a logarithmic axis starts above zero."
+                f"{what} {name} starts at {low:g}; a logarithmic axis starts above zero."
             )
         if count > most:
-            raise ParameterError(
-                f"{which} axis {name} has {shown(count)} points; take at most {most}."
-            )
+            raise ParameterError(f"{what} {name} has {shown(count)} points; take at most {most}.")
         grid = cls(name, low, high, int(count), log)
         with np.errstate(all="ignore"):
             apart = np.diff(grid.values)
         if not (apart > 0).all():
             raise ParameterError(
-                f"{which} axis {name} from {low!r} to {high!r} has no {count} different numbers; "
+                f"{what} {name} from {low!r} to {high!r} has no {count} different numbers; "
                 "widen it or ask for fewer points."
             )
         return grid

@@ -212,7 +212,9 @@ def _lags(leg: Leg, end: End) -> Floats:
     index = list(leg.flow.guards).index(end.kind)
     rate = abs(float(leg.flow.margins(end.state, leg.p)[1][index]))
     slope: Floats = np.abs(np.array(leg.flow.guard_slopes(end.state, leg.p))[index])
-    return slope / rate if rate else np.where(slope > 0, np.inf, 0.0)
+    with np.errstate(invalid="ignore"):  # both are infinite where a root begins
+        lags = slope / rate if rate else np.where(slope > 0, np.inf, 0.0)
+    return np.where(np.isnan(lags), np.inf, lags)
 
 
 def _ending(leg: Leg, end: End) -> tuple[Outcome, str]:

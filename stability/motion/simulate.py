@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, shown
 from ..bodies.disk import Disk
 from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
@@ -18,6 +18,7 @@ from ..jobs.pipeline import check_run
 from ..settling.departure import departures
 from ..settling.system_settling import SystemSettling, length
 from ..systems.family import Family
+from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
 from .result import Outcome, Result, Settings
 from .starts import Starts, gather
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
     import xarray
 
 from .run import results
+
+FLAT_ANGLE = 1e-6
+"""Angle that counts as flat where none is given [rad]."""
 
 
 def simulate(
@@ -39,7 +43,7 @@ def simulate(
     method: str = "auto",
     tolerance: float = 1e-9,
     pose: bool = False,
-    flat: float = 1e-6,
+    flat: float = FLAT_ANGLE,
     settle: float = 1e-3,
     max_steps: int = 1_000_000,
     max_seconds: float = 8.0,
@@ -157,9 +161,17 @@ def simulate(
         if isinstance(disk, System):
             if pose:
                 raise ParameterError("pose is True, and only a disk has one; leave it out.")
+            if settings.flat != FLAT_ANGLE:
+                raise ParameterError(
+                    f"flat is {settings.flat:g}, and only a disk falls flat; leave it out."
+                )
             launches = gather_system(disk, contact, start, times, families)
             check_flow(settings.method, flow_of(launches.model))
+        elif isinstance(disk, NumericSystem):
+            raise ParameterError(disk.no_graph)
         else:
+            if not isinstance(disk, Disk):
+                raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk or a System.")
             if not isinstance(families, Sequence) or families:
                 raise ParameterError("families belong to a stability.System; leave them out.")
             launches = gather(disk, contact, start, times, pose=pose)

@@ -95,6 +95,9 @@ def _table(what: str, given: Any, names: tuple[str, ...]) -> Floats:
     if given is None and not names:
         return np.zeros(0)
     if not isinstance(given, Mapping):
+        if isinstance(given, (str, bytes)) or not np.iterable(given):
+            listed = ", ".join(names) or "none, an empty mapping"
+            raise ParameterError(f"{what} is {shown(given)}; give by name or in order: {listed}.")
         return rows(what, given, list(names))
     for name in given:
         if name not in names:

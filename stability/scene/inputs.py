@@ -16,6 +16,7 @@ from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_equations import STATES
 from ..motion.starts import Starts, gather
 from ..motion.system_starts import gather_system
+from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
 
 
@@ -36,6 +37,8 @@ def laws_of(disk: Any, contact: Any) -> dict[str, Any]:
     """
     if isinstance(disk, System):
         return {"": contact}
+    if isinstance(disk, NumericSystem):
+        raise ParameterError(disk.no_graph)
     if not isinstance(disk, Disk):
         raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk or a System.")
     found = dict(contact) if isinstance(contact, Mapping) else {"": contact}

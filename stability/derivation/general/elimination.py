@@ -25,6 +25,7 @@ from ...algebra.exact.triangular import RecordingField, Triangular, occurring
 from ...algebra.number_types import Algebra, balls
 from ...algebra.program import Program
 from ...algebra.upright import Upright
+from ...base.errors import NoMemberError
 from ...systems.family import Family
 from ...systems.structure.enclosure import ball_unknowns
 from ...systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled
@@ -117,6 +118,9 @@ class Reading:
                 continue  # assumed nowhere: the result is then weaker, never wrong
             if isinstance(value, Expression):
                 out.append((value, condition.sentence))
+            elif not value > 0:
+                said = condition.refusal(float(value))
+                raise NoMemberError(f"{self.family.name} has no member anywhere: {said}")
         return out
 
     def _constant(self, value: float) -> Any:

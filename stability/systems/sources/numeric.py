@@ -90,6 +90,15 @@ class NumericSystem(Equations):
         """There is none."""
         raise ParameterError(self.no_graph)
 
+    @property
+    def ignorable(self) -> tuple[str, ...]:
+        """They are found from a graph, and there is none."""
+        raise ParameterError(self.no_graph)
+
+    def steady(self, *_: Any, **__: Any) -> Any:
+        """A family is found from a graph, and there is none."""
+        raise ParameterError(self.no_graph)
+
     def check(self, x: ArrayLike, p: ArrayLike) -> None:
         """Nothing to check before the call."""
 
@@ -120,7 +129,10 @@ class NumericSystem(Equations):
         function: Rates = self.__dict__["_call"]
         try:
             with np.errstate(all="ignore"):
-                found = np.asarray(function(x.copy(), p.copy()), dtype=float).reshape(-1)
+                given = np.asarray(function(x.copy(), p.copy()))
+                if np.iscomplexobj(given):
+                    raise TypeError("its rates are complex")
+                found = given.astype(float).reshape(-1)
         except Exception as error:  # a user's code may raise anything
             raise ParameterError(
                 f"the function of {self.name} fails at x = {shown(x.tolist())} "

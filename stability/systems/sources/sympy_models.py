@@ -94,6 +94,12 @@ def _free(expressions: Sequence[Any], known: Sequence[Any]) -> list[Any]:
     for one in expressions:
         found |= one.free_symbols | one.atoms(AppliedUndef)
     found -= {dynamicsymbols._t, *known}
+    for one in found:
+        if known and one.is_Function and one.has(*known):
+            raise ParameterError(
+                f"the equations hold {shown(str(one))}, an unknown function of a state; write its "
+                "expression, or give a symbol where it is a parameter."
+            )
     return sorted(found, key=lambda s: (label(s), str(s)))
 
 
@@ -171,6 +177,8 @@ def _explicit(
 ) -> dict[str, Any]:
     from sympy import sympify
 
+    if not model:
+        raise ParameterError(f"model is an empty mapping; give {FORMS}.")
     states, rates = list(model), [sympify(r) for r in model.values()]
     for state in states:
         if not (getattr(state, "is_Symbol", False) or getattr(state, "is_Function", False)):
