@@ -176,7 +176,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     )
     return (
         f"{title[:1].upper()}{title[1:]} of {dataset.attrs['system']}.  Colour: largest growth "
-        f"rate{texture}.{blank}  Cells: {cells}{none}."
+        f"rate, grey within {_grey(dataset)[0]:g} of zero{texture}.{blank}  Cells: {cells}{none}."
         f"{counted(points) if points is not None else ''}"
     )
 
@@ -195,15 +195,21 @@ def _is_log(dataset: xarray.Dataset, name: str) -> bool:
     return re.search(entry, str(dataset.attrs.get("axes", ""))) is not None
 
 
+def _grey(dataset: xarray.Dataset) -> tuple[float, float]:
+    """Size up to which a growth rate is grey, and the largest size."""
+    there = dataset.verdict.values != NO_MEMBER
+    largest = float(np.abs(dataset.abscissa.values[there]).max(initial=0.0))
+    if _quantities(dataset):
+        return SYMMETRIC_FROM, largest
+    return LINEAR_SHARE * 10.0 ** math.floor(math.log10(largest or 1.0)), largest
+
+
 def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     x, y, values = dataset[_x(dataset)], dataset[_y(dataset)], dataset.abscissa.values
     missing = dataset.verdict.values == NO_MEMBER
-    largest = float(np.abs(values[~missing]).max(initial=0.0))
-    linear = SYMMETRIC_FROM
-    if not _quantities(dataset):
-        linear = LINEAR_SHARE * 10.0 ** math.floor(math.log10(largest or 1.0))
-    limit = max(largest, 10 * linear)
-    norm = SymLogNorm(linear, linscale=0.3, vmin=-limit, vmax=limit)
+    grey, largest = _grey(dataset)
+    limit = max(largest, 10 * grey)
+    norm = SymLogNorm(grey, linscale=0.3, vmin=-limit, vmax=limit)
     mesh = axes.pcolormesh(
         x, y, np.ma.masked_where(missing, values), cmap=DIVERGING, norm=norm, shading="nearest",
         rasterized=True,

@@ -1,10 +1,12 @@
 """Loci and diagrams take names, units and textures from the system and from the verdicts."""
 
+import re
 from typing import Any
 
 import casadi as ca
 import numpy as np
 import pytest
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 import stability as st
@@ -133,6 +135,15 @@ def test_hatching_follows_the_verdict_and_not_the_sign(crossed: Any) -> None:
         for code, drawn in by_code.items():
             assert inside(drawn, 1.5, c + 1e-3) == (codes[i, 0] == code), (i, code)
     assert caption(moved).count("neutral") == 2 and "dots: neutral" in caption(moved)
+
+
+def test_the_caption_says_which_rates_are_grey(crossed: Any) -> None:
+    """Colours with nearly equal channels are grey: those within the size that is told, alone."""
+    [told] = re.findall(r"grey within (\S+) of zero", caption(crossed))
+    mesh = next(c for c in diagram(crossed).axes[0].collections if isinstance(c, QuadMesh))
+    for share, grey in ((0.0, True), (0.9, True), (-0.9, True), (100.0, False), (-100.0, False)):
+        red, green, blue, _ = mesh.cmap(mesh.norm(share * float(told)))
+        assert (max(red, green, blue) - min(red, green, blue) < 0.1) == grey, share
 
 
 def test_a_thin_region_is_named_in_the_legend(crossed: Any) -> None:
