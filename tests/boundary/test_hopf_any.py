@@ -297,5 +297,5 @@ def test_linear_rates_begin_neither_softly_nor_hard() -> None:
                       parameters=("c",))  # fmt: skip
     rest = st.Family(swing, "rest", at=("c",), held={"q": 0, "v": 0})
     [one] = st.hopf(rest, axis=("c", -1, 1, 9))
-    assert one.kind.word == "undecided"
-    assert "linear in the states" in one.reason
+    assert one.kind is st.Onset.LINEAR
+    assert "proved to be linear" in one.reason
