@@ -18,6 +18,7 @@ from .options import CONTACTS, _bar, _disk, _family, _list, _member, _Parser, _p
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
+from .system_option import add_system
 from .table import _table
 from .terminal import (
     LEAST_MEMORY,
@@ -163,17 +164,19 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND",
                                      parser_class=_Parser)  # fmt: skip
 
-    def command(name: str, run: Any, what: str, example: str) -> argparse.ArgumentParser:
-        sub = commands.add_parser(
-            name, help=what, description=f"{what}.", epilog=f"example: {example}"
-        )
+    def command(name: str, run: Any, what: str, *examples: str) -> argparse.ArgumentParser:
+        shown = "; ".join(f"example: {one}" for one in examples)
+        sub = commands.add_parser(name, help=what, description=f"{what}.", epilog=shown)
         sub.set_defaults(run=run)
         sub.add_argument("--json", action="store_true", help=HELP)
         return sub
 
     sub = command("spectrum", _spectrum, "Eigenvalues and verdict of one steady motion",
-                  "stability spectrum tumbling --at 0.5 --mu 0.3 --json")  # fmt: skip
+                  "stability spectrum tumbling --at 0.5 --mu 0.3 --json",
+                  "stability spectrum --system examples/bicycle.py:upright --at 5 --parameter "
+                  "g=9.81 --certify")  # fmt: skip
     _family(sub)
+    add_system(sub)
     _member(sub)
     sub.add_argument("--no-escalate", action="store_true",
                      help="leave undecided what double precision does not decide")  # fmt: skip
@@ -181,12 +184,16 @@ def _parser() -> argparse.ArgumentParser:
 
     sub = command("map", _map, "Verdict and growth rate over two parameters",
                   "stability map spinning --x at:0.5:5:400 --y mu:0.01:10:300:log "
-                  "--out spinning.nc --plot spinning.png")  # fmt: skip
+                  "--out spinning.nc --plot spinning.png",
+                  "stability map --system examples/bicycle.py:upright --x v:0.1:10:200 "
+                  "--y g:1:20:100 --out bicycle.nc --plot bicycle.png")  # fmt: skip
     _family(sub)
+    add_system(sub)
     for axis in ("--x", "--y"):
         sub.add_argument(axis, required=True, metavar="NAME:LO:HI:N[:log]",
-                         help="axis: at, k, mu, mass, radius or gravity")  # fmt: skip
-    sub.add_argument("--at", default=None, help="family parameter, where it is no axis")
+                         help="axis: at, lean, k, mu, mass, radius or gravity; with --system "
+                         "one of the family's own quantities")  # fmt: skip
+    sub.add_argument("--at", default=None, help="what names the member, where it is no axis")
     _physics(sub)
     sub.add_argument("--out", required=True, metavar="F.nc", help="NetCDF file to write")
     sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
@@ -217,32 +224,13 @@ def _parser() -> argparse.ArgumentParser:
                   "stability scene examples/scenes/rolled-coin.toml --json")  # fmt: skip
     add_scene(sub)
 
-    sub = command("table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
-                  "stability table conditions --k 0.25,0.5 --mu 0.1,1,10")  # fmt: skip
-    sub.add_argument(
-        "name",
-        metavar="NAME",
-        help="families, conditions, drift, hopf, codimension, launches, theorems or completeness",
-    )
-    sub.add_argument("--k", type=_list, help="inertia factors, comma-separated")
-    sub.add_argument("--mu", type=_list, help="friction coefficients, comma-separated")
-    sub.add_argument("--tilt", type=_list, help="tilts of `table drift` and `launches` in rad")
-    sub.add_argument("--at", type=_list, help="initial angular velocities of `table launches`")
-    sub.add_argument("--time", type=float, help="length of a run of `table launches`")
-    sub.add_argument("--latex", action="store_true", help="formulas of `table conditions` as LaTeX")
-    sub.add_argument("--system", metavar="MODULE:FAMILY",
-                     help="`table conditions`, `hopf` or `codimension` of your own family: module "
-                     "or file.py")  # fmt: skip
-    sub.add_argument("--family", help="`table codimension` of one of the disk's families")
-    for axis in ("--x", "--y"):
-        sub.add_argument(axis, metavar="NAME:LO:HI:N[:log]",
-                         help="axis of `table codimension`; --x: also of `table hopf`")  # fmt: skip
-    sub.add_argument("--positive", metavar="NAMES", help="with --system: positive quantities")
-    sub.add_argument("--parameter", action="append", metavar="NAME=X",
-                     help="with --system: a number for a parameter; once for each")  # fmt: skip
-    sub.add_argument("--contact", help=f"one law of {CONTACTS}")
-    for name in ("mass", "radius", "gravity"):
-        sub.add_argument(f"--{name}", type=float, help="of the disk")
+    _table_arguments(command(
+        "table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
+        "stability table conditions --k 0.25,0.5 --mu 0.1,1,10",
+        "stability table conditions --system examples/bicycle.py:upright --positive v,g --decimals",
+        "stability table hopf --system examples/railway_wheelset.py:centred --x v:1:50:50 "
+        "--parameter m=1",
+    ))  # fmt: skip
     for name, what, example in (
         ("chart", "Time against error, by every route to a spectrum or a motion",
          "stability chart spectrum --out chart"),
@@ -255,6 +243,47 @@ def _parser() -> argparse.ArgumentParser:
         sub.set_defaults(command=name)
         add_compare(sub, chart=name == "chart")
     return parser
+
+
+def _table_arguments(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "name",
+        metavar="NAME",
+        help="families, conditions, drift, hopf, codimension, launches, theorems, benchmarks or "
+        "completeness",
+    )
+    lists = "`conditions`, `drift`, `hopf`, `launches`: {} of the disk, comma-separated; "
+    one = "`codimension --family`: one, where it is no axis"
+    sub.add_argument("--k", type=_list, help=lists.format("inertia factors") + one)
+    sub.add_argument("--mu", type=_list, help=lists.format("friction coefficients") + one)
+    sub.add_argument("--tilt", type=_list,
+                     help="`drift`: tilts [rad], comma-separated; `launches`: one")  # fmt: skip
+    sub.add_argument("--at", type=_list,
+                     help="`launches`: initial angular velocities, comma-separated; `codimension "
+                     "--family`: what names the member, one, where it is no axis")  # fmt: skip
+    sub.add_argument("--time", type=float, help="`launches`: length of each run")
+    sub.add_argument("--latex", action="store_true", help="`conditions`: formulas as LaTeX")
+    sub.add_argument("--system", metavar="MODULE:FAMILY",
+                     help="`conditions`, `hopf` or `codimension` of a family of your own: "
+                     "module:name, or file.py:name")  # fmt: skip
+    sub.add_argument("--family", help="`codimension` of one of the disk's families")
+    axis = "NAME:LO:HI:N[:log]"
+    sub.add_argument("--x", metavar=axis,
+                     help="`codimension`: the first axis; `hopf --system`: the axis")  # fmt: skip
+    sub.add_argument("--y", metavar=axis, help="`codimension`: the second axis")
+    sub.add_argument("--positive", metavar="NAMES",
+                     help="`conditions --system`: positive names, comma-separated")  # fmt: skip
+    sub.add_argument("--decimals", action="store_true",
+                     help="`conditions --system`: read a number of the equations, such as 9.81, as "
+                     "the decimal, not as its nearest double")  # fmt: skip
+    sub.add_argument("--parameter", action="append", metavar="NAME=X",
+                     help="--system: a number for a parameter, such as g=9.81 or r=3/10, which "
+                     "`conditions` takes exactly; once for each")  # fmt: skip
+    sub.add_argument("--contact", help=f"`conditions`, `drift`, `hopf`, `launches`, `codimension "
+                     f"--family`: one law of {CONTACTS}")  # fmt: skip
+    for name in ("mass", "radius", "gravity"):
+        sub.add_argument(f"--{name}", type=float,
+                         help=f"{name} of the disk, where --k is taken (default 1)")  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from typing import Any
 from ..base.errors import ParameterError, shown
 from ..storage.json_text import json_text
 from .options import _at, _axis, _bar, _disk, _picture, contact_of
+from .system_option import doubles, own_family, with_at
 
 
 def _map(options: argparse.Namespace) -> None:
@@ -20,30 +21,23 @@ def _map(options: argparse.Namespace) -> None:
 
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
     swept = {x[0], y[0]}
-    for name in ("at", "k", "mu", "mass", "radius", "gravity"):
-        if name in swept and getattr(options, name) is not None:
-            raise ParameterError(f"{name} is given as --{name} and as an axis; give it once.")
     if options.levels is not None and not options.certify:
         raise ParameterError("--levels belongs to --certify; leave it out or certify.")
-    disk = _disk(options)
-    contact = contact_of(options, swept=swept)
+    family, given = _given(options, swept)
     out = check_suffix(options.out, NETCDF if options.verdict_only else DATASETS, "--out")
     targets = [check_target(out, overwrite=options.force)]
     if options.plot is not None:
         targets.append(_picture(options.plot, options.force))
         if targets[0].resolve() == targets[1].resolve():
             raise ParameterError(f"--out and --plot are both {shown(options.out)}; give two files.")
-    at = None if options.at is None else _at(options.at)
     if options.verdict_only:
-        _stream(options, x, y, disk, contact, at)
+        _stream(options, family, x, y, given)
         return
     try:
         with _bar("cells") as progress:
             dataset = stability_map(
-                options.family, x=x, y=y, disk=disk, contact=contact, at=at,
-                certify=options.certify, levels=options.levels, modes=options.modes,
-                progress=progress,
-                checkpoint=options.checkpoint,
+                family, x=x, y=y, certify=options.certify, levels=options.levels,
+                modes=options.modes, progress=progress, checkpoint=options.checkpoint, **given,
             )  # fmt: skip
         with together():
             if options.plot:
@@ -79,7 +73,32 @@ def _map(options: argparse.Namespace) -> None:
     print(f"{wrote}: {cells}; {record['boundary_points']} boundary points" + proved)
 
 
-def _stream(options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any, at: Any) -> None:
+def _given(options: argparse.Namespace, swept: set[str]) -> tuple[Any, dict[str, Any]]:
+    """The family, and its numbers as arguments of a map."""
+    family = own_family(options)
+    if family is not None:
+        alone = options.at is not None and len(family.at) > 1
+        if alone or (options.at is not None and family.at[0] in swept):
+            raise ParameterError(
+                f"--at means {' and '.join(family.at)} here; give what is no axis as --parameter "
+                "NAME=NUMBER."
+            )
+        numbers = with_at(options, family)
+        both = sorted(swept & set(numbers))
+        if both:
+            raise ParameterError(f"{both[0]} is given as a number and as an axis; give it once.")
+        return family, {"parameters": doubles(numbers)}
+    for name in ("at", "k", "mu", "mass", "radius", "gravity"):
+        if name in swept and getattr(options, name) is not None:
+            raise ParameterError(f"{name} is given as --{name} and as an axis; give it once.")
+    at = None if options.at is None else _at(options.at)
+    contact = contact_of(options, swept=swept)
+    return options.family, {"disk": _disk(options), "contact": contact, "at": at}
+
+
+def _stream(
+    options: argparse.Namespace, family: Any, x: Any, y: Any, given: dict[str, Any]
+) -> None:
     from ..maps.netcdf import read_map
     from ..maps.stream import stream_map
     from ..storage.targets import path_text
@@ -91,8 +110,7 @@ def _stream(options: argparse.Namespace, x: Any, y: Any, disk: Any, contact: Any
             )
     with _bar("cells") as progress:
         path = stream_map(
-            options.family, x=x, y=y, out=options.out, disk=disk, contact=contact, at=at,
-            overwrite=options.force, progress=progress,
+            family, x=x, y=y, out=options.out, overwrite=options.force, progress=progress, **given,
         )  # fmt: skip
     with read_map(path, lazy=True) as dataset:
         record = {"out": str(path), "cells": dataset.verdict.size, "method": dataset.method}

@@ -20,7 +20,7 @@ CONTACTS = (
     "smooth, viscous, linear-viscous, rough, creep-1 to creep-3, or module:Class for a law of "
     "your own"
 )
-PARAMETER_HELP = "a number of a law of your own; once for each"
+PARAMETER_HELP = "a number of a law of your own, or of --system, by name; once for each"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -38,7 +38,7 @@ class _Parser(argparse.ArgumentParser):
 
 def _family(parser: argparse.ArgumentParser) -> None:
     names = [f.name + (f" ({f.law} disk)" if f.law else "") for f in FAMILIES.values()]
-    parser.add_argument("family", metavar="FAMILY", help=listed(names, "or"))
+    parser.add_argument("family", metavar="FAMILY", nargs="?", help=listed(names, "or"))
 
 
 def _member(parser: argparse.ArgumentParser) -> None:
@@ -56,7 +56,7 @@ def _physics(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--mu", type=float, help="friction coefficient (viscous; c = mu m g for linear)"
     )
-    parser.add_argument("--contact", default="viscous", help=f"{CONTACTS} (default viscous)")
+    parser.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
     parser.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
     parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
     parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
@@ -72,6 +72,7 @@ def contact_of(
     """The contact law that the options name; a parameter swept by an axis gets the value 1."""
     from ..bodies.law_names import class_named, law_named
 
+    options.contact = options.contact or "viscous"
     law = class_named(options.contact, motion=motion)
     own = {p.name for p in law.parameters}
     given = {n: 1.0 for n in swept if n in own}

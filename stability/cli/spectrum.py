@@ -3,17 +3,74 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Kind
 from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from ..storage.json_text import json_text
 from .options import _at, _disk, contact_of
-
-# --- commands ---
+from .system_option import own_family, place, with_at
 
 
 def _spectrum(options: argparse.Namespace) -> None:
+    family = own_family(options)
+    record, head, result = _of_disk(options) if family is None else _of_own(options, family)
+    record |= {
+        "eigenvalues": [[float(v.real) + 0.0, float(v.imag) + 0.0] for v in result.eigenvalues],
+        "structural_zeros": result.structural_zeros,
+        "abscissa": result.abscissa + 0.0,
+        "verdict": result.verdict.word,
+        "nonlinear": result.nonlinear.word,
+        "abscissa_error": result.abscissa_error,
+        "certified": result.certified,
+        "radius": list(result.radius),
+        "modes": list(result.modes.labels),
+        "reason": result.reason,
+    }
+    record["unit"] = record.pop("unit")  # last
+    if options.lean is not None:
+        record["lean"] = options.lean
+    if options.json:
+        print(json_text(record))
+        return
+    print(head)
+    print(f"verdict     {result.verdict.value}")
+    print(f"nonlinear   {result.nonlinear.value}")
+    print(f"reason      {result.reason}")
+    print(f"eigenvalues [{record['unit']}]")
+    for value, r, label in zip(result.eigenvalues, result.radius, result.modes.labels, strict=True):
+        off = f"   within {r:.0e}" if result.certified else ""
+        print(f"  {value.real + 0.0:+.12e} {value.imag + 0.0:+.12e}i{off}   {label}")
+
+
+def _of_own(options: argparse.Namespace, family: Any) -> tuple[dict[str, Any], str, Any]:
+    """First fields of the record, the first line of the text, and the spectrum."""
+    from ..spectra.spectrum import spectrum
+
+    given = with_at(options, family)
+    missing = [n for n in (*family.at, *family.parameters) if n not in given]
+    if missing:
+        raise ParameterError(f"{missing[0]} is missing; give --parameter {missing[0]}=NUMBER.")
+    at = [given[n] for n in family.at]
+    others: Any = {n: given[n] for n in family.parameters}
+    result = spectrum(
+        family, at=at if len(at) > 1 else at[0], parameters=others,  # type: ignore[arg-type]
+        certify=options.certify, escalate=not options.no_escalate,
+    )  # fmt: skip
+    record = {
+        "system": family.system.name,
+        "family": family.name,
+        "parameters": {n: float(v) for n, v in others.items()},
+        "at": {n: float(given[n]) for n in family.at},
+        "unit": result.rate_unit,
+    }
+    ordered = {n: given[n] for n in (*family.at, *family.parameters)}
+    return record, f"{family.system.name}, {family.name}, at {place(family, ordered)}", result
+
+
+def _of_disk(options: argparse.Namespace) -> tuple[dict[str, Any], str, Any]:
+    """As `_of_own`, for the disk."""
     from ..spectra.spectrum import spectrum
 
     if (options.at is None) == (options.lean is None):
@@ -38,37 +95,16 @@ def _spectrum(options: argparse.Namespace) -> None:
         "contact": options.contact,
         "parameters": parameters,
         "at": at if at is not None else float(result.at[0]),
-        "eigenvalues": [[float(v.real) + 0.0, float(v.imag) + 0.0] for v in result.eigenvalues],
-        "structural_zeros": result.structural_zeros,
-        "abscissa": result.abscissa + 0.0,
-        "verdict": result.verdict.word,
-        "nonlinear": result.nonlinear.word,
-        "abscissa_error": result.abscissa_error,
-        "certified": result.certified,
-        "radius": list(result.radius),
-        "modes": list(result.modes.labels),
-        "reason": result.reason,
         "unit": Kind.GROWTH_RATE.label(dimensionless=disk.dimensionless),
     }
-    if options.lean is not None:
-        record["lean"] = options.lean
-    if options.json:
-        print(json_text(record))
-        return
-    if at is None:
-        where = [f"lean = {options.lean:g}"]
-    else:
-        given = at if isinstance(at, list) else [at]
-        where = [f"{n} = {v:g}" for n, v in zip(parts, given, strict=True)]
+    given = at if isinstance(at, list) else [at]
+    where = (
+        [f"lean = {options.lean:g}"] if at is None
+        else [f"{n} = {v:g}" for n, v in zip(parts, given, strict=True)]
+    )  # fmt: skip
     rest = [
         f"{n} = {v:g}" for n, v in parameters.items()
         if n in ("k", *contact.given) or not disk.dimensionless
     ]  # fmt: skip
-    print(f"{options.family}, {options.contact} contact, at {', '.join([*where, *rest])}")
-    print(f"verdict     {result.verdict.value}")
-    print(f"nonlinear   {result.nonlinear.value}")
-    print(f"reason      {result.reason}")
-    print(f"eigenvalues [{record['unit']}]")
-    for value, r, label in zip(result.eigenvalues, result.radius, result.modes.labels, strict=True):
-        off = f"   within {r:.0e}" if result.certified else ""
-        print(f"  {value.real + 0.0:+.12e} {value.imag + 0.0:+.12e}i{off}   {label}")
+    head = f"{options.family}, {options.contact} contact, at {', '.join([*where, *rest])}"
+    return record, head, result

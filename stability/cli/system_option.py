@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import argparse
 import io
 import os
 import runpy
+from collections.abc import Mapping
 from contextlib import redirect_stdout
+from fractions import Fraction
 from importlib import import_module
 from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.exact_numbers import ratio_of_text, written
 from ..base.user_code import imported
-from .options import _number
 
 
 def family_named(place: str) -> Any:
@@ -59,20 +62,123 @@ def family_named(place: str) -> Any:
     return table[name]
 
 
-def numbers(texts: Any) -> dict[str, float]:
-    """Parameters by name from texts NAME=NUMBER.
+DISK = ("mu", "contact", "disk", "k", "mass", "radius", "gravity", "lean", "tilt", "time")
+"""Options of the disk."""
+
+
+def add_system(parser: argparse.ArgumentParser) -> None:
+    """Add the option for a family of one's own.
+
+    Parameters
+    ----------
+    parser
+        Parser of a command.
+    """
+    parser.add_argument("--system", metavar="MODULE:FAMILY",
+                        help="a family of your own in place of FAMILY: module:name, or "
+                        "file.py:name")  # fmt: skip
+
+
+def own_family(options: argparse.Namespace) -> Any | None:
+    """The family of --system, or None where the disk's is named; one of both is needed.
+
+    Parameters
+    ----------
+    options
+        Parsed options; those of the disk must be absent where a family of one's own is named.
+    """
+    named = options.family
+    if options.system is None:
+        if named is None:
+            raise ParameterError(
+                "FAMILY is missing; name one of the disk's, or give --system MODULE:FAMILY."
+            )
+        if ":" in named:
+            raise ParameterError(f"FAMILY is {shown(named)}; give --system {named} instead.")
+        return None
+    if named is not None:
+        raise ParameterError(
+            f"FAMILY is {shown(named)} and --system {shown(options.system)}; give one of them."
+        )
+    for key in DISK:
+        if getattr(options, key, None) is not None:
+            raise ParameterError(f"--{key} belongs to the disk; with --system leave it out.")
+    return family_named(options.system)
+
+
+def numbers(texts: Any, family: Any) -> dict[str, Fraction]:
+    """A family's own quantities by name from texts NAME=NUMBER, exactly as they are written.
 
     Parameters
     ----------
     texts
         Texts, or None.
+    family
+        The family.
     """
-    out: dict[str, float] = {}
+    names = (*family.at, *family.parameters)
+    out: dict[str, Fraction] = {}
     for text in texts or ():
         name, equals, value = text.partition("=")
         if not equals:
             raise ParameterError(f"--parameter is {shown(text)}; give NAME=NUMBER.")
         if name in out:
             raise ParameterError(f"{name} is given twice; give it once.")
-        out[name] = _number(value, name)
+        if name not in names:
+            known = ", ".join(names)
+            raise NameUnknownError(f"parameter is {shown(name)}; {family.name} has {known}.")
+        out[name] = ratio_of_text(name, value)
     return out
+
+
+def doubles(given: Mapping[str, Fraction]) -> dict[str, Any]:
+    """Numbers as their nearest doubles.
+
+    Parameters
+    ----------
+    given
+        Numbers by name.
+    """
+    return {n: float(v) for n, v in given.items()}
+
+
+def with_at(options: argparse.Namespace, family: Any) -> dict[str, Fraction]:
+    """Every number that --at and --parameter give, by name.
+
+    Parameters
+    ----------
+    options
+        Parsed options.
+    family
+        The family.
+    """
+    given = numbers(options.parameter, family)
+    if options.at is None:
+        return given
+    parts = options.at.split(",")
+    if len(parts) != len(family.at):
+        count = len(family.at)
+        raise ParameterError(
+            f"at is {shown(options.at)}; {family.name} takes {' and '.join(family.at)}, "
+            f"{count} number{'s' * (count > 1)}."
+        )
+    for name, text in zip(family.at, parts, strict=True):
+        if name in given:
+            raise ParameterError(f"{name} is given by --at and --parameter; give it once.")
+        given[name] = ratio_of_text(name, text)
+    return given
+
+
+def place(family: Any, given: Mapping[str, Fraction]) -> str:
+    """Numbers with names and units, as text.
+
+    Parameters
+    ----------
+    family
+        The family.
+    given
+        Numbers by name.
+    """
+    units = family.system.units
+    named = {n: "" if units.get(n, "1") == "1" else f" {units[n]}" for n in given}
+    return ", ".join(f"{n} = {written(v)}{named[n]}" for n, v in given.items())

@@ -22,8 +22,8 @@ def _table(options: argparse.Namespace) -> None:
     if options.system is not None or options.name == "codimension":
         _of_system(options)
         return
-    for key in ("positive", "parameter", "x", "y", "family"):
-        if getattr(options, key) is not None:
+    for key in ("positive", "parameter", "decimals", "x", "y", "family"):
+        if getattr(options, key):
             raise ParameterError(f"--{key} belongs to `table … --system`; leave it out.")
     settings = _table_settings(options)
     formulas: list[Any] = []
@@ -84,7 +84,7 @@ def _of_system(options: argparse.Namespace) -> None:
     if options.name == "conditions":
         _system_conditions(options)
         return
-    for key in ("latex", "positive"):
+    for key in ("latex", "positive", "decimals"):
         if getattr(options, key):
             raise ParameterError(f"--{key} belongs to `table conditions`; leave it out.")
     (_system_hopf if options.name == "hopf" else _points)(options)
@@ -102,8 +102,8 @@ def _system_conditions(options: argparse.Namespace) -> None:
             )
     family = family_named(options.system)
     positive = tuple(options.positive.split(",")) if options.positive else ()
-    given: dict[str, Any] = {**numbers(options.parameter)}
-    found = conditions(family, positive=positive, **given)
+    given: dict[str, Any] = {**numbers(options.parameter, family)}
+    found = conditions(family, positive=positive, decimals=options.decimals, **given)
     form = "latex" if options.latex else "json" if options.json else "text"
     print(printed(found, form=form))
 
@@ -111,12 +111,12 @@ def _system_conditions(options: argparse.Namespace) -> None:
 def _system_hopf(options: argparse.Namespace) -> None:
     from ..boundary.hopf import hopf
     from ..tables.beyond_linear import birth_json, birth_text
-    from .system_option import family_named, numbers
+    from .system_option import doubles, family_named, numbers
 
     if options.x is None or options.y is not None:
         raise ParameterError("`table hopf --system` needs one axis, --x NAME:LO:HI:N.")
     family, axis = family_named(options.system), _axis(options.x, "--x")
-    given: dict[str, Any] = {**numbers(options.parameter)}
+    given = doubles(numbers(options.parameter, family))
     found = hopf(family, axis=axis, **given)
     text = birth_json(family.name, found) if options.json else birth_text(
         family.name, axis[0], found, family.system.units)  # fmt: skip
@@ -126,14 +126,14 @@ def _system_hopf(options: argparse.Namespace) -> None:
 def _points(options: argparse.Namespace) -> None:
     from ..boundary.beyond_linear.two_parameters.points import codimension_two
     from ..tables.beyond_linear import point_json, point_text
-    from .system_option import family_named, numbers
+    from .system_option import doubles, family_named, numbers
 
     if options.x is None or options.y is None:
         raise ParameterError("`table codimension` needs two axes, --x and --y NAME:LO:HI:N.")
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
     if options.system is not None:
         family = family_named(options.system)
-        given: dict[str, Any] = {**numbers(options.parameter)}
+        given = doubles(numbers(options.parameter, family))
         found, name = codimension_two(family, x=x, y=y, **given), family.name
     else:
         found, name = (

@@ -56,7 +56,7 @@ class Conditions:
     relations: tuple[tuple[str, Polynomial], ...]
     """(variable, polynomial that vanishes): sin² + cos² = 1, equations of unknowns."""
     solved: tuple[tuple[str, str], ...]
-    """(unknown or function, its closed form)."""
+    """(unknown or function, its closed form), those that a reader can place."""
     nonzero: tuple[Polynomial, ...]
     """Polynomials that do not vanish at a member of this branch."""
     zeros: int
@@ -365,9 +365,7 @@ def _record(
         variables=tuple(Variable(*row) for row in deduction.variables()),
         domain=tuple(deduction.assumptions()),
         relations=tuple((found.names[i], shown_(f)) for i, f in found.relations),
-        solved=tuple(
-            (reading.name(i), reading.text(v)) for i, v in reading.triangular.solved.items()
-        ),
+        solved=_solved(reading),
         nonzero=tuple(shown_(f) for f in found.nonzero if not deduction.certain(f)),
         zeros=found.zeros,
         factors=tuple(
@@ -383,3 +381,13 @@ def _record(
         _deduction=deduction,
         _reads=reads,
     )
+
+
+def _solved(reading: Reading) -> tuple[tuple[str, str], ...]:
+    """Closed forms; a function whose name is only a number is left out where nothing names it."""
+    found = [(i, reading.text(v)) for i, v in reading.triangular.solved.items()]
+    named = {i: reading.name(i) for i, _ in found}
+    texts = " ".join(text for _, text in found)
+    kept = [i for i, name in named.items()
+            if i < len(reading.base) or "(" in name or name in texts]  # fmt: skip
+    return tuple((named[i], text) for i, text in found if i in kept)

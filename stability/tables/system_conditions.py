@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Collection, Mapping
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from ..algebra.polynomial import Polynomial
+from ..base.exact_numbers import decimal_of, written
 
 if TYPE_CHECKING:
     from ..derivation.conditions import Conditions
@@ -27,6 +30,8 @@ GREEK_LETTERS = {
         f"{word.upper().replace('LAMBDA', 'LAMDA')}")]
 } | {"µ": "mu", "ϕ": "phi", "ϑ": "theta", "ϵ": "epsilon"}  # fmt: skip
 """Names that LaTeX writes as Greek letters."""
+MOST_OF_RULE = 120
+"""Characters of a rule in full; a longer one has the labels of its conditions."""
 ROUNDED = (
     f"≈: coefficients divided by a positive number and rounded to {DIGITS} digits; exact in JSON."
 )
@@ -79,10 +84,9 @@ def lines(found: Conditions) -> list[str]:
     out = [f"{family.system.name}, {family.name}: exact conditions of stability (derived)", ""]
     out += [f"    {v.name}: {v.meaning}{_unit(found, v.name)}" for v in found.variables]
     if found.given:
-        given = ", ".join(f"{n} = {float(v):g}" for n, v in found.given.items())
-        out += [f"    given: {given}"]
+        out += [f"    given: {_place(found, found.given)}"]
     if found.domain:
-        out += [f"    domain: {', '.join(found.domain)}"]
+        out += [f"    assumed: {', '.join(found.domain)}"]
     out += [f"    {name} = {value}" for name, value in found.solved]
     out += [f"    {_text(p)} = 0, which {name} obeys" for name, p in found.relations]
     out += [f"    {_text(p)} is not 0" for p in found.nonzero]
@@ -95,35 +99,60 @@ def lines(found: Conditions) -> list[str]:
         out += [
             f"        λ^{k}: {_text(c, size)}" for k, c in enumerate(factor.coefficients) if c.terms
         ]
-    out += [""]
-    for c in found.conditions:
-        mark = "decides" if c.decides else "holds"
-        poly = c.polynomial if c.decides or c.status == "follows" else c.whole
-        out += [f"    {mark}: {c.kind:<9} {_text(poly)} > 0"]
-        out += [f"        {c.name} of factor {c.factor + 1}, {c.status}: {c.proof or 'as it is'}"]
-        for w in c.witnesses:
-            place = ", ".join(f"{n} = {float(v):.6g}" for n, v in w.point.items())
-            out += [f"        {'positive' if w.sign > 0 else 'negative'} at {place}"]
-    for b in found.boundaries:
-        out += [f"    {b.kind} boundary: {_text(b.polynomial)} = 0"]
+    out += ["", *_condition_lines(found)]
     out += [f"    left out: {sentence}" for sentence in found.left_out]
     out += ["", f"    {_rule(found)}", ""]
     if any(_size(p) > 1 for p in _polynomials(found)):
         out += [ROUNDED]
+    out += [found.numbers] if found.numbers else []
     return [*out, f"Degree {found.degree} in λ, at most {found.terms} terms."]
 
 
-def _unit(found: Conditions, name: str) -> str:
-    """The unit of a parameter or state in brackets, where the user gave one."""
+def _condition_lines(found: Conditions) -> list[str]:
+    """Each condition with its proof and witnesses, then the boundaries."""
+    out = []
+    names = _labels(found)
+    for c in found.conditions:
+        mark = f"{names[id(c)]} decides" if c.decides else "holds"
+        poly = c.polynomial if c.decides or c.status == "follows" else c.whole
+        out += [f"    {mark}: {c.kind:<9} {_text(poly)} > 0"]
+        out += [f"        {c.name} of factor {c.factor + 1}, {c.status}: {c.proof or 'as it is'}"]
+        for w in c.witnesses:
+            free = {n: v for n, v in w.point.items() if n not in found.given}
+            sign = "positive" if w.sign > 0 else "negative"
+            out += [f"        {sign} at {_place(found, free)}"]
+    return out + [f"    {b.kind} boundary: {names[id(b)]} = 0" for b in found.boundaries]
+
+
+def _labels(found: Conditions) -> dict[int, str]:
+    """C1, C2, … for the conditions that decide, by identity."""
+    return {id(c): f"C{i}" for i, c in enumerate(found.deciding, start=1)}
+
+
+def _place(found: Conditions, point: Mapping[str, Fraction]) -> str:
+    """Numbers with their names and units; ≈ stands before a decimal next to a double."""
+    return ", ".join(f"{n} {_number(v)}{_unit(found, n, ' {}')}" for n, v in point.items())
+
+
+def _number(value: Fraction) -> str:
+    near = decimal_of(float(value)) if Fraction(float(value)) == value else value
+    return f"= {written(value)}" if near in (None, value) else f"≈ {float(value)!r}"
+
+
+def _unit(found: Conditions, name: str, form: str = " [{}]") -> str:
+    """The unit of a parameter or state, where the user gave one."""
     unit = found.family.system.units.get(name, "1")
-    return "" if unit == "1" else f" [{unit}]"
+    return "" if unit == "1" else form.format(unit)
 
 
-def _rule(found: Conditions) -> str:
-    """The verdict in a sentence, with rounded coefficients where they are long."""
+def _rule(found: Conditions, *, labels: bool = False) -> str:
+    """The verdict in a sentence, with labels where the polynomials are long."""
+    names = _labels(found)
     text = found.rule
+    long = labels or len(text) > MOST_OF_RULE
     for c in found.deciding:
-        text = text.replace(f"{c.polynomial} > 0", f"{_text(c.polynomial)} > 0")
+        short = names[id(c)] if long or _size(c.polynomial) > 1 else _text(c.polynomial)
+        text = text.replace(f"{c.polynomial} > 0", f"{short} > 0")
     return text
 
 
@@ -144,10 +173,14 @@ def record(found: Conditions) -> dict[str, Any]:
     -------
     dict
     """
+    units = found.family.system.units
+    names = (*(v.name for v in found.variables), *found.given)
     return {
         "system": found.family.system.name,
         "family": found.family.name,
         "given": {n: str(v) for n, v in found.given.items()},
+        "numbers": found.numbers,
+        "units": {n: units[n] for n in names if n in units},
         "variables": [{"name": v.name, "kind": v.kind, "meaning": v.meaning}
                       for v in found.variables],
         "domain": list(found.domain),
@@ -218,23 +251,22 @@ def _letter(word: str) -> str:
     return rf"\mathit{{{safe or 'x'}}}"
 
 
-def _converted(text: str) -> str:
-    """The text of an expression in mathematics of LaTeX."""
+def _converted(text: str, names: Collection[str] = ()) -> str:
+    """The text of an expression in mathematics of LaTeX; names such as sqrt(b) are one symbol."""
+    known = "".join(rf"(?<!\w){re.escape(n)}(?!\w)|" for n in sorted(names, key=len, reverse=True))
     out = []
-    for token in re.findall(r"\*\*\d+|[^\W\d_]\w*|\d+|.", text):
+    for token in re.findall(rf"{known}[<>]=|\*\*\d+|[^\W\d_]\w*|\d+|.", text):
         if token.startswith("**"):
-            out.append(f"^{{{token[2:]}}}")
-        elif token == "*":
-            out.append(r"\,")
+            out[-1] = f"{{{out[-1].strip()}}}^{{{token[2:]}}} "
         elif token[0].isalpha():
             out.append(f"{symbol(token)} ")
         else:
-            out.append(token)
-    return "".join(out).strip()
+            out.append({"*": r"\,", "<=": r"\leq ", ">=": r"\geq "}.get(token, token))
+    return " ".join("".join(out).split())
 
 
-def _formula(poly: Polynomial, relation: str) -> str:
-    """A polynomial with a relation as displayed mathematics, broken into lines."""
+def _formula(poly: Polynomial, relation: str, label: str = "") -> str:
+    """A polynomial with a relation as displayed mathematics, broken into lines, with a label."""
     parts = []
     for sign, size, exponents in _terms(poly, _size(poly)):
         powers = [symbol(n) if e == 1 else f"{{{symbol(n)}}}^{{{e}}}"
@@ -253,7 +285,7 @@ def _formula(poly: Polynomial, relation: str) -> str:
     rows.append(f"{row} {relation}")
     mark = r"\approx{}" if _size(poly) > 1 else ""
     body = " \\\\\n  & ".join(rows)
-    return f"\\[\n  \\begin{{aligned}}\n  {mark}& {body}\n  \\end{{aligned}}\n\\]"
+    return f"\\[\n  \\begin{{aligned}}\n  {mark}& {body}\n  \\end{{aligned}}{label}\n\\]"
 
 
 def latex(found: Conditions) -> str:
@@ -283,6 +315,7 @@ def latex(found: Conditions) -> str:
         for v in found.variables
     ]
     out += [r"  $\lambda$ & eigenvalue \\", r"  \bottomrule", r"\end{tabular}", ""]
+    out += _latex_assumptions(found)
     for name, poly in found.relations:
         out += [f"Equation of ${symbol(name)}$:", _formula(poly, "= 0")]
     count = len(found.factors)
@@ -290,14 +323,28 @@ def latex(found: Conditions) -> str:
     if found.zeros:
         number = f"the factor $\\lambda^{{{found.zeros}}}$ and {count} more"
     out += [f"The characteristic polynomial has {number}."]
-    for c in found.deciding:
-        out += [f"{escaped(_words(c.kind, c.name))}:", _formula(c.polynomial, "> 0")]
-    if not found.deciding:
-        out += [escaped(found.rule)]
+    for i, c in enumerate(found.deciding, start=1):
+        label = f"\\tag{{C{i}}}"
+        out += [f"{escaped(_words(c.kind, c.name))}:", _formula(c.polynomial, "> 0", label)]
+    out += [escaped(_rule(found, labels=True))]
     if any(_size(c.polynomial) > 1 for c in found.deciding):
         out += [rf"Where $\approx$ is written, coefficients are rounded to {DIGITS} digits."]
-    out += [escaped(sentence) for sentence in found.left_out]
+    out += [escaped(sentence) for sentence in (*found.left_out, *filter(None, [found.numbers]))]
     return "\n".join(out)
+
+
+def _latex_assumptions(found: Conditions) -> list[str]:
+    """Given numbers, assumptions and closed forms, each as one sentence."""
+    names = [v.name for v in found.variables] + [n for n, _ in found.solved]
+    given = [
+        rf"${symbol(n)} {_number(v)}$".replace("≈", r"\approx") + escaped(_unit(found, n, " {}"))
+        for n, v in found.given.items()
+    ]
+    assumed = [f"${_converted(text, names)}$" for text in found.domain]
+    solved = [f"${symbol(n)} = {_converted(value, names)}$" for n, value in found.solved]
+    apart = [rf"${_converted(_text(p), names)} \neq 0$" for p in found.nonzero]
+    parts = (("Given", given), ("Assumed", assumed + apart), ("With", solved))
+    return [f"{word}: {', '.join(texts)}." for word, texts in parts if texts]
 
 
 def _words(kind: str, name: str) -> str:

@@ -118,10 +118,110 @@ def test_every_command_has_help_with_an_example_that_parses(
         main([command, "--help"])
     assert stop.value.code == 0
     text = " ".join(capsys.readouterr().out.split())
-    example = text.split("example: stability ")[1].split()
+    examples = text.split("example: stability ")[1:]
+    assert len(examples) >= (2 if command in ("spectrum", "map", "table") else 1)
     from stability.cli.commands import _parser
 
-    assert _parser().parse_args(example).run
+    for example in examples:
+        assert _parser().parse_args(example.rstrip("; ").split()).run
+
+
+def test_help_of_table_names_every_table_and_what_each_axis_belongs_to(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    from stability.tables.registry import TABLES
+
+    with pytest.raises(SystemExit):
+        main(["table", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    named = text.split("NAME families")[1].split("options:")[0]
+    assert {*TABLES, "codimension"} == {"families", *named.replace(",", "").split()} - {"or"}
+    x, y = text.split("--x NAME:LO:HI:N[:log]")[2], text.split("--y NAME:LO:HI:N[:log]")[2]
+    assert "hopf" in x.split(" --")[0]
+    assert "hopf" not in y.split(" --")[0]
+    assert main(["table", "hopf", "--system", UPRIGHT, "--y", "v:1:2:3"]) == 2
+
+
+# --- a family of one's own ---
+
+UPRIGHT = "examples/bicycle.py:upright"
+
+
+def test_spectrum_of_ones_own_system(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["spectrum", "--system", UPRIGHT, "--parameter", "g=9.81"]
+    text = output(capsys, *words, "--at", "5")
+    assert text.startswith("bicycle, upright, at v = 5, g = 9.81\nverdict     stable")
+    assert "disk" not in text
+    body = json.loads(output(capsys, *words, "--parameter", "v=5", "--certify", "--json"))
+    assert body["system"] == "bicycle"
+    assert body["at"] == {"v": 5.0}
+    assert body["parameters"] == {"g": 9.81}
+    assert body["certified"] is True
+    assert "contact" not in body
+    weave = complex(*body["eigenvalues"][1])  # Meijaard et al. 2007, table 2
+    assert abs(weave - complex(-0.77534188219585, -4.46486771378823)) < 1e-12
+
+
+def test_numbers_of_ones_own_system_are_exact_as_they_are_written(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """q̈ = -(a - 3 b) q - q̇ is neutral at a = 0.9, b = 0.3, and not at their doubles."""
+    (tmp_path / "own.py").write_text(
+        "import casadi as ca, stability as st\n"
+        "x, p = ca.SX.sym('x', 2), ca.SX.sym('p', 2)\n"
+        "s = st.System('own', x, p, ca.vertcat(x[1], -(p[0] - 3 * p[1]) * x[0] - x[1]),\n"
+        "              states=('q', 'v'), parameters=('a', 'b'), units={'a': '1/s2', 'b': 'm'})\n"
+        "rest = st.Family(s, 'rest', at=('a',), held={'q': 0.0, 'v': 0.0})\n"
+    )
+    place = f"{tmp_path / 'own.py'}:rest"
+    words = ["spectrum", "--system", place, "--at", "0.9", "--parameter", "b=3/10", "--certify"]
+    text = output(capsys, *words)
+    assert text.startswith("own, rest, at a = 0.9 1/s2, b = 0.3 m\nverdict     neutral")
+
+
+def test_map_of_ones_own_system(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    import stability as st
+
+    words = ["map", "--system", UPRIGHT, "--x", "v:1:10:8", "--y", "g:5:15:6"]
+    out = tmp_path / "map.nc"
+    assert "stable" in output(capsys, *words, "--out", str(out), "--json")
+    dataset = st.read_map(out)
+    assert dataset.verdict.dims == ("g", "v")
+    assert dataset.attrs["system"] == "bicycle"
+    streamed = tmp_path / "verdicts.nc"
+    output(capsys, *words, "--verdict-only", "--out", str(streamed))
+    assert (st.read_map(streamed).verdict.values == dataset.verdict.values).all()
+
+
+@pytest.mark.parametrize(("words", "part"), [
+    (["spectrum", "--at", "5"], "FAMILY is missing"),
+    (["spectrum", UPRIGHT, "--at", "5"], "give --system examples/bicycle.py:upright instead"),
+    (["spectrum", "rolling", "--system", UPRIGHT, "--at", "5"], "give one of them"),
+    (["spectrum", "--system", UPRIGHT, "--at", "5"], "g is missing; give --parameter g=NUMBER"),
+    (["spectrum", "--system", UPRIGHT, "--parameter", "g=9"], "v is missing"),
+    (["spectrum", "--system", UPRIGHT, "--at", "1,2"], "upright takes v, 1 number"),
+    (["spectrum", "--system", UPRIGHT, "--at", "x"], "v is 'x'; a number such as 9.81"),
+    (["spectrum", "--system", UPRIGHT, "--at", "inf"], "a finite number"),
+    (["spectrum", "--system", UPRIGHT, "--at", "5", "--mu", "1"], "--mu belongs to the disk"),
+    (["spectrum", "--system", UPRIGHT, "--lean", "0"], "--lean belongs to the disk"),
+    (["spectrum", "--system", UPRIGHT, "--contact", "rough"], "--contact belongs to the disk"),
+    (["spectrum", "--system", UPRIGHT, "--at", "5", "--parameter", "v=5"], "v is given by --at"),
+    (["spectrum", "--system", UPRIGHT, "--at", "5", "--parameter", "h=5"], "upright has v, g"),
+    (["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "k:1:2:3", "--out", "m.nc"],
+     "axis is 'k'; known for upright are v, g"),
+    (["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "g:1:2:3", "--at", "1", "--out", "m.nc"],
+     "--at means v here"),
+    (["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "g:1:2:3", "--parameter", "g=1",
+      "--out", "m.nc"], "g is given as a number and as an axis"),
+])  # fmt: skip
+def test_bad_input_for_ones_own_system_ends_with_one_sentence(
+    words: list[str], part: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert part in said
+    assert said.count("\n") == 1
+    assert not Path("m.nc").exists()
 
 
 def test_python_m_stability_is_the_same_program() -> None:

@@ -70,6 +70,8 @@ def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
     mine = np.sort_complex(np.roots(polynomial(0.3)))
     assert np.sort_complex(space["spectrum"].eigenvalues) == pytest.approx(mine, rel=1e-9)
     assert (tmp_path / "towed-wheel.png").stat().st_size > 10_000
+    assert space["short"].rule == space["same"].rule
+    assert "0.07 = 7/100" in space["same"].numbers
 
 
 def test_commands_in_the_readme_run(

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 
@@ -66,7 +67,7 @@ def check_latex(text: str) -> int:
     formulas = list(inline)
     for display in displays:
         assert display.count(r"\begin{aligned}") == display.count(r"\end{aligned}") == 1
-        inner = re.sub(r"\\(begin|end)\{aligned\}", "", display)
+        inner = re.sub(r"\\(begin|end)\{aligned\}|\\tag\{C\d+\}", "", display)
         for row in inner.split("\\\\\n"):
             assert row.count("&") == 1
             assert len(row) < 200
@@ -148,7 +149,10 @@ def test_the_command_prints_text_latex_and_json(capsys: pytest.CaptureFixture[st
     capsize = max(map(float, sympy.Poly(zero.subs(g, sympy.Rational(981, 100)), v).nroots()))
     assert abs(capsize - 6.024262015) < 1e-8  # Meijaard et al. 2007, § 5
     fixed = json.loads(printed(capsys, *words[:3], "v", "--parameter", "g=9.81", "--json"))
-    assert fixed["given"] == {"g": str(sympy.Rational(9.81))}
+    assert fixed["given"] == {"g": "981/100"}  # a text is exact
+    assert "decimals=True" in fixed["numbers"]
+    short = json.loads(printed(capsys, *words, "--decimals", "--json"))
+    assert "80.81722 = 4040861/50000" in short["numbers"]
     assert [x["name"] for x in fixed["variables"]] == ["v"]
 
 
@@ -157,10 +161,58 @@ def test_text_says_roundings_proofs_and_witnesses() -> None:
     text = "\n".join(lines(found))
     assert "sin(theta)" in text
     assert "≈" not in text  # short coefficients are exact
-    assert found.rule in text
+    assert "Stable where C1 > 0 and C2 > 0; unstable where one of these is negative." in text
+    for i, c in enumerate(found.deciding, start=1):
+        assert f"C{i} decides: {c.kind:<9} {c.polynomial} > 0" in text
+        assert f"{c.polynomial} > 0" in found.rule
     body = record(found)
     assert {"system", "rule", "conditions", "relations"} <= set(body)
     assert json.loads(json.dumps(body)) == body
+
+
+def test_print_says_what_was_given_and_assumed_with_units() -> None:
+    """As one would paste it: numbers with units, assumptions, labels in place of long formulas."""
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 4)
+    v, trail, k, c = ca.vertsplit(p)
+    rates = ca.vertcat(
+        x[1], -k * x[0] - (c + 0.3) * x[1] + 9.81 * v * x[2], -x[2] * trail * (v + k) - c * x[0] * v
+    )
+    system = st.System(
+        "towed", x, p, rates, states=("y", "u", "a"), parameters=("v", "trail", "k", "c"),
+        units={"v": "m/s", "trail": "m", "k": "1/s^2"},
+    )  # fmt: skip
+    family = st.Family(system, "straight", at=("v",), held=dict.fromkeys(system.states, 0.0))
+    exact = Fraction("0.07")
+    found = st.conditions(family, positive=("v", "c"), trail=exact, k=0.3)
+    text = "\n".join(lines(found))
+    assert "given: trail = 0.07 m, k ≈ 0.3 1/s^2" in text
+    assert "assumed: v > 0, c > 0" in text
+    assert "m/s, c = " in text  # a witness, without the numbers that are given
+    assert "C1 decides" in text
+    assert "9007199254740992" not in text.split("λ^3")[1].split("Numbers such as")[0]
+    formula = latex(found)
+    check_latex(formula)
+    for part in (r"\mathit{trail} = 0.07$ m", r"$k \approx 0.3$ 1/s\^{}2",
+                 "Assumed: $v > 0$, $c > 0$", r"\tag{C1}", "Stable where C1 $>$ 0",
+                 "nearest doubles"):  # fmt: skip
+        assert part in formula
+    body = record(found)
+    assert body["units"] == {"v": "m/s", "trail": "m", "k": "1/s^2"}
+    assert body["given"] == {"trail": "7/100", "k": str(Fraction(0.3))}
+
+
+@pytest.mark.parametrize("place", [
+    "bicycle.py:upright", "watt_governor.py:running", "triangular_points.py:triangle",
+    "lagrange_top.py:sleeping", "railway_wheelset.py:centred",
+])  # fmt: skip
+def test_latex_of_the_examples_is_well_formed(
+    place: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    text = printed(capsys, "--system", f"examples/{place}", "--latex", "--decimals")
+    assert check_latex(text) > 2
+    assert "disk" not in text
+    if any(map(shutil.which, ("pdflatex", "tectonic", "xelatex"))):
+        compile_latex(text, tmp_path)
 
 
 @pytest.mark.parametrize(("words", "part"), [
@@ -174,6 +226,9 @@ def test_text_says_roundings_proofs_and_witnesses() -> None:
     (("conditions", "--system", BICYCLE, "--positive", "w"), "positive is 'w'"),
     (("conditions", "--system", BICYCLE, "--parameter", "g"), "NAME=NUMBER"),
     (("conditions", "--system", BICYCLE, "--parameter", "h=1"), "parameter is 'h'"),
+    (("conditions", "--system", BICYCLE, "--parameter", "family=1"), "parameter is 'family'"),
+    (("conditions", "--system", BICYCLE, "--parameter", "g=1/0"), "g is '1/0'"),
+    (("conditions", "--decimals"), "belongs to `table … --system`"),
     (("conditions", "--positive", "v"), "belongs to `table … --system`"),
 ])  # fmt: skip
 def test_bad_input_ends_with_one_sentence_and_code_2(
