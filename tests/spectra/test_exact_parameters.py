@@ -1,5 +1,7 @@
 """Fractions as parameters stay exact: verdicts and boundaries at numbers that are no doubles."""
 
+import warnings
+from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
 
@@ -60,6 +62,38 @@ def test_boundaries_hold_the_other_numbers_exactly() -> None:
     line = st.boundaries(balanced(), axis=("c", 0.5, 2, 9), at=1, b=THIRD)
     assert list(line) == []
     assert line.complete
+
+
+def test_an_input_near_cancellation_is_not_taken_for_its_double() -> None:
+    """ẋ = (2 b - 1) x with b = 1/2 + 1/(3·10¹⁷): its double is 1/2, and the rate is not zero."""
+    x, b = ca.SX.sym("x"), ca.SX.sym("b")
+    system = st.System("growth", x, b, (2 * b - 1) * x, states=("x",), parameters=("b",))
+    rest = st.Family(system, "rest", at=("b",), held={"x": 0.0})
+    ratio = Fraction(1, 2) + Fraction(1, 3 * 10**17)
+    plain = st.spectrum(rest, at=ratio, escalate=False)
+    assert plain.verdict.word == "undecided"
+    assert Fraction(float(plain.radius[0])) >= 2 * ratio - 1
+    assert st.spectrum(rest, at=ratio).verdict.word == "unstable"
+
+
+@pytest.mark.parametrize("function", [lambda a: a, ca.sqrt, ca.tanh])
+def test_a_boundary_that_only_touches_for_the_fraction(function: Callable[[ca.SX], ca.SX]) -> None:
+    """(f(a) - f(1) 3 b) (f(a) - f(1)) is a square at b = 1/3, and changes sign for its double."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
+    a, b, d = ca.vertsplit(p)
+    value = function(a) / function(d)
+    rates = ca.vertcat(x[1], -(value - 3 * b) * (value - 1) * x[0] - x[1])
+    system = st.System("touching", x, p, rates, states=("q", "v"), parameters=("a", "b", "d"))
+    family = st.Family(system, "rest", at=("a",), held={"q": 0.0, "v": 0.0})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", st.StabilityWarning)
+        found = st.boundaries(family, axis=("a", 0.5, 2, 5), b=THIRD, d=1)
+        double = st.boundaries(family, axis=("a", 0.5, 2, 5), b=1 / 3, d=1)
+    assert list(found) == []
+    if function is not ca.tanh:  # in pieces, no proof reaches a double root
+        assert found.complete
+        assert found.touching == (1.0,)
+        assert not double.complete
 
 
 def test_where_fractions_are_rounded_a_warning_says_so() -> None:
