@@ -254,7 +254,7 @@ def _letter(word: str) -> str:
 def _converted(text: str, names: Collection[str] = ()) -> str:
     """The text of an expression in mathematics of LaTeX; names such as sqrt(b) are one symbol."""
     known = "".join(rf"(?<!\w){re.escape(n)}(?!\w)|" for n in sorted(names, key=len, reverse=True))
-    out = []
+    out: list[str] = []
     for token in re.findall(rf"{known}[<>]=|\*\*\d+|[^\W\d_]\w*|\d+|.", text):
         if token.startswith("**"):
             out[-1] = f"{{{out[-1].strip()}}}^{{{token[2:]}}} "

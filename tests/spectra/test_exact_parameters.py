@@ -12,6 +12,9 @@ import sympy
 
 import stability as st
 from stability.base.errors import ParameterError
+from stability.spectra.arguments import problem_of
+from stability.spectra.deflation import tracked_matrix
+from stability.spectra.rows import Rows
 
 THIRD = Fraction(1, 3)
 
@@ -64,16 +67,18 @@ def test_boundaries_hold_the_other_numbers_exactly() -> None:
     assert line.complete
 
 
-def test_an_input_near_cancellation_is_not_taken_for_its_double() -> None:
-    """ẋ = (2 b - 1) x with b = 1/2 + 1/(3·10¹⁷): its double is 1/2, and the rate is not zero."""
+def test_the_rounding_of_a_fraction_is_in_the_bound_on_its_linearisation() -> None:
+    """ẋ = b x: the entry is b itself, so its only error is that of its double."""
     x, b = ca.SX.sym("x"), ca.SX.sym("b")
-    system = st.System("growth", x, b, (2 * b - 1) * x, states=("x",), parameters=("b",))
+    system = st.System("growth", x, b, b * x, states=("x",), parameters=("b",))
     rest = st.Family(system, "rest", at=("b",), held={"x": 0.0})
-    ratio = Fraction(1, 2) + Fraction(1, 3 * 10**17)
-    plain = st.spectrum(rest, at=ratio, escalate=False)
-    assert plain.verdict.word == "undecided"
-    assert Fraction(float(plain.radius[0])) >= 2 * ratio - 1
-    assert st.spectrum(rest, at=ratio).verdict.word == "unstable"
+    for value in (THIRD, Fraction(1, 7), 1 / 3):
+        rows = Rows(problem_of(rest, value, None, None, {}), exact=False)
+        place = rows.place
+        matrix, error = tracked_matrix(rest, place.a, place.q, place.u, place.roundings)
+        off = abs(Fraction(value) - Fraction(float(matrix[0, 0, 0])))
+        assert off <= Fraction(float(error[0, 0, 0]))
+        assert (off > 0) == isinstance(value, Fraction)
 
 
 @pytest.mark.parametrize("function", [lambda a: a, ca.sqrt, ca.tanh])
