@@ -26,10 +26,11 @@ from ..algebra.exact.routh import on_the_axis
 from ..algebra.routh_balls import hurwitz_sign, product, verdict_polynomial
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
+from ..systems.structure.axis_proof import exact_verdict
 from ..systems.structure.enclosure import characteristic
 from ..systems.structure.multiplicity import Member, certain, symmetric
 from ..systems.structure.structural_zeros import structure
-from .eigenvalues import BY_ACCIDENT, NO_PROOF_OF_ZERO, NOT_STEADY, in_words
+from .eigenvalues import BY_ACCIDENT, BY_EQUATIONS, NO_PROOF_OF_ZERO, NOT_STEADY, in_words
 from .problem import Problem
 
 BITS = 128
@@ -235,6 +236,10 @@ def _without(member: Member, zeros: int) -> tuple[Verdict, int]:
         if any(c != 0 for c in member.rational[:zeros]):  # these zeros are not proved
             return Verdict.UNDECIDED, NO_PROOF_OF_ZERO
         return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
+    with precision(BITS):
+        quick = _enclosed_verdict(member.enclosed()[zeros:])
+    if quick is None and (proved := exact_verdict(member, zeros)) is not None:
+        return proved, BY_EQUATIONS
     return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]))
 
 

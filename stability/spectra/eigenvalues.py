@@ -24,6 +24,8 @@ BY_ACCIDENT = -3
 """Value instead of bits, where an eigenvalue is zero and it is open whether by structure."""
 NO_PROOF_OF_ZERO = -4
 """Value instead of bits, where an eigenvalue seems to be zero by structure, without a proof."""
+BY_EQUATIONS = -5
+"""Value instead of bits, where the verdict is proved over the field of the member's unknowns."""
 REASONS = {
     NOT_STEADY: "no steady motion: at the root of the equations another rate is not zero",
     BY_ACCIDENT: "an eigenvalue is zero here, and nothing proves that it is structural",
@@ -42,8 +44,10 @@ def in_words(bits: int) -> str:
     Parameters
     ----------
     bits
-        Precision of the balls, 0 for rational arithmetic.
+        Precision of the balls, 0 for rational arithmetic, or `BY_EQUATIONS`.
     """
+    if bits == BY_EQUATIONS:
+        return "exact algebra modulo the member's equations"
     if bits < 0:
         return "no arithmetic"
     return f"balls of {bits} bits" if bits else "rational arithmetic"

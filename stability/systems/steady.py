@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -30,6 +30,10 @@ STARTS = 64
 """Number of first guesses about the given one."""
 SPREADS = (0.1, 1.0, 10.0)
 """Distances of the first guesses, relative to 1 or to the number."""
+MORE = 256
+"""Number of further first guesses where none of these leads to a member."""
+SIZES = (-6, 9)
+"""Powers of ten between which their sizes lie, as those of quantities in SI units do."""
 STEPS = 60
 """Most damped Newton steps from one guess."""
 SAME = 1e-9
@@ -94,9 +98,22 @@ def steady(
         system, name or f"steady {system.name}", where, held=fixed, unknown=first,
         equations=solved, positive=tuple(positive), **of_family,
     )  # fmt: skip
-    if not unknown or family.closed:
+    if not unknown or (family.closed and _exists(family, given)):
         return family
+    if family.closed:  # CasADi folds ∞ - ∞ to 0, and other rates need not vanish
+        moved = {n: v + 1 + i / 8 for i, (n, v) in enumerate(first.items())}
+        family = replace(family, unknown=moved)
     return _anchored(family, given)
+
+
+def _exists(family: Family, given: Mapping[str, float]) -> bool:
+    """Whether the first guess is a member at the given numbers."""
+    a, q = ([[given[n] for n in names]] for names in (family.at, family.parameters))
+    try:
+        family.member(a, q)
+    except StabilityError:
+        return False
+    return True
 
 
 def _ignorable(system: Equations, state: str) -> bool:
@@ -145,13 +162,17 @@ def _rates(system: Equations, held: Mapping[str, Any]) -> ca.SX:
 
 
 def _sampled(system: Equations, slopes: ca.SX, given: Mapping[str, float]) -> Floats:
-    """Slopes at a few points near the guess, side by side: ranks there are typical ranks."""
+    """Slopes at a few points, side by side: ranks there are typical ranks.
+
+    Half of the points have states near the guess, half near 0: far away a slope may underflow.
+    """
     function = ca.Function("slopes", [system.x, system.p], [ca.densify(slopes)])
     rng = np.random.default_rng(5)
     blocks = []
-    for _ in range(4):
+    for block in range(4):
+        about = {n: v for n, v in given.items() if block < 2 or n in system.parameters}
         points = [
-            [given.get(n, 0.0) + 0.1 * (1 + abs(given.get(n, 0.0))) * rng.uniform(-1, 1)
+            [about.get(n, 0.0) + 0.1 * (1 + abs(about.get(n, 0.0))) * rng.uniform(-1, 1)
              for n in its] for its in (system.states, system.parameters)
         ]  # fmt: skip
         blocks.append(np.array(function(*points)))
@@ -193,37 +214,53 @@ def _anchored(family: Family, given: Mapping[str, float]) -> Family:
     q = np.array([[given[n] for n in family.parameters]]).reshape(1, -1)
     guess = np.array(list(family.unknown.values()))
     family.search(a, q, guess)  # refuses equations that are singular for all numbers
-    found = _candidates(family, a, q, guess)
-    if not len(found):
-        raise NoMemberError(
-            f"{family.name} has no member that {STARTS} first guesses about "
-            f"{listing(tuple(family.unknown), guess)} reach at "
-            f"{listing((*family.at, *family.parameters), (*a[0], *q[0]))}; give another guess."
-        )
-    u = _steady_one(family, a, q, found)
-    anchor = Anchor(tuple(a[0].tolist()), tuple(q[0].tolist()), tuple(u.tolist()))
-    return replace(family, unknown=dict(zip(family.unknown, u.tolist(), strict=True)),
-                   anchor=anchor)  # fmt: skip
+    refusal: StabilityError | None = None
+    for starts in _starts(family, guess):
+        for u in _different(_reached(family, a, q, guess, starts)):
+            try:
+                family.checked_states(a, u[None], q)
+            except StabilityError as error:
+                refusal = refusal or error
+                continue
+            anchor = Anchor(tuple(a[0].tolist()), tuple(q[0].tolist()), tuple(u.tolist()))
+            return replace(family, unknown=dict(zip(family.unknown, u.tolist(), strict=True)),
+                           anchor=anchor)  # fmt: skip
+    if refusal is not None:
+        raise refusal
+    raise NoMemberError(
+        f"{family.name} has no member that damped Newton steps reach at "
+        f"{listing((*family.at, *family.parameters), (*a[0], *q[0]))}, neither from {STARTS} first "
+        f"guesses about {listing(tuple(family.unknown), guess)} (within about {SPREADS[-1]:g} of "
+        f"it, relative to 1 or to the number) nor from {MORE} of sizes from 1e{SIZES[0]} to "
+        f"1e{SIZES[1]}; give another guess."
+    )
 
 
-def _candidates(family: Family, a: Floats, q: Floats, guess: Floats) -> Floats:
-    """Roots from many first guesses, the nearest to the given one first."""
+def _starts(family: Family, guess: Floats) -> Iterator[Floats]:
+    """First guesses about the given one, then of all sizes."""
     rng = np.random.default_rng(11)
-    size = 1 + np.abs(guess)
+    size, n = 1 + np.abs(guess), len(guess)
     spread = np.resize(SPREADS, STARTS - 1)[:, None]
-    starts = np.vstack([guess, guess + size * spread * rng.normal(size=(STARTS - 1, len(guess)))])
+    near = np.vstack([guess, guess + size * spread * rng.normal(size=(STARTS - 1, n))])
+    far = rng.choice((-1.0, 1.0), (MORE, n)) * 10 ** rng.uniform(*SIZES, (MORE, n))
+    positive = [i for i, name in enumerate(family.unknown) if name in family.positive]
+    for starts in (near, far):
+        starts[:, positive] = np.abs(starts[:, positive])
+        yield starts
+
+
+def _reached(family: Family, a: Floats, q: Floats, guess: Floats, starts: Floats) -> Floats:
+    """Roots from first guesses, the nearest to the given one first."""
     positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
-    starts[:, positive] = np.abs(starts[:, positive])
-    many = np.repeat(a, STARTS, axis=0), np.repeat(q, STARTS, axis=0)
+    many = np.repeat(a, len(starts), axis=0), np.repeat(q, len(starts), axis=0)
     u = _damped(family, *many, starts)
     near = np.isfinite(u).all(axis=1)
     if not near.any():
         return u[near]
     u, good = roots(family.graph, many[0][near], many[1][near], u[near], positive)
     u = u[good]
-    way = np.linalg.norm((u - guess) / size, axis=1)
-    order = np.argsort(way, kind="stable")
-    return u[order]
+    way = np.linalg.norm((u - guess) / (1 + np.abs(guess)), axis=1)
+    return u[np.argsort(way, kind="stable")]
 
 
 def _damped(family: Family, a: Floats, q: Floats, u: Floats) -> Floats:
@@ -244,20 +281,6 @@ def _damped(family: Family, a: Floats, q: Floats, u: Floats) -> Floats:
         if accepted(family.graph, a, u, q, []).all():
             break
     return u
-
-
-def _steady_one(family: Family, a: Floats, q: Floats, found: Floats) -> Floats:
-    """The first root at which the other rates vanish too, or the refusal of the nearest."""
-    refusal: StabilityError | None = None
-    for u in _different(found):
-        try:
-            family.checked_states(a, u[None], q)
-        except StabilityError as error:
-            refusal = refusal or error
-        else:
-            return u
-    assert refusal is not None
-    raise refusal
 
 
 def _different(found: Floats) -> Iterable[Floats]:

@@ -1,9 +1,12 @@
-"""Polynomials over Q and the imaginary axis: Routh's array and the roots on the axis, exactly."""
+"""Polynomials and the imaginary axis: Routh's array and the roots on the axis, exactly.
+
+Over Q all is decided.  Over any other real field the same steps need a proved sign of each number.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from flint import acb, fmpq, fmpq_poly
 
@@ -126,4 +129,101 @@ def _hurwitz(p: Any) -> bool:
             following,
             [x - ratio * y for x, y in zip(here[1:], padded, strict=True)],
         )
+    return True
+
+
+class Ground(NamedTuple):
+    """A real field by what proofs need of it."""
+
+    sign: Callable[[Any], int]
+    """Proved sign of a number: 1, -1, or 0 where it is zero; `NotExact` where none is proved."""
+    tidy: Callable[[Any], Any]
+    """The number in a form that does not grow."""
+
+
+def on_the_axis_over(ground: Ground, coefficients: Sequence[Any]) -> Verdict:
+    """As `on_the_axis`, for one polynomial over a real field.
+
+    Parameters
+    ----------
+    ground
+        The field.
+    coefficients
+        Numbers of the field or rationals, lowest first.
+
+    Returns
+    -------
+    Verdict
+        Never undecided.
+
+    Raises
+    ------
+    NotExact
+        If a sign is not proved.
+
+    Examples
+    --------
+    >>> rationals = Ground(lambda c: (c > 0) - (c < 0), lambda c: c)
+    >>> on_the_axis_over(rationals, [fmpq(1), 1, 2, 2, 1, 1]).word  # (λ² + 1)² (λ + 1)
+    'neutral'
+    """
+    kept = _trimmed(ground, [fmpq(c) if isinstance(c, int) else c for c in coefficients])
+    zeros = next(i for i, c in enumerate(kept) if ground.sign(c))
+    even, odd = kept[zeros::2], _trimmed(ground, kept[zeros + 1 :: 2])
+    common = _common(ground, _trimmed(ground, even), odd)
+    parts = [_divided(ground, p, common)[0] for p in (even, odd)]
+    if not _hurwitz_over(ground, _mixed(*parts)):
+        return Verdict.UNSTABLE
+    if len(common) > 1:  # a polynomial in λ²
+        slope = [i * c for i, c in enumerate(common)][1:]
+        plain = _divided(ground, common, _common(ground, common, slope))[0]
+        slope = [i * c for i, c in enumerate(plain)][1:]
+        if not _hurwitz_over(ground, _mixed(plain, slope)):
+            return Verdict.UNSTABLE
+    return Verdict.NEUTRAL if zeros or len(common) > 1 else Verdict.STABLE
+
+
+def _trimmed(ground: Ground, p: Sequence[Any]) -> list[Any]:
+    """Without leading coefficients that are zero."""
+    size = next((i for i in range(len(p), 0, -1) if ground.sign(p[i - 1])), 0)
+    return list(p[:size])
+
+
+def _mixed(even: Sequence[Any], odd: Sequence[Any]) -> list[Any]:
+    """The polynomial even(λ²) + λ odd(λ²)."""
+    size = max(2 * len(even) - 1, 2 * len(odd))
+    out = [fmpq(0)] * size
+    out[: 2 * len(even) : 2], out[1 : 2 * len(odd) : 2] = even, odd
+    return out
+
+
+def _divided(ground: Ground, p: Sequence[Any], by: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+    """Quotient and remainder."""
+    rest, quotient = list(p), [fmpq(0)] * max(len(p) - len(by) + 1, 0)
+    for place in reversed(range(len(quotient))):
+        quotient[place] = ratio = ground.tidy(rest[place + len(by) - 1] / by[-1])
+        for i, c in enumerate(by[:-1]):
+            rest[place + i] = ground.tidy(rest[place + i] - ratio * c)
+        del rest[place + len(by) - 1]
+    return quotient, _trimmed(ground, rest)
+
+
+def _common(ground: Ground, p: list[Any], q: list[Any]) -> list[Any]:
+    """The greatest common divisor, monic, by Euclid's algorithm."""
+    while q:
+        p, q = q, _divided(ground, p, q)[1]
+    return [ground.tidy(c / p[-1]) for c in p[:-1]] + [fmpq(1)]
+
+
+def _hurwitz_over(ground: Ground, p: Sequence[Any]) -> bool:
+    """As `_hurwitz`."""
+    rows = list(reversed(_trimmed(ground, p)))
+    here, following = rows[::2], rows[1::2]
+    while following:
+        if ground.sign(following[0]) * ground.sign(here[0]) <= 0:
+            return False
+        ratio = here[0] / following[0]
+        padded = [*following[1:], fmpq(0)][: len(here) - 1]
+        rest = [x - ratio * y for x, y in zip(here[1:], padded, strict=True)]
+        here, following = following, [ground.tidy(c) for c in rest]
     return True

@@ -73,7 +73,10 @@ class Member:
         self._flags: list[bool] | None = None
         self.rational: list[Any] | None = None
         """Coefficients of det(λ - A) over Q, lowest first, where they are rational."""
-        self._root = self._enclosed_root()
+        self.algebraic: list[Any] | None = None
+        """The same over the number field of a single algebraic unknown, where it is one."""
+        self.root = self._enclosed_root()
+        """The solved unknowns, to many digits; None without unknowns or where none is proved."""
         self.steady = self._rests()
         """Whether no rate is proved to differ from zero at the root of the solved equations."""
         if self.steady and not self.enclosed_only:
@@ -83,7 +86,6 @@ class Member:
                 self._flags = self._as_expressions()
 
     def _enclosed_root(self) -> list[Any] | None:
-        """The solved unknowns, to many digits; None without unknowns or where no root is proved."""
         if self.near is None:
             return None
         with precision(ROOT_BITS):
@@ -93,10 +95,10 @@ class Member:
                 return None
 
     def _rests(self) -> bool:
-        if self._root is None:
+        if self.root is None:
             return True
         with precision(ROOT_BITS):
-            place = [self.balls(self.a), self._root, self.balls(self.q)]
+            place = [self.balls(self.a), self.root, self.balls(self.q)]
             rates = self.family.graph.rates.dense(balls(), place)
         return all(arb(rates[i][0]).contains(0) for i in self.family.resting)
 
@@ -106,21 +108,21 @@ class Member:
         if all(isinstance(entry, (int, fmpq)) for row in matrix for entry in row):
             self.rational = poly = fmpq_mat(matrix).charpoly().coeffs()
         else:
-            poly = whole_polynomial(matrix)
+            self.algebraic = poly = whole_polynomial(matrix)
         self._flags = [vanishes(c) for c in poly]
 
     def _unknowns(self) -> list[Any]:
         if self.near is None:
             return [rational(v) for v in self.family.unknown.values()]
-        if self._root is None:
+        if self.root is None:
             raise NotExact("no root is proved")
         with precision(ROOT_BITS):
-            simple = [_simplest(ball) for ball in self._root]
+            simple = [_simplest(ball) for ball in self.root]
             if None not in simple and self._solves(simple):
                 return simple
-            if len(self._root) > 1:
+            if len(self.root) > 1:
                 raise NotExact("several algebraic unknowns")
-            return [self._algebraic(self._root[0])]
+            return [self._algebraic(self.root[0])]
 
     def _solves(self, u: list[Any]) -> bool:
         """Whether rationals solve the equations exactly."""
@@ -181,7 +183,7 @@ class Member:
             own = [o or m for o, m in zip(own, more, strict=True)]
             poly = whole_polynomial(matrix)
             own = [o or vanishes(c) for o, c in zip(own, poly, strict=True)]
-            if self._has_value():  # entries such as √2, whose products are rational
+            if self.has_value():  # entries such as √2, whose products are rational
                 self.rational = [_plain(c) for c in poly]
         return [k or o for k, o in zip(known, own, strict=True)]
 
@@ -196,12 +198,12 @@ class Member:
         finally:
             self._flags = None
 
-    def _has_value(self) -> bool:
+    def has_value(self) -> bool:
         """Whether a root is proved, and balls there are finite: the rules of √ hold for √-2 too."""
-        if self.near is not None and self._root is None:
+        if self.near is not None and self.root is None:
             return False
         with precision(ROOT_BITS):
-            root = self._root or self.balls([rational(v) for v in self.family.unknown.values()])
+            root = self.root or self.balls([rational(v) for v in self.family.unknown.values()])
             place = [self.balls(self.a), root, self.balls(self.q)]
             entries = self.family.graph.matrix.dense(balls(), place)
         return all(arb(e).is_finite() for row in entries for e in row)
