@@ -90,7 +90,7 @@ def steady(
             "so that the first member is found there."
         )
     first = {n: given.get(n, 0.0) for n in unknown}
-    typical = {n: abs(given[n]) or 1.0 for n in (*where, *system.parameters) if n in given}
+    typical = {n: given[n] or 1.0 for n in (*where, *system.parameters) if n in given}
     of_family.setdefault("typical", typical)
     solved = names("equations", equations) if equations is not None else _equations(
         system, fixed, unknown, given)  # fmt: skip

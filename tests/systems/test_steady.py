@@ -167,6 +167,19 @@ def test_a_state_on_which_nothing_depends_is_held() -> None:
     assert np.allclose(family.member([4.0], []), [2.0, 0.0])
 
 
+def test_the_sign_of_a_guess_is_kept_where_its_members_exist_on_one_side_only() -> None:
+    """Bogdanov and Takens: x² + b x + a = 0 on x = (-b - sqrt(b² - 4 a))/2; trace -x."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    rates = ca.vertcat(x[1], p[0] + p[1] * x[0] + x[0] ** 2 - x[0] * x[1])
+    system = st.System("fold", x, p, rates, states=("x", "y"), parameters=("a", "b"))
+    left = system.steady("a", guess={"x": -1.0, "a": -2.0, "b": -1.0})
+    assert left.member([-2.0], [-1.0]) == pytest.approx([-1.0, 0.0])
+    words = [st.spectrum(left, at=a, b=-1.0, certify=True).verdict.word for a in (-1e-12, 1e-12)]
+    assert words == ["unstable", "stable"]
+    (edge,) = st.boundaries(left, axis=("a", -3, 0.2, 9), b=-1.0)
+    assert (edge.value, edge.crossing.word) == (0.0, "flutter")
+
+
 def test_a_family_that_travels_to_another_process_stays_itself(plus: Any) -> None:
     back = pickle.loads(pickle.dumps(plus.anchor))
     assert back == plus.anchor

@@ -63,6 +63,43 @@ def soft_until(a: Any) -> Any:
     return mpmath.findroot(lambda b: 3 + (a**2 - 5) * b**2 + a**4 * b**6, 0.8)
 
 
+def firing(v: Any) -> Any:
+    """FitzHugh's nerve: the current at rest at v, where v² = 1 - slow b gives the trace 0."""
+    return v**3 / 3 - v + (v + mpf(".7")) / mpf(".8")
+
+
+def gates(v: Any) -> tuple[list[Any], list[Any]]:
+    """Rates at which the squid axon's gates m, h, n open and close: Hodgkin & Huxley (1952)."""
+    opens = [mpf(".1") * (25 - v) / mpmath.expm1((25 - v) / 10), mpf(".07") * mpmath.exp(-v / 20),
+             mpf(".01") * (10 - v) / mpmath.expm1((10 - v) / 10)]  # fmt: skip
+    closes = [4 * mpmath.exp(-v / 18), 1 / (mpmath.exp((30 - v) / 10) + 1),
+              mpf(".125") * mpmath.exp(-v / 80)]  # fmt: skip
+    return opens, closes
+
+
+def axon(v: Any) -> tuple[Any, Any]:
+    """The current at rest at v, and the largest growth rate there, from the slopes by hand."""
+    opens, closes = gates(v)
+    m, h, n = (a / (a + b) for a, b in zip(opens, closes, strict=True))
+    current = 120 * m**3 * h * (v - 115) + 36 * n**4 * (v + 12) + mpf(".3") * (v - mpf("10.6"))
+    first = [-120 * m**3 * h - 36 * n**4 - mpf(".3"), -360 * m**2 * h * (v - 115),
+             -120 * m**3 * (v - 115), -144 * n**3 * (v + 12)]  # fmt: skip
+    matrix = mpmath.matrix(4)
+    for j, entry in enumerate(first):
+        matrix[0, j] = entry
+    for i, gate in enumerate((m, h, n)):
+        a, b = (mpmath.diff(lambda x, k=k, i=i: gates(x)[k][i], v) for k in (0, 1))
+        matrix[i + 1, 0], matrix[i + 1, i + 1] = a * (1 - gate) - b * gate, -opens[i] - closes[i]
+    rates = mpmath.eig(matrix, left=False, right=False)
+    return current, max(mpmath.re(rate) for rate in rates)
+
+
+def axon_at(low: str, high: str) -> Any:
+    """The current at which the largest growth rate vanishes, for a rest between two voltages."""
+    v = mpmath.findroot(lambda x: axon(x)[1], (mpf(low), mpf(high)), solver="anderson", tol=1e-30)
+    return axon(v)[0]
+
+
 def oracle() -> dict[str, dict[str, Any]]:
     """Every value of the table that a formula or long arithmetic gives, by system and quantity."""
     R = m = mpf(".02")
@@ -77,6 +114,7 @@ def oracle() -> dict[str, dict[str, Any]]:
     a4, a3, a2, a1, a0 = wheelset(speed)
     pairs = roots(*wheelset(mpf(20)))
     third = 1 / mpf(3)
+    height, trace = mpf("1.25"), mpmath.sqrt(1 - mpf(".08") * mpf(".8"))
     return {
         "tippe top": {
             **{f"spin below which upright is stable, {n}": slow for n in frictions},
@@ -124,6 +162,32 @@ def oracle() -> dict[str, dict[str, Any]]:
         "SymPy's rolling disc": {
             "rate of rolling above which it is neutral": mpmath.sqrt(mpf("9.81") * third),
         },
+        # z'' + (d - i G spin) z' - (k + i r spin) z = 0: d² k = r (d G - r) spin²
+        "gyropendulum": {
+            "rate above which damping that turns holds it":
+                mpmath.sqrt(mpf(".5") / (mpf(".375") * mpf(".375"))),
+        },
+        # (I1 + m H²) z'' - i (I3 + m R H) spin z' - m g a z = 0, H = R + a
+        "Routh's sphere": {
+            "spin above which its centre of mass stays on top":
+                mpmath.sqrt(4 * (mpf(".5") + height**2) / 4) / (mpf(".375") + height),
+        },
+        # n = L - i spin: n (n - J3 spin/J1) = (m3/m1) (m3 - m1) v²/J1
+        "body in a liquid": {
+            "spin above which it keeps its course": mpmath.sqrt(mpf(16) / 3) * 2,
+        },
+        "vortices about a vortex": {  # (N² - 8 N + 8)/16 and (N - 1)²/4 for N = 4
+            "circulation in the middle above which the square is neutral": mpf("-.5"),
+            "circulation in the middle above which it is unstable": mpf("2.25"),
+        },
+        "FitzHugh-Nagumo nerve": {
+            "current at which firing begins": firing(-trace),
+            "current at which firing ceases": firing(trace),
+        },
+        "Hodgkin-Huxley axon": {
+            "current at which firing begins": axon_at("5.2", "5.5"),
+            "current at which firing ceases": axon_at("21.5", "22.2"),
+        },
     }  # fmt: skip
 
 
@@ -155,6 +219,15 @@ SIDES = {
     "Jeffcott rotor": {"whirls": ("stable", "unstable")},
     "rotating saddle": {"holds": ("unstable", "neutral")},
     "SymPy's rolling disc": {"neutral": ("unstable", "neutral")},
+    "gyropendulum": {"holds": ("unstable", "stable")},
+    "Routh's sphere": {"stays": ("unstable", "neutral")},
+    "body in a liquid": {"keeps": ("unstable", "neutral")},
+    "vortices about a vortex": {
+        "is neutral": ("unstable", "neutral"),
+        "is unstable": ("neutral", "unstable"),
+    },
+    "FitzHugh-Nagumo nerve": {"begins": ("stable", "unstable"), "ceases": ("unstable", "stable")},
+    "Hodgkin-Huxley axon": {"begins": ("stable", "unstable"), "ceases": ("unstable", "stable")},
     "linear bicycle": {"weave is": ("unstable", "stable"), "capsizes": ("stable", "unstable")},
 }
 """Verdicts below and above each threshold, by words of the quantity."""
@@ -169,6 +242,28 @@ def test_both_sides_of_each_threshold_are_certified(system: str) -> None:
                 assert (row.below, row.above) == sides, row
                 seen.add(word)
     assert seen == set(SIDES[system])
+
+
+@pytest.mark.parametrize(("middle", "neutral"), [
+    ("-.500001", False), ("-.499999", True), ("2.249999", True), ("2.250001", False),
+])  # fmt: skip
+def test_the_vortex_square_is_neutral_between_its_thresholds(middle: str, neutral: bool) -> None:
+    """Linear motions of five vortices z in complex numbers, in the frame that turns with them."""
+    with mpmath.workdps(40):
+        places = [mpmath.mpc(0, 1) ** k for k in range(4)] + [mpmath.mpc(0)]
+        shares = [mpf(1)] * 4 + [mpf(middle)]
+        matrix = mpmath.matrix(10)  # of (z, conj z): conj z' = i (spin conj z + sum …)
+        for k, at in enumerate(places):
+            matrix[5 + k, 5 + k] += 1j * (mpf(1.5) + mpf(middle))
+            for j in (j for j in range(5) if j != k):
+                pull = 1j * shares[j] / (at - places[j]) ** 2
+                matrix[5 + k, k] += pull
+                matrix[5 + k, j] -= pull
+        for i in range(5):
+            for j in range(10):
+                matrix[i, j] = mpmath.conj(matrix[5 + i, (j + 5) % 10])
+        growth = max(mpmath.re(v) for v in mpmath.eig(matrix, left=False, right=False))
+    assert (growth < 1e-12) if neutral else (growth > 1e-4)
 
 
 def bicycle() -> tuple[Any, Any, Any, Any]:

@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 
 from ...base.checks import known
 from ...base.errors import listed
-from .cycles import stick_slip, swinging
+from .cycles import axon, nerve, stick_slip, swinging
 from .linear_bicycle import linear_bicycle
 from .nonlinear_bicycle import nonlinear_bicycle
 from .oscillators import rotor, saddle, triangular_points, ziegler
 from .row import BenchmarkRow, Case
+from .spinning import gyropendulum, liquid, sphere, vortices
 from .tops import lagrange, tippe
 from .wheels import hunting, sympy_disc, turning
 
@@ -28,6 +29,12 @@ CASES: dict[str, Case] = {
     "Jeffcott rotor": rotor,
     "rotating saddle": saddle,
     "SymPy's rolling disc": sympy_disc,
+    "gyropendulum": gyropendulum,
+    "Routh's sphere": sphere,
+    "body in a liquid": liquid,
+    "vortices about a vortex": vortices,
+    "FitzHugh-Nagumo nerve": nerve,
+    "Hodgkin-Huxley axon": axon,
 }
 """The function of each system's rows, by name."""
 

@@ -186,7 +186,7 @@ def threshold(family: Family, low: float, high: float, points: int = 9, **values
         why = f"{len(found)} changes of verdict between {low:g} and {high:g}"
         return Threshold(None, None, ("", ""), why)
     value = found[0].value
-    sides = [certified(family, value * (1 + side), values) for side in (-SIDE, SIDE)]
+    sides = [certified(family, value + side * abs(value), values) for side in (-SIDE, SIDE)]
     return Threshold(value, found[0].frequency, (sides[0], sides[1]), "")
 
 
