@@ -106,7 +106,7 @@ def hopf(
         For a user's family: (name, low, high, n) or (name, low, high, n, "log"), as for
         `boundaries`.
     **parameters
-        For a user's family: every other quantity, one number each.
+        For a user's family: every other quantity, one number each, or `at` as for `boundaries`.
 
     Returns
     -------

@@ -291,6 +291,19 @@ def test_the_table_says_the_same(tmp_path: Any, capsys: pytest.CaptureFixture[st
     assert main([*place, "--y", "c:0:1:3"]) == 2
 
 
+def test_the_member_may_be_named_as_for_boundaries() -> None:
+    """q'' = -k q + (c - q²) q': soft at c = 0 for every k, asked along c by member k."""
+    rest = at_rest("qv", ("k", "c"), lambda x, p: ca.vertcat(
+        x[1], -p[0] * x[0] + (p[1] - x[0] ** 2) * x[1]))  # fmt: skip
+    (named,), (by_at,) = (
+        st.hopf(rest, axis=("c", -1, 1, 9), **given) for given in ({"k": 4.0}, {"at": 4.0})
+    )
+    assert by_at == named
+    assert (by_at.kind, by_at.frequency) == (Onset.SOFT, 2.0)
+    with pytest.raises(st.StabilityError, match="give it once"):
+        st.hopf(rest, axis=("k", 1, 4, 9), at=4.0, c=1.0)
+
+
 def test_linear_rates_begin_neither_softly_nor_hard() -> None:
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
     swing = st.System("swing", x, c, ca.vertcat(x[1], -x[0] - c * x[1]), states=("q", "v"),

@@ -55,7 +55,9 @@ def births(
         a line of steady motions or states on which nothing depends.
     """
     grid = Axis.of(axis, "axis", most=MOST_SCAN)
-    problem = prepare(family, (grid,), None, None, None, parameters)
+    named = "at" in (*family.at, *family.parameters)  # then it is a parameter like any other
+    at = None if named else parameters.pop("at", None)
+    problem = prepare(family, (grid,), None, None, at, parameters)
     on_line = _accepted(family, grid.name)
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     found.warn(grid.name, level)
