@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..algebra.balls import MIXED, precision, upper
 from ..algebra.exact.known_polynomial import ExactPolynomial
-from ..algebra.exact.number_fields import EXACT, NotExact, rational_root
+from ..algebra.exact.number_fields import EXACT, NotExact, nearest_root
 from ..algebra.exact.root_balls import clustered, exact_roots, isolated
 from ..algebra.exact.routh import on_the_axis
 from ..algebra.routh_balls import hurwitz_sign, product, verdict_polynomial
@@ -168,7 +168,7 @@ def _exact(problem: Problem, values: Mapping[str, float]) -> tuple[list[Any], li
     if "lean" in given:  # π/2 - lean is a ball at best
         given["lean"] = arb(given["lean"])
     with precision(MOST_BITS):
-        return problem.reduce(given, _root)
+        return problem.reduce(given, nearest_root)
 
 
 def structural_zeros(member: Member) -> int:
@@ -269,14 +269,6 @@ def _sign_by_roots(roots: Balls | None) -> int:
     if roots is not None and any(r.real > 0 for r in roots):
         return -1
     return int(roots is not None and all(r.real < 0 for r in roots))
-
-
-def _root(value: Any) -> Any:
-    """√value, as a rational where possible, otherwise as a ball."""
-    try:
-        return rational_root(value)
-    except NotExact:
-        return arb(value).sqrt()
 
 
 def _raised(attempt: Callable[[], Verdict | None]) -> tuple[Verdict, int]:

@@ -292,7 +292,7 @@ def test_the_table_says_the_same(tmp_path: Any, capsys: pytest.CaptureFixture[st
 
 
 def test_the_member_may_be_named_as_for_boundaries() -> None:
-    """q'' = -k q + (c - q²) q': soft at c = 0 for every k, asked along c by member k."""
+    """Soft at c = 0 for every k, asked along c at the member k: q'' = -k q + (c - q²) q'."""
     rest = at_rest("qv", ("k", "c"), lambda x, p: ca.vertcat(
         x[1], -p[0] * x[0] + (p[1] - x[0] ** 2) * x[1]))  # fmt: skip
     (named,), (by_at,) = (

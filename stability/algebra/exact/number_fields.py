@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Sequence
 from math import prod
 from typing import Any
 
-from flint import arb_poly, fmpq, fmpq_poly
+from flint import arb, arb_poly, fmpq, fmpq_poly
 
 from ..number_types import Algebra
 
@@ -53,6 +53,14 @@ def rational_root(x: Any) -> Any:
     if any(r * r != n for r, n in zip(roots, parts, strict=True)):
         raise NotExact("an irrational root")
     return fmpq(*roots)
+
+
+def nearest_root(value: Any) -> Any:
+    """√value, as a rational where possible, otherwise as a ball."""
+    try:
+        return rational_root(value)
+    except NotExact:
+        return arb(value).sqrt()
 
 
 def _at(point: int, value: int) -> Callable[[Any], Any]:
