@@ -1,13 +1,19 @@
-"""Linear systems and null vectors of inexact matrices, each answer with an error bound."""
+"""Linear systems and null vectors of inexact matrices, each answer with an error bound.
+
+A system whose entries are numbers of a graph is solved in the number type of the graph.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
 from ..base.types import Floats
-from .running_error import TINY, UNIT
+from .number_types import Algebra
+from .running_error import TINY, UNIT, RunningError
 
 
 def null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
@@ -80,3 +86,135 @@ def solve(matrix: Floats, error: Floats, right: Floats, unsure: Floats) -> tuple
     residual += 2 * n * (UNIT * (np.abs(matrix) @ absolute + np.abs(right)) + TINY)
     doubt = (1 + 4 * n * UNIT) * (size @ residual) + n * TINY
     return found, widened(doubt, contraction(inverse, matrix, error))
+
+
+# --- in any number type ---
+
+Rows = Sequence[Sequence[Any]]
+
+
+def solution(algebra: Algebra, matrix: Rows, right: Rows) -> list[list[Any]]:
+    """The solution of M X = B in the number type of a graph; one system for each array entry.
+
+    Balls and power series are solved with an approximate inverse, so that enclosures stay narrow
+    where an elimination of balls would lose a digit with each pivot.
+
+    Parameters
+    ----------
+    algebra
+        The number type.
+    matrix, right
+        Entries of M and B, numbers of that type or plain zeros.
+
+    Returns
+    -------
+    list of list
+        Entries of X; not finite where M is singular, or not proved to be regular.
+
+    Raises
+    ------
+    ZeroDivisionError
+        If M is singular in exact numbers.
+
+    Examples
+    --------
+    >>> from stability.algebra.number_types import numpy_algebra
+    >>> solution(numpy_algebra(), [[2.0, 0.0], [0.0, 4.0]], [[1.0], [1.0]])
+    [[array(0.5)], [array(0.25)]]
+    """
+    by_name = {"numpy": _in_doubles, "tracked": _tracked, "ball": _in_balls, "series": _in_series}
+    return by_name.get(algebra.name, _eliminated)(matrix, right)
+
+
+def _stacked(rows: Rows, shape: tuple[int, ...]) -> Floats:
+    entries = [[np.broadcast_to(v, shape) for v in row] for row in rows]
+    return np.moveaxis(np.array(entries, dtype=float), (0, 1), (-2, -1))
+
+
+def _split(array: Any) -> list[list[Any]]:
+    return [[array[..., i, j] for j in range(array.shape[-1])] for i in range(array.shape[-2])]
+
+
+def _in_doubles(matrix: Rows, right: Rows) -> list[list[Any]]:
+    shape = _shape(matrix, right)
+    m, b = _stacked(matrix, shape), _stacked(right, shape)
+    flat = m.reshape(-1, *m.shape[-2:])
+    fine = np.isfinite(flat).all(axis=(1, 2))
+    inverse = np.full_like(flat, np.nan)
+    inverse[fine] = inverse_of(flat[fine])
+    inverse = inverse.reshape(m.shape)
+    found = inverse @ b
+    return _split(found + inverse @ (b - m @ found))
+
+
+def _tracked(matrix: Rows, right: Rows) -> list[list[Any]]:
+    parts = [_parts(rows) for rows in (matrix, right)]
+    shape = _shape(*(rows for part in parts for rows in part))
+    stacks = [_stacked(rows, shape) for part in parts for rows in part]
+    value, error = solve(*(s.reshape(-1, *s.shape[-2:]) for s in stacks))
+    size = stacks[2].shape
+    both = _split(value.reshape(size)), _split(error.reshape(size))
+    return [[RunningError(v, e) for v, e in zip(*row, strict=True)]
+            for row in zip(*both, strict=True)]  # fmt: skip
+
+
+def _parts(rows: Rows) -> tuple[Rows, Rows]:
+    tracked = [[v if isinstance(v, RunningError) else RunningError(v, 0.0) for v in row]
+               for row in rows]  # fmt: skip
+    values = [[v.value for v in row] for row in tracked]
+    # a bound that is no number says nothing
+    return values, [[np.where(np.isnan(v.error), np.inf, v.error) for v in row] for row in tracked]
+
+
+def _shape(*blocks: Rows) -> tuple[int, ...]:
+    return np.broadcast_shapes(*(np.shape(v) for rows in blocks for row in rows for v in row))
+
+
+def _in_balls(matrix: Rows, right: Rows) -> list[list[Any]]:
+    from flint import arb_mat
+
+    m, b = arb_mat([list(row) for row in matrix]), arb_mat([list(row) for row in right])
+    found: list[list[Any]] = m.solve(b, nonstop=True, algorithm="precond").tolist()
+    return found
+
+
+def _in_series(matrix: Rows, right: Rows) -> list[list[Any]]:
+    """Order by order: M₀ X_k = B_k - M₁ X_(k-1) - … - M_k X₀."""
+    from flint import arb_mat, arb_series, ctx
+
+    def order(rows: Rows, k: int) -> Any:
+        return arb_mat([[v[k] if isinstance(v, arb_series) else (v if k == 0 else 0) for v in row]
+                        for row in rows])  # fmt: skip
+
+    terms = [order(matrix, k) for k in range(ctx.cap)]
+    found: list[Any] = []
+    for k in range(ctx.cap):
+        rest = order(right, k)
+        for i in range(1, k + 1):
+            rest = rest - terms[i] * found[k - i]
+        found.append(terms[0].solve(rest, nonstop=True, algorithm="precond"))
+    rows, columns = found[0].nrows(), found[0].ncols()
+    return [[arb_series([x[i, j] for x in found]) for j in range(columns)] for i in range(rows)]
+
+
+def _eliminated(matrix: Rows, right: Rows) -> list[list[Any]]:
+    """By Gauss and Jordan, over a field whose zeros are known."""
+    rows = [[*m, *b] for m, b in zip(matrix, right, strict=True)]
+    size = len(rows)
+    for k in range(size):
+        place = next((i for i in range(k, size) if not _is_zero(rows[i][k])), None)
+        if place is None:
+            raise ZeroDivisionError("a singular matrix")
+        rows[k], rows[place] = rows[place], rows[k]
+        pivot = rows[k][k]
+        rows[k] = [v if _is_zero(v) else v / pivot for v in rows[k]]
+        for i in range(size):
+            if i != k and not _is_zero(rows[i][k]):
+                share = rows[i][k]
+                rows[i] = [v if _is_zero(w) else v - share * w
+                           for v, w in zip(rows[i], rows[k], strict=True)]  # fmt: skip
+    return [row[size:] for row in rows]
+
+
+def _is_zero(value: Any) -> bool:
+    return bool(value.is_zero() if hasattr(value, "is_zero") else value == 0)

@@ -21,7 +21,7 @@ from ..base.errors import StabilityError
 from ..base.quantities import rate_unit
 from ..base.types import Floats
 from ..systems.family import Family, listing
-from ..systems.graph.family_graph import Constants
+from ..systems.graph.constants import Constants
 from .attraction import Surroundings, Tilted, attraction
 from .nearest import Nearest
 

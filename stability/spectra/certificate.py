@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from ..algebra.balls import MIXED, precision, upper
 from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, nearest_root
-from ..algebra.exact.root_balls import clustered, exact_roots, isolated
+from ..algebra.exact.root_balls import bounded_roots, clustered, isolated
 from ..algebra.exact.routh import on_the_axis
 from ..algebra.routh_balls import hurwitz_sign, product, verdict_polynomial
 from ..base.verdict import Verdict, best
@@ -338,7 +338,7 @@ def _roots(
     out: Balls = []
     try:
         for factor in exact.coefficients(given, EXACT):
-            out += exact_roots(fmpq_poly(factor))
+            out += bounded_roots(fmpq_poly(factor))
     except NotExact:
         for factor in exact.coefficients(given, MIXED):
             found = _ball_roots(factor, problem.family.conservative, last=last)
@@ -364,7 +364,7 @@ def _member_roots(member: Member, zeros: int, unit: Any, *, last: bool) -> Balls
 
 def _of_graph(member: Member, zeros: int, *, last: bool) -> Balls | None:
     if member.rational is not None:
-        return exact_roots(fmpq_poly(member.rational[zeros:]))
+        return bounded_roots(fmpq_poly(member.rational[zeros:]))
     polynomial = member.enclosed()[zeros:]
     extra = next(i for i, c in enumerate(polynomial) if not c == 0)
     rest = polynomial[extra:]

@@ -11,8 +11,12 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
-from flint import arb, ctx, fmpq, fmpz, fmpz_poly
+from flint import acb, arb, ctx, fmpq, fmpz, fmpz_poly
 
+NEAR_BITS = 400
+"""Bits of a coefficient above which a polynomial is factored before its roots are sought."""
+MOST_FACTORED = 12
+"""Largest degree of such a polynomial: factors of long polynomials cost more than they save."""
 ONWARD = fmpz_poly([1, 1])
 """x + 1."""
 
@@ -126,3 +130,46 @@ def _refined(p: Any, low: Any, high: Any) -> Any:
         else:  # the tried half does not hold the root
             low, high, below, above = low, left, below, at_left
     return arb(low).union(arb(high))
+
+
+def height(p: Any) -> int:
+    """Bits of the longest coefficient of an `fmpz_poly`."""
+    return max(int(abs(c)).bit_length() for c in p.coeffs())
+
+
+def factored_roots(p: Any) -> list[tuple[Any, int]]:
+    """Every root of a polynomial over Z as (ball, multiplicity), at the current precision.
+
+    Flint's search needs minutes where roots are 2⁻²⁰⁰⁰ apart.  Most such roots belong to different
+    factors, or to a factor of degree 2, whose roots need no search.
+
+    Parameters
+    ----------
+    p
+        An `fmpz_poly`, not constant.
+
+    Examples
+    --------
+    >>> from flint import fmpz_poly
+    >>> [(float(r.real.mid()), count) for r, count in factored_roots(fmpz_poly([1, 2, 1]))]
+    [(-1.0, 2)]
+    """
+    if p.degree() > MOST_FACTORED or height(p) < NEAR_BITS:
+        roots: list[tuple[Any, int]] = p.complex_roots()
+        return roots
+    return [(root, count) for factor, count in p.factor()[1] for root in _of_factor(factor)]
+
+
+def _of_factor(p: Any) -> list[Any]:
+    """The roots of an irreducible polynomial, by a formula up to degree 2."""
+    if p.degree() > 2:
+        return [root for root, _ in p.complex_roots()]
+    low, middle, *high = (arb(c) for c in p.coeffs())
+    if not high:
+        return [acb(-low / middle)]
+    square = p[1] ** 2 - 4 * p[0] * p[2]
+    root = arb(abs(square)).sqrt() / (2 * high[0])
+    centre = -middle / (2 * high[0])
+    if square > 0:
+        return [acb(centre - root), acb(centre + root)]
+    return [acb(centre, root), acb(centre, -root)]

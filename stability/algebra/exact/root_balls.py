@@ -9,7 +9,14 @@ import numpy as np
 from flint import acb, acb_poly, arb, ctx, fmpq_poly
 from scipy.sparse.csgraph import connected_components
 
+from ..balls import precision
+from .isolation import MOST_FACTORED, factored_roots, height
 from .routh import split, squares
+
+FAR_BITS = 1800
+"""Bits of a coefficient above which roots of one irreducible factor may be too near to isolate."""
+CLUSTER_BITS = 1024
+"""Precision at which such roots are isolated, or else enclosed in clusters."""
 
 Balls = list[Any]
 
@@ -37,8 +44,43 @@ def exact_roots(p: Any) -> Balls:
     for square, count in squares(symmetric):
         out += _both(square) * count
     if rest.degree() > 0:
-        out += [root for root, count in rest.numer().complex_roots() for _ in range(count)]
+        out += [root for root, count in factored_roots(rest.numer()) for _ in range(count)]
     return out
+
+
+def bounded_roots(p: Any) -> Balls:
+    """As `exact_roots`; roots that are too near to be separated in seconds are in clusters.
+
+    Parameters
+    ----------
+    p
+        An `fmpq_poly`, not zero.
+
+    Examples
+    --------
+    >>> near = fmpq_poly([1, 3, 1, 1]) ** 2 - fmpq_poly([2], 2**4000)
+    >>> [float(r.real.rad()) > 0 for r in bounded_roots(near)]
+    [True, True, True, True, True, True]
+    """
+    zeros, symmetric, rest = split(p)
+    if rest.degree() < 3 or rest.degree() > MOST_FACTORED or height(rest.numer()) < FAR_BITS:
+        return exact_roots(p)
+    out = exact_roots(p / rest)
+    for factor, count in rest.numer().factor()[1]:
+        out += _of_long(fmpq_poly(factor)) * count
+    return out
+
+
+def _of_long(factor: Any) -> Balls:
+    """Roots of an irreducible polynomial over Q with long coefficients."""
+    if factor.degree() < 3 or height(factor.numer()) < FAR_BITS:
+        return exact_roots(factor)
+    with precision(CLUSTER_BITS):
+        balls = [arb(c / factor[factor.degree()]) for c in factor.coeffs()]
+        found = isolated(balls, even=False)
+        if found is None:
+            found = clustered([*balls[:-1], arb(1)])
+    return found
 
 
 def _both(square: Any) -> Balls:

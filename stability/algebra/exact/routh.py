@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from flint import acb, fmpq, fmpq_poly
 
 from ...base.verdict import Verdict
-from .isolation import halved_roots
+from .isolation import factored_roots, halved_roots
 
 FAR = 250
 """Bits by which the sizes of roots differ, above which real roots are found by halving."""
@@ -87,8 +87,7 @@ def squares(symmetric: Any) -> list[Any]:
             found += [(acb(root), count) for root in real]
         else:
             return found
-    roots: list[Any] = whole.complex_roots()
-    return roots
+    return factored_roots(whole)
 
 
 def _spread(p: Any) -> float:

@@ -20,7 +20,7 @@ from ...algebra.upright import Upright
 from ...base.errors import StabilityError
 from ...systems.equations import Equations
 from ...systems.family import Family
-from ...systems.graph.family_graph import Constants, exact_numbers
+from ...systems.graph.constants import Constants, exact_numbers
 from ...systems.structure.linearity import kept
 
 Balls = list[Any]

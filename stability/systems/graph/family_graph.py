@@ -4,25 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from ...algebra.exact.number_fields import RATIONAL_AT
-from ...algebra.number_types import Algebra, casadi_algebra
+from ...algebra.number_types import Algebra
 from ...algebra.program import Program
 from ...algebra.upright import Upright
-from ...base.exact_numbers import decimal_of
 from ..equations import Equations
+from .constants import Constants, exact_numbers, rounded
+from .implicit import Asked, Implicit, solvable
 from .slopes import rates_and_slopes
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
 """Options for CasADi's root-finder, to the last digit; `Family` checks the root afterwards."""
-TEN = 22
-"""Largest power of ten that is a double without rounding."""
 LARGE = 40_000
 """Instructions times states above which slopes are folded on the way."""
 
@@ -45,144 +42,6 @@ class Frame:
     """Entries of the linearisation that are proved zero, for any entry of the graph."""
     decimals: bool = False
     """Whether a double that is the nearest one to a short decimal is read as the decimal."""
-
-
-class Constants:
-    """The numbers of a graph as symbols, so that CasADi folds only zeros.
-
-    CasADi computes sums, products or sines of numbers in double precision when it builds an
-    expression.  A graph for exact arithmetic must not hold such rounded numbers.
-
-    Parameters
-    ----------
-    decimals
-        Whether 9.81 is read as 981/100: a quotient of two symbols, exact in every algebra.
-    """
-
-    def __init__(self, *, decimals: bool = False) -> None:
-        self._symbols: dict[float, ca.SX] = {}
-        self._decimals = decimals
-        self._quotients: dict[float, ca.SX] = {}
-
-    def __call__(self, value: float) -> ca.SX:
-        """The number as a symbol; zero stays a number, since zeros fold without rounding."""
-        if value == 0:
-            return ca.SX(0)
-        value = float(value)
-        ratio = decimal_of(value) if self._decimals else None
-        if ratio is None or ratio == Fraction(value):
-            return self._kept(value)
-        if value not in self._quotients:  # one expression for each number, so that x - x folds
-            self._quotients[value] = self._quotient(ratio)
-        return self._quotients[value]
-
-    @property
-    def read(self) -> tuple[float, ...]:
-        """Doubles that are read as decimals."""
-        return tuple(self._quotients)
-
-    def _quotient(self, decimal: Fraction) -> ca.SX:
-        """Digits times or over powers of ten, each a double without rounding."""
-        power = 0
-        while decimal.denominator != 1:
-            decimal, power = decimal * 10, power + 1
-        while decimal.numerator % 10 == 0:
-            decimal, power = decimal / 10, power - 1
-        out = self._kept(float(decimal.numerator))
-        for _ in range(abs(power) // TEN):
-            out = out / self._kept(10.0**TEN) if power > 0 else out * self._kept(10.0**TEN)
-        last = self._kept(10.0 ** (abs(power) % TEN))
-        return out / last if power > 0 else out * last
-
-    @property
-    def column(self) -> ca.SX:
-        """All symbols so far, as a column."""
-        return ca.vertcat(*self._symbols.values()) if self._symbols else ca.SX(0, 1)
-
-    @property
-    def values(self) -> list[float]:
-        """Values of the symbols, in the same order."""
-        return list(self._symbols)
-
-    def algebra(self, met: list[tuple[str, Any]] | None = None, *, strict: bool = False) -> Algebra:
-        """CasADi's own expressions with these constants; `met` collects functions' arguments.
-
-        With `strict`, cos(0) is a symbol too, and so is 2 in √2: no number is left to be rounded.
-        """
-        plain = casadi_algebra()
-
-        def kept(name: str) -> Any:
-            def apply(x: Any) -> Any:
-                if met is not None:
-                    met.append((name, x))
-                if rounded(name, x):
-                    x = ca.SX.sym("folded") if np.isnan(float(x)) else self._kept(float(x))
-                if strict and name == "sqrt" and isinstance(x, ca.SX) and x.is_constant():
-                    x = x if float(x) in (0, 1) else self._kept(float(x))
-                found = plain.functions[name](x)
-                return self(float(found)) if strict and ca.SX(found).is_constant() else found
-
-            return apply
-
-        def power(x: Any, exponent: Any) -> Any:
-            if met is not None:
-                met.append(("pow", x))
-            return self._power(x, exponent)
-
-        def size(x: Any) -> Any:
-            if met is not None:
-                met.append(("fabs", x))
-            return ca.fabs(x)
-
-        table = {name: kept(name) for name in plain.functions if name not in ("pow", "fabs")}
-        return Algebra("casadi", self, table | {"pow": power, "fabs": size})
-
-    def _kept(self, value: float) -> ca.SX:
-        """A number, also zero, as a symbol: acos(0) is not rational."""
-        return self._symbols.setdefault(value, ca.SX.sym(f"c{len(self._symbols)}"))
-
-    def _power(self, x: Any, exponent: Any) -> Any:
-        """A power; a whole or half exponent stays a number, so that its rule is known."""
-        number = next((v for v, s in self._symbols.items() if ca.is_equal(s, exponent)), None)
-        if number is None and exponent.is_constant():
-            number = float(exponent)
-        if number is not None and 2 * number == round(2 * number) and abs(number) < 2**20:
-            return ca.power(x, number)
-        return ca.power(x, exponent)
-
-
-def rounded(name: str, x: Any) -> bool:
-    """Whether CasADi's own number for a function of an argument may be wrong.
-
-    CasADi rounds functions of numbers as soon as it builds an expression, and gives
-    |x| a slope at 0.
-
-    Parameters
-    ----------
-    name
-        Name of the function.
-    x
-        Its argument.
-    """
-    known = isinstance(x, ca.SX) and x.is_constant()
-    if name in ("pow", "fabs"):
-        return bool(known or name == "fabs")
-    return bool(known and float(x) != RATIONAL_AT.get(name, (float(x), 0))[0])
-
-
-def exact_numbers(*outputs: ca.SX) -> bool:
-    """Whether every number in expressions is a small multiple of 2⁻²⁰, so that none was rounded.
-
-    Parameters
-    ----------
-    outputs
-        Expressions.
-    """
-    free = ca.symvar(ca.veccat(*outputs))
-    graph = ca.Function("numbers", [ca.vertcat(*free)], list(outputs))
-    codes = [i for i in range(graph.n_instructions()) if graph.instruction_id(i) == ca.OP_CONST]
-    values = [float(graph.instruction_constant(i)) for i in codes]
-    return all(abs(v) < 2.0**20 and (v * 2.0**20).is_integer() for v in values)
 
 
 class FamilyGraph:
@@ -208,7 +67,10 @@ class FamilyGraph:
         guessed = known | {n: self._constants(v) for n, v in frame.unknown.items()}
         table = known | dict(zip(frame.unknown, u, strict=True))
         rows = [system.index(n) for n in frame.equations]
-
+        if self._solvable():
+            self._solved_for(frame, table, guessed, rows, others)
+            self._conditions(table)
+            return
         rates, slopes = self._read(table)
         residual = ca.vertcat(*[rates[i] for i in rows]) if rows else ca.SX(0, 1)
         at_guess = self._read(guessed) if u else (rates, slopes)
@@ -226,9 +88,13 @@ class FamilyGraph:
         """Doubles that are read as they are, and doubles that are read as decimals."""
         return self._constants.values, self._constants.read
 
-    def _program(self, name: str, *outputs: Any) -> Program:
-        inputs = [*self._inputs, self._constants.column]
+    def _program(self, name: str, *outputs: Any, more: Sequence[ca.SX] = ()) -> Program:
+        inputs = [*self._inputs, *more, self._constants.column]
         return Program(ca.Function(name, inputs, list(outputs)), self._constants.values)
+
+    @property
+    def _large(self) -> bool:
+        return self._bare.size * len(self._system.states) > LARGE
 
     @cached_property
     def _bare(self) -> Program:
@@ -248,7 +114,7 @@ class FamilyGraph:
     def _read(self, values: Mapping[str, Any]) -> tuple[ca.SX, ca.SX]:
         """Rates and Jacobian with these values in place of the symbols, zeros folded."""
         system = self._system
-        if self._bare.size * len(system.states) > LARGE:
+        if self._large:
             return self._read_large(values)
         rhs, slopes_of, met = self._opened
         numbers = self._constants.column
@@ -300,6 +166,61 @@ class FamilyGraph:
             if exact_numbers(f, jac):
                 break
         return f, ca.sparsify(jac)
+
+    # --- an implicit form, solved for in the number type ---
+
+    def _solvable(self) -> bool:
+        system = self._system
+        if not self._large or system.mass is None or system.forcing is None:
+            return False
+        # a mass matrix with a rounded third is not that of the rates, which keep thirds exact
+        return exact_numbers(system.mass, system.forcing) and solvable(system)
+
+    def _form(self, values: Mapping[str, Any]) -> Implicit:
+        """The implicit form with these values, zeros folded."""
+        for strict in (False, True):
+            algebra = self._constants.algebra(strict=strict)
+            form = Implicit(self._system, values, algebra, self._program, self._zero)
+            if exact_numbers(form.mass, form.forcing, form.free, form.table):
+                break
+        return form
+
+    def _solved_for(
+        self, frame: Frame, table: Mapping[str, Any], guessed: Mapping[str, Any],
+        rows: Sequence[int], others: Sequence[str],
+    ) -> None:  # fmt: skip
+        """Rates, Jacobian and equations of a large system with a mass matrix."""
+        system, (a, u, q) = self._system, self._inputs
+        names = [*system.states, *system.parameters]
+        form = self._form(table)
+        best = self._form(guessed) if self._size else form
+        self.closed = bool(self._size) and all(best.still[i] for i in rows)
+        every = range(len(system.states))
+        member = best if self.closed else form
+        self.rates = member.program(Asked(every))
+        self.matrix = member.program(Asked(every, every))
+        state = self._numbers(guessed if self.closed else table, system.states)
+        self.state = self._program("state", state)
+        of_a, of_u, of_q = (
+            [names.index(n) for n in some] for some in (frame.at, frame.unknown, others)
+        )
+        values, by_u = Asked(rows), Asked(rows, of_u)
+        moved = [Asked(other=self._program("state", ca.jacobian(state, s))) for s in (a, u)]
+        self.residual = form.program(values, by_u)
+        self.tangent = form.program(*moved, values, by_u, Asked(rows, of_a))
+        self.along = form.program(values, by_u, Asked(rows, [*of_a, *of_q]))
+        given = ca.vertcat(a, q)
+        sides = ca.veccat(form.mass, form.forcing, form.free)
+        self.used = [i for i in range(given.numel()) if ca.depends_on(sides, given[i])]
+        if self._size:
+            numbers = self._constants.column, self._constants.values
+            problem = form.equations(rows, (u, given), numbers)
+            self.finder = None
+            pattern = np.zeros((len(rows), len(rows)))
+            for place in self.residual.places[1]:
+                pattern[place] = 1
+            if ca.sprank(ca.sparsify(ca.DM(pattern))) == self._size:
+                self.finder = ca.rootfinder("root", "fast_newton", problem, FINDER)
 
     @staticmethod
     def _numbers(values: Mapping[str, Any], names: Sequence[str]) -> ca.SX:
