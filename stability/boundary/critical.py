@@ -19,7 +19,14 @@ from flint import arb, fmpq, fmpq_poly
 
 from ..algebra.balls import precision
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
-from ..algebra.exact.rational_functions import RING, Ratio, multivariate, univariate
+from ..algebra.exact.rational_functions import (
+    RING,
+    Ratio,
+    common_multiple,
+    multivariate,
+    primitive,
+    univariate,
+)
 from ..algebra.exact.real_roots import complex_roots, sign_at, specialised
 from ..algebra.exact.routh import on_the_axis
 from ..base.verdict import Verdict
@@ -110,21 +117,14 @@ def characteristic_ratios(family: Family, a: Sequence[Any], q: Sequence[Any]) ->
     except ZeroDivisionError:
         raise NotExact("a denominator vanishes all along the axis") from None
     entries = [[Ratio.of(v) for v in row] for row in rows]
-    common = RING.constant(1)
-    for row in entries:
-        for e in row:
-            common = common * (e.bottom / common.gcd(e.bottom))
+    common = common_multiple((e.bottom for row in entries for e in row), RING.constant(1))
     below = univariate(common)
     matrix = [[univariate(e.top * (common / e.bottom)) for e in row] for row in entries]
     degree = max(1, below.degree(), *(e.degree() for row in matrix for e in row))
     bits = max(_bits(e) for row in matrix for e in row)
     if degree * size * size * size // 2 * bits > MOST_WORK:
         raise NotExact("the polynomials are too large")
-    scaled = [c * below**j for j, c in enumerate(characteristic(matrix))]
-    content = scaled[-1]
-    for c in scaled:
-        content = content.gcd(c)
-    return [c / content for c in scaled], below
+    return primitive([c * below**j for j, c in enumerate(characteristic(matrix))]), below
 
 
 def _bits(p: Any) -> int:

@@ -13,7 +13,14 @@ from flint import arb, fmpq
 from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational, rational_root
-from ..algebra.exact.rational_functions import RING, Ratio, multivariate, univariate
+from ..algebra.exact.rational_functions import (
+    RING,
+    Ratio,
+    common_multiple,
+    multivariate,
+    primitive,
+    univariate,
+)
 from ..algebra.exact.real_roots import (
     BITS,
     MOST_BITS,
@@ -160,14 +167,9 @@ def _sines(value: Ratio) -> Algebra:
 def _whole(factor: Sequence[Any]) -> tuple[list[Any], Any]:
     """Coefficients of a factor as polynomials without common factor, and their denominator."""
     ratios = [Ratio.of(c) for c in factor]
-    common = RING.constant(1)
-    for r in ratios:
-        common = common * (r.bottom / common.gcd(r.bottom))
+    common = common_multiple((r.bottom for r in ratios), RING.constant(1))
     whole = [univariate(r.top * (common / r.bottom)) for r in ratios]
-    content = whole[-1]
-    for c in whole:
-        content = content.gcd(c)
-    return [c / content for c in whole], univariate(common)
+    return primitive(whole), univariate(common)
 
 
 def _rational(value: Any) -> Any:

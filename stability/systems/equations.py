@@ -169,7 +169,8 @@ class Equations:
         return Program(ca.Function("jacobian", [self.x, self.p], [self.jacobian]))
 
     @cached_property
-    def _condition_program(self) -> Program:
+    def condition_program(self) -> Program:
+        """The conditions as a program in (x, p), one output each."""
         values = [c.value for c in self.conditions]
         return Program(ca.Function("conditions", [self.x, self.p], values))
 
@@ -193,7 +194,7 @@ class Equations:
             If a condition fails; the message names the condition and its value.
         """
         arguments, shape = self._arguments(x, p)
-        values = self._condition_program.arrays(arguments, shape) if self.conditions else []
+        values = self.condition_program.arrays(arguments, shape) if self.conditions else []
         for condition, value in zip(self.conditions, values, strict=True):
             bad = ~(value > 0)
             if bad.any():
@@ -213,7 +214,7 @@ class Equations:
             Of the leading shape.
         """
         arguments, shape = self._arguments(x, p)
-        values = self._condition_program.arrays(arguments, shape) if self.conditions else []
+        values = self.condition_program.arrays(arguments, shape) if self.conditions else []
         fine = np.ones(shape, dtype=bool)
         for value in values:
             fine &= value.reshape(shape) > 0

@@ -7,6 +7,7 @@ distinguishes the sine from a free variable.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from flint import fmpq, fmpq_mpoly_ctx, fmpq_poly
@@ -116,3 +117,44 @@ def multivariate(p: Any) -> Any:
         The polynomial.
     """
     return RING.from_dict({(i, 0): c for i, c in enumerate(p.coeffs()) if c != 0})
+
+
+def common_multiple(polynomials: Iterable[Any], one: Any) -> Any:
+    """A least common multiple of polynomials of one ring.
+
+    Parameters
+    ----------
+    polynomials
+        None of them zero.
+    one
+        The polynomial 1 of their ring.
+
+    Examples
+    --------
+    >>> x = RING.gens()[0]
+    >>> common_multiple([x, x * (x + 1)], RING.constant(1))
+    x^2 + x
+    """
+    for p in polynomials:
+        one = one * (p / one.gcd(p))
+    return one
+
+
+def primitive(coefficients: Sequence[Any]) -> list[Any]:
+    """Coefficients without their common factor.
+
+    Parameters
+    ----------
+    coefficients
+        Polynomials of one ring, the last one not zero.
+
+    Examples
+    --------
+    >>> x = RING.gens()[0]
+    >>> primitive([x**2, x])
+    [x, 1]
+    """
+    content = coefficients[-1]
+    for c in coefficients:
+        content = content.gcd(c)
+    return [c / content for c in coefficients]

@@ -10,13 +10,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-import casadi as ca
 import numpy as np
 from flint import arb
 
 from ...algebra.balls import precision
 from ...algebra.number_types import balls
-from ...algebra.program import Program
 from ...base.errors import StabilityError
 from ...systems.structure.enclosure import ball_unknowns
 from ..brackets import BITS, AxisScan
@@ -73,9 +71,6 @@ class _Conditions:
 
     def __init__(self, line: AxisScan) -> None:
         self.line, self.family = line, line.problem.family
-        system = self.family.system
-        values = [c.value for c in system.conditions]
-        self._program = Program(ca.Function("conditions", [system.x, system.p], values))
 
     def fail(self, low: float, high: float) -> list[Unresolved]:
         """Parts on which a condition fails, or is not decided, neighbours alike as one."""
@@ -128,7 +123,10 @@ class _Conditions:
         u = ball_unknowns(family, a, q, near)
         states = [arb(row[0]) for row in family.graph.state.dense(balls(), [a, u, q])]
         own = [given[n] for n in family.system.parameters]
-        return [arb(v[0]) if v else arb(0) for v in self._program.run(balls(), [states, own])]
+        return [
+            arb(v[0]) if v else arb(0)
+            for v in family.system.condition_program.run(balls(), [states, own])
+        ]
 
 
 def _joined(parts: list[Unresolved]) -> list[Unresolved]:

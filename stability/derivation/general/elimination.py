@@ -13,14 +13,13 @@ from functools import cached_property
 from typing import Any
 
 import casadi as ca
-import numpy as np
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
-from scipy.sparse.csgraph import connected_components
 
 from ...algebra.balls import precision
 from ...algebra.exact.function_field import Expression
 from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
+from ...algebra.exact.rational_functions import common_multiple, primitive
 from ...algebra.exact.triangular import RecordingField, Triangular, occurring
 from ...algebra.number_types import Algebra, balls
 from ...algebra.program import Program
@@ -28,6 +27,7 @@ from ...algebra.upright import Upright
 from ...base.errors import NoMemberError
 from ...systems.family import Family
 from ...systems.structure.enclosure import ball_unknowns
+from ...systems.structure.identities import blocks_of
 from ...systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled
 
 Poly = Any
@@ -294,11 +294,8 @@ def whole(reading: Reading) -> Whole:
     matrix = [[solved.value(reading.element(v)) for v in row] for row in reading.matrix]
     zeros, found = 0, []
     nonzero = list(solved.nonzero)
-    for block in _blocks(matrix):
-        common = reading.field.ring.constant(1)
-        for row in block:
-            for e in row:
-                common = common * (e.den / common.gcd(e.den))
+    for block in blocks_of(matrix, lambda e: bool(e.num == 0)):
+        common = common_multiple((e.den for row in block for e in row), reading.field.one)
         if not common.is_constant():
             nonzero.append(common)
         poly = _determinant(reading, block, common)
@@ -316,28 +313,16 @@ def whole(reading: Reading) -> Whole:
     return _compact(reading, zeros, found, nonzero, required)
 
 
-def _blocks(matrix: list[list[Any]]) -> list[list[list[Any]]]:
-    """Diagonal blocks of the block triangular form."""
-    pattern = np.array([[entry.num != 0 for entry in row] for row in matrix])
-    _, labels = connected_components(pattern, directed=True, connection="strong")
-    members = [np.flatnonzero(labels == label) for label in np.unique(labels)]
-    return [[[matrix[i][j] for j in some] for i in some] for some in members]
-
-
 def _determinant(reading: Reading, block: list[list[Any]], common: Poly) -> Poly:
     """A multiple of det(λ - A), without common factor of its coefficients."""
     field_ = reading.field
     plain = [[Expression(field_, e.num * (common / e.den), field_.one) for e in row]
              for row in block]  # fmt: skip
     powers = [reading.element(c).num * common**k for k, c in enumerate(characteristic(plain))]
-    powers = reading.triangular.reduce(powers)
-    content = powers[-1]
-    for c in powers:
-        content = content.gcd(c)
     lam = field_.generator(reading.lam)
     total = field_.ring.constant(0)
-    for k, c in enumerate(powers):
-        total = total + c / content * lam**k
+    for k, c in enumerate(primitive(reading.triangular.reduce(powers))):
+        total = total + c * lam**k
     reading.budget.watch(total)
     return total
 

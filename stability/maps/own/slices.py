@@ -11,10 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import Any
 
-import casadi as ca
-import numpy as np
 from flint import arb
-from scipy.sparse.csgraph import connected_components
 
 from ...algebra.balls import precision
 from ...algebra.exact.function_field import Expression
@@ -26,15 +23,15 @@ from ...algebra.exact.hurwitz_forms import (
     subdiscriminants,
 )
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
+from ...algebra.exact.rational_functions import common_multiple, primitive
 from ...algebra.exact.triangular import RecordingField, occurring
 from ...algebra.number_types import balls
-from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ...base.errors import StabilityError
 from ...derivation.general.elimination import evaluate
 from ...spectra.problem import Problem
 from ...systems.family import Family
-from ...systems.structure.multiplicity import certain
+from ...systems.structure.identities import blocks_of, certain
 from ...systems.structure.structural_zeros import structure
 from .ball_polynomials import BallPolynomial, ball_determinants
 from .slice_record import RING, Poly, Rows, Slice, Table
@@ -167,10 +164,9 @@ class _Reading:
             table[name] = self.field.number(rational(value))
         values = [table[n] for n in family.positive]
         system = family.system
-        for condition in system.conditions:
-            program = Program(ca.Function("condition", [system.x, system.p], [condition.value]))
+        if system.conditions:
             place = [[table[n] for n in names] for names in (system.states, system.parameters)]
-            values.append(program.run(EXACT, place)[0][0])
+            values += [v[0] for v in system.condition_program.run(EXACT, place)]
         for found in map(self._element, values):
             self.required.append(found.num * found.den)
 
@@ -195,7 +191,7 @@ class _Reading:
     def _over_q(self, matrix: list[list[Expression]]) -> Rows:
         """The factors of the polynomial over Q."""
         zeros, found = 0, []
-        for block in _blocks(matrix):
+        for block in blocks_of(matrix, lambda e: bool(e.num == 0)):
             poly = self._determinant(block)
             for factor, count in factors(poly)[1]:
                 if factor == RING.gens()[LAM]:
@@ -218,10 +214,7 @@ class _Reading:
             )
         ]
         powers = [reduced(c * common**k) for k, c in enumerate(powers)]
-        content = powers[-1]
-        for c in powers:
-            content = content.gcd(c)
-        row = [self._enclosed(c / content) for c in powers]
+        row = [self._enclosed(c) for c in primitive(powers)]
         row = row[structure(self.family).zeros :]
         even = self.family.conservative  # an identity, as its zeros are
         if even:
@@ -260,11 +253,8 @@ class _Reading:
         self, block: list[list[Expression]], one: Poly, convert: Callable[[Poly], Poly]
     ) -> tuple[Poly, list[list[Poly]]]:
         """A common denominator, and the entries times it; a polynomial of low degree."""
-        common = one
         dens = [[convert(e.den) for e in row] for row in block]
-        for row in dens:
-            for den in row:
-                common = common * (den / common.gcd(den))
+        common = common_multiple((den for row in dens for den in row), one)
         plain = [[convert(e.num) * (common / den) for e, den in zip(*both, strict=True)]
                  for both in zip(block, dens, strict=True)]  # fmt: skip
         reach = max((int(p.total_degree()) for row in plain for p in row if p != 0), default=0)
@@ -287,22 +277,11 @@ class _Reading:
         self._apart(common)
         powers = [c * common**k for k, c in enumerate(characteristic(plain))]
         powers = [RING.constant(c) if isinstance(c, int) else c for c in powers]
-        content = powers[-1]
-        for c in powers:
-            content = content.gcd(c)
         lam, total = RING.gens()[LAM], RING.constant(0)
-        for k, c in enumerate(powers):
-            total = total + c / content * lam**k
+        for k, c in enumerate(primitive(powers)):
+            total = total + c * lam**k
         self.budget.watch(total)
         return total
-
-
-def _blocks(matrix: list[list[Expression]]) -> list[list[list[Expression]]]:
-    """Diagonal blocks of the block triangular form."""
-    pattern = np.array([[entry.num != 0 for entry in row] for row in matrix])
-    _, labels = connected_components(pattern, directed=True, connection="strong")
-    members = [np.flatnonzero(labels == label) for label in np.unique(labels)]
-    return [[[matrix[i][j] for j in some] for i in some] for some in members]
 
 
 def _coefficients(poly: Poly) -> tuple[Poly, ...]:
