@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.systems.graph import family_graph
+from stability.systems.graph import constants, family_graph
 
 Make = Callable[[ca.SX, ca.SX], ca.SX]
 
@@ -74,4 +74,4 @@ def test_both_ways_of_reading_a_graph_give_the_same_numbers(
 def test_small_binary_numbers_count_as_exact_and_others_do_not() -> None:
     x = ca.SX.sym("x")
     for number, exact in ((0.5, True), (3.0, True), (1 / 3, False), (2.0**-54, False)):
-        assert family_graph.exact_numbers(x * number + ca.sin(x)) is exact, Fraction(number)
+        assert constants.exact_numbers(x * number + ca.sin(x)) is exact, Fraction(number)

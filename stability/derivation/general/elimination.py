@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Any
 
 import casadi as ca
+import numpy as np
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
 
 from ...algebra.balls import precision
