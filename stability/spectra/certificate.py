@@ -236,11 +236,8 @@ def _without(member: Member, zeros: int) -> tuple[Verdict, int]:
         if any(c != 0 for c in member.rational[:zeros]):  # these zeros are not proved
             return Verdict.UNDECIDED, NO_PROOF_OF_ZERO
         return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
-    with precision(BITS):
-        quick = _enclosed_verdict(member.enclosed()[zeros:])
-    if quick is None and (proved := exact_verdict(member, zeros)) is not None:
-        return proved, BY_EQUATIONS
-    return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]))
+    exactly = partial(exact_verdict, member, zeros)
+    return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]), exactly)
 
 
 def _enclosed_verdict(polynomial: Balls) -> Verdict | None:
@@ -271,13 +268,15 @@ def _sign_by_roots(roots: Balls | None) -> int:
     return int(roots is not None and all(r.real < 0 for r in roots))
 
 
-def _raised(attempt: Callable[[], Verdict | None]) -> tuple[Verdict, int]:
+def _raised(attempt: Callable[[], Any], exactly: Any = lambda: None) -> tuple[Verdict, int]:
     bits = BITS
     while bits <= MOST_BITS:
         with precision(bits):
             found = attempt()
         if found is not None:
             return found, bits
+        if bits == FINE_BITS and (found := exactly()) is not None:
+            return found, BY_EQUATIONS
         bits *= 2
     return Verdict.UNDECIDED, MOST_BITS
 
@@ -292,9 +291,7 @@ def _in_balls(exact: ExactPolynomial, given: Mapping[str, Any], even: bool) -> V
 def _by_conditions(conditions: Sequence[tuple[str, Any]], even: bool) -> Verdict | None:
     if any(v < 0 for _, v in conditions):
         return Verdict.UNSTABLE
-    if all(v > 0 for _, v in conditions):
-        return best(even=even)
-    return None
+    return best(even=even) if all(v > 0 for _, v in conditions) else None
 
 
 def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
@@ -369,9 +366,7 @@ def _of_graph(member: Member, zeros: int, *, last: bool) -> Balls | None:
     extra = next(i for i, c in enumerate(polynomial) if not c == 0)
     rest = polynomial[extra:]
     even = len(rest) % 2 == 1 and all(c == 0 for c in rest[1::2])
-    found = isolated(rest, even) if len(rest) > 1 else []
-    if found is None and last:
-        found = clustered(rest)
+    found = _ball_roots(rest, even, last=last) if len(rest) > 1 else []
     return None if found is None else [acb(0)] * extra + found
 
 
