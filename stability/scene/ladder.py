@@ -36,15 +36,16 @@ PER_TURN, PER_RATE = 12.0, 0.15
 CALM, LIVELY = 0.1, 0.3
 """Least share of these times and steps, near a steady motion, and the distance from it at which
 they are whole."""
-PER_ELEMENT, LEAST = 1e-4, 30
+PER_ELEMENT, LEAST = 1e-4, 15
 """Time of an element of creep [s], and elements that it may always take.  Beyond the expected time
 of the full model creep gives up.  Work is counted, so that no clock decides a choice."""
 AGAIN, RETURNS = 5 / 3, 0.3
 """Runs of the full model after a stretch of creep, whose error they carry, over those from the
 start; the share of its expected time from the start that all such stretches may take."""
-WORTH, SURE, PROBE = 1.5, 0.6, 0.15
+WORTH, SURE, BRIEF, PROBE = 1.5, 0.6, 5e-3, 0.15
 """Price of creep over that of the full model above which it is not tried, and above which it is
-tried on a first part of the time alone, since it may fail; that part."""
+tried on a first part of the time alone, since it may fail; the price up to which that is not worth
+it [s]; that part."""
 ORDERS = tuple(map(name_of, range(MOST_ORDERS + 1)))
 """Names of the orders of creep."""
 RETRY = 1e4
@@ -315,9 +316,9 @@ def _creep(ladder: _Ladder) -> None:
     if ladder.only is None:
         least = PER_ELEMENT * LEAST
         work = Work(
-            max(least, whole), max(least, RETURNS * whole), PER_ELEMENT,
+            max(least, whole), least, max(least, RETURNS * whole), PER_ELEMENT,
             lambda length: AGAIN * price_of_full(problem, length),
-            math.inf if price < SURE * whole else PROBE * problem.last,
+            math.inf if price < max(SURE * whole, BRIEF) else PROBE * problem.last,
         )  # fmt: skip
     with np.errstate(all="ignore"):
         orders, name, track = creeping(problem, work, order)

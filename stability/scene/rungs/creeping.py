@@ -30,6 +30,8 @@ PATIENCE = 0.1
 """Share of the horizon that the full model runs before creep holds for the first time."""
 ENDS = "a guard of the full model fails before the slip has decayed"
 """The reason where the motion ends before creep begins."""
+REPEATED = 2.0
+"""Elements that are tried over those that are used, where creep needs several stretches."""
 GROWN = 2.0
 """Factor on an error that later stretches carry."""
 SHARE_OF_WINDOW = 0.1
@@ -72,6 +74,8 @@ class Work:
 
     most: float = np.inf
     """Time after which it gives up [s]."""
+    least: float = np.inf
+    """Time before which it does not give up [s]."""
     returns: float = np.inf
     """Time of all stretches of the full model after which it gives up [s].  Where slip is free the
     full model's steps are short, so that a stretch may cost as much as the whole run."""
@@ -121,6 +125,8 @@ class Climb:
     """Steps of the full model."""
     spent: float = 0.0
     """Time that all elements are worth [s]."""
+    ahead: float = 0.0
+    """Time that elements to the horizon are worth where they go on as the last ones [s]."""
     stretched: float = 0.0
     """Time that the stretches of the full model are expected to take [s]."""
     lost: str = ""
@@ -157,8 +163,7 @@ def creeping(
     climb = Climb(problem, held_of(problem), work, order, state=problem.start, reach=work.probe)
     turns, why = 0, ""
     while climb.finish is None and climb.now < problem.last:
-        done = climb.now / problem.last if climb.bound else 1.0  # the rest goes on as before
-        if climb.spent > work.most * done > 0:
+        if climb.spent > work.least and climb.spent + climb.ahead > work.most:
             why = f"creep needs many stretches and is given up at {problem.when(climb.now)}"
             return climb.orders, "creep", Refused(why, _indicators(climb))
         before = climb.now
@@ -223,6 +228,8 @@ def _forward(climb: Climb) -> str:
     climb.spent += climb.work.element * path.tried
     if climb.lost:
         return climb.lost
+    stretches = (problem.last - done) / (done - begin) if path.bound else 0.0
+    climb.ahead = climb.work.element * REPEATED * len(path.relaxation) * stretches
     whole = climb.reach == climb.work.probe and done >= last  # what follows is tried at once
     climb.bound, climb.reach = path.bound, np.inf if whole else 2 * (done - begin)
     return ""

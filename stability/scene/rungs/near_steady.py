@@ -34,7 +34,7 @@ GROWTH = 30.0
 """Exponent of growth above which no linear motion is small."""
 SAFETY = 3.0
 """Factor on the third order, for the orders above it and for its sampling."""
-DOUBTFUL, CHEAP, CLEAR = 3e-3, 1.5e-3, 0.1
+DOUBTFUL, CHEAP, CLEAR = 3e-3, 1.5e-3, 0.01
 """Expected times of the full model [s] up to which the closed forms are left out: where their third
 order may be above the tolerance at the horizon, and where it is not clearly below; the share of the
 tolerance that is."""
