@@ -15,25 +15,37 @@ from functools import partial
 import numpy as np
 
 from ..base.checks import known
-from ..integrators.selection import HEYOKA, explicit
+from ..integrators.selection import HEYOKA, TURN, TURN_POWER, explicit
 from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.creep import MOST_ORDERS, applies
-from .rungs.creeping import creeping, name_of
+from .rungs.creeping import Work, creeping, name_of
 from .rungs.drifting import DRIFT, ROLLING, drifting
-from .rungs.full import FINEST, full
+from .rungs.full import COARSEST, FINEST, STIFF, full
 from .rungs.near_steady import CLOSED_FORMS, LINEARISED, near_steady
 from .rungs.reduced import ReducedModel, reduced
 from .rungs.track import Problem, Refused, Track
 
-STEP = {HEYOKA: 3.5e-6, "dop853": 4e-4}
+STEP = {HEYOKA: 1.5e-6, "dop853": 2e-4}
 """Time of a step of an explicit method [s]."""
-RUNS, BASE, IMPLICIT = 3.0, 1.5e-3, 4e-3
-"""Runs of the full model, with neighbours; time around them, and of an implicit run [s]."""
-PER_TURN, PER_RATE = 7.5, 0.25
+RUNS, BASE = 3.0, 5e-4
+"""Runs of the full model, with neighbours, and the time around them [s]."""
+IMPLICIT = 5e-3
+"""Least time of an implicit method, of all runs [s]."""
+PER_TURN, PER_RATE = 12.0, 0.15
 """Steps of an explicit method in a unit of the motion's time, and in one of a decay."""
-PER_ELEMENT, LEAST = 1.5e-4, 30
+CALM, LIVELY = 0.1, 0.3
+"""Least share of these times and steps, near a steady motion, and the distance from it at which
+they are whole."""
+PER_ELEMENT, LEAST = 1e-4, 15
 """Time of an element of creep [s], and elements that it may always take.  Beyond the expected time
-of the full model creep gives up.  Elements are counted, so that no clock decides a choice."""
+of the full model creep gives up.  Work is counted, so that no clock decides a choice."""
+AGAIN, RETURNS = 5 / 3, 0.3
+"""Runs of the full model after a stretch of creep, whose error they carry, over those from the
+start; the share of its expected time from the start that all such stretches may take."""
+WORTH, SURE, BRIEF, PROBE = 1.5, 0.6, 5e-3, 0.15
+"""Price of creep over that of the full model above which it is not tried, and above which it is
+tried on a first part of the time alone, since it may fail; the price up to which that is not worth
+it [s]; that part."""
 ORDERS = tuple(map(name_of, range(MOST_ORDERS + 1)))
 """Names of the orders of creep."""
 RETRY = 1e4
@@ -43,7 +55,7 @@ DRIFTS, EXPENSIVE = 10.0, 0.02
 least expected time of the full model [s]."""
 FINER = 2
 """Runs of the full model at a finer tolerance where a quantity needs it."""
-CREEP_BASE, CREEP_ORDER, CREEP_FIXED, SLOWER = 3e-3, 2.5e-5, 3.0, 5.0
+CREEP_BASE, CREEP_ORDER, CREEP_FIXED, SLOWER = 1e-3, 1.2e-5, 3.0, 5.0
 """Time of creep; of an order on an element [s]; orders that the rest of the work is worth; the
 factor without heyoka."""
 CREEP_TURN, GAIN = 1.25, 3.0
@@ -138,21 +150,26 @@ def full_name(problem: Problem) -> str:
     return law.name if law is not None else problem.flow.system.name
 
 
-def price_of_full(problem: Problem) -> float:
+def price_of_full(problem: Problem, length: float | None = None) -> float:
     """Expected time of the full model with its neighbours [s].
 
     Parameters
     ----------
     problem
         The problem.
+    length
+        Dimensionless time that it runs; to the horizon if left out.
     """
-    name = explicit(problem.flow)
-    steps = problem.last * PER_TURN * problem.pace
+    name, length = explicit(problem.flow), problem.last if length is None else length
+    turns = length * problem.pace * min(1.0, max(CALM, problem.near.distance / LIVELY))
+    steps = turns * PER_TURN
     if problem.launches.law is not None and problem.launches.law.relaxes:
-        mu = float(problem.p[1])
-        decay = problem.last * PER_RATE * 3 * mu
-        stiff = IMPLICIT + problem.last * problem.pace * 1e-4
-        return BASE + RUNS * min(max(steps, decay) * STEP[name], stiff)
+        decay = length * PER_RATE * 3 * float(problem.p[1])
+        # an implicit method takes over where it costs as much as an explicit one
+        asked = max(FINEST, min(COARSEST, STIFF * problem.tolerance))
+        turn = turns * PER_RATE * TURN[name] * (asked / 1e-6) ** -TURN_POWER
+        stiff = IMPLICIT + RUNS * turn * STEP[name]
+        return BASE + min(RUNS * max(steps, decay) * STEP[name], stiff)
     return BASE + RUNS * steps * STEP[name]
 
 
@@ -264,7 +281,7 @@ def _drift(ladder: _Ladder) -> None:
         law = problem.launches.law
         if law is None or not law.relaxes:
             return
-        near = problem.launches.settling.closest(problem.start, problem.p)
+        near = problem.near
         hopeless = near.distance**2 > DRIFTS * problem.tolerance
         if near.family != ROLLING or hopeless or price_of_full(problem) < EXPENSIVE:
             return
@@ -289,22 +306,29 @@ def _creep(ladder: _Ladder) -> None:
     if not applies(problem):
         ladder.note("creep", 4, began, 0.0, creeping(problem)[2])
         return
-    elements, price = _price_of_creep(problem)
-    if price > whole and ladder.only is None:
+    price = _price_of_creep(problem)
+    if price > WORTH * whole and ladder.only is None:
         why = f"not tried: expected to take {price / whole:.2g} times as long as the full model"
         ladder.rungs.append(Rung("creep", 4, 0.0, price, math.inf, False, why))
         return
-    most = max(LEAST + 1.5 * elements, whole / PER_ELEMENT) if ladder.only is None else math.inf
     order = ORDERS.index(ladder.only) if ladder.only in ORDERS else None
+    work = Work()
+    if ladder.only is None:
+        least = PER_ELEMENT * LEAST
+        work = Work(
+            max(least, whole), least, max(least, RETURNS * whole), PER_ELEMENT,
+            lambda length: AGAIN * price_of_full(problem, length),
+            math.inf if price < max(SURE * whole, BRIEF) else PROBE * problem.last,
+        )  # fmt: skip
     with np.errstate(all="ignore"):
-        orders, name, track = creeping(problem, most, order)
+        orders, name, track = creeping(problem, work, order)
         if (
             not isinstance(track, Refused) and order is None
         ):  # several stretches: the errors of all add
             share = track.error / problem.tolerance
             if 1 < share < RETRY:
                 finer = replace(problem, tolerance=problem.tolerance / (5 * share))
-                orders, name, track = creeping(finer, most)
+                orders, name, track = creeping(finer, work)
     for i in range(len(orders)):
         if name_of(i) == name:
             break
@@ -316,13 +340,13 @@ def _creep(ladder: _Ladder) -> None:
     ladder.note("creep" if isinstance(track, Refused) else name, 4, began, price, track)
 
 
-def _price_of_creep(problem: Problem) -> tuple[float, float]:
-    """Expected number of elements of creep, and its expected time [s]."""
+def _price_of_creep(problem: Problem) -> float:
+    """Expected time of creep [s]."""
     elements = problem.last * problem.pace * CREEP_TURN
     gain = math.log(max(float(problem.p[1]) / (GAIN * problem.pace), 1.5))
     orders = CREEP_FIXED + math.log(1 / problem.tolerance) / gain
     price = CREEP_BASE + elements * orders * CREEP_ORDER
-    return elements, price * (1.0 if explicit(problem.flow) == HEYOKA else SLOWER)
+    return price * (1.0 if explicit(problem.flow) == HEYOKA else SLOWER)
 
 
 def _full(ladder: _Ladder) -> None:

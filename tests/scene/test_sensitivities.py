@@ -257,7 +257,7 @@ def _displaced(asked: st.Scene, name: str, by: float) -> Any:
 
 
 def test_random_scenes_move_as_displaced_runs_of_the_full_model_say() -> None:
-    found = [pair for number in range(12) for pair in held(number)]
+    found = [pair for number in range(16) for pair in held(number)]
     assert len(found) > 8
     clear = [abs(mine - far) / far for mine, far in found if far > 1e-7]
     assert np.median(clear) < 1e-3

@@ -35,7 +35,7 @@ LAWS = (Viscous, LinearViscous)
 """Laws whose slip the force gives."""
 MOST_ORDERS = 12
 """Largest order of creep."""
-BENT = 3e-2
+BENT = 3e-3
 """Correction of the path above which the slopes along it are computed again."""
 WINDOW = 0.3
 """Distance of the rough path at which creep starts again from its own state."""

@@ -28,6 +28,10 @@ UNABLE = 10.0
 """Error of a stretch over the tolerance above which creep is given up."""
 PATIENCE = 0.1
 """Share of the horizon that the full model runs before creep holds for the first time."""
+ENDS = "a guard of the full model fails before the slip has decayed"
+"""The reason where the motion ends before creep begins."""
+REPEATED = 2.0
+"""Elements that are tried over those that are used, where creep needs several stretches."""
 GROWN = 2.0
 """Factor on an error that later stretches carry."""
 SHARE_OF_WINDOW = 0.1
@@ -64,6 +68,25 @@ class Piece:
     """Errors at times in it."""
 
 
+@dataclass(frozen=True)
+class Work:
+    """What creep may cost, counted in work so that no clock decides."""
+
+    most: float = np.inf
+    """Time after which it gives up [s]."""
+    least: float = np.inf
+    """Time before which it does not give up [s]."""
+    returns: float = np.inf
+    """Time of all stretches of the full model after which it gives up [s].  Where slip is free the
+    full model's steps are short, so that a stretch may cost as much as the whole run."""
+    element: float = 0.0
+    """Time of an element [s]."""
+    stretch: Callable[[float], float] = lambda _length: 0.0
+    """Expected time of the full model over a length of time after creep [s]."""
+    probe: float = np.inf
+    """Length of time that creep tries first."""
+
+
 @dataclass(eq=False)
 class Climb:
     """The way through a problem by pieces, as far as it is known."""
@@ -72,6 +95,8 @@ class Climb:
     """The problem."""
     held: Held
     """The held disk of its law."""
+    work: Work
+    """What creep may cost."""
     order: int | None = None
     """The order that is asked for, or None."""
     now: float = 0.0
@@ -98,8 +123,12 @@ class Climb:
     """The end before the horizon."""
     steps: int = 0
     """Steps of the full model."""
-    elements: int = 0
-    """Elements of all stretches."""
+    spent: float = 0.0
+    """Time that all elements are worth [s]."""
+    ahead: float = 0.0
+    """Time that elements to the horizon are worth where they go on as the last ones [s]."""
+    stretched: float = 0.0
+    """Time that the stretches of the full model are expected to take [s]."""
     lost: str = ""
     """Why no later stretch can keep the tolerance; empty where it can."""
     bound: bool = False
@@ -109,7 +138,7 @@ class Climb:
 
 
 def creeping(
-    problem: Problem, most: float = np.inf, order: int | None = None
+    problem: Problem, work: Work = Work(), order: int | None = None
 ) -> tuple[dict[str, float], str, Track | Refused]:
     """The lowest order of creep whose error is below the tolerance, with what is before and after.
 
@@ -117,8 +146,8 @@ def creeping(
     ----------
     problem
         The problem.
-    most
-        Elements of all stretches after which creep gives up.
+    work
+        What it may cost.
     order
         The order to take, with any error; None for the lowest that is fine enough.
 
@@ -131,10 +160,10 @@ def creeping(
     if not applies(problem):
         word = "the law" if problem.launches.law is None else problem.launches.law.name
         return {}, "creep", Refused(f"{word} has no creep: its slip does not decay at a rate mu")
-    climb = Climb(problem, held_of(problem), order, state=problem.start)
+    climb = Climb(problem, held_of(problem), work, order, state=problem.start, reach=work.probe)
     turns, why = 0, ""
     while climb.finish is None and climb.now < problem.last:
-        if climb.elements > most:
+        if climb.spent > work.least and climb.spent + climb.ahead > work.most:
             why = f"creep needs many stretches and is given up at {problem.when(climb.now)}"
             return climb.orders, "creep", Refused(why, _indicators(climb))
         before = climb.now
@@ -148,9 +177,15 @@ def creeping(
         if turns > TURNS:
             break
         ahead = climb.now + AHEAD * turns / problem.pace
-        if climb.highest < 0 and ahead - climb.now > PATIENCE * problem.last:
+        late = ahead - climb.now > PATIENCE * problem.last
+        if climb.highest < 0 and (late or said == ENDS):
             return climb.orders, "creep", Refused(why, _indicators(climb))
-        _by_full(climb, problem.last if turns == TURNS else min(ahead, problem.last))
+        ahead = problem.last if turns == TURNS else min(ahead, problem.last)
+        climb.stretched += work.stretch(ahead - climb.now)
+        if climb.stretched > work.returns:
+            why = f"{why}, and the full model there may cost as much as from the start"
+            return climb.orders, "creep", Refused(why, _indicators(climb))
+        _by_full(climb, ahead)
         if climb.lost and climb.now < problem.last:
             return climb.orders, "creep", Refused(climb.lost, _indicators(climb))
     if climb.highest < 0:
@@ -177,7 +212,7 @@ def _forward(climb: Climb) -> str:
             return early
         times, states, end = early
         if end is not None:
-            return "a guard of the full model fails before the slip has decayed"
+            return ENDS
         if times[-1] >= problem.last:
             return "the horizon ends before the slip has decayed"
     begin = float(times[-1])
@@ -190,10 +225,13 @@ def _forward(climb: Climb) -> str:
     if not path.bound and done - climb.now < SHARE * (problem.last - climb.now):
         return f"slip follows the motion only up to {problem.when(done)}"
     _use(climb, times, states, path)
-    climb.elements += path.tried
+    climb.spent += climb.work.element * path.tried
     if climb.lost:
         return climb.lost
-    climb.bound, climb.reach = path.bound, 2 * (done - begin)
+    stretches = (problem.last - done) / (done - begin) if path.bound else 0.0
+    climb.ahead = climb.work.element * REPEATED * len(path.relaxation) * stretches
+    whole = climb.reach == climb.work.probe and done >= last  # what follows is tried at once
+    climb.bound, climb.reach = path.bound, np.inf if whole else 2 * (done - begin)
     return ""
 
 

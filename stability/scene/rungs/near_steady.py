@@ -34,9 +34,12 @@ GROWTH = 30.0
 """Exponent of growth above which no linear motion is small."""
 SAFETY = 3.0
 """Factor on the third order, for the orders above it and for its sampling."""
-DOUBTFUL = 0.01
-"""Expected time of the full model [s] up to which the closed forms are left out where their third
-order may be above the tolerance at the horizon."""
+DOUBTFUL, CHEAP, CLEAR = 3e-3, 1.5e-3, 0.01
+"""Expected times of the full model [s] up to which the closed forms are left out: where their third
+order may be above the tolerance at the horizon, and where it is not clearly below; the share of the
+tolerance that is."""
+VAIN = "not tried: the full model is expected to take no longer"
+"""Why the closed forms are left out where the full model may be done first."""
 TRUSTED = 0.2
 """Share of the linear deviation up to which the higher orders may be an estimate of its error."""
 
@@ -169,8 +172,9 @@ class Modes:
 
 def _vain(problem: Problem, size: float, price: float) -> bool:
     """Whether the full model may be done before the closed forms have turned out too coarse."""
-    doubtful = size**3 * max(1.0, problem.last) > problem.tolerance < size
-    return price < DOUBTFUL and doubtful
+    third, tolerance = size**3 * max(1.0, problem.last), problem.tolerance
+    limit = CLEAR * tolerance if price < CHEAP else tolerance
+    return price < DOUBTFUL and third > limit and size > tolerance
 
 
 def _hopeless(problem: Problem, size: float) -> bool:
@@ -178,7 +182,9 @@ def _hopeless(problem: Problem, size: float) -> bool:
     return size > problem.tolerance < size**3
 
 
-def modes(problem: Problem, member: Floats, family: str, *, always: bool = True) -> Modes | Refused:
+def modes(
+    problem: Problem, member: Floats, family: str, *, always: bool = True, price: float = np.inf
+) -> Modes | Refused:
     """The modes of a member, and the start in them.
 
     Parameters
@@ -191,6 +197,8 @@ def modes(problem: Problem, member: Floats, family: str, *, always: bool = True)
         Its family.
     always
         Whether they are computed even where no closed form can be fine enough.
+    price
+        Expected time of the full model [s].
 
     Returns
     -------
@@ -213,6 +221,8 @@ def modes(problem: Problem, member: Floats, family: str, *, always: bool = True)
     if growth > GROWTH or size > FAR or (growth > 1 and not always and _hopeless(problem, size)):
         return Refused(f"the linear deviation from {family} grows e^{growth:.3g} times",
                        {"growth exponent to the horizon": growth})  # fmt: skip
+    if not always and _vain(problem, size, price):
+        return Refused(VAIN)
     bend = _bend(system).arrays(place, ())[0]
     if not np.isfinite(bend).all():
         return Refused("the rates have no second derivative at the steady motion")
@@ -245,7 +255,7 @@ def near_steady(
         Track or refusal by name.
     """
     every = CLOSED_FORMS
-    near = problem.launches.settling.closest(problem.start, problem.p)
+    near = problem.near
     if near.member is None:
         why = "no steady motion is known near the start"
         settling = problem.launches.settling
@@ -262,9 +272,8 @@ def near_steady(
         why = f"the start is {size:.2g} from {near.family}, and {cube}"
         return dict.fromkeys(every, Refused(why, where))
     if not always and _vain(problem, size, price):
-        why = "not tried: the full model is expected to take no longer"
-        return dict.fromkeys(every, Refused(why, where))
-    found = modes(problem, near.member, near.family, always=always)
+        return dict.fromkeys(every, Refused(VAIN, where))
+    found = modes(problem, near.member, near.family, always=always, price=price)
     if isinstance(found, Refused):
         return dict.fromkeys(every, Refused(found.why, where | found.indicators))
     where["growth exponent to the horizon"] = (
@@ -277,19 +286,19 @@ def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str,
     """The tracks of a motion near a member."""
     times, n = problem.times, problem.own
     looks, sizes = found.third(problem.last * (np.arange(1, SAMPLES + 1) / SAMPLES) ** 2)
-    every = np.concatenate([looks, times])
-    linear, second = found.linear(every), found.second(every)
-    one, two = found.states(linear), found.states(second)
-    why = _fails(problem, found, one[: len(looks)] + two[: len(looks)])
-    small, middle = relative(one, found.member), relative(two, found.member)
-    where |= {
-        "size of the second order": float(middle.max()),
-        "size of the third order": float(sizes.max()),
-    }
-    if not middle.max() + sizes.max() <= max(TRUSTED * small.max(), 1e-14):
-        why = f"the orders of the deviation from {found.family} do not fall"
-    if why:
-        return dict.fromkeys(CLOSED_FORMS, Refused(why, where))
+    every, why = np.concatenate([looks, times]), ""
+    for when in (looks, every) if len(times) > len(looks) else (every,):  # few say no at once
+        one, two = found.states(found.linear(when)), found.states(found.second(when))
+        small, middle = relative(one, found.member), relative(two, found.member)
+        where |= {
+            "size of the second order": float(middle.max()),
+            "size of the third order": float(sizes.max()),
+        }
+        if not middle.max() + sizes.max() <= max(TRUSTED * small.max(), 1e-14):
+            why = f"the orders of the deviation from {found.family} do not fall"
+        why = _fails(problem, found, one[: len(looks)] + two[: len(looks)]) or why
+        if why:
+            return dict.fromkeys(CLOSED_FORMS, Refused(why, where))
     here = slice(len(looks), None)
     third = np.interp(times, np.append(0.0, looks), np.append(0.0, np.maximum.accumulate(sizes)))
     third += 1e-15 * (1 + np.abs(found.values).max() * times)

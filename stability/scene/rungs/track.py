@@ -12,6 +12,7 @@ import numpy as np
 from ...base.types import Floats
 from ...integrators.flow import Flow, flow_of
 from ...motion.starts import Starts
+from ...settling.nearest import Nearest
 
 SPACING = 0.25
 """Distance of the samples of a whole path, in units of the motion's own time."""
@@ -63,6 +64,11 @@ class Problem:
     def own(self) -> int:
         """Number of states of the full model's equations."""
         return len(self.flow.system.states)
+
+    @cached_property
+    def near(self) -> Nearest:
+        """The steady motion nearest to the start."""
+        return self.launches.settling.closest(self.start, self.p)
 
     def when(self, time: float) -> str:
         """A time in words, in the user's unit."""
