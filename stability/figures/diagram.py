@@ -27,6 +27,7 @@ from ..bodies.thin_disk.disk_quantities import quantities_of
 from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
+from ..maps.points import points_of
 from .point_marks import counted, mark
 
 if TYPE_CHECKING:
@@ -85,7 +86,8 @@ def diagram(
     above, below
         Limit laws at the upper and the lower end of the y axis, or None.
     points
-        Points to mark, from `codimension_two` with the axes of the map, or None.
+        Points to mark, from `codimension_two` with the axes of the map; those that the map holds
+        when left out.
     title
         Title of the figure.
 
@@ -113,8 +115,9 @@ def diagram(
         rows = [row[0] for row in panels]
         main = rows[1 if above else 0]
         mesh = _colour(main, dataset)
-        if points is not None:
-            _points(main, dataset, points)
+        marked = points_of(dataset) if points is None else points
+        if marked is not None:
+            _points(main, dataset, marked)
         _curves(main, dataset)
         _axis_labels(main, dataset)
         for strip, panel in ((above, rows[0]), (below, rows[-1])):
@@ -148,7 +151,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     dataset
         Map from `stability_map`.
     points
-        Points that are marked, or None.
+        Points that are marked, as for `diagram`.
 
     Returns
     -------
@@ -161,6 +164,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     >>> caption(st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9)))[-30:]
     'Cells: 20 stable, 61 unstable.'
     """
+    points = points_of(dataset) if points is None else points
     codes = dataset.verdict.values
     words = {v.word: int((codes == c).sum()) for v, c in CODES.items()}
     missing = int((codes == NO_MEMBER).sum())
