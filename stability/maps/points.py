@@ -113,15 +113,18 @@ def points_of(dataset: xarray.Dataset) -> CodimensionTwo | None:
     kinds = {code: kind for kind, code in KINDS.items()}
     others = {code: word for word, code in OTHERS.items()}
     columns = (f"point_{x[0]}", f"point_{x[0]}_error", f"point_{y[0]}", f"point_{y[0]}_error")
-    numbers = np.array([dataset[name].values for name in columns]).T.tolist()
+    numbers = [dataset[name].values.tolist() for name in columns]
     points = tuple(
         DegeneratePoint(
             kinds[int(dataset.point_kind[i])],
-            *numbers[i],
-            frequencies=tuple(float(w) for w in dataset.point_frequency[i].values if w == w),
-            others=others[int(dataset.point_others[i])],
-        )  # fmt: skip
-        for i in range(dataset.sizes["point"])
+            a,
+            a_error,
+            b,
+            b_error,
+            tuple(float(w) for w in dataset.point_frequency[i].values if w == w),
+            others[int(dataset.point_others[i])],
+        )
+        for i, (a, a_error, b, b_error) in enumerate(zip(*numbers, strict=True))
     )
     boxes = tuple(
         UnresolvedBox(PointKind[kind.upper()], (a[0], a[1]), (b[0], b[1]), reason)
