@@ -50,6 +50,9 @@ SLICE = (
 OWN = "; verdicts that these leave open from the family's polynomial, exactly or in balls"
 """Added to `GRAPH` where a user's family has an exact polynomial."""
 
+SINGLE = "; verdicts that these leave open over Q or in balls, cell by cell"
+"""Added to `GRAPH` where cells of a user's family were decided in this way."""
+
 NONE = "no_member: no steady motion of the family that continuation or the root-finder reaches"
 """What the flag of a cell without a member means."""
 

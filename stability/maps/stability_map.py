@@ -149,5 +149,7 @@ def stability_map(
         boxes = prove_boxes(problem, axes, min(finest, 12) if levels is None else levels)
     if certify or (problem.exact is not None and not cells.exact):
         cells.settle()
+    elif problem.law is None:
+        cells.settle_few()
     curves = trace(problem, axes, cells.codes, cells.abscissa, progress) if boundaries else None
     return assemble(problem, axes, cells, curves, boxes, marked)
