@@ -63,7 +63,7 @@ def point_variables(
     out: dict[str, Any] = {
         "point_kind": (d, np.array([KINDS[p.kind] for p in found], dtype=np.int8), kinds),
         "point_others": (d, np.array([OTHERS[p.others] for p in found], dtype=np.int8), others),
-        "point_frequency": (("point", "pair"), pairs, dict(rate) | {
+        "point_frequency": (("point", "point_pair"), pairs, dict(rate) | {
             "long_name": "|Im| of the pairs that meet, in increasing order"}),
     }  # fmt: skip
     for (name, words), value, bound in zip(axes.items(), ("x", "y"), ("x_error", "y_error"),

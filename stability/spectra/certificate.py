@@ -126,10 +126,6 @@ def verdict(problem: Problem, values: Mapping[str, float], most: int = MOST_BITS
     ----------
     problem, values, most
         As in `certify`; for a user's family the largest precision of balls.
-
-    Returns
-    -------
-    Verdict
     """
     if problem.exact is not None:
         return _decided(problem.exact, problem, values)[0]
@@ -208,10 +204,8 @@ def of_member(member: Member, zeros: int, most: int = MOST_BITS) -> tuple[Verdic
 
     Parameters
     ----------
-    member, most
-        The member, and the largest precision of balls.
-    zeros
-        Number of eigenvalues, proved zero, that are left out.
+    member, zeros, most
+        The member; the number of zeros, proved, to leave out; the largest precision of balls.
 
     Returns
     -------
