@@ -20,7 +20,6 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..base.errors import ParameterError
 from ..base.quantities import Quantity, axis_label, in_latex, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.thin_disk.disk_quantities import quantities_of
@@ -117,7 +116,7 @@ def diagram(
         mesh = _colour(main, dataset)
         marked = points_of(dataset) if points is None else points
         if marked is not None:
-            _points(main, dataset, marked)
+            mark(main, marked, (_x(dataset), _y(dataset)))
         _curves(main, dataset)
         _axis_labels(main, dataset)
         for strip, panel in ((above, rows[0]), (below, rows[-1])):
@@ -275,17 +274,6 @@ def _bar_ticks(bar: Any, norm: Any) -> None:
     bar.set_ticks(ticks)
     bar.set_ticklabels([power_of_ten(t) for t in ticks])
     bar.ax.minorticks_off()
-
-
-def _points(axes: Axes, dataset: xarray.Dataset, points: CodimensionTwo) -> None:
-    names = tuple(name for name, _, _ in points.axes)
-    known = (_x(dataset), _y(dataset))
-    if sorted(names) != sorted(known):
-        raise ParameterError(
-            f"points has the axes {', '.join(names)}, and the map {', '.join(known)}; give points "
-            "of the same two axes."
-        )
-    mark(axes, points, swapped=names != known)
 
 
 def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
