@@ -22,7 +22,7 @@ from ..base.version import __version__
 from ..jobs.checkpoint import Chunk
 from ..jobs.pipeline import Counted, Keep, ordered
 from ..jobs.shared import shared
-from ..spectra.certificate import BITS, MOST_BITS, verdict
+from ..spectra.certificate import BITS, verdict
 from ..spectra.deflation import deflate
 from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
@@ -192,7 +192,7 @@ class Cells:
         if (self.codes == NO_MEMBER).all():
             raise NoMemberError(self.refusal or f"{self.problem.family.name} has no member here.")
 
-    def settle(self, most: int = MOST_BITS) -> None:
+    def settle(self, most: int | None = None) -> None:
         """Decide over Q or in balls every cell that double precision left open.
 
         Parameters

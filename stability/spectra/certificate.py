@@ -119,7 +119,7 @@ def certify(
         precise *= 2
 
 
-def verdict(problem: Problem, values: Mapping[str, float], most: int = MOST_BITS) -> Verdict:
+def verdict(problem: Problem, values: Mapping[str, float], most: int | None = None) -> Verdict:
     """The proved verdict alone.
 
     Parameters
@@ -199,7 +199,7 @@ def _decided(
     return found, 0
 
 
-def of_member(member: Member, zeros: int, most: int = MOST_BITS) -> tuple[Verdict, int]:
+def of_member(member: Member, zeros: int, most: int | None = None) -> tuple[Verdict, int]:
     """The verdict of a member without some zero eigenvalues, and the bits that decided it.
 
     Parameters
@@ -225,14 +225,14 @@ def of_member(member: Member, zeros: int, most: int = MOST_BITS) -> tuple[Verdic
     return decided, bits
 
 
-def _without(member: Member, zeros: int, most: int) -> tuple[Verdict, int]:
+def _without(member: Member, zeros: int, most: int | None) -> tuple[Verdict, int]:
     if member.rational is not None:
         if any(c != 0 for c in member.rational[:zeros]):  # these zeros are not proved
             return Verdict.UNDECIDED, NO_PROOF_OF_ZERO
         return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
     with precision(BITS):
         quick = _enclosed_verdict(member.enclosed()[zeros:])
-    if most > BITS and quick is None and (proved := exact_verdict(member, zeros)) is not None:
+    if most is None and quick is None and (proved := exact_verdict(member, zeros)) is not None:
         return proved, BY_EQUATIONS
     return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]), most)
 
@@ -265,9 +265,9 @@ def _sign_by_roots(roots: Balls | None) -> int:
     return int(roots is not None and all(r.real < 0 for r in roots))
 
 
-def _raised(attempt: Callable[[], Verdict | None], most: int = MOST_BITS) -> tuple[Verdict, int]:
+def _raised(attempt: Callable[[], Verdict | None], most: int | None = None) -> tuple[Verdict, int]:
     bits = BITS
-    while bits <= most:
+    while bits <= (most or MOST_BITS):
         with precision(bits):
             found = attempt()
         if found is not None:
