@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.routh_balls import hurwitz_determinant, hurwitz_sign, verdict_polynomial
-from ..base.errors import NoMemberError
+from ..base.errors import NoMemberError, StabilityError
 from ..base.verdict import Verdict, best
 from ..spectra.certificate import member_at, of_member, structural_zeros
 from ..spectra.problem import Problem
@@ -33,6 +33,10 @@ BITS = 128
 """Working precision of the first attempt."""
 MOST_BITS = 1024
 """Precision at which a sign that is still open counts as zero."""
+FINE_BITS = 8192
+"""Precision at which a bracket is halved further."""
+HALVINGS = 64
+"""Most halvings of a bracket in which a zero eigenvalue is not excluded."""
 
 
 class AxisScan:
@@ -72,7 +76,7 @@ class AxisScan:
             self._known[key] = self._coefficients(value, bits)
         return self._known[key]
 
-    def _coefficients(self, value: float, bits: int) -> list[Any]:
+    def _coefficients(self, value: Any, bits: int) -> list[Any]:
         family = self.problem.family
         with precision(bits):
             a, q = self.problem.balls(self.fixed | {self.axis: value})
@@ -190,6 +194,47 @@ class AxisScan:
         # if even, all eigenvalues are on the axis; otherwise one is just crossing it
         return found, all(member.flags[zeros + 1 :: 2]) and not member.flags[zeros]
 
+    def vanishing(self, value: float, width: float, otherwise: Crossing) -> Crossing:
+        """What crosses within a proved bracket: a pair where no eigenvalue is zero in all of it.
+
+        Parameters
+        ----------
+        value, width
+            Middle and half-width of the bracket.
+        otherwise
+            The answer where no member is proved over the bracket.
+        """
+        with precision(FINE_BITS):  # exact
+            ends = arb(value) - arb(width), arb(value) + arb(width)
+        try:
+            with precision(BITS):
+                if not self._at(ends[0].union(ends[1]), BITS)[0].contains(0):
+                    return Crossing.FLUTTER
+            with precision(FINE_BITS):
+                zero = self._halved(*ends)
+        except (StabilityError, ArithmeticError):  # no member is proved over the bracket
+            return otherwise
+        return Crossing.STATIC if zero else Crossing.FLUTTER
+
+    def _at(self, value: Any, bits: int) -> list[Any]:
+        """The polynomial whose Hurwitz stability is the verdict, at a ball."""
+        zeros = structure(self.problem.family).zeros
+        return verdict_polynomial(self._coefficients(value, bits), zeros, self.even)
+
+    def _halved(self, low: Any, high: Any) -> bool:
+        """Whether the constant term is not proved to differ from zero where the verdict changes."""
+        first = hurwitz_sign(self._at(low, FINE_BITS))
+        for _ in range(HALVINGS):
+            if not self._at(low.union(high), FINE_BITS)[0].contains(0):
+                return False
+            middle = ((low + high) / 2).mid()
+            p = self._at(middle, FINE_BITS)
+            sign = hurwitz_sign(p)
+            if not sign or not first:
+                return bool(p[0].contains(0))
+            low, high = (middle, high) if sign == first else (low, middle)
+        return True
+
     def function(self, crossing: Crossing) -> Callable[[float], float]:
         """Function of the axis whose sign changes at a crossing: a float with the proved sign."""
 
@@ -264,6 +309,8 @@ def _bracket(line: AxisScan, root: float, crossing: Crossing) -> BoundaryPoint |
     found = bracket(line.sign, root)
     if found is None:
         return None
+    if crossing is not Crossing.STATIC:  # real eigenvalues may cross two at a time
+        crossing = line.vanishing(root, found[0], crossing)
     return BoundaryPoint(root, found[0], crossing, crossing_rate(line, root, crossing), found[1])
 
 

@@ -71,7 +71,10 @@ def trace(
     from contourpy import LineType, contour_generator
 
     # no edge is looked at whose square has a cell without a member
-    sign = np.ma.masked_where(codes == NO_MEMBER, _signs(problem, axes, codes, abscissa))
+    # among stable cells a neutral one is on a boundary; without stable ones neutral is good
+    neutral = not (codes == CODES[Verdict.STABLE]).any()
+    signs = _signs(problem, axes, codes, abscissa, neutral=neutral)
+    sign = np.ma.masked_where(codes == NO_MEMBER, signs)
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
     xs, ys = axes[0].values, axes[1].values
     fixed = {n: float(v) for n, v in problem.values.items()}
@@ -89,8 +92,10 @@ def trace(
             axis = 0 if row == math.floor(row) else 1
             i, j = math.floor(row), math.floor(column)
             if (axis, i, j) not in found:
-                found[axis, i, j] = _edge(problem, axes, fixed, axis, float(xs[j]), float(ys[i]),
-                                          float((xs, ys)[axis][(j, i)[axis] + 1]))  # fmt: skip
+                end = float((xs, ys)[axis][(j, i)[axis] + 1])
+                found[axis, i, j] = _edge(
+                    problem, axes, fixed, axis, float(xs[j]), float(ys[i]), end, neutral=neutral
+                )
             point = found[axis, i, j]
             if point is None:
                 missing += 1
@@ -111,10 +116,11 @@ def trace(
 
 def _edge(
     problem: Problem, axes: tuple[Axis, Axis], fixed: dict[str, float],
-    axis: int, x: float, y: float, end: float,
+    axis: int, x: float, y: float, end: float, *, neutral: bool,
 ) -> BoundaryPoint | None:  # fmt: skip
     other = axes[1 - axis]
     line = AxisScan(problem, axes[axis].name, fixed | {other.name: (x, y)[1 - axis]})
+    line.neutral = neutral
     try:
         return refine(line, (x, y)[axis], end)
     except NoMemberError:  # between two cells with members, as behind a fold
@@ -122,10 +128,12 @@ def _edge(
 
 
 def _signs(
-    problem: Problem, axes: tuple[Axis, Axis], codes: NDArray[np.int8], abscissa: Floats
-) -> Floats:
-    """+1 stable or neutral, -1 unstable; balls settle cells that double precision leaves open."""
+    problem: Problem, axes: tuple[Axis, Axis], codes: NDArray[np.int8], abscissa: Floats,
+    *, neutral: bool,
+) -> Floats:  # fmt: skip
+    """+1 good, -1 unstable; balls settle cells that double precision leaves open."""
     sign = np.where(codes == CODES[Verdict.UNSTABLE], -1.0, 1.0)
+    sign[codes == CODES[Verdict.NEUTRAL]] = float(neutral)
     doubtful = np.argwhere(codes == CODES[Verdict.UNDECIDED])
     sign[codes == CODES[Verdict.UNDECIDED]] = -np.sign(abscissa[codes == CODES[Verdict.UNDECIDED]])
     if len(doubtful) <= MOST_DOUBTFUL:
@@ -133,6 +141,7 @@ def _signs(
         xs, ys = axes[0].values, axes[1].values
         for i, j in doubtful:
             line = AxisScan(problem, axes[0].name, fixed | {axes[1].name: float(ys[i])})
+            line.neutral = neutral
             sign[i, j] = line.quick_sign(float(xs[j]))
     # A cell on the boundary itself joins a stable neighbour, if it has one.
     padded = np.pad(sign, 1, constant_values=-1.0)

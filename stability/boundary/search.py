@@ -254,14 +254,13 @@ def _kind(source: Conditions | Characteristic, low: Any, high: Any, pole: Any) -
     """Kind of the condition that vanishes between two neighbouring samples."""
     if pole is not None and _vanishes(multivariate(pole), low, high, source.sine):
         return "pole"
-    for test in (_flips, _vanishes):
-        for kind in ("static", "flutter", "auxiliary"):
-            if any(
-                test(p, low, high, source.sine)
-                for known, p in source.critical
-                if known == kind and not p.is_constant()
-            ):
-                return "flutter" if kind == "auxiliary" else kind
+    for kind in ("static", "flutter", "auxiliary"):  # a zero eigenvalue goes before a pair
+        if any(
+            _vanishes(p, low, high, source.sine)
+            for known, p in source.critical
+            if known == kind and not p.is_constant()
+        ):
+            return "flutter" if kind == "auxiliary" else kind
     return "pole"
 
 

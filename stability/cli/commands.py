@@ -202,6 +202,8 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "--modes", action="store_true", help="keep all eigenvalues, not only the first"
     )
+    sub.add_argument("--points", action="store_true",
+                     help="find, mark and list points of codimension two")  # fmt: skip
     sub.add_argument("--verdict-only", action="store_true",
                      help="proved verdicts alone, streamed to the file, however large")  # fmt: skip
     sub.add_argument("--checkpoint", metavar="DIR",

@@ -15,9 +15,11 @@ def _map(options: argparse.Namespace) -> None:
     from ..jobs.checkpoint import remove_parts
     from ..jobs.pipeline import resumable
     from ..maps.netcdf import write_map
+    from ..maps.points import points_of
     from ..maps.stability_map import stability_map
     from ..storage.files import atomic_write, named, together
     from ..storage.targets import DATASETS, NETCDF, check_suffix, check_target, path_text
+    from ..tables.beyond_linear import point_records, point_text
 
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
     swept = {x[0], y[0]}
@@ -37,7 +39,8 @@ def _map(options: argparse.Namespace) -> None:
         with _bar("cells") as progress:
             dataset = stability_map(
                 family, x=x, y=y, certify=options.certify, levels=options.levels,
-                modes=options.modes, progress=progress, checkpoint=options.checkpoint, **given,
+                modes=options.modes, points=options.points, progress=progress,
+                checkpoint=options.checkpoint, **given,
             )  # fmt: skip
         with together():
             if options.plot:
@@ -64,6 +67,9 @@ def _map(options: argparse.Namespace) -> None:
     if options.certify:
         record["certified"] = True
         record["proved_area"] = float(dataset.attrs["box_proved"])
+    found = points_of(dataset)
+    if found is not None:
+        record["points"] = point_records(found)
     if options.json:
         print(json_text(record))
         return
@@ -71,6 +77,8 @@ def _map(options: argparse.Namespace) -> None:
     proved = f"; {dataset.attrs['box_comment']}" if options.certify else ""
     wrote = " and ".join(map(path_text, targets))
     print(f"{wrote}: {cells}; {record['boundary_points']} boundary points" + proved)
+    if found is not None:
+        print(point_text(str(dataset.attrs["family"]), found))
 
 
 def _given(options: argparse.Namespace, swept: set[str]) -> tuple[Any, dict[str, Any]]:
@@ -103,7 +111,7 @@ def _stream(
     from ..maps.stream import stream_map
     from ..storage.targets import path_text
 
-    for name in ("plot", "certify", "modes", "checkpoint"):
+    for name in ("plot", "points", "certify", "modes", "checkpoint"):
         if getattr(options, name):
             raise ParameterError(
                 f"--{name} does not go with --verdict-only; leave one of them out."

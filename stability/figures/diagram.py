@@ -20,13 +20,13 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..base.errors import ParameterError
 from ..base.quantities import Quantity, axis_label, in_latex, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.thin_disk.disk_quantities import quantities_of
 from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
+from ..maps.points import points_of
 from .point_marks import counted, mark
 
 if TYPE_CHECKING:
@@ -85,7 +85,8 @@ def diagram(
     above, below
         Limit laws at the upper and the lower end of the y axis, or None.
     points
-        Points to mark, from `codimension_two` with the axes of the map, or None.
+        Points to mark, from `codimension_two` with the axes of the map; those that the map holds
+        when left out.
     title
         Title of the figure.
 
@@ -113,8 +114,9 @@ def diagram(
         rows = [row[0] for row in panels]
         main = rows[1 if above else 0]
         mesh = _colour(main, dataset)
-        if points is not None:
-            _points(main, dataset, points)
+        marked = points_of(dataset) if points is None else points
+        if marked is not None:
+            mark(main, marked, (_x(dataset), _y(dataset)))
         _curves(main, dataset)
         _axis_labels(main, dataset)
         for strip, panel in ((above, rows[0]), (below, rows[-1])):
@@ -148,7 +150,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     dataset
         Map from `stability_map`.
     points
-        Points that are marked, or None.
+        Points that are marked, as for `diagram`.
 
     Returns
     -------
@@ -161,6 +163,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     >>> caption(st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9)))[-30:]
     'Cells: 20 stable, 61 unstable.'
     """
+    points = points_of(dataset) if points is None else points
     codes = dataset.verdict.values
     words = {v.word: int((codes == c).sum()) for v, c in CODES.items()}
     missing = int((codes == NO_MEMBER).sum())
@@ -271,17 +274,6 @@ def _bar_ticks(bar: Any, norm: Any) -> None:
     bar.set_ticks(ticks)
     bar.set_ticklabels([power_of_ten(t) for t in ticks])
     bar.ax.minorticks_off()
-
-
-def _points(axes: Axes, dataset: xarray.Dataset, points: CodimensionTwo) -> None:
-    names = tuple(name for name, _, _ in points.axes)
-    known = (_x(dataset), _y(dataset))
-    if sorted(names) != sorted(known):
-        raise ParameterError(
-            f"points has the axes {', '.join(names)}, and the map {', '.join(known)}; give points "
-            "of the same two axes."
-        )
-    mark(axes, points, swapped=names != known)
 
 
 def _curves(axes: Axes, dataset: xarray.Dataset) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
+from ..base.errors import ParameterError
 from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo, PointKind
 
 MARKERS = {
@@ -23,7 +24,7 @@ LABELS = {
 """Word of each kind in the legend."""
 
 
-def mark(axes: Axes, found: CodimensionTwo, *, swapped: bool = False) -> None:
+def mark(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> None:
     """Mark points; open markers where other eigenvalues are unstable.
 
     Parameters
@@ -32,9 +33,21 @@ def mark(axes: Axes, found: CodimensionTwo, *, swapped: bool = False) -> None:
         Axes of the diagram.
     found
         From `stability.codimension_two`.
-    swapped
-        Whether the diagram's x axis is the y axis of the search.
+    known
+        Names of the diagram's x and y.
+
+    Raises
+    ------
+    ParameterError
+        If these are not the axes of the search.
     """
+    names = tuple(name for name, _, _ in found.axes)
+    if sorted(names) != sorted(known):
+        raise ParameterError(
+            f"points has the axes {', '.join(names)}, and the map {', '.join(known)}; give points "
+            "of the same two axes."
+        )
+    swapped = names != known
     halo = [withStroke(linewidth=2.2, foreground="white")]
     seen: set[PointKind] = set()
     for p in found:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from concurrent.futures import Executor
-from contextlib import closing
+from contextlib import closing, suppress
 from functools import partial
 from typing import Any
 
@@ -15,20 +15,20 @@ from numpy.typing import NDArray
 from ..algebra.eigensolver import chosen, eigensolver, name_of
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..base.axis import Axis
-from ..base.errors import DomainError, NoMemberError, ParameterError
+from ..base.errors import DomainError, NoMemberError, ParameterError, StabilityError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
 from ..jobs.checkpoint import Chunk
 from ..jobs.pipeline import Counted, Keep, ordered
 from ..jobs.shared import shared
-from ..spectra.certificate import verdict
+from ..spectra.certificate import BITS, verdict
 from ..spectra.deflation import deflate
 from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
 from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
-from .dataset import EXACT, GRAPH, OWN, SLICE
+from .dataset import EXACT, GRAPH, OWN, SINGLE, SLICE
 from .growth_rates import GrowthKernel, steady_memory
 from .own.graph_rates import quick_rates
 from .own.slice_cells import slice_cells
@@ -46,6 +46,9 @@ OWN_BAND = 65536
 LEAST = 1024
 """Fewest cells for which a user's family gets its polynomial over Q."""
 
+
+MOST_SETTLED = 2000
+"""Most cells of a user's family that are decided one by one without `certify`."""
 
 LEFT = "left"
 """Key in a chunk, in addition to its arrays: number of cells sent to exact arithmetic."""
@@ -119,8 +122,10 @@ class Cells:
             route = SLICE
         elif not self.exact:
             route = self._graph
-            if self.problem.exact is None:
+            if self.problem.exact is None and not self.handed_on:
                 return route
+            if self.problem.exact is None:
+                route += SINGLE
         else:
             route = EXACT
         return f"{route} ({self.handed_on} of {math.prod(self.shape)} cells there)"
@@ -187,14 +192,29 @@ class Cells:
         if (self.codes == NO_MEMBER).all():
             raise NoMemberError(self.refusal or f"{self.problem.family.name} has no member here.")
 
-    def settle(self) -> None:
-        """Decide in balls every cell that double precision left open."""
+    def settle(self, most: int | None = None) -> None:
+        """Decide over Q or in balls every cell that double precision left open.
+
+        Parameters
+        ----------
+        most
+            For a user's family: largest precision of balls.
+        """
         xs, ys = self.axes[0].values, self.axes[1].values
         for i, j in np.argwhere(self.codes == CODES[Verdict.UNDECIDED]):
             swept = {self.axes[0].name: float(xs[j]), self.axes[1].name: float(ys[i])}
             values = {n: float(v) for n, v in (dict(self.problem.values) | swept).items()}
-            self.codes[i, j] = CODES[verdict(self.problem, values)]
+            with suppress(StabilityError):  # no member is proved there: the cell stays open
+                self.codes[i, j] = CODES[verdict(self.problem, values, most)]
             self.handed_on += 1
+
+    def settle_few(self) -> None:
+        """The same at low precision, where only a few cells of a user's family are open.
+
+        Cells exactly on a boundary are such: over Q they are neutral, and no double says so.
+        """
+        if 0 < (self.codes == CODES[Verdict.UNDECIDED]).sum() <= MOST_SETTLED:
+            self.settle(BITS)
 
     def _band(self, start: int, total: int) -> Chunk:
         """Compute whole rows by the exact route, which uses no CasADi function."""

@@ -17,11 +17,13 @@ from ..base.version import __version__
 from ..bodies.thin_disk.disk_quantities import disk_quantities
 from ..spectra.problem import Problem
 from ..systems.structure.structural_zeros import structure
+from .points import point_attributes, point_variables
 
 if TYPE_CHECKING:
     import xarray
 
     from ..base.axis import Axis
+    from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
     from ..boundary.curves import Curves
     from .proved_boxes import Boxes
 
@@ -47,6 +49,9 @@ SLICE = (
 
 OWN = "; verdicts that these leave open from the family's polynomial, exactly or in balls"
 """Added to `GRAPH` where a user's family has an exact polynomial."""
+
+SINGLE = "; verdicts that these leave open over Q or in balls, cell by cell"
+"""Added to `GRAPH` where cells of a user's family were decided in this way."""
 
 NONE = "no_member: no steady motion of the family that continuation or the root-finder reaches"
 """What the flag of a cell without a member means."""
@@ -127,7 +132,7 @@ def rate_attributes(problem: Problem) -> dict[str, str]:
 
 def assemble(
     problem: Problem, axes: tuple[Axis, Axis], cells: Any, curves: Curves | None,
-    boxes: Boxes | None = None,
+    boxes: Boxes | None = None, points: CodimensionTwo | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """The dataset of a map.
 
@@ -141,6 +146,8 @@ def assemble(
         Boundary curves, or None.
     boxes
         Proved boxes, or None.
+    points
+        Points of codimension two, or None.
 
     Returns
     -------
@@ -174,12 +181,17 @@ def assemble(
         variables |= _boundary_variables(problem, axes, curves, words)
     if boxes is not None:
         variables |= _box_variables(problem, axes, boxes, flags)
+    if points is not None:
+        named = {g.name: axis_attributes(problem, g.name) for g in axes}
+        variables |= point_variables(points, named, words)
     coordinates = {g.name: ((g.name,), g.values, axis_attributes(problem, g.name)) for g in axes}
     attributes = provenance(problem, axes, cells.route)
     if missing:
         attributes["no_member"] = f"{missing} of {cells.codes.size} cells have no member"
     if curves is not None:
         attributes["boundary_unresolved"] = curves.unresolved
+    if points is not None:
+        attributes |= point_attributes(points)
     if boxes is not None:
         attributes |= {
             "box_levels": boxes.levels,

@@ -41,6 +41,7 @@ def stability_map(
     certify: bool = False,
     levels: int | None = None,
     boundaries: bool = True,
+    points: bool = False,
     modes: bool = False,
     workers: int | None = None,
     executor: Executor | None = None,
@@ -70,6 +71,8 @@ def stability_map(
         out.
     boundaries
         Whether to find the boundary curves.
+    points
+        Whether to find the points of codimension two, as `codimension_two` does.
     modes
         Whether to keep all eigenvalues (complex, dimension `mode`).
     workers
@@ -96,7 +99,10 @@ def stability_map(
         `_FillValue` in a file).  Along `boundary_point`: `boundary_X` for each axis X,
         `boundary_error`, `boundary_axis` (along which the error is meant), `boundary_kind`,
         `boundary_frequency`, `boundary_curve` (which polyline); if certified, along `box`: `box_X`
-        (low and high end) and `box_verdict` (proved on all of the box, 0 in the strip).
+        (low and high end) and `box_verdict` (proved on all of the box, 0 in the strip); with
+        points, along `point`: `point_X` and `point_X_error` (a proved bound), `point_kind`,
+        `point_frequency` (of each pair) and `point_others`, and attributes `points_…` that say how
+        these were sought, whether they are all, and what stays open.
         Attributes hold units, versions, parameters, method and tolerances.
 
     Raises
@@ -114,7 +120,7 @@ def stability_map(
     (('mu', 'at'), (5, 7))
     """
     certify, boundaries = flag("certify", certify), flag("boundaries", boundaries)
-    modes = flag("modes", modes)
+    modes, points = flag("modes", modes), flag("points", points)
     if levels is not None and not certify:
         raise ParameterError("levels belongs to certify=True; leave it out or certify.")
     if levels is not None:
@@ -127,6 +133,11 @@ def stability_map(
             "fewer points, or stream_map (`--verdict-only`), which writes a file."
         )
     problem = prepare(family, axes, disk, contact, at, parameters)
+    marked = None
+    if points:  # first, since a family may be refused
+        from ..boundary.beyond_linear.two_parameters.points import in_plane
+
+        marked = in_plane(problem, axes)
     cells = Cells(problem, axes, modes)
     parts = Checkpoint(checkpoint, cells.key(), cells.fits) if checkpoint is not None else None
     cells.fill(workers or os.cpu_count() or 1, progress, parts, executor)
@@ -138,5 +149,7 @@ def stability_map(
         boxes = prove_boxes(problem, axes, min(finest, 12) if levels is None else levels)
     if certify or (problem.exact is not None and not cells.exact):
         cells.settle()
+    elif problem.law is None:
+        cells.settle_few()
     curves = trace(problem, axes, cells.codes, cells.abscissa, progress) if boundaries else None
-    return assemble(problem, axes, cells, curves, boxes)
+    return assemble(problem, axes, cells, curves, boxes, marked)

@@ -85,7 +85,12 @@ def prepare(
             raise NameUnknownError(
                 f"axis is {shown(name)}; known for {problem.family.name} are {', '.join(known)}."
             )
-        if not name or name in RESERVED or name.startswith(("boundary_", "box_")) or "/" in name:
+        if (
+            not name
+            or name in RESERVED
+            or name.startswith(("boundary_", "box_", "point_"))
+            or "/" in name
+        ):
             raise _taken(name)
         if len(names) == 2 and name in COLUMNS:
             raise _taken(name)

@@ -119,22 +119,18 @@ def certify(
         precise *= 2
 
 
-def verdict(problem: Problem, values: Mapping[str, float]) -> Verdict:
+def verdict(problem: Problem, values: Mapping[str, float], most: int | None = None) -> Verdict:
     """The proved verdict alone.
 
     Parameters
     ----------
-    problem, values
-        As in `certify`.
-
-    Returns
-    -------
-    Verdict
+    problem, values, most
+        As in `certify`; for a user's family the largest precision of balls.
     """
     if problem.exact is not None:
         return _decided(problem.exact, problem, values)[0]
     member = member_at(problem, values)
-    return of_member(member, structural_zeros(member))[0]
+    return of_member(member, structural_zeros(member), most)[0]
 
 
 def member_at(
@@ -203,15 +199,13 @@ def _decided(
     return found, 0
 
 
-def of_member(member: Member, zeros: int) -> tuple[Verdict, int]:
+def of_member(member: Member, zeros: int, most: int | None = None) -> tuple[Verdict, int]:
     """The verdict of a member without some zero eigenvalues, and the bits that decided it.
 
     Parameters
     ----------
-    member
-        The member.
-    zeros
-        Number of eigenvalues, proved zero, that are left out.
+    member, zeros, most
+        The member; the number of zeros, proved, to leave out; the largest precision of balls.
 
     Returns
     -------
@@ -220,24 +214,24 @@ def of_member(member: Member, zeros: int) -> tuple[Verdict, int]:
     """
     if not member.steady:  # a root of the equations that is not a steady motion
         return Verdict.UNDECIDED, NOT_STEADY
-    decided, bits = _without(member, zeros)
+    decided, bits = _without(member, zeros, most)
     if decided is Verdict.UNDECIDED and bits == MOST_BITS and member.seems_zero(zeros, MOST_BITS):
         return decided, NO_PROOF_OF_ZERO
     if decided is Verdict.UNSTABLE or certain(member.family):
         return decided, bits
     low, high = member.structural
-    if zeros == low < high and _without(member, high)[0] is not decided:
+    if zeros == low < high and _without(member, high, most)[0] is not decided:
         return Verdict.UNDECIDED, BY_ACCIDENT  # a zero that is not left out may be structural
     return decided, bits
 
 
-def _without(member: Member, zeros: int) -> tuple[Verdict, int]:
+def _without(member: Member, zeros: int, most: int | None) -> tuple[Verdict, int]:
     if member.rational is not None:
         if any(c != 0 for c in member.rational[:zeros]):  # these zeros are not proved
             return Verdict.UNDECIDED, NO_PROOF_OF_ZERO
         return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
     exactly = partial(exact_verdict, member, zeros)
-    return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]), exactly)
+    return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]), exactly, most)
 
 
 def _enclosed_verdict(polynomial: Balls) -> Verdict | None:
@@ -268,9 +262,11 @@ def _sign_by_roots(roots: Balls | None) -> int:
     return int(roots is not None and all(r.real < 0 for r in roots))
 
 
-def _raised(attempt: Callable[[], Any], exactly: Any = lambda: None) -> tuple[Verdict, int]:
+def _raised(
+    attempt: Callable[[], Any], exactly: Any = lambda: None, most: int | None = None
+) -> tuple[Verdict, int]:
     bits = BITS
-    while bits <= MOST_BITS:
+    while bits <= (most or MOST_BITS):
         with precision(bits):
             found = attempt()
         if found is not None:

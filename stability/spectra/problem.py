@@ -137,13 +137,14 @@ class Problem:
         Parameters
         ----------
         values
-            Doubles by name.
+            Doubles by name, or balls.
 
         Returns
         -------
         a, q
         """
-        exact = {name: arb(v) for name, v in self.rationals(values).items()}
+        plain = {n: v for n, v in values.items() if not isinstance(v, arb)}
+        exact = dict(values) | {n: arb(v) for n, v in self.rationals(plain).items()}
         a, q, _ = self.reduce(exact, lambda v: v.sqrt())
         return a, q
 

@@ -397,3 +397,38 @@ def test_no_sign_is_taken_from_a_rounded_sum() -> None:
 
 def test_a_small_map_takes_no_polynomial() -> None:
     assert cells_module.LEAST > 100
+
+
+@pytest.mark.parametrize("count", [5, 41])
+@pytest.mark.parametrize(
+    ("stiffness", "fixed", "solved"),
+    [
+        (lambda k, _: 1 + k, {}, False),
+        (lambda k, t: 1 + k * ca.sin(t), {"t": 0.5}, False),  # the sine of a number: no polynomial
+        (lambda k, _: 1 + ca.exp(k), {}, False),
+        (lambda k, _: 2 + k, {}, True),
+    ],
+)
+def test_cells_exactly_on_a_boundary_are_neutral_by_proof(
+    count: int, stiffness: Any, fixed: dict[str, float], solved: bool
+) -> None:
+    """Damping c = 0 leaves a pair on the axis: λ² + c λ + k with k > 0, in every cell of a row."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
+    push = p[0] if solved else 0  # the equilibrium is then a root of a cubic, at k = p[0]
+    rates = ca.vertcat(x[1], push - stiffness(p[0], p[2]) * x[0] - x[0] ** 3 - p[1] * x[1])
+    system = st.System("oscillator", x, p, rates, states=("u", "v"), parameters=("k", "c", "t"))
+    options: Any = (
+        {"held": {"v": 0}, "unknown": {"u": 0.1}, "equations": ("v",),
+         "typical": {"k": 0.5, "c": 1, "t": 1}}
+        if solved else {"held": {"u": 0, "v": 0}}
+    )  # fmt: skip
+    family = st.Family(system, "rest", at=("k",), **options)
+    found = st.stability_map(
+        family, x=("k", -0.5, 0.5, count), y=("c", -1, 1, count), **({"t": 0.25} | fixed)
+    )
+    half = count // 2
+    words = found.verdict.values
+    assert (words[half] == st.Verdict.NEUTRAL.code).all()
+    assert (words[:half] == st.Verdict.UNSTABLE.code).all()
+    assert (words[half + 1 :] == st.Verdict.STABLE.code).all()
+    assert found.boundary_unresolved == 0 and (abs(found.boundary_c) <= found.boundary_error).all()

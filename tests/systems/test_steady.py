@@ -207,3 +207,26 @@ def test_what_does_not_fit_is_refused_in_one_sentence(lorenz: Any) -> None:
                      parameters=("p",))  # fmt: skip
     with pytest.raises(st.StabilityError, match="leave 1 of the unknowns x and y op"):
         free.steady("p", guess={"x": 1.0, "y": 1.0, "p": 1.0})
+
+
+@pytest.mark.parametrize("guess", [(0.49, 0.87), (0.3, 0.3), (0.6, 0.4), (0.1, 1.5), (0.5, 0.5)])
+def test_the_triangular_point_above_is_found_where_only_that_one_is_admissible(
+    guess: tuple[float, float],
+) -> None:
+    """At x = 1/2 - m, y = √3/2; below lies its mirror image, and between are three with y = 0."""
+    x, y, u, v, m = (ca.SX.sym(n) for n in ("x", "y", "u", "v", "m"))
+    far = ca.sqrt((x + m) ** 2 + y**2), ca.sqrt((x + m - 1) ** 2 + y**2)
+    potential = (x**2 + y**2) / 2 + (1 - m) / far[0] + m / far[1]
+    pull = ca.gradient(potential, ca.vertcat(x, y)) + 2 * ca.vertcat(v, -u)
+    bodies = st.System(
+        "three bodies", ca.vertcat(x, y, u, v), m, ca.vertcat(u, v, pull),
+        states=("x", "y", "u", "v"), parameters=("m",),
+    )  # fmt: skip
+    family = st.Family(
+        bodies, "L4", at=("m",), held={"u": 0, "v": 0}, equations=("u", "v"), positive=("y",),
+        unknown={"x": guess[0], "y": guess[1]}, typical={"m": 0.02},
+    )  # fmt: skip
+    share = np.linspace(0.005, 0.495, 50)[:, None]
+    found = family.search(share, np.zeros((50, 0)))
+    above = np.hypot(found.u[:, 0] - 0.5 + share[:, 0], found.u[:, 1] - 0.75**0.5) < 1e-12
+    assert (above == found.good).all() and found.good.sum() >= 49

@@ -119,7 +119,7 @@ class Reading:
                 continue  # assumed nowhere: the result is then weaker, never wrong
             if isinstance(value, Expression):
                 out.append((value, condition.sentence))
-            elif not value > 0:
+            elif not isinstance(value, str) and not value > 0:
                 said = condition.refusal(float(value))
                 raise NoMemberError(f"{self.family.name} has no member anywhere: {said}")
         return out

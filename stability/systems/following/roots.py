@@ -15,6 +15,10 @@ STEP = 1e-11
 """Largest relative size of a further Newton step at an accepted root."""
 NOISE = 1e-6
 """Largest rounding of a Newton step at an accepted root, relative to 1 or to the root."""
+SHARES = (2.0, 0.5, 4.0, 0.25)
+"""First guesses of positive unknowns, over the given ones, where these lead to no such root."""
+TINY = 1e-9
+"""Positive unknowns below it are compared with their rounding."""
 
 
 def roots(
@@ -36,6 +40,22 @@ def roots(
     u, good
         Unknowns, shape (N, u), and whether each row is an isolated, admissible root.
     """
+    u, good = _found(graph, a, q, start, positive)
+    for share in SHARES if positive else ():
+        # the nearest root may be the mirror image, which is not admissible
+        rows = np.flatnonzero(~good)
+        if not len(rows):
+            break
+        other = start[rows].copy()
+        other[:, positive] *= share
+        new, fine = _found(graph, a[rows], q[rows], other, positive)
+        u[rows[fine]], good[rows[fine]] = new[fine], True
+    return u, good
+
+
+def _found(
+    graph: FamilyGraph, a: Floats, q: Floats, start: Floats, positive: Sequence[int]
+) -> tuple[Floats, NDArray[np.bool_]]:
     assert graph.finder is not None
     finder = graph.finder.map(len(a))
     u = np.array(finder(start.T, np.hstack([a, q]).T)).T.reshape(len(a), -1)
@@ -65,8 +85,11 @@ def accepted(
         noise = step_noise(graph, a, u, q)
         close |= (np.abs(step) <= 2 * noise) & (noise <= NOISE * np.maximum(size, 1.0))
     good: NDArray[np.bool_] = np.asarray((np.isfinite(u) & close).all(axis=1))
-    for index in positive:
-        good &= u[:, index] > 0
+    signed = u[:, list(positive)]
+    good &= (signed > 0).all(axis=1)
+    if (good & (signed < TINY).any(axis=1)).any():  # a root at 0 comes out on either side
+        off = step_noise(graph, a, u, q, whole=True)
+        good &= (signed > 2 * off[:, list(positive)]).all(axis=1)
     return good
 
 

@@ -112,6 +112,25 @@ def codimension_two(
     """
     axes = (Axis.of(x, "x", most=MOST_LINES), Axis.of(y, "y", most=MOST_LINES))
     problem = prepare(family, axes, disk, contact, at, dict(parameters))
+    result = in_plane(problem, axes)
+    result.warn()
+    return result
+
+
+def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
+    """As `codimension_two`, without a warning.
+
+    Parameters
+    ----------
+    problem
+        Family with a value for every quantity but the axes.
+    axes
+        x and y.
+
+    Returns
+    -------
+    CodimensionTwo
+    """
     _accept(problem)
     rectangle: Rectangle = ((axes[0].low, axes[0].high), (axes[1].low, axes[1].high))
     found, left, how = _spectral(problem, axes, rectangle)
@@ -124,9 +143,7 @@ def codimension_two(
     order = list(PointKind)
     points = tuple(sorted(units, key=lambda p: (order.index(p.kind), p.x, p.y)))
     ends = tuple((g.name, g.low, g.high) for g in axes)
-    result = CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every)
-    result.warn()
-    return result
+    return CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every)
 
 
 def _accept(problem: Problem) -> None:

@@ -16,7 +16,7 @@ from functools import cached_property
 from itertools import combinations
 from typing import Any
 
-from flint import acb, arb, arb_poly
+from flint import acb, arb
 
 from ....algebra.balls import precision
 from ....algebra.exact.hurwitz_forms import Budget, by_power, factors
@@ -25,14 +25,15 @@ from ....algebra.exact.root_balls import isolated as root_balls
 from ....algebra.exact.triangular import occurring
 from ....algebra.routh_balls import hurwitz_sign
 from ....base.errors import NoMemberError, StabilityError
-from ....derivation.general.bounds import real_roots, univariate
+from ....derivation.general.bounds import real_roots
 from ....derivation.general.elimination import Reading, evaluate
 from ....spectra.problem import Problem
-from ..krawczyk import NotProvedError, Values, tested
+from ..krawczyk import NotProvedError, tested
 from .onset_forms import OnsetForm, OnsetForms
 from .plane_search import Rectangle, box_of, meets
-from .planes import PLANE, ExactPlane, value_of
+from .planes import PLANE, ExactPlane
 from .point_records import PointKind, UnresolvedBox
+from .polynomial_pairs import PolynomialPair, same_root
 from .systems_of_two import subresultant
 from .vanishing import Vanishing
 
@@ -234,16 +235,17 @@ class ExactSearch:
                 f"the resultant of polynomials of {len(f)} and {len(g)} terms has degree {degree}, "
                 f"more than {MOST_DEGREE}"
             )
-        sides = [univariate(f.resultant(g, name), i) for i, name in ((0, "y"), (1, "x"))]
+        pair = PolynomialPair(f, g)
+        sides = pair.sides
         simple = one.count % 2 == 1 and other.count % 2 == 1
         found: list[Vanishing] = []
         left: list[UnresolvedBox] = []
         for bits in BITS:
             with precision(bits):
                 found, left = [], []
-                for x, y in self._near(f, g, [self._inside(s, i) for i, s in enumerate(sides)]):
+                for x, y in pair.near([self._inside(s, i) for i, s in enumerate(sides)]):
                     try:
-                        point = judge.judged((f, g), (x, y), simple=simple)
+                        point = judge.judged(pair, (x, y), simple=simple)
                     except NoMemberError:
                         left.append(self._open((x, y), NO_MEMBER))
                     except (NotProvedError, StabilityError, ArithmeticError):
@@ -259,80 +261,23 @@ class ExactSearch:
         low, high = self.inner[axis]
         return [r for r in map(arb, real_roots(side)) if not (r < low or r > high)]
 
-    @staticmethod
-    def _near(f: Any, g: Any, roots: Sequence[list[Any]]) -> Iterator[tuple[Any, Any]]:
-        """Pairs of roots at which both polynomials may vanish."""
-        for x in roots[0]:
-            rows = [arb_poly(_collapsed(p, x)) for p in (f, g)]
-            for y in roots[1]:
-                if all(_horner(row, y).contains(0) for row in rows):
-                    yield x, y
-
     def _without_value(self, f: Any, sides: Sequence[Any], place: tuple[Any, Any]) -> bool:
         """Whether an eigenvalue is proved to vanish at a candidate on a boundary f = 0."""
         for h, _ in factors(self.norm(self.forms_of.characteristic[0]))[1]:
             try:
-                image, box = tested(_Pair((f, h)), [v.mid() for v in place])
+                image, box = tested(PolynomialPair(f, h), [v.mid() for v in place])
             except NotProvedError:
                 continue
             if not all(b.contains(v) for b, v in zip(box, place, strict=True)):
                 continue
-            others = [univariate(f.resultant(h, name), i) for i, name in ((0, "y"), (1, "x"))]
-            if all(map(_same, zip(sides, others, strict=True), image, place)):
+            pairs = zip(sides, PolynomialPair(f, h).sides, strict=True)
+            if all(map(same_root, pairs, image, place)):
                 return True
         return False
 
     def _open(self, place: tuple[Any, Any], reason: str) -> UnresolvedBox:
         ends = [box_of(self.plane.back(i, v), self.rectangle[i]) for i, v in enumerate(place)]
         return UnresolvedBox(KIND, ends[0], ends[1], reason)
-
-
-def _same(polys: tuple[Any, Any], image: Any, place: Any) -> bool:
-    """Whether two real roots are one: that of the first polynomial in a ball, of the other one.
-
-    Parameters
-    ----------
-    polys
-        Two polynomials over Q.
-    image
-        Ball of a root of the second one.
-    place
-        Ball of a root of the first one, and of no other.
-    """
-    common = [r for r in map(arb, real_roots(polys[0].gcd(polys[1]))) if r.overlaps(place)]
-    return len(common) == 1 and all(
-        sum(r.overlaps(common[0]) or r.overlaps(ball) for r in map(arb, real_roots(p))) == 1
-        for p, ball in zip(polys, (place, image), strict=True)
-    )
-
-
-def _collapsed(p: Any, x: Any) -> list[Any]:
-    """Coefficients in y at a ball of x."""
-    powers = [arb(1)]
-    for _ in range(p.degrees()[0]):
-        powers.append(powers[-1] * x)
-    out = [arb(0)] * (p.degrees()[1] + 1)
-    for (i, j), c in p.to_dict().items():
-        out[int(j)] += powers[int(i)] * c
-    return out
-
-
-def _horner(row: Any, y: Any) -> Any:
-    total = arb(0)
-    for c in reversed(row.coeffs()):
-        total = total * y + c
-    return total
-
-
-class _Pair:
-    """Two polynomials of Q[x, y] with their slopes, as a system of equations."""
-
-    def __init__(self, pair: tuple[Any, Any]) -> None:
-        self.rows = [(p, p.derivative("x"), p.derivative("y")) for p in pair]
-
-    def __call__(self, z: Values) -> tuple[Values, list[Values]]:
-        found = [[value_of(p, *z) for p in row] for row in self.rows]
-        return [row[0] for row in found], [row[1:] for row in found]
 
 
 class _Judge:
@@ -361,7 +306,7 @@ class _Judge:
         return row[0], row[1]
 
     def judged(
-        self, pair: tuple[Any, Any], place: tuple[Any, Any], *, simple: bool
+        self, pair: PolynomialPair, place: tuple[Any, Any], *, simple: bool
     ) -> Vanishing | None:
         """The point at a candidate; None where the coefficient does not vanish there.
 
@@ -376,7 +321,7 @@ class _Judge:
         left = list(self._vanishing(known))
         if not left or evaluate(search.forms_of.characteristic[0], known) == 0:
             return None  # with an eigenvalue zero there is no coefficient
-        image, box = tested(_Pair(pair), [v.mid() for v in place])
+        image, box = tested(pair, [v.mid() for v in place])
         if not simple or not all(b.contains(v) for b, v in zip(box, place, strict=True)):
             raise NotProvedError
         axes = [search.plane.back(i, v) for i, v in enumerate(image)]

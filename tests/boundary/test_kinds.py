@@ -1,0 +1,81 @@
+"""One kind for one boundary: the search along an axis, and the curves of a map.
+
+Oracle: eigenvalues that are planted as blocks, real or in pairs, once or twice, with zeros of order
+one to three in the axis, under a linear transformation of whole numbers.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import stability as st
+from stability.boundary.crossings import Crossing
+from stability.boundary.curves import KINDS
+
+STATES = "abcdefgh"
+
+
+def block(kind: str, f: Any, w: int) -> list[list[Any]]:
+    return {
+        "real": [[f]],
+        "reals": [[f, 1], [0, f]],
+        "pair": [[f, -w], [w, f]],
+        "pairs": [[f, -w, 1, 0], [w, f, 0, 1], [0, 0, f, -w], [0, 0, w, f]],
+        "both": [[f, 0, 0], [0, f, -w], [0, w, f]],
+    }[kind]
+
+
+def hidden(blocks: list[list[list[Any]]], rng: np.random.Generator) -> Any:
+    """A block diagonal matrix under a transformation of determinant 1."""
+    n, start = sum(map(len, blocks)), 0
+    whole = ca.SX(n, n)
+    for rows in blocks:
+        for i, row in enumerate(rows):
+            for j, value in enumerate(row):
+                whole[start + i, start + j] = value
+        start += len(rows)
+    low = np.tril(rng.integers(-1, 2, (n, n)), -1) + np.eye(n)
+    turn = low @ (np.triu(rng.integers(-1, 2, (n, n)), 1) + np.eye(n))
+    return ca.DM(turn) @ whole @ ca.DM(np.round(np.linalg.inv(turn)))
+
+
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(k, marks=pytest.mark.long) for k in range(2, 40))]
+)
+def test_a_search_and_a_map_name_the_same_kind_and_it_is_what_was_planted(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    seen = 0
+    for _ in range(6):
+        p, q, x = ca.SX.sym("p"), ca.SX.sym("q"), None
+        kinds = rng.choice(["real", "reals", "pair", "pairs", "both"], 2, replace=False)
+        places = rng.choice(np.arange(-3, 4), 2, replace=False) / 4
+        orders, ways, rate = rng.choice([1, 1, 3], 2), rng.choice([-1, 1], 2), rng.integers(1, 4)
+        blocks = [
+            block(str(k), int(s) * (p - float(a)) ** int(e) * (2 + q**2), int(rate))
+            for k, a, e, s in zip(kinds, places, orders, ways, strict=True)
+        ]
+        matrix = hidden(blocks, rng)
+        n = matrix.shape[0]
+        x = ca.SX.sym("x", n)
+        system = st.System("planted", x, ca.vertcat(p, q), matrix @ x, states=tuple(STATES[:n]),
+                           parameters=("p", "q"))  # fmt: skip
+        family = st.Family(system, "rest", at=("p",), held=dict.fromkeys(STATES[:n], 0))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = st.boundaries(family, axis=("p", -1.03, 1.11, 8), q=0.5)
+        drawn = st.stability_map(family, x=("p", -1.03, 1.11, 8), y=("q", 0.25, 0.5, 2))
+        true = {float(a): Crossing.FLUTTER if str(k).startswith("pair") else Crossing.STATIC
+                for k, a in zip(kinds, places, strict=True)}  # fmt: skip
+        for b in found:
+            assert b.crossing is true[round(4 * b.value) / 4], (kinds, b)
+            assert (b.frequency == 0) == (b.crossing is Crossing.STATIC)
+        codes = {code: kind for kind, code in KINDS.items()}
+        for value, code in zip(drawn.boundary_p.values, drawn.boundary_kind.values, strict=True):
+            assert codes[int(code)] is true[round(4 * float(value)) / 4], (kinds, value)
+            seen += 1
+    assert seen
