@@ -104,19 +104,23 @@ class Balls:
 
 
 class Dual:
-    """A value with its derivative in each state."""
+    """A value with its derivative in each state; bent where only its Lipschitz bound is known.
 
-    __slots__ = ("value", "slope")
+    |u| at u = 0 has no derivative, and |u| v has one where v = 0 too: |u v| is of second order.
+    """
 
-    def __init__(self, value: Any, slope: Sequence[Any]) -> None:
-        self.value, self.slope = value, slope
+    __slots__ = ("bent", "slope", "value")
+
+    def __init__(self, value: Any, slope: Sequence[Any], bent: bool = False) -> None:
+        self.value, self.slope, self.bent = value, slope, bent
 
     def map(self, value: Any, factor: Any) -> Dual:
-        return Dual(value, [factor * s if not _nothing(s) else s for s in self.slope])
+        slope = [factor * s if not _nothing(s) else s for s in self.slope]
+        return Dual(value, slope, self.bent and not _nothing(factor))
 
     @property
     def flat(self) -> bool:
-        return all(_nothing(s) for s in self.slope)
+        return not self.bent and all(_nothing(s) for s in self.slope)
 
 
 def _nothing(value: Any) -> bool:
@@ -124,14 +128,14 @@ def _nothing(value: Any) -> bool:
 
 
 def _add(a: Dual, b: Dual, sign: int = 1) -> Dual:
-    return Dual(
-        a.value + sign * b.value, [s + sign * t for s, t in zip(a.slope, b.slope, strict=True)]
-    )
+    slope = [s + sign * t for s, t in zip(a.slope, b.slope, strict=True)]
+    return Dual(a.value + sign * b.value, slope, a.bent or b.bent)
 
 
 def _mul(a: Dual, b: Dual) -> Dual:
     slope = [s * b.value + a.value * t for s, t in zip(a.slope, b.slope, strict=True)]
-    return Dual(a.value * b.value, slope)
+    bent = (a.bent and not _nothing(b.value)) or (b.bent and not _nothing(a.value))
+    return Dual(a.value * b.value, slope, bent)
 
 
 def _inverse(ring: Any, a: Dual) -> Dual:
@@ -163,7 +167,7 @@ def _choose(ring: Any, a: Dual, b: Dual, sign: int) -> Dual:
     """The larger of two (sign = 1) or the smaller (sign = -1)."""
     side = ring.sign(a.value - b.value) * sign
     if side == 0 and not _add(a, b, -1).flat:
-        raise Kink
+        return Dual(a.value, a.slope, bent=True)
     return a if side >= 0 else b
 
 
@@ -228,7 +232,9 @@ def _pieces(ring: Any, op: int, a: Dual) -> Dual:
     if op not in (ca.OP_FABS, ca.OP_SIGN):
         raise NotImplementedError(op)
     if side == 0 and not a.flat:
-        raise Kink
+        if op == ca.OP_SIGN:
+            raise Kink
+        return Dual(a.value, a.slope, bent=True)
     return a.map(a.value * side, side) if op == ca.OP_FABS else _step(a, ring.number(side))
 
 
@@ -277,7 +283,7 @@ def _remainder(ring: Any, a: Dual, b: Dual) -> Dual:
     whole = ring.floor(ratio) if ring.sign(ratio) >= 0 else -ring.floor(-ratio)
     if ring.sign(ratio - whole) == 0 and not a.flat and ring.sign(ratio):
         raise Kink
-    return Dual(a.value - b.value * whole, a.slope)
+    return Dual(a.value - b.value * whole, a.slope, a.bent)
 
 
 UNARY = {ca.OP_ASSIGN, ca.OP_NEG, ca.OP_SQ, ca.OP_TWICE, ca.OP_INV, ca.OP_EXP, ca.OP_SIN, ca.OP_COS,
@@ -321,6 +327,13 @@ class Graph:
             else:
                 work[outputs[0]] = _binary(ring, op, work[inputs[0]], work[inputs[1]])
         return out
+
+
+def sloped(out: list[Dual]) -> list[Dual]:
+    """Values that all have a derivative."""
+    if any(d.bent for d in out):
+        raise Kink
+    return out
 
 
 # --- polynomials ------------------------------------------------------------------------------

@@ -24,6 +24,7 @@ from exact_oracle import (
     at_bits,
     exact,
     middle,
+    sloped,
     spectrum_of,
     strip,
 )
@@ -109,7 +110,7 @@ class Oracle:
         try:
             if any(isinstance(v, arb) for v in x):
                 raise Irrational
-            out = self.rates(Rationals(), x, q)
+            out = sloped(self.rates(Rationals(), x, q))
         except Irrational:
             return at_bits(BITS, lambda: self.ball_truth(x, q))
         roots, zeros = spectrum_of([d.slope for d in out])
@@ -165,7 +166,7 @@ class Oracle:
     def ball_truth(self, x: Sequence[Any], q: Sequence[Any]) -> Truth:
         """Irrational entries: the plan's eigenvalues, held against the graph's polynomial."""
         ring = Balls()
-        out = self.rates(ring, x, q)
+        out = sloped(self.rates(ring, x, q))
         matrix = arb_mat([[arb(s) for s in d.slope] for d in out])
         poly = matrix.charpoly()
         steady = all(arb(d.value).contains(0) for d in out)
@@ -245,7 +246,7 @@ class Oracle:
 
         def look() -> str:
             q = [arb(exact(asked[name])) for name in self.parameters]
-            out = self.rates(Balls(), x, q)
+            out = sloped(self.rates(Balls(), x, q))
             size = max(abs(float(middle(v))) for v in x)
             noise = 0.0 if certify else 2.0**-50 * size
             steep = [max(abs(float(middle(s))) for s in d.slope) for d in out]

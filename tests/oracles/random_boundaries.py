@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import casadi as ca
-from exact_oracle import Graph, Irrational, Kink, Meaningless, Rationals, exact, spectrum_of
+from exact_oracle import Graph, Irrational, Kink, Meaningless, Rationals, exact, sloped, spectrum_of
 from flint import fmpq
 from planted_spectra import Draw, Expr, Plan, background, flow, hidden, names
 
@@ -114,7 +114,7 @@ class Verdicts:
 
     def spectrum(self, p: fmpq) -> Any:
         try:
-            out = self.graph(Rationals(), [fmpq(0)] * self.size, [p])
+            out = sloped(self.graph(Rationals(), [fmpq(0)] * self.size, [p]))
         except (Irrational, Kink, Meaningless):
             return None
         return spectrum_of([d.slope for d in out])
