@@ -43,6 +43,7 @@ WANTED = 58
 """Bits of relative accuracy of each real and imaginary part, before rounding to double."""
 
 Balls = list[Any]
+Attempt = Callable[[], Verdict | None]
 
 
 @dataclass(frozen=True)
@@ -236,11 +237,9 @@ def _without(member: Member, zeros: int) -> tuple[Verdict, int]:
         if any(c != 0 for c in member.rational[:zeros]):  # these zeros are not proved
             return Verdict.UNDECIDED, NO_PROOF_OF_ZERO
         return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
-    with precision(BITS):
-        quick = _enclosed_verdict(member.enclosed()[zeros:])
-    if quick is None and (proved := exact_verdict(member, zeros)) is not None:
-        return proved, BY_EQUATIONS
-    return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]))
+    return _raised(
+        lambda: _enclosed_verdict(member.enclosed()[zeros:]), lambda: exact_verdict(member, zeros)
+    )
 
 
 def _enclosed_verdict(polynomial: Balls) -> Verdict | None:
@@ -271,13 +270,15 @@ def _sign_by_roots(roots: Balls | None) -> int:
     return int(roots is not None and all(r.real < 0 for r in roots))
 
 
-def _raised(attempt: Callable[[], Verdict | None]) -> tuple[Verdict, int]:
+def _raised(attempt: Attempt, exactly: Attempt = lambda: None) -> tuple[Verdict, int]:
     bits = BITS
     while bits <= MOST_BITS:
         with precision(bits):
             found = attempt()
         if found is not None:
             return found, bits
+        if bits == FINE_BITS and (found := exactly()) is not None:
+            return found, BY_EQUATIONS
         bits *= 2
     return Verdict.UNDECIDED, MOST_BITS
 
@@ -369,9 +370,7 @@ def _of_graph(member: Member, zeros: int, *, last: bool) -> Balls | None:
     extra = next(i for i, c in enumerate(polynomial) if not c == 0)
     rest = polynomial[extra:]
     even = len(rest) % 2 == 1 and all(c == 0 for c in rest[1::2])
-    found = isolated(rest, even) if len(rest) > 1 else []
-    if found is None and last:
-        found = clustered(rest)
+    found = _ball_roots(rest, even, last=last) if len(rest) > 1 else []
     return None if found is None else [acb(0)] * extra + found
 
 

@@ -12,7 +12,7 @@ import sympy as sp
 from flint import ctx, fmpq, fmpq_poly
 
 X, P, Q = sp.symbols("x p q")
-BESIDE = mp.mpf(10) ** -12
+NEAR = mp.mpf(10) ** -12
 """Share of the line next to a special point at which roots are compared."""
 TOGETHER = 1e-3
 """Distance below which two roots next to a special point come together there."""
@@ -49,7 +49,7 @@ class Sheets:
             for low, high in zip(knots[:-1], knots[1:], strict=True):
                 before, after = (
                     self.real(tuple(a + t * (b - a) for a, b in ends))
-                    for t in (low + BESIDE, high - BESIDE)
+                    for t in (low + NEAR, high - NEAR)
                 )
                 assert len(before) == len(after)
                 x = after[min(range(len(before)), key=lambda i: abs(before[i] - x))]

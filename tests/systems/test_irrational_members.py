@@ -141,6 +141,19 @@ def test_pairs_whose_equality_nothing_proves_stay_undecided() -> None:
     assert "undecided within the budget of precision" in found.reason
 
 
+def test_a_zero_that_only_the_equations_prove_is_not_taken_for_a_boundary() -> None:
+    """The eigenvalue p - u² - w of z is zero at every member: structural, so never neutral."""
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
+    u, w, z = ca.vertsplit(x)
+    system = st.System("zero", x, p, ca.vertcat(p - u**2 - w, u - w**3, (p - u**2 - w) * z),
+                       states=("u", "w", "z"), parameters=("p",))  # fmt: skip
+    family = system.steady("p", held={"z": 0.0}, guess={"u": 1.1, "w": 1.0, "p": 3.0})
+    found = st.spectrum(family, at=3.0, certify=True)
+    assert (found.verdict, found.structural_zeros) in (
+        (Verdict.STABLE, 1), (Verdict.UNDECIDED, 0),
+    )  # fmt: skip
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_what_stands_next_to_the_pairs_decides(seed: int) -> None:
     """The rest is a random block of the member's u: mpmath has its eigenvalues to 50 digits."""

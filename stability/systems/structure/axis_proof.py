@@ -9,7 +9,6 @@ member, one whose ball excludes zero has the ball's sign, and any other leaves t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -23,11 +22,14 @@ from ...algebra.exact.routh import Ground, on_the_axis_over
 from ...algebra.exact.triangular import RecordingField, Triangular
 from ...algebra.number_types import balls
 from ...base.verdict import Verdict
-from .identities import exact_matrix, whole_polynomial
+from .identities import MOST_STATES, exact_matrix, whole_polynomial
 from .multiplicity import ROOT_BITS, Member
 
 SMALL = 2.0 ** (-ROOT_BITS // 4)
 """Size below which a ball around zero is taken for a zero of an equation's factor."""
+
+MOST_SECONDS = 20.0
+"""Longest work with expressions at one member; the verdict is then left open."""
 
 
 def exact_verdict(member: Member, zeros: int) -> Verdict | None:
@@ -45,12 +47,15 @@ def exact_verdict(member: Member, zeros: int) -> Verdict | None:
     Verdict or None
         None where no proof is found.
     """
-    if member.enclosed_only or not member.has_value():
+    large = member.algebraic is None and len(member.family.system.states) > MOST_STATES
+    if large or member.enclosed_only or not member.has_value():
         return None
     for polynomial in (_over_number_field, _over_expressions):
         try:
             coefficients, ground = polynomial(member)
-            if not any(map(ground.sign, coefficients[:zeros])):
+            nonzero = next(i for i, c in enumerate(coefficients) if ground.sign(c))
+            # a zero that is proved here alone may be structural, and would have to be left out
+            if zeros <= nonzero == member.zeros():
                 return on_the_axis_over(ground, coefficients[zeros:])
         except (NotExact, TooLarge, ZeroDivisionError):
             continue
@@ -74,7 +79,7 @@ def _over_number_field(member: Member) -> tuple[list[Any], Ground]:
 def _over_expressions(member: Member) -> tuple[list[Any], Ground]:
     """The polynomial with unknowns and functions as indeterminates, modulo their equations."""
     family = member.family
-    field = RecordingField([*family.unknown], Budget(MOST_TERMS, math.inf))
+    field = RecordingField([*family.unknown], Budget(MOST_TERMS, MOST_SECONDS))
     given = [[field.number(v) for v in some] for some in (member.a, member.q)]
     place = [given[0], field.symbols, given[1]]
     matrix = exact_matrix(family, *place)
