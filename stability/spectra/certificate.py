@@ -43,7 +43,6 @@ WANTED = 58
 """Bits of relative accuracy of each real and imaginary part, before rounding to double."""
 
 Balls = list[Any]
-Attempt = Callable[[], Verdict | None]
 
 
 @dataclass(frozen=True)
@@ -237,9 +236,8 @@ def _without(member: Member, zeros: int) -> tuple[Verdict, int]:
         if any(c != 0 for c in member.rational[:zeros]):  # these zeros are not proved
             return Verdict.UNDECIDED, NO_PROOF_OF_ZERO
         return on_the_axis([fmpq_poly(member.rational[zeros:])]), 0
-    return _raised(
-        lambda: _enclosed_verdict(member.enclosed()[zeros:]), lambda: exact_verdict(member, zeros)
-    )
+    exactly = partial(exact_verdict, member, zeros)
+    return _raised(lambda: _enclosed_verdict(member.enclosed()[zeros:]), exactly)
 
 
 def _enclosed_verdict(polynomial: Balls) -> Verdict | None:
@@ -270,7 +268,7 @@ def _sign_by_roots(roots: Balls | None) -> int:
     return int(roots is not None and all(r.real < 0 for r in roots))
 
 
-def _raised(attempt: Attempt, exactly: Attempt = lambda: None) -> tuple[Verdict, int]:
+def _raised(attempt: Callable[[], Any], exactly: Any = lambda: None) -> tuple[Verdict, int]:
     bits = BITS
     while bits <= MOST_BITS:
         with precision(bits):
@@ -293,9 +291,7 @@ def _in_balls(exact: ExactPolynomial, given: Mapping[str, Any], even: bool) -> V
 def _by_conditions(conditions: Sequence[tuple[str, Any]], even: bool) -> Verdict | None:
     if any(v < 0 for _, v in conditions):
         return Verdict.UNSTABLE
-    if all(v > 0 for _, v in conditions):
-        return best(even=even)
-    return None
+    return best(even=even) if all(v > 0 for _, v in conditions) else None
 
 
 def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
