@@ -272,8 +272,8 @@ class System(Equations):
         >>> try:
         ...     upper.member([-1.0], [])
         ... except st.StabilityError as error:
-        ...     print(str(error)[-39:])
-        reaches: it stopped at a fold at p = 0.
+        ...     print(str(error).split("reaches: ")[1].split(";")[0])
+        it stopped at a fold at p = 0, where this branch turns
         """
         from .steady import steady
 
