@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.quantities import Kind
 from ..base.types import Floats
@@ -16,11 +17,11 @@ from ..settling.nearest import Nearest
 from .rungs.elements import chebyshev
 from .rungs.track import Problem, Track
 
-PEAKS, ZOOMS, FLAT_TOP = 300, 16, 0.1
-"""Intervals in which the largest tilt is sought; the most zooms into one; the range of values, over
-the distance from flat, below which a polynomial finds the largest."""
+SECTIONS, ROUNDS = 16, 13
+"""Parts into which an interval with a turn of the tilt is cut, so many times: 16^13 parts are the
+rounding of a time."""
 LOCAL = 12
-"""Points of a stretch on which a largest value or a crossing is found."""
+"""Points of a stretch on which a crossing is found."""
 SIDES = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
 """Sides to which the end is displaced by its error: every other state, and the rest."""
 UNKNOWN = ("unresolved", "undetermined", "non-unique")
@@ -124,37 +125,38 @@ def lift_off_time(problem: Problem, track: Track) -> Found:  # noqa: ARG001
 
 def largest_tilt(problem: Problem, track: Track) -> Found:  # noqa: ARG001
     """The largest |π/2 - θ| on the way."""
-    tilt = np.abs(np.pi / 2 - track.states[:, 0])
-    rate = -np.sign(np.pi / 2 - track.states[:, 0]) * track.states[:, 1]
+    times, (tilt, rate) = track.times[None], _tilt(track.states[None])
     best = float(tilt.max())
-    for i, bound in _peaks(track.times, tilt, rate):
-        if bound <= best:
+    gains = np.diff(rate) / np.diff(times)
+    falls = 2 * float(gains.max(initial=0.0, where=rate[:, :-1] * rate[:, 1:] > 0))
+    for _ in range(ROUNDS):
+        rows, at = np.nonzero(_turns(rate))
+        pair = np.stack([at, at + 1])
+        (low, high), (a, b), (one, other) = times[rows, pair], rate[rows, pair], tilt[rows, pair]
+        h = high - low
+        # The tilt falls ever faster towards a passage near flat, a short pulse: the peak is above
+        # the place where the tangents meet, by what that acceleration adds.
+        bound = one + a * (other - one - b * h) / (a - b) + falls * h**2 / 2
+        kept = bound > best
+        if not kept.any():
             break
-        low, high = float(track.times[i]), float(track.times[i + 1])
-        for _ in range(ZOOMS):  # a passage near flat is a short pulse
-            times, states = _states(track, low, high)
-            values = np.abs(np.pi / 2 - states[:, 0])
-            k = int(np.argmax(values))
-            best = max(best, float(values[k]))
-            around = times[max(k - 1, 0)], times[min(k + 1, len(times) - 1)]
-            if np.ptp(values) < FLAT_TOP * (np.pi / 2 - best) or around == (low, high):
-                best = max(best, _largest(values))
-                break
-            low, high = float(around[0]), float(around[1])
+        times = low[kept, None] + h[kept, None] * (np.arange(SECTIONS + 1) / SECTIONS)
+        tilt, rate = _tilt(track.at(times.ravel()).reshape(*times.shape, -1))
+        best = max(best, float(tilt.max()))
     # the track's errors are over 1 or the size of the state; the tilt may be near 0 where θ is not
     size = track.errors * np.maximum(1.0, np.abs(track.states[:, 0]))
     return Found(best, float(size.max(initial=0.0)))
 
 
-def _peaks(times: Floats, tilt: Floats, rate: Floats) -> list[tuple[int, float]]:
-    """Intervals in which the tilt turns, and where the tangents meet there, highest first."""
-    turns = np.flatnonzero((rate[:-1] > 0) & (rate[1:] < 0))
-    if not turns.size:
-        return []
-    a, b, h = rate[turns], rate[turns + 1], np.diff(times)[turns]
-    high = tilt[turns] + a * (tilt[turns + 1] - tilt[turns] - b * h) / (a - b)
-    order = np.argsort(high)[::-1][:PEAKS]
-    return [(int(turns[k]), float(high[k])) for k in order]
+def _turns(rate: Floats) -> NDArray[np.bool_]:
+    """Whether the tilt turns from rising to falling between two samples of a row."""
+    return (rate[:, :-1] > 0) & (rate[:, 1:] <= 0)
+
+
+def _tilt(states: Floats) -> Floats:
+    """The tilt |π/2 - θ| and its rate, on a new first axis."""
+    tilt = np.pi / 2 - states[..., 0]
+    return np.stack([np.abs(tilt), -np.sign(tilt) * states[..., 1]])
 
 
 @dataclass(frozen=True)
@@ -222,14 +224,6 @@ def _polynomial(values: Floats) -> Any:
     matrix[:, [0, -1]] /= 2
     matrix[[0, -1]] /= 2
     return Chebyshev(matrix @ values * 2 / (LOCAL - 1))
-
-
-def _largest(values: Floats) -> float:
-    """The largest value of the polynomial through them."""
-    found = _polynomial(values)
-    turns = found.deriv().roots()
-    real = turns[(np.abs(turns.imag) < 1e-9) & (np.abs(turns.real) <= 1)].real
-    return float(max([values.max(), *found(real)]))
 
 
 def _crossing(times: Floats, values: Floats) -> float:
