@@ -6,11 +6,13 @@ import of the package is fast.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from . import old_paths
 from .base.version import __version__ as __version__
+from .spectra.presentation import drawing
 
 old_paths.install()
 
@@ -69,6 +71,9 @@ _HOME = {
     "base.errors": ("StabilityError", "StabilityWarning"),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
+
+_FIGURES = {"spectrum": ("figures.loci", "locus")}
+"""Kind of result: where the function is that `.plot()` calls."""
 
 __all__ = sorted(_WHERE)  # noqa: PLE0605
 
@@ -153,5 +158,13 @@ def __getattr__(name: str) -> Any:
     return value
 
 
+def _finder(module: str, name: str) -> Callable[[], Any]:
+    return lambda: getattr(import_module(f".{module}", __name__), name)
+
+
+for _kind, _place in _FIGURES.items():
+    drawing.register(_kind, _finder(*_place))
+
+
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_WHERE])
+    return list(__all__)

@@ -23,6 +23,9 @@ class Upright:
         """The cosine, exactly."""
         return 0
 
+    def __reduce__(self) -> str:
+        return "UPRIGHT"  # the only instance, also in another process
+
     def __repr__(self) -> str:
         return "UPRIGHT"
 

@@ -58,7 +58,7 @@ def atlas(
     out: str | os.PathLike[str],
     *,
     resolution: int = 400,
-    force: bool = False,
+    overwrite: bool = False,
     workers: int | None = None,
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -71,7 +71,7 @@ def atlas(
         Folder to write.
     resolution
         Points along the axis of the family; three quarters as many along mu.
-    force
+    overwrite
         Whether files in an existing folder may be replaced; other files there stay unchanged.
     workers
         Number of processes; all processors when left out.  With 1 all jobs run in this process.
@@ -89,7 +89,7 @@ def atlas(
     Raises
     ------
     FileError
-        If the folder is not empty and `force` is off, or if it cannot be written.
+        If the folder is not empty and `overwrite` is off, or if it cannot be written.
     ParameterError
         If the resolution is below 8 or above `FINEST`.
     """
@@ -97,8 +97,11 @@ def atlas(
         "resolution", resolution, 8, FINEST, "`stability map --verdict-only` draws finer ones"
     )
     check_run(workers, progress, executor)
-    taken = f"{path_text(out)} exists and is not empty; choose another, or use --force."
-    target = check_folder(place(out), "" if force else taken)
+    taken = (
+        f"{path_text(out)} exists and is not empty; choose another, or replace its files with "
+        "--overwrite (overwrite=True)."
+    )
+    target = check_folder(place(out), "" if overwrite else taken)
     with _temporary_folder(target) as folder:
         jobs = [(body, family) for body in BODIES for family in drawn()]
         counted = Counted(progress, len(jobs))

@@ -19,7 +19,7 @@ from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
-from ..maps.dataset import LIBRARIES
+from ..spectra.presentation.labels import LIBRARIES
 
 BODIES: dict[str, tuple[Callable[[], Disk], str, str]] = {
     "disk": (Disk.uniform, "uniform disk", "k = 1/4"),

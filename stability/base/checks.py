@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from enum import Enum, EnumMeta
 from functools import wraps
-from typing import Any, NoReturn, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,24 +17,6 @@ MOST_WORKERS = 1024
 """Largest number of threads or processes."""
 Kind = TypeVar("Kind")
 Method = TypeVar("Method", bound=Callable[..., Any])
-
-
-class _ByText(EnumMeta):
-    """An enumeration that finds its members by text alone; other values may lack comparison."""
-
-    def __call__(cls, value: Any) -> Any:  # type: ignore[override]
-        if not isinstance(value, (str, cls)):
-            cls._missing_(value)  # type: ignore[attr-defined]
-        return super().__call__(value)
-
-
-class Sentences(Enum, metaclass=_ByText):
-    """An enumeration whose values are sentences; an unknown one is refused with the known words."""
-
-    @classmethod
-    def _missing_(cls, value: object) -> NoReturn:
-        names = ", ".join(f"{cls.__name__}.{name}" for name in cls.__members__)
-        raise NameUnknownError(f"{shown(value)} is no {cls.__name__}; known are {names}.")
 
 
 def checked(name: str, value: ArrayLike) -> Number:

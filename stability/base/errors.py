@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import reprlib
 from collections.abc import Sequence
 from typing import Any
@@ -156,6 +157,24 @@ def shown(value: object) -> str:
         return one_line(_SHORT.repr(value), VALUE)
     except Exception:  # as above
         return one_line(f"a {type(value).__name__}", VALUE)
+
+
+def if_degrees(value: float) -> str:
+    """The end of a sentence about an angle out of range: its radians, if it was in degrees.
+
+    Parameters
+    ----------
+    value
+        The angle as it was given; beyond 360 nothing is said.
+
+    Examples
+    --------
+    >>> if_degrees(85.0)
+    '; angles are in radians, and 85 degrees are 1.48353'
+    """
+    if not 2 <= abs(value) <= 360:
+        return ""
+    return f"; angles are in radians, and {value:g} degrees are {math.radians(value):.6g}"
 
 
 def listed(words: Sequence[str], last: str = "and") -> str:

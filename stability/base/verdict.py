@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .checks import Sentences
+from .types import Sentences
 
 
 class Verdict(Sentences):
@@ -12,8 +12,10 @@ class Verdict(Sentences):
 
     Examples
     --------
-    >>> Verdict.STABLE.word
-    'stable'
+    >>> Verdict.STABLE.word, Verdict("stable") is Verdict.STABLE, Verdict(1) is Verdict.STABLE
+    ('stable', True, True)
+    >>> print(Verdict.STABLE)
+    stable
     """
 
     UNDECIDED = (
@@ -23,11 +25,6 @@ class Verdict(Sentences):
     STABLE = "stable: every eigenvalue that is not zero by structure has a negative real part"
     UNSTABLE = "unstable: some eigenvalue has a positive real part"
     NEUTRAL = "neutral: no eigenvalue has a positive real part and some lie on the imaginary axis"
-
-    @property
-    def word(self) -> str:
-        """The verdict in one lower-case word."""
-        return self.name.lower()
 
     @property
     def code(self) -> int:
@@ -96,8 +93,3 @@ class Nonlinear(Sentences):
         "like a power of t otherwise"
     )
     OPEN = "open: the spectrum does not decide; higher orders do"
-
-    @property
-    def word(self) -> str:
-        """The part of the sentence before the colon."""
-        return str(self.value).split(":")[0]

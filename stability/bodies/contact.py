@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 from ..base.checks import Number, arithmetic, positive
 from ..base.errors import NameUnknownError, ParameterError
+from ..base.types import Record
 
 ZERO_MU = "friction must be positive (without friction the law is Smooth(), `--contact smooth`)"
 
@@ -74,7 +75,7 @@ class Parameter:
 
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class Contact(Record):
     """The base of the contact laws; a law is one frozen subclass, here or in a user's module.
 
     A law states its `name`, its `parameters` and its `force`.  These give everything else:

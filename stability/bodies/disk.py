@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import Number, broadcast, checked, known, positive
 from ..base.errors import ParameterError
+from ..base.types import Record
 
 
 @dataclass(frozen=True, eq=False)
-class Disk:
+class Disk(Record):
     """A thin rigid body of revolution with a sharp circular rim in its mid-plane.
 
     With the defaults m = R = g = 1 every number is dimensionless (time in √(R/g), speed in √(gR)).

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from importlib import import_module
 from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.user_code import imported
 from .contact import Contact
-from .contact_laws import RegularisedCoulomb, law_class
+from .contact_laws import MOTION_LAWS, RegularisedCoulomb, Viscous, law_class
 
 
 def law_named(
@@ -66,6 +66,60 @@ def law_named(
         if not set(law.alternatives(p.name)) & set(given):
             _supply(law, p.name, given, needed=needed)
     return law(**given)
+
+
+def law_given(
+    contact: Any, given: dict[str, Any], *, motion: bool = False, swept: Collection[str] = ()
+) -> Any:
+    """The contact law of a call: an instance as it is, or a word or class with numbers by name.
+
+    Parameters
+    ----------
+    contact
+        What the caller gave; None counts as viscous where `mu` is given or swept.
+    given
+        Numbers by name; those of the law are taken out.
+    motion
+        As for `law_named`.
+    swept
+        Parameters of an axis, whose value is set later.
+
+    Returns
+    -------
+    Contact
+        Anything else that was given is returned as it is.
+
+    Raises
+    ------
+    NameUnknownError, ParameterError
+        As for `law_named`.
+
+    Examples
+    --------
+    >>> law_given("viscous", {"mu": 0.3}).mu
+    0.3
+    """
+    if contact is None and "mu" in (*given, *swept):
+        contact = Viscous
+    if not isinstance(contact, (str, type)):
+        return contact
+    law = class_named(contact, motion=motion) if isinstance(contact, str) else law_class(
+        contact, motion=motion)  # fmt: skip
+    own: dict[str, Any] = {}
+    for p in law.parameters:
+        if p.name in swept and p.name in given:
+            raise ParameterError(f"{p.name} is given as a value and as an axis; give it once.")
+        if p.name in given:
+            own[p.name] = given.pop(p.name)
+        elif p.name in swept and not set(law.alternatives(p.name)) & set(own):
+            own[p.name] = 1.0  # the axis replaces this value
+    for p in law.parameters:
+        if not set(law.alternatives(p.name)) & set(own):
+            word = "mu" if "mu" in law.alternatives(p.name) else p.name
+            named = f", or contact={law.name!r} with {word}=NUMBER" * (law in MOTION_LAWS.values())
+            axis = f", or make {word} an axis" * bool(swept)
+            raise ParameterError(f"{word} is missing; give {law.__name__}({word}){named}{axis}.")
+    return law(**own)
 
 
 def class_named(name: str, *, motion: bool = False) -> type[Contact]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, time_unit
+from ..base.types import Same
 from ..systems.system import System
 
 WORK, PROBE = "work", "probe"
@@ -94,7 +95,6 @@ class Model:
         return {"long_name": name.replace("_", " "), "units": unit}
 
 
-@lru_cache(maxsize=64)
 def system_model(system: System) -> Model:
     """The model of a user's system: its conditions are the guards, its observables are reported.
 
@@ -121,6 +121,12 @@ def system_model(system: System) -> Model:
     >>> system_model(s).names
     ('q', 'v', 'work', 'probe')
     """
+    return _system_model(Same(system))
+
+
+@lru_cache(maxsize=64)
+def _system_model(same: Same) -> Model:
+    system: System = same.value
     series: dict[str, ca.SX] = {}
     for name, value in system.observables.items():
         parts = ca.vertsplit(ca.vec(ca.densify(value)))

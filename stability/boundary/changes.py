@@ -13,12 +13,12 @@ from ..algebra.balls import MIXED
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.real_roots import UnclearError
-from ..base.axis import Axis, AxisLike
+from ..base.axis import AxisLike
 from ..base.errors import ParameterError, StabilityError
 from ..base.verdict import Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
-from ..spectra.arguments import prepare
+from ..spectra.arguments import axis_of, prepare
 from ..spectra.certificate import verdict as certified
 from ..spectra.problem import Problem
 from ..systems.family import Family
@@ -41,7 +41,7 @@ def boundaries(
     *,
     axis: AxisLike,
     disk: Disk | None = None,
-    contact: Contact | None = None,
+    contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
     **parameters: ArrayLike,
 ) -> Boundaries:
@@ -93,7 +93,7 @@ def boundaries(
     >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
     ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
     """
-    grid = Axis.of(axis, "axis", most=MOST_SCAN)
+    grid = axis_of(family, axis, "axis", MOST_SCAN)
     problem = prepare(family, (grid,), disk, contact, at, dict(parameters), exact=True)
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     found = replace(found, searched=(grid.name, grid.low, grid.high))

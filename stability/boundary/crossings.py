@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, overload
 
-from ..base.checks import Sentences
 from ..base.errors import StabilityWarning
+from ..base.types import Sentences
 
 
 class Crossing(Sentences):
@@ -24,6 +24,11 @@ class Crossing(Sentences):
     def word(self) -> str:
         """One lower-case word."""
         return self.name.lower()
+
+    @property
+    def code(self) -> int:
+        """The flag value in files."""
+        return list(type(self)).index(self)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from ..spectra.problem import Problem
 from .brackets import AxisScan, refine
 from .crossings import BoundaryPoint, Crossing
 
-KINDS = {crossing: code for code, crossing in enumerate(Crossing)}
+KINDS = {crossing: crossing.code for crossing in Crossing}
 """Flag value of each crossing in files."""
 MOST_DOUBTFUL = 20_000
 """Most undecided cells that are settled in balls; with more, by the sign of the abscissa."""

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import checked, flag
-from ..base.errors import ParameterError, shown
-from ..base.types import Floats
+from ..base.errors import ParameterError, if_degrees, shown
+from ..base.types import Floats, Record
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LinearViscous, Viscous, stored
 from ..bodies.disk import Disk
@@ -37,7 +37,7 @@ FORMULAS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Drift:
+class Drift(Record):
     """The slow passage of straight rolling to its linear threshold, to leading order in the tilt.
 
     The relative error of `time` is of the order of the tilt squared.
@@ -124,7 +124,8 @@ def drift(
     if (lean == 0).any():
         raise ParameterError("tilt is 0; exactly upright rolling stays as it is, give a tilt.")
     if (lean >= np.pi / 2).any():
-        raise ParameterError(f"tilt is {lean.max():g}; a small angle is needed, in radians.")
+        most = float(lean.max())
+        raise ParameterError(f"tilt is {most:g}; a small angle is needed{if_degrees(most)}.")
     with np.errstate(all="ignore"):  # an overflow is refused below
         return _drift(w, k, mu, lean, rate, shape, launch)
 

@@ -14,7 +14,7 @@ from ..base.version import __version__
 from ..storage.json_text import HELP, json_text
 from .compare import add_arguments as add_compare
 from .map import _map
-from .options import CONTACTS, _bar, _disk, _family, _list, _member, _Parser, _physics
+from .options import CONTACTS, _bar, _disk, _family, _list, _member, _Parser, _physics, overwriting
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
@@ -92,7 +92,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> None:
     try:
-        options = _parser().parse_args(arguments)
+        parser = _parser()
+        if not (sys.argv[1:] if arguments is None else arguments):
+            parser.print_help()
+            return
+        options = parser.parse_args(arguments)
         run: Callable[[argparse.Namespace], None] = options.run
         with _warnings():
             run(options)
@@ -125,7 +129,7 @@ def _atlas(options: argparse.Namespace) -> None:
 
     with _bar("diagrams") as progress:
         page = atlas(
-            options.out, resolution=options.resolution, force=options.force, progress=progress
+            options.out, resolution=options.resolution, overwrite=options.force, progress=progress
         )
     if options.json:
         print(json_text(summary(page)))
@@ -208,14 +212,14 @@ def _parser() -> argparse.ArgumentParser:
                      help="proved verdicts alone, streamed to the file, however large")  # fmt: skip
     sub.add_argument("--checkpoint", metavar="DIR",
                      help="keep finished cells there, to go on after an interruption")  # fmt: skip
-    sub.add_argument("--force", action="store_true", help="replace existing files")
+    overwriting(sub, "replace existing files")
 
     sub = command("atlas", _atlas, "The families' diagrams for disk, annulus and hoop",
                   "stability atlas --out atlas")  # fmt: skip
     sub.add_argument("--out", required=True, metavar="DIR", help="folder to write")
     sub.add_argument("--resolution", type=int, default=400, metavar="N",
                      help="points along the family's axis (default 400)")  # fmt: skip
-    sub.add_argument("--force", action="store_true", help="replace files in an existing folder")
+    overwriting(sub, "replace files in an existing folder")
 
     sub = command("simulate", _simulate, "Launch a disk, and say what becomes of it",
                   "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 "

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..storage.json_text import json_text
+from .options import overwriting
 
 CHARTS = ("spectrum", "motion")
 """Subjects of a chart."""
@@ -32,8 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
     parser.add_argument("--workers", type=int, metavar="N",
                         help="processes for the catalogue (default: all cores); charts are timed, "
                         "and take one")  # fmt: skip
-    parser.add_argument("--force", action="store_true",
-                        help="write into a folder that holds other files")  # fmt: skip
+    overwriting(parser, "write into a folder that holds other files")
 
 
 def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
@@ -61,7 +61,7 @@ def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
         raise ParameterError(f"--workers is {options.workers}; give a whole number above 0.")
     with bar("cells") as progress:
         page = report(
-            options.out, parts, force=options.force, workers=options.workers, progress=progress
+            options.out, parts, overwrite=options.force, workers=options.workers, progress=progress
         )
     found = summary(page.parent, parts)
     if options.json:

@@ -83,6 +83,8 @@ def _map(options: argparse.Namespace) -> None:
 
 def _given(options: argparse.Namespace, swept: set[str]) -> tuple[Any, dict[str, Any]]:
     """The family, and its numbers as arguments of a map."""
+    from ..spectra.arguments import check_names
+
     family = own_family(options)
     if family is not None:
         alone = options.at is not None and len(family.at) > 1
@@ -100,6 +102,7 @@ def _given(options: argparse.Namespace, swept: set[str]) -> tuple[Any, dict[str,
         if name in swept and getattr(options, name) is not None:
             raise ParameterError(f"{name} is given as --{name} and as an axis; give it once.")
     at = None if options.at is None else _at(options.at)
+    check_names(options.family, sorted(swept), options.contact)
     contact = contact_of(options, swept=swept)
     return options.family, {"disk": _disk(options), "contact": contact, "at": at}
 

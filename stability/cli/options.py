@@ -32,6 +32,10 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"^-(\d|\.\d|inf|nan).*$")
 
     def error(self, message: str) -> NoReturn:
+        member = re.search(r"unrecognized arguments: .*?--(omega3|phi[-_]dot|theta)\b", message)
+        if member:
+            typed, name = member[1], member[1].replace("-", "_")
+            message = f"--{typed} is not an option here; --at takes {name} of the steady motion"
         say(f"{message.rstrip('.')}; see `{self.prog} --help`.")
         raise SystemExit(2)
 
@@ -50,6 +54,11 @@ def _member(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--at", help="; ".join([one, *several]))
     help_ = f"for {leaning()}, in place of --at: π/2 - theta, 0 is upright"
     parser.add_argument("--lean", type=float, help=help_)
+
+
+def overwriting(parser: argparse.ArgumentParser, what: str) -> None:
+    """The option that lets a command replace files; `--force` is its other name."""
+    parser.add_argument("--overwrite", "--force", dest="force", action="store_true", help=what)
 
 
 def _physics(parser: argparse.ArgumentParser) -> None:
@@ -135,9 +144,10 @@ def _axis(text: str, which: str) -> Any:
         number = int(count)
     except ValueError:
         raise ParameterError(
-            f"{which} has {shown(count)} points; a whole number is needed."
+            f"{which} is {shown(text)}, with {shown(count)} points; a whole number is needed."
         ) from None
-    return (name, _number(low, which), _number(high, which), number, *rest)
+    ends = [_number(v, f"an end of {which} {shown(text)}") for v in (low, high)]
+    return (name, *ends, number, *rest)
 
 
 def _picture(path: str, force: bool) -> Any:

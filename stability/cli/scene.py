@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.errors import ParameterError
 from ..storage.json_text import json_text
+from .options import overwriting
 
 if TYPE_CHECKING:
     from ..scene.answer import Answer
@@ -48,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plot", metavar="F.png",
                         help="figure to write (PNG, PDF or SVG): time against true error of every "
                         "model; of several laws the first is taken for the truth")  # fmt: skip
-    parser.add_argument("--force", action="store_true", help="replace existing files")
+    overwriting(parser, "replace existing files")
 
 
 def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Kind
 from ..storage.json_text import json_text
-from .options import PARAMETER_HELP, contact_of
+from .options import PARAMETER_HELP, contact_of, overwriting
 
 CONTACTS = (
     "viscous, linear-viscous, smooth, rough, creep-1 to creep-3 (viscous with the slip eliminated, "
@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="F.nc", help="NetCDF file to write")
     parser.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
     parser.add_argument("--film", metavar="F.html", help="animation to write (GIF, MP4 or HTML)")
-    parser.add_argument("--force", action="store_true", help="replace existing files")
+    overwriting(parser, "replace existing files")
 
 
 def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> None:

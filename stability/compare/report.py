@@ -45,9 +45,10 @@ def report(
     out: str | os.PathLike[str],
     parts: Sequence[str] = tuple(PARTS),
     *,
-    force: bool = False,
+    overwrite: bool = False,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    force: bool | None = None,
 ) -> Path:
     """Make a report, or resume one that was stopped.
 
@@ -59,12 +60,14 @@ def report(
     parts
         Parts to make: `spectrum`, `motion`, `scenes`, `failures`.  The page also shows other parts
         whose cells are all in the folder.
-    force
+    overwrite
         Whether a folder that holds other files may be written into.
     workers
         Processes for the catalogue; all cores when left out.  Timed charts take one.
     progress
         Called with (cells done, cells in all).
+    force
+        Old name of `overwrite`.
 
     Returns
     -------
@@ -86,8 +89,8 @@ def report(
     from .page import write
 
     wanted = _checked(parts, workers, progress)
-    force = flag("force", force)
-    folder = _folder(out, force)
+    overwrite = flag("overwrite", overwrite if force is None else force)
+    folder = _folder(out, overwrite)
     journal = Journal(folder)
     plan = {name: PARTS[name]() for name in wanted}
     total, before = sum(len(group) for groups in plan.values() for group in groups), 0
@@ -127,12 +130,15 @@ def _checked(parts: Any, workers: Any, progress: Any) -> list[str]:
     return [name for name in PARTS if name in parts]
 
 
-def _folder(out: Any, force: bool) -> Path:
+def _folder(out: Any, overwrite: bool) -> Path:
     target = place(out)
     with refusing(target, "used"):
         ours = is_journal(target / JOURNAL)
-    taken = f"{path_text(target)} holds other files; choose another folder, or use --force."
-    check_folder(target, "" if ours or force else taken)
+    taken = (
+        f"{path_text(target)} holds other files; choose another folder, or use "
+        "--overwrite (overwrite=True)."
+    )
+    check_folder(target, "" if ours or overwrite else taken)
     if (target / "index.html").is_dir():
         raise FileError(
             f"{path_text(target / 'index.html')} is a folder in the way; move it aside."

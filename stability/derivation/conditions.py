@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,10 +22,11 @@ from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
 from ..base.checks import flag, instance, known, whole_number
 from ..base.checks import positive as above_zero
 from ..base.errors import ParameterError, StabilityError
+from ..base.types import Record, fields_of
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
-from .general.deduction import Deduction, domain_of
+from .general.deduction import Deduction, closed_forms, domain_of
 from .general.elimination import Reading, whole
 from .general.members import sloped_somewhere
 from .general.numbers import Numbers
@@ -38,7 +41,7 @@ BITS = (128, 512, 2048)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Conditions:
+class Conditions(Record):
     """Exact conditions of stability of a family: polynomials, what decides, boundaries, proofs.
 
     Every polynomial has integer coefficients.  Numbers of the graph are the exact ratios of their
@@ -71,12 +74,24 @@ class Conditions:
     """Degree of the characteristic polynomial in λ."""
     terms: int
     """Largest number of terms of a polynomial on the way."""
-    seconds: float
+    seconds: float = field(compare=False)
     """Time of the derivation."""
     numbers: str
     """How decimals in the graph and in the given numbers were read; empty where all are exact."""
-    _deduction: Deduction
     _reads: Numbers
+    _intervals: Mapping[str, tuple[Any, Any]]
+
+    __getstate__ = fields_of
+
+    @cached_property
+    def _deduction(self) -> Deduction:
+        """What checks members; derived again after a pickle, which cannot hold it."""
+        given = {n: fmpq(v.numerator, v.denominator) for n, v in self.given.items()}
+        family, limits = self._reads.family(self.family), Budget(MOST_TERMS + self.terms, math.inf)
+        reading = Reading(family, given, limits, self._reads.ratio)
+        found = whole(reading)
+        domain = domain_of(reading, found, self._intervals)
+        return Deduction(reading, found, domain, structure(family).zeros)
 
     def __repr__(self) -> str:
         family = self.family
@@ -347,11 +362,13 @@ def conditions(
         )
     deduction = Deduction(reading, found, domain_of(reading, found, intervals), zeros.zeros)
     said = reads.statement(family, tuple(parameters.values()))
-    return _record(deduction, budget, own, reads, said)
+    record = _record(deduction, budget, own, said, (reads, intervals))
+    record.__dict__["_deduction"] = deduction
+    return record
 
 
 def _record(
-    deduction: Deduction, budget: Budget, family: Family, reads: Numbers, said: str
+    deduction: Deduction, budget: Budget, family: Family, said: str, read: tuple[Numbers, Any]
 ) -> Conditions:
     found, reading = deduction.whole, deduction.reading
     shown_ = deduction.polynomial
@@ -365,7 +382,7 @@ def _record(
         variables=tuple(Variable(*row) for row in deduction.variables()),
         domain=tuple(deduction.assumptions()),
         relations=tuple((found.names[i], shown_(f)) for i, f in found.relations),
-        solved=_solved(reading),
+        solved=closed_forms(reading),
         nonzero=tuple(shown_(f) for f in found.nonzero if not deduction.certain(f)),
         zeros=found.zeros,
         factors=tuple(
@@ -378,16 +395,6 @@ def _record(
         terms=budget.largest,
         seconds=budget.spent,
         numbers=said,
-        _deduction=deduction,
-        _reads=reads,
+        _reads=read[0],
+        _intervals=read[1],
     )
-
-
-def _solved(reading: Reading) -> tuple[tuple[str, str], ...]:
-    """Closed forms; a function whose name is only a number is left out where nothing names it."""
-    found = [(i, reading.text(v)) for i, v in reading.triangular.solved.items()]
-    named = {i: reading.name(i) for i, _ in found}
-    texts = " ".join(text for _, text in found)
-    kept = [i for i, name in named.items()
-            if i < len(reading.base) or "(" in name or name in texts]  # fmt: skip
-    return tuple((named[i], text) for i, text in found if i in kept)

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import json
-import platform
 from collections.abc import Mapping
-from datetime import UTC, datetime
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.quantities import Kind, rate_unit
-from ..base.verdict import CODES, NO_MEMBER
-from ..base.version import __version__
-from ..bodies.thin_disk.disk_quantities import disk_quantities
+from ..base.verdict import NO_MEMBER
+from ..spectra.presentation.labels import (
+    axis_attributes,
+    origin,
+    rate_attributes,
+    verdict_attributes,
+)
 from ..spectra.problem import Problem
 from ..systems.structure.structural_zeros import structure
 from .points import point_attributes, point_variables
@@ -56,10 +55,6 @@ SINGLE = "; verdicts that these leave open over Q or in balls, cell by cell"
 NONE = "no_member: no steady motion of the family that continuation or the root-finder reaches"
 """What the flag of a cell without a member means."""
 
-FORMAT = "stability map 1"
-"""Attribute `format` of a file of a map."""
-LIBRARIES = ("casadi", "numpy", "scipy", "python-flint", "xarray")
-
 
 def provenance(
     problem: Problem, axes: tuple[Axis, Axis] | None = None, route: str = GRAPH
@@ -86,48 +81,15 @@ def provenance(
     how = structure(family)
     if family.conservative:
         route += "; conservative law, decided by the sign of λ²"
-    return {
-        "format": FORMAT,
-        "title": f"{family.name} of {family.system.name}: spectral stability",
-        "family": family.name,
-        "system": family.system.name,
-        **({"contact": problem.law.name} if problem.law else {}),
-        "at": ", ".join(family.at),
-        "parameters": json.dumps({n: float(v) for n, v in fixed.items()}, sort_keys=True),
-        "axes": " ".join(g.text for g in axes or ()),
-        **({"dimensionless": int(problem.dimensionless)} if problem.law else {}),
-        "structural_zeros": how.zeros,
-        "structural_zeros_how": how.how,
-        "method": route,
-        "tolerances": "verdicts only where the error discs decide; each boundary point is a "
+    return origin(
+        problem, fixed,
+        axes=" ".join(g.text for g in axes or ()),
+        structural_zeros=how.zeros,
+        structural_zeros_how=how.how,
+        method=route,
+        tolerances="verdicts only where the error discs decide; each boundary point is a "
         "bracket of half-width boundary_error proved in ball arithmetic (Routh's array)",
-        "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
-        "204-231, linearisation recomputed" if problem.law else "user's system",
-        "software": f"stability {__version__}",
-        "versions": ", ".join(f"{n} {version(n)}" for n in LIBRARIES)
-        + f", python {platform.python_version()}",
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "Conventions": "CF-1.11",
-    }  # fmt: skip
-
-
-def axis_attributes(problem: Problem, name: str) -> dict[str, str]:
-    """Long name, unit and quantity of an axis of a map."""
-    if problem.law is None:
-        unit = problem.family.system.units.get(name, "1")
-        return {"units": unit, "long_name": name, "quantity": name}
-    meaning = problem.family.at[0] if name == "at" else name
-    known = disk_quantities(type(problem.law)).get(meaning)
-    if known is None:
-        return {"units": "1", "long_name": meaning, "quantity": meaning}
-    return known.attributes(dimensionless=problem.dimensionless) | {"quantity": meaning}
-
-
-def rate_attributes(problem: Problem) -> dict[str, str]:
-    """Unit of rates: that of the disk, or from the units of a user's system."""
-    if problem.law is None:
-        return {"units": rate_unit(problem.family.system.units)}
-    return Kind.GROWTH_RATE.attributes(dimensionless=problem.dimensionless)
+    )  # fmt: skip
 
 
 def assemble(
@@ -157,12 +119,7 @@ def assemble(
 
     dims = axes[1].name, axes[0].name
     words = rate_attributes(problem)
-    flags = {
-        "flag_values": np.array(list(CODES.values()), dtype=np.int8),
-        "flag_meanings": " ".join(v.word for v in CODES),
-        "long_name": "spectral verdict",
-        "comment": "; ".join(str(v.value) for v in CODES),
-    }
+    flags = verdict_attributes()
     missing = int((cells.codes == NO_MEMBER).sum())
     cell_flags = _with_no_member(flags) if missing else flags
     variables: dict[str, Any] = {

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import FileError
+from ..spectra.presentation.labels import FORMAT
 from ..storage.files import atomic_write
 from ..storage.targets import DATASETS, check_suffix
 
@@ -28,7 +29,7 @@ def write_map(
     Parameters
     ----------
     dataset
-        From `stability_map`.
+        From `stability_map`, or from `Spectrum.to_xarray`.
     path
         File to write; `.nc` or another ending of NetCDF.
     overwrite
@@ -57,10 +58,12 @@ def write_map(
     import xarray
 
     from ..storage.netcdf import packed
-    from .dataset import FORMAT
 
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
-        raise FileError(f"dataset is {type(dataset).__name__}; give what stability_map returns.")
+        raise FileError(
+            f"dataset is {type(dataset).__name__}; give what stability_map returns, or "
+            "Spectrum.to_xarray."
+        )
     check_suffix(path, DATASETS)
     encoded: xarray.Dataset = dataset.copy()
     for name, variable in dataset.variables.items():
@@ -105,7 +108,6 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     import xarray
 
     from ..storage.reading import opened
-    from .dataset import FORMAT
 
     dataset = opened(path, FORMAT, "a map", lazy=lazy)
     for name, variable in list(dataset.variables.items()):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from ..base.axis import Axis, AxisLike
+from ..base.axis import AxisLike
 from ..base.checks import flag, whole_number
 from ..base.errors import ParameterError
 from ..bodies.contact import Contact
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 from ..base.types import Progress
 from ..jobs.pipeline import check_run
-from ..spectra.arguments import prepare
+from ..spectra.arguments import axis_of, prepare
 
 MOST_CELLS = 100_000_000
 """Largest map in memory."""
@@ -36,7 +36,7 @@ def stability_map(
     x: AxisLike,
     y: AxisLike,
     disk: Disk | None = None,
-    contact: Contact | type[Contact] | None = None,
+    contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
     certify: bool = False,
     levels: int | None = None,
@@ -56,13 +56,14 @@ def stability_map(
     family
         Name of a disk's family, or a `Family`.
     x, y
-        Axes as (name, low, high, n) or (name, low, high, n, "log"): any two of `at`, `k`, `mu`,
+        Axes as (name, low, high, n) or (name, low, high, n, "log"): any two of `at`
+        (or its own name: `omega3`, `phi_dot`, `theta`), `k`, `mu`,
         `mass`, `radius`, `gravity`; `lean` for tumbling, `theta`, `phi_dot` for circling and
         precession; for a `Family`, its own names.
     disk, contact, at
         Fixed values, as for `spectrum`.  An axis replaces a value in disk or contact; any other
         quantity that is an axis must not be given as a number too.  Where `mu` is an axis, contact
-        may be left out (viscous) or be the class of a law.
+        may be left out (viscous) or be a law's class or name.
     certify
         Whether to prove whole boxes of the map too, to enclose the boundary in a strip of narrow
         boxes, and to decide in balls every cell that double precision leaves open.
@@ -126,7 +127,7 @@ def stability_map(
     if levels is not None:
         levels = whole_number("levels", levels, 0, MOST_LEVELS)
     check_run(workers, progress, executor)
-    axes = Axis.of(x, "x"), Axis.of(y, "y")
+    axes = axis_of(family, x, "x"), axis_of(family, y, "y")
     if (total := axes[0].count * axes[1].count) > MOST_CELLS:
         raise ParameterError(
             f"the map has {total:.3g} cells, at most {MOST_CELLS:.0e} are kept in memory; take "

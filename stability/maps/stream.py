@@ -25,13 +25,14 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..jobs.pipeline import Counted, check_run, ordered
 from ..jobs.shared import shared
-from ..spectra.arguments import prepare
+from ..spectra.arguments import axis_of, prepare
+from ..spectra.presentation.labels import axis_attributes
 from ..spectra.problem import Problem
 from ..storage.checksum import ATTRIBUTE, STATEMENT, seal
 from ..storage.files import atomic_write, postponed
 from ..storage.targets import NETCDF, check_suffix, check_target, path_text
 from ..systems.family import Family
-from .dataset import axis_attributes, provenance
+from .dataset import provenance
 from .growth_rates import steady_memory
 from .own.slice_verdicts import SliceVerdicts, slice_verdicts
 from .verdict_tiles import Codes, GridVerdicts
@@ -58,7 +59,7 @@ def stream_map(
     y: AxisLike,
     out: str | os.PathLike[str],
     disk: Disk | None = None,
-    contact: Contact | type[Contact] | None = None,
+    contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
@@ -112,7 +113,7 @@ def stream_map(
     (40, 50)
     """
     check_run(workers, progress, executor)
-    axes = Axis.of(x, "x"), Axis.of(y, "y")
+    axes = axis_of(family, x, "x"), axis_of(family, y, "y")
     own = isinstance(family, Family)
     problem = prepare(family if own else str(family), axes, disk, contact, at, parameters)
     verdicts = _own_verdicts(problem, axes) if own else None

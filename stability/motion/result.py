@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import MOST_WORKERS, Sentences, flag, one_number, whole_number
+from ..base.checks import MOST_WORKERS, flag, one_number, whole_number
 from ..base.errors import ParameterError
-from ..base.types import Floats
+from ..base.types import Floats, Sentences
 from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.leg import UNRESOLVED, Path
 from ..integrators.selection import Choice
@@ -94,11 +94,6 @@ class Outcome(Sentences):
         "domain-end: a condition of the system has reached zero, beyond which its equations have "
         "no meaning; see the evidence for its sentence"
     )
-
-    @property
-    def word(self) -> str:
-        """The outcome as one word: the part of the sentence before the colon."""
-        return str(self.value).split(":")[0]
 
     @property
     def code(self) -> int:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..base.errors import ParameterError, shown
 from ..bodies.disk import Disk
+from ..bodies.law_names import law_given
 from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
 from ..jobs.pipeline import check_run
@@ -34,10 +35,10 @@ FLAT_ANGLE = 1e-6
 
 
 def simulate(
-    disk: Disk | System,
-    contact: Any,
-    start: Any,
-    times: ArrayLike,
+    disk: Disk | System | None = None,
+    contact: Any = None,
+    start: Any = None,
+    times: ArrayLike | None = None,
     *,
     families: Family | Sequence[Family] = (),
     method: str = "auto",
@@ -51,6 +52,7 @@ def simulate(
     workers: int | None = None,
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
+    **parameters: ArrayLike,
 ) -> xarray.Dataset:
     """The motion of a disk, or of a user's system, from a start, and its outcome.
 
@@ -58,11 +60,13 @@ def simulate(
     ----------
     disk
         The disk; its fields may be arrays.  With m = R = g = 1 every number is dimensionless,
-        otherwise SI.  Alternatively a `System`, whose numbers are in its own units.
+        otherwise SI; so it is when left out.  Alternatively a `System`, whose numbers are in its
+        own units.
     contact
         `Smooth`, `Viscous`, `LinearViscous`, `Rough`, `Coulomb` (with true sticking) or
-        `RegularisedCoulomb`.  For a system its parameters: values by name, or along the last axis;
-        None where it has none.
+        `RegularisedCoulomb`; or the name or class of a law, with its parameters by name.  For a
+        system its parameters: values by name, or along the last axis; None where it has none, or
+        where they are given by name.
     start
         theta, theta_dot, phi_dot, omega3, slip_x, slip_y along the last axis, shape (…, 6)
         [rad, rad/s, m/s], or a mapping by these names (theta is needed, missing ones are 0).  Four
@@ -105,6 +109,8 @@ def simulate(
         processes or on another machine; `workers` is then its number of workers.
     progress
         Called with (launches done, launches in all).
+    **parameters
+        Parameters by name, of a contact law that is named, or of a system.
 
     Returns
     -------
@@ -136,6 +142,9 @@ def simulate(
     ('settled', 'spinning')
     >>> bool(run.energy_error < 1e-9)
     True
+    >>> start = {"theta": 1.52, "phi_dot": 2.5}
+    >>> st.simulate(contact="viscous", mu=0.3, start=start, times=200.0).attrs["outcome"]
+    'settled'
 
     A user's pendulum:
 
@@ -145,7 +154,7 @@ def simulate(
     ...                      states=("angle", "rate"), parameters=("c",))
     >>> hanging = st.Family(pendulum, "hanging", at=("c",), held={"angle": 0, "rate": 0})
     >>> start = {"angle": 1.0, "rate": 0.0}
-    >>> run = st.simulate(pendulum, {"c": 0.2}, start, 100.0, families=hanging)
+    >>> run = st.simulate(pendulum, start=start, times=100.0, c=0.2, families=hanging)
     >>> run.attrs["outcome"]
     'settled'
     """
@@ -157,6 +166,16 @@ def simulate(
         executor,
     )  # fmt: skip
     settings.refuse()
+    if start is None or times is None:
+        missing = (
+            "start is missing; give the states by name."
+            if start is None
+            else ("times is missing; give a last time, or rising times.")
+        )
+        raise ParameterError(missing)
+    if disk is None:
+        disk = Disk()
+    contact = _named(disk, contact, parameters)
     with CASADI:  # calls from several threads take turns; a batch uses its own threads
         if isinstance(disk, System):
             if pose:
@@ -196,6 +215,26 @@ def _departed(
         if why and r.outcome is not Outcome.UNDETERMINED else r
         for r, why in zip(found, said, strict=True)
     ]  # fmt: skip
+
+
+def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:
+    """The contact law, or the parameters of a system, with those that are given by name."""
+    if not parameters:
+        return law_given(contact, {}, motion=True) if not isinstance(disk, System) else contact
+    if isinstance(disk, System):
+        if contact is not None:
+            raise ParameterError(
+                f"{shown(next(iter(parameters)))} is given by name, and others in the second "
+                "argument; give all in one place."
+            )
+        return parameters
+    law = law_given(contact, parameters, motion=True)
+    if parameters:
+        raise ParameterError(
+            f"{shown(next(iter(parameters)))} is not an argument here; the disk's numbers go in "
+            "disk=Disk(...), and in contact=Viscous(mu) or contact='viscous' with mu=NUMBER."
+        )
+    return law
 
 
 def _not_flat(launches: Starts, settings: Settings) -> None:

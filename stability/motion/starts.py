@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT
 from ..base.checks import checked, known
-from ..base.errors import DomainError, NameUnknownError, ParameterError, shown
+from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact, Scales
 from ..bodies.contact_laws import MOTION_LAWS, Rough, spelled
@@ -83,7 +83,11 @@ def launch(
             f"at, tilt and the disk have shapes {', '.join(map(str, shapes))}; make them fit."
         ) from None
     if record.by_angle and ((where <= 0) | (where >= math.pi)).any():
-        raise ParameterError(f"at of {family} is theta; it must lie strictly between 0 and π.")
+        bad = where[(where <= 0) | (where >= math.pi)].flat[0]
+        raise ParameterError(
+            f"at of {family} is theta = {bad:g}; it must lie strictly between 0 and π"
+            f"{if_degrees(bad)}."
+        )
     with np.errstate(all="ignore"):  # an overflow is refused
         member = record.member(np, where, body.k, body.rate)
     six = np.zeros((*shape, 6))
@@ -98,7 +102,8 @@ def launch(
     bad = six[..., 0][(six[..., 0] <= 0) | (six[..., 0] >= math.pi)]
     if bad.size:
         raise ParameterError(
-            f"the tilt takes theta to {bad.flat[0]:g}; it must stay strictly between 0 and π."
+            f"the tilt takes theta to {bad.flat[0]:g}; it must stay strictly between 0 and π"
+            f"{if_degrees(float(lean.flat[np.abs(lean).argmax()]))}."
         )
     return six
 
@@ -365,6 +370,12 @@ def _refuse(law: type[Contact], shape: tuple[int, ...], seen: Floats) -> None:
     where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
     conditions = disk_system(law).conditions
     value = float(seen[row, column])
+    if column < 2:  # the two conditions of theta
+        theta = value if column == 0 else math.pi - value
+        raise DomainError(
+            f"start{where}: theta is {theta:g}; theta must lie strictly between 0 and π, because "
+            f"the disk is flat at both and its equations of motion end there{if_degrees(theta)}."
+        )
     if column < len(conditions):
         raise DomainError(f"start{where}: {conditions[column].refusal(value)}")
     raise DomainError(

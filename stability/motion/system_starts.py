@@ -120,7 +120,7 @@ def _families(system: System, families: Any) -> tuple[Family, ...]:
     if not isinstance(given, Sequence) or not all(isinstance(f, Family) for f in given):
         raise ParameterError(f"families is {shown(families)}; give a list of stability.Family.")
     for family in given:
-        if family.system is not system:
+        if family.system != system:
             raise ParameterError(
                 f"family {family.name} is one of {family.system.name}, another system; give "
                 f"families of {system.name}."

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.types import Floats
+from ..base.types import Floats, Record, content
 from ..base.version import __version__
 from ..motion.result import Outcome
 
@@ -25,7 +25,7 @@ from .uncertain import Spread, apart
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class Answer(Record):
     """What a scene is answered, by which model, and how well that is known.
 
     Examples
@@ -53,7 +53,7 @@ class Answer:
     """The answer in words."""
     tolerance: float
     """Error that was allowed."""
-    cost: float = 0.0
+    cost: float = field(default=0.0, compare=False)
     """Time that the answer took, the choice included [s]."""
     notes: tuple[str, ...] = ()
     """What happened on the way."""
@@ -65,7 +65,7 @@ class Answer:
     """Largest difference of two laws at the end of the time that they share; None for one law."""
     parts: Mapping[str, Answer] = field(default_factory=dict)
     """The answer under each law, where the scene has several."""
-    motion: tuple[Problem, Track] | None = field(default=None, repr=False)
+    motion: tuple[Problem, Track] | None = field(default=None, repr=False, compare=False)
     """The dimensionless problem and its track; None where there is no motion."""
 
     @cached_property
@@ -81,6 +81,9 @@ class Answer:
     def __getstate__(self) -> dict[str, Any]:
         """The fields and the path, without the problem: its equations have no pickle."""
         return {**self.__dict__, "path": self.path, "motion": None}
+
+    def _content(self) -> tuple[Any, ...]:
+        return (*super()._content(), content(self.path))
 
     def __repr__(self) -> str:
         return f"<Answer by {self.model}: {self.sentence}>"

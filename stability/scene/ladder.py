@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 
 from ..base.checks import known
+from ..base.types import Record
 from ..integrators.selection import HEYOKA, TURN, TURN_POWER, explicit
 from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.creep import MOST_ORDERS, applies
@@ -63,15 +64,15 @@ CREEP_TURN, GAIN = 1.25, 3.0
 that an order gains."""
 
 
-@dataclass(frozen=True)
-class Rung:
+@dataclass(frozen=True, eq=False)
+class Rung(Record):
     """One rung of a ladder, as the report shows it."""
 
     name: str
     """Name of the model."""
     dimension: int
     """Number of states that are integrated; 0 for a closed form."""
-    cost: float
+    cost: float = field(compare=False)
     """Time that it took, its estimate included [s]; 0 where it was not run."""
     price: float
     """Time that was expected [s]."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..base.checks import flag, known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
+from ..base.types import Record
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_families import FAMILIES
@@ -40,7 +41,7 @@ POINTS = 201
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class Scene(Record):
     """A launch, the law that is taken for the truth, and what is asked of the motion.
 
     Parameters

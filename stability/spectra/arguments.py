@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.axis import Axis
+from ..base.axis import MOST_POINTS, Axis
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.contact_laws import LAWS, Viscous, law_class
+from ..bodies.contact_laws import LAWS, Viscous
 from ..bodies.disk import Disk
+from ..bodies.law_names import class_named, law_given
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import PHYSICAL
 from ..systems.family import Family
@@ -27,11 +29,65 @@ COLUMNS = ("axis", "error", "kind", "curve", "point")
 """A map has `boundary_axis` and so on for itself, and `boundary_NAME` for each of its two axes."""
 
 
+def axis_of(family: Any, axis: Any, which: str, most: int = MOST_POINTS) -> Axis:
+    """An axis as `Axis.of` reads it; `at` and the name of the quantity are two names for one.
+
+    Parameters
+    ----------
+    family
+        Name of a disk's family, whose axis is then `at`; or a `Family`, whose axis then has the
+        name of its own quantity.
+    axis, which, most
+        As for `Axis.of`.
+
+    Examples
+    --------
+    >>> axis_of("rolling", ("omega3", 1, 2, 3), "x").name
+    'at'
+    """
+    grid = Axis.of(axis, which, most)
+    if isinstance(family, Family):
+        own, name = "at", family.at[0]
+        single = len(family.at) == 1 and "at" not in family.parameters
+    else:
+        record = FAMILIES.get(family) if isinstance(family, str) else None
+        single = record is not None and len(record.at) == 1
+        own, name = (record.at[0] if record else ""), "at"
+    return replace(grid, name=name) if single and grid.name == own else grid
+
+
+def check_names(family: Any, names: Sequence[str], contact: Any) -> None:
+    """Refuse an axis that no disk has, before anything else that is missing.
+
+    Parameters
+    ----------
+    family
+        Name of a family of the disk; nothing is checked for another one.
+    names
+        Names of the axes as they were given.
+    contact
+        A law, its name or class, or None for viscous.
+    """
+    record = FAMILIES.get(family) if isinstance(family, str) else None
+    law: Any = Viscous if contact is None else contact
+    law = class_named(law, motion=True) if isinstance(law, str) else law
+    if record is None or not isinstance(law, (type, Contact)) or not hasattr(law, "parameters"):
+        return
+    member = ["at", *record.at, "lean"] if len(record.at) == 1 else [*record.at]
+    member = member if record.by_angle else [n for n in member if n != "lean"]
+    known = dict.fromkeys([*member, "k", *PHYSICAL, *(p.name for p in law.parameters)])
+    for name in names:
+        if name not in known:
+            raise NameUnknownError(
+                f"axis is {shown(name)}; known for {family} are {', '.join(known)}."
+            )
+
+
 def prepare(
     family: str | Family,
     axes: Sequence[Axis],
     disk: Disk | None,
-    contact: Contact | type[Contact] | None,
+    contact: Contact | type[Contact] | str | None,
     at: ArrayLike | None,
     parameters: Mapping[str, ArrayLike],
     *,
@@ -63,12 +119,15 @@ def prepare(
     if len(set(names)) < len(names):
         raise ParameterError(f"both axes are {shown(names[0])}; give two different ones.")
     if isinstance(family, Family):
-        problem = problem_of(family, at, disk, contact, dict(parameters))  # type: ignore[arg-type]
+        problem = problem_of(family, at, disk, contact, dict(parameters))
         known: tuple[str, ...] = (*family.at, *family.parameters)
     else:
         tilted = 0.0 if "lean" in names else None  # the axis replaces this value
         at = _pair(family, names, at)
-        problem = problem_of(family, at, disk, _law(contact, axes), dict(parameters), tilted)
+        check_names(family, names, contact)
+        given_by_name = dict(parameters)
+        law_ = _law(contact, axes, given_by_name)
+        problem = problem_of(family, at, disk, law_, given_by_name, tilted)
         keys = ("at",) if len(problem.family.at) == 1 else problem.family.at
         keys = ("lean",) if tilted is not None else keys
         known = (*keys, *(n for n in problem.names if n not in keys))
@@ -114,8 +173,6 @@ def prepare(
         assert problem.law is not None
         kept = {n: v for n, v in kept.items() if n not in problem.law.alternatives(name)}
     merged = kept | {n: _middle(v) for n, v in axis_values.items()}
-    from dataclasses import replace
-
     ratios = {n: r for n, r in problem.ratios.items() if n not in names}
     problem = replace(problem, values=merged, ratios=ratios)
     problem = problem if exact else problem.rounded()
@@ -150,32 +207,16 @@ def _pair(family: Any, names: Sequence[str], at: ArrayLike | None) -> Any:
     return [1.0, at] if swept == [parts[0]] else [at, 1.0]
 
 
-def _law(contact: Any, axes: Sequence[Axis]) -> Contact:
-    swept = next((g for g in axes if g.name in ("mu", "c")), None)
-    if contact is None and swept is None:
+def _law(contact: Any, axes: Sequence[Axis], parameters: dict[str, Any]) -> Contact:
+    found = law_given(contact, parameters, swept=[g.name for g in axes])
+    if found is None:
         raise ParameterError(
             "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough(), or make "
             "mu an axis."
         )
-    if contact is None:
-        contact = Viscous
-    if isinstance(contact, Contact):
-        return contact
-    if not isinstance(contact, type):
-        raise NameUnknownError(f"contact is {shown(contact)}; known are {', '.join(LAWS)}.")
-    law = law_class(contact, motion=False)
-    names = {g.name for g in axes}
-    given: dict[str, float] = {}
-    for p in law.parameters:
-        if p.name in names and not set(law.alternatives(p.name)) & set(given):
-            given[p.name] = 1.0  # the axis replaces this value
-    for p in law.parameters:
-        if not set(law.alternatives(p.name)) & set(given):
-            word = "mu" if "mu" in law.alternatives(p.name) else p.name
-            raise ParameterError(
-                f"{word} is missing; give {law.__name__}({word}) or make {word} an axis."
-            )
-    return law(**given)
+    if not isinstance(found, Contact):
+        raise NameUnknownError(f"contact is {shown(found)}; known are {', '.join(LAWS)}.")
+    return found
 
 
 def _middle(values: Floats) -> float:
@@ -218,7 +259,7 @@ def problem_of(
     family: str | Family,
     at: ArrayLike | None,
     disk: Disk | None,
-    contact: Contact | None,
+    contact: Contact | type[Contact] | str | None,
     parameters: dict[str, Any],
     lean: ArrayLike | None = None,
 ) -> Problem:
@@ -262,13 +303,14 @@ def problem_of(
                 f"{', '.join(family.parameters) or 'no parameters'}."
             )
         return system_problem(family, at, _opened(family, parameters))
+    law: Any = law_given(contact, parameters)
     if parameters:
         raise ParameterError(
             f"{shown(next(iter(parameters)))} is not an argument here; the disk's numbers go in "
-            "disk=Disk(...) and contact=Viscous(mu)."
+            "disk=Disk(...), and in contact=Viscous(mu) or contact='viscous' with mu=NUMBER."
         )
-    if contact is None:
+    if law is None:
         raise ParameterError(
             "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough()."
         )
-    return disk_problem(family, Disk() if disk is None else disk, contact, at, lean)
+    return disk_problem(family, Disk() if disk is None else disk, law, at, lean)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..algebra.linear_systems import contraction, inverse_of, null_vector, solve
 from ..algebra.running_error import TINY, UNIT, RunningError, running_error_arrays
-from ..base.types import Floats
+from ..base.types import Floats, Record
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 
@@ -103,7 +103,7 @@ class Reduced(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class Place(Record):
     """Dimensionless numbers from which the linearisation of members is computed."""
 
     a: Floats

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import checked
-from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.errors import NameUnknownError, NoMemberError, ParameterError, if_degrees, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact, Scales
 from ..bodies.contact_laws import LAWS, spelled, stored
@@ -80,6 +81,8 @@ def disk_problem(
             )
         columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
         values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
+        for part, column in zip(parts, columns, strict=True):
+            _check_theta(family, part, column)
     if lean is not None:
         values |= {"lean": checked_lean(family, at, lean)}
     values |= {"k": disk.k} | {n: getattr(disk, n) for n in PHYSICAL}
@@ -120,8 +123,10 @@ def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
     value = checked("lean", lean)
     bad = np.asarray(value)[np.abs(value) >= np.pi / 2]
     if bad.size:
+        worst = float(bad.flat[np.abs(bad).argmax()])
         raise ParameterError(
-            f"lean is {bad.flat[0]:g}; it must lie strictly between -π/2 and π/2, 0 is upright."
+            f"lean is {worst:g}; it must lie strictly between -π/2 and π/2, 0 is upright"
+            f"{if_degrees(worst)}."
         )
     return value
 
@@ -136,10 +141,28 @@ def disk_roundings(
     return (*turns, 0, *((some,) * len(contact.symbols())))
 
 
+def _check_theta(family: str, part: str, values: Any) -> None:
+    """Refuse an inclination at which the disk is flat; a guess at degrees says so."""
+    if part != "theta":
+        return
+    bad = values[(values <= 0) | (values >= math.pi)]
+    if bad.size:
+        worst = float(bad.flat[np.abs(bad).argmax()])
+        raise NoMemberError(
+            f"{family} does not exist there: theta is {worst:g}; theta must lie strictly "
+            "between 0 and π, because the disk is flat at both and its equations of motion end "
+            f"there{if_degrees(worst)}."
+        )
+
+
 def check_axis(problem: Problem, name: str, values: Floats) -> None:
     """Refuse an axis with values that the body or the law does not accept."""
     if problem.law is None:
         return
+    part = problem.family.at[0] if name == "at" else name
+    _check_theta(problem.family.name, part, values)
+    if name == "lean":
+        checked_lean(problem.family.name, None, values)
     if problem.law.alternatives(name):
         problem.law.accepted(name, values)
     elif name in ("k", *PHYSICAL):

@@ -13,15 +13,20 @@ from numpy.typing import NDArray
 from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
 from ..base.errors import ParameterError
 from ..base.quantities import Kind, rate_unit
-from ..base.types import Complexes, Floats
+from ..base.types import Complexes, Floats, Record, fields_of
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
 from .deflation import Place
 from .eigenvalues import REASONS, Eigenpairs, in_words
 from .modes import Modes, lift, mode_labels, track
+from .presentation.dataset import dataset
+from .presentation.drawing import figure_of
+from .presentation.text import line, page
 
 if TYPE_CHECKING:
+    import xarray
+
     from ..bodies.contact import Contact
 
 GROWS = -2
@@ -32,7 +37,7 @@ NOT_ASKED = -1
 
 
 @dataclass(frozen=True, eq=False)
-class Proof:
+class Proof(Record):
     """Proofs of the certified points of a spectrum."""
 
     abscissa_error: Floats
@@ -45,20 +50,45 @@ class Proof:
     own: bool = False
     """Whether the proofs start from the family's exact polynomial."""
 
-    def sentence(self, *, certified: bool) -> str:
-        """Result of the proof of a single spectrum, in words."""
-        if int(self.bits) in REASONS:
-            return REASONS[int(self.bits)]
+    def sentence(self, index: tuple[int, ...], *, certified: bool) -> str:
+        """Result of the proof of one point, in words."""
+        bits = int(self.bits[index])
+        if bits in REASONS:
+            return REASONS[bits]
         far = "proved" if certified else "undecided within the budget of precision"
         source = " from the family's polynomial" if self.own else ""
-        return f"{far} in {in_words(int(self.bits))}{source}"
+        return f"{far} in {in_words(bits)}{source}"
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class Spectrum(Record):
     """Eigenvalues of the linearisation at members of a family, structural zeros removed.
 
-    Leading axes are parameters; the last axis is the mode.
+    Leading axes are parameters; the last axis is the mode.  A single spectrum has no leading axes.
+
+    Attributes
+    ----------
+    eigenvalues, radius
+        Eigenvalues sorted by real, then imaginary part, and the radii of their error discs; shape
+        (…, n), in `rate_unit`.
+    frequencies, modes
+        |Im λ|, and eigenvectors with readable labels, in the order of the eigenvalues.
+    structural_zeros
+        Number of eigenvalues left out, which are zero by structure.
+    abscissa, abscissa_error
+        Largest real part, and a bound on its error; shape (…).
+    verdict, nonlinear, reason
+        What the eigenvalues say, what the nonlinear motion does, and how the verdict is known.
+    certified, proof
+        Whether each verdict is proved, and the record of the proofs.
+    rate_unit
+        Unit of the eigenvalues.
+    at, values
+        Family parameters, shape (…, len(family.at)), and all that was given, by name.
+    family, law
+        The family, and the contact law of the disk (None for a user's system).
+    states
+        The steady motions, shape (…, states); of the disk dimensionless.
 
     Source: this package; each number has an independent oracle in tests/spectra/test_spectra.py.
 
@@ -102,7 +132,7 @@ class Spectrum:
     symmetric: bool = False
     """Whether the spectrum is proved symmetric under λ → -λ at every member of the family: λ²
     decides, and beyond *unstable* there is *neutral*."""
-    pairs: Eigenpairs | None = None
+    pairs: Eigenpairs | None = field(default=None, compare=False)
     """Eigenpairs from the eigensolver, dimensionless; None if not needed, or for many points."""
     solver: EigenSolver = lapack
     """The eigensolver."""
@@ -113,11 +143,47 @@ class Spectrum:
     dimensionless: bool = False
     """Whether the numbers of a disk are dimensionless."""
 
+    __getstate__ = fields_of
+
     def __repr__(self) -> str:
-        shape, count = self.eigenvalues.shape[:-1], self.eigenvalues.shape[-1]
-        what = self.verdict.word if not shape else f"{' x '.join(map(str, shape))} points"
-        number = f"{count} eigenvalue{'s' * (count != 1)}"
-        return f"<Spectrum of {self.family.name}: {what}, {number}>"
+        return line(self)
+
+    def _repr_html_(self) -> str:
+        return page(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The spectrum as a labelled dataset, with units, all that was given, and provenance.
+
+        Returns
+        -------
+        xarray.Dataset
+            `eigenvalues` (complex), `error_radius` and `label` over the parameters and `mode`;
+            `abscissa`, `abscissa_error`, `verdict` (CF flags) and `certified` over the parameters.
+            An axis has the name of the one quantity given along it, otherwise `point`.
+            `write_map` and `read_map` keep it in a file.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> s = st.spectrum("rolling", at=[1.2, 1.8], contact=st.Viscous(0.3))
+        >>> s.to_xarray().eigenvalues.dims, s.to_xarray().at.attrs["long_name"]
+        (('at', 'mode'), 'axial angular velocity')
+        """
+        return dataset(self)
+
+    def plot(self, **options: Any) -> Any:
+        """Draw the eigenvalues: loci along the one quantity given as an array.
+
+        Parameters
+        ----------
+        **options
+            As for `stability.figures.loci.locus`: thresholds, title, unit.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        return figure_of("spectrum")(self, **options)
 
     @property
     def rate_unit(self) -> str:
@@ -138,6 +204,18 @@ class Spectrum:
         """Largest real part of the eigenvalues, shape (…); a float for a single spectrum."""
         value = self.eigenvalues.real.max(axis=-1)
         return float(value) if value.ndim == 0 else value
+
+    @property
+    def frequencies(self) -> Floats:
+        """|Im λ| of each eigenvalue, in their order, shape (…, n), in `rate_unit`.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3)).frequencies.round(4)
+        array([0.    , 0.    , 2.9314, 2.9314])
+        """
+        return np.abs(self.eigenvalues.imag)
 
     @property
     def certified(self) -> Any:
@@ -200,16 +278,25 @@ class Spectrum:
         return self.law is None and linear(self.family.system)
 
     @property
-    def reason(self) -> str:
-        """One sentence with the reason for the verdict, for a single spectrum."""
-        if self.codes.ndim:
-            raise ParameterError("reason is for a single spectrum; ask for one point.")
-        bound = f"largest real part {self.abscissa:.3g}, error bound {self.abscissa_error:.1g}"
-        if (self.symmetric or self.family.conservative) and not self.certified:
+    def reason(self) -> Any:
+        """One sentence with the reason for each verdict; an object array of them, shape (…)."""
+        if not self.codes.ndim:
+            return self._reason(())
+        out = np.empty(self.codes.shape, dtype=object)
+        for index in np.ndindex(self.codes.shape):
+            out[index] = self._reason(index)
+        return out
+
+    def _reason(self, index: tuple[int, ...]) -> str:
+        abscissa, error, certified = (
+            np.asarray(v)[index] for v in (self.abscissa, self.abscissa_error, self.certified)
+        )
+        bound = f"largest real part {abscissa:.3g}, error bound {error:.1g}"
+        if (self.symmetric or self.family.conservative) and not certified:
             bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound
         parts = [bound]
-        if self.proof is not None and self.proof.bits != NOT_ASKED:
-            parts = [self.proof.sentence(certified=self.certified), bound]
+        if self.proof is not None and self.proof.bits[index] != NOT_ASKED:
+            parts = [self.proof.sentence(index, certified=bool(certified)), bound]
             if self.proof.escalated:
                 parts.insert(0, "double precision left it open")
         elif self.structural_zeros:
@@ -219,7 +306,7 @@ class Spectrum:
             )
         left = ", ".join(n for n in self.family.system.states if n in self.family.left_out)
         ignored = f"{left} {'are' if ',' in left else 'is'} ignorable" if left else ""
-        found = self.symmetric and self.certified and not self.family.conservative
+        found = self.symmetric and certified and not self.family.conservative
         symmetric = "symmetric under λ → -λ by structure" if found else ""
         return "; ".join([*parts, *filter(None, [symmetric, ignored, self.note])])
 

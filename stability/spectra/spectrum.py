@@ -35,7 +35,7 @@ def spectrum(
     at: ArrayLike | None = None,
     lean: ArrayLike | None = None,
     disk: Disk | None = None,
-    contact: Contact | None = None,
+    contact: Contact | type[Contact] | str | None = None,
     certify: bool = False,
     escalate: bool = True,
     **parameters: ArrayLike,
@@ -57,7 +57,8 @@ def spectrum(
     disk
         The body; the uniform disk with m = R = g = 1 when left out.
     contact
-        The contact law.
+        The contact law; or its name or class, with its parameters by name: `contact="viscous",
+        mu=0.3`.
     certify
         Whether to prove every verdict and eigenvalue, in rational arithmetic or balls.  A verdict
         is then undecided only where the budget of precision ends.
@@ -65,8 +66,9 @@ def spectrum(
         Whether to certify only the points that double precision leaves undecided; other points
         keep their error discs.  If False, these points stay undecided.
     **parameters
-        Parameters by name, for a family of a user's system.  Parameters that have the name of an
-        argument, such as `at` or `contact`, go in a mapping: `parameters={"at": 2.0}`.
+        Parameters by name, of a user's system, or of a contact law that is named.  Parameters that
+        have the name of an argument, such as `at` or `contact`, go in a mapping:
+        `parameters={"at": 2.0}`.
 
     Returns
     -------

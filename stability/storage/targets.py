@@ -175,8 +175,8 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
             raise FileError(f"{path_text(target)} is not a regular file; give the name of one.")
         if there and not overwrite:
             raise FileError(
-                f"{path_text(target)} exists; choose another name, or replace it with --force "
-                "(overwrite=True)."
+                f"{path_text(target)} exists; choose another name, or replace it with "
+                "--overwrite (overwrite=True)."
             )
         folder = target.parent
         if not folder.is_dir():

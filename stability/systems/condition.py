@@ -8,11 +8,13 @@ import casadi as ca
 
 from ..base.checks import instance, real_numbers
 from ..base.errors import ParameterError, shown
+from ..base.types import Record
+from .serialisation import Portable
 from .system_checks import expression
 
 
 @dataclass(frozen=True, eq=False)
-class Condition:
+class Condition(Portable, Record):
     """A quantity that must be positive for the equations to have a meaning, and the reason."""
 
     value: ca.SX
@@ -30,6 +32,10 @@ class Condition:
                 f"sentence of a condition is {shown(sentence)}; the only thing in braces is "
                 "{value}, with a format for numbers."
             ) from None
+
+    def _content(self) -> tuple[object, ...]:
+        graph = ca.Function("condition", ca.symvar(self.value), [self.value])
+        return (type(self), self.sentence, graph.serialize())
 
     def refusal(self, value: float) -> str:
         """The reason with its value, one sentence."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import flag, instance, one_number, rows, whole_number
+from ..base.checks import flag, instance, one_number, whole_number
 from ..base.errors import NoMemberError, ParameterError
-from ..base.types import Floats
+from ..base.types import Floats, Record, TupleRecord
 from .family import Family
 from .following.arclength import Trace, walk
 from .following.sheet import follow
@@ -23,6 +23,7 @@ from .following.singular_points import (
     locate_branch_point,
     locate_fold,
 )
+from .system_checks import numbers_of
 
 MOST_POINTS = 100_000
 """Largest number of members of a branch, since each one is solved for."""
@@ -33,7 +34,7 @@ LEAVE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Fold:
+class Fold(Record):
     """A turning point of a branch: no member lies beyond it nearby."""
 
     value: float
@@ -47,7 +48,7 @@ class Fold:
 
 
 @dataclass(frozen=True, eq=False)
-class BranchPoint:
+class BranchPoint(Record):
     """A static boundary on a branch: another branch of members crosses it there."""
 
     value: float
@@ -110,9 +111,7 @@ class BranchPoint:
         return _switched(self, end, points, side)
 
 
-class Branch(NamedTuple):
-    """A run of members found by continuation along `at`."""
-
+class _Members(NamedTuple):
     at: Floats
     """Family parameter, shape (n,)."""
     state: Floats
@@ -127,9 +126,15 @@ class Branch(NamedTuple):
     """Points between two members at which another branch crosses, in order."""
 
 
+class Branch(TupleRecord, _Members):
+    """A run of members found by continuation along `at`."""
+
+    __slots__ = ()
+
+
 def branch(
-    family: Family, start: float, stop: float, parameters: ArrayLike, *, points: int = 101,
-    guess: ArrayLike | None = None, fixed: Sequence[float] = (), arclength: bool = False,
+    family: Family, start: float, stop: float, parameters: Any = (), *, points: int = 101,
+    guess: ArrayLike | None = None, fixed: Any = (), arclength: bool = False, **named: float,
 ) -> Branch:  # fmt: skip
     """Follow a family along its first `at`: tangent predictor, Newton's method as corrector.
 
@@ -140,16 +145,18 @@ def branch(
     start, stop
         Interval of the first family parameter; either may be the larger.
     parameters
-        The system's other parameters, shape (m,).
+        The system's other parameters, shape (m,), or by name.
     points
         Number of members, evenly spaced.  With arclength: members lie no farther apart than with
         so many, both in the parameter and, in their own size, in the unknowns.
     guess
         First guess of the unknowns at `start`, shape (u,); the family's guess when left out.
     fixed
-        Values of the further family parameters, if the family has more than one.
+        Values of the further family parameters, if the family has more than one; or by name.
     arclength
         Whether to go round folds, until the branch reaches `stop`, returns to `start`, or closes.
+    **named
+        Parameters and further family parameters by name, in place of `parameters` and `fixed`.
 
     Returns
     -------
@@ -166,18 +173,14 @@ def branch(
     Examples
     --------
     >>> from stability.bodies.thin_disk.disk_families import disk_family
-    >>> run = branch(disk_family("tumbling", "viscous"), 1.5, 0.1, [0.25, 0.3], points=5)
+    >>> run = branch(disk_family("tumbling", "viscous"), 1.5, 0.1, k=0.25, mu=0.3, points=5)
     >>> run.complete, float(run.state[0, 2].round(6))
     (True, 2.00251)
     """
     instance("family", family, Family, "give a Family, such as system.steady(at, guess={…}) finds")
     points = whole_number("points", points, 2, MOST_POINTS, "follow a longer branch in pieces")
     lo, hi = one_number("start", start), one_number("stop", stop)
-    rest = rows("fixed", fixed, family.at[1:])
-    q = rows("parameters", parameters, family.parameters)
-    for what, given in (("fixed", rest), ("parameters", q)):
-        if given.ndim != 1:
-            raise ParameterError(f"{what} has shape {given.shape}; give one axis of numbers.")
+    rest, q = numbers_of(family, fixed, parameters, named)
     u = family.solve(np.array([[lo, *rest]]), q[None], guess)
     curve = Curve(family.graph, len(family.at), np.array([0.0, *rest, *q]),
                   np.eye(len(rest) + len(q) + 1)[0])  # fmt: skip
@@ -340,11 +343,8 @@ def _switched(point: BranchPoint, stop: float, points: int, side: int) -> Branch
         )
     # the first point is a prediction, and the branch point takes its place
     found = trace._replace(z=np.vstack([point._z, trace.z[1:]]))
-    z, ended, complete = (
-        found.z,
-        f"ended at {family.at[0]} = {found.z[-1, -1]:.6g}: {found.ended}",
-        False,
-    )
+    z, complete = found.z, False
+    ended = f"ended at {family.at[0]} = {found.z[-1, -1]:.6g}: {found.ended}"
     if not trace.ended:
         back = 2 * point.value - stop
         z, ended, complete = _landed(family, curve, found, back, stop)

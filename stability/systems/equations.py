@@ -14,13 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..algebra.program import Program
 from ..base.checks import broadcast, known, rows
 from ..base.errors import DomainError, ParameterError, shown
-from ..base.types import fields_of
+from ..base.types import Record, content
 from .condition import Condition
+from .serialisation import Portable
 from .system_checks import check_implicit, check_system, expression, mapping, names
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Equations:
+class Equations(Portable, Record):
     """The record of equations of motion that families read; `System` is its public name.
 
     Parameters and errors are those of `stability.systems.system.System`.
@@ -50,8 +51,6 @@ class Equations:
     """Right-hand side of the implicit form, or None."""
     unknowns: tuple[str, ...] = ()
     """Names of the implicit form's unknowns: accelerations and contact forces."""
-
-    __getstate__ = fields_of
 
     def __repr__(self) -> str:
         said = [_counted("state", self.states), _counted("parameter", self.parameters)]
@@ -159,6 +158,22 @@ class Equations:
         outputs = [self.rhs, *self.observables.values()]
         names = ["rates", *self.observables]
         return ca.Function(_identifier(self.name), [self.x, self.p], outputs, ["x", "p"], names)
+
+    @cached_property
+    def _graph(self) -> str:
+        """The whole graph as a text: its instructions, names and the bits of its numbers."""
+        given = [self.rhs, *self.observables.values(), *(c.value for c in self.conditions)]
+        given += [e for e in (self.mass, self.forcing) if e is not None]
+        return str(ca.Function("all", [self.x, self.p], given).serialize())
+
+    def _content(self) -> tuple[Any, ...]:
+        words = [c.sentence for c in self.conditions]
+        own = (self.name, self.states, self.parameters, tuple(self.observables), words, self.units,
+               self.unknowns, self.mass is None)  # fmt: skip
+        return (type(self), content(own), self._graph)
+
+    def __hash__(self) -> int:  # the graph is read only where names are the same
+        return hash((type(self), self.name, self.states, self.parameters))
 
     @cached_property
     def _program(self) -> Program:

@@ -15,7 +15,7 @@ from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
 from ..base.errors import DomainError, NameUnknownError, NoMemberError, ParameterError, shown
-from ..base.types import Floats, fields_of
+from ..base.types import Floats, Record, fields_of
 from .equations import Equations
 from .following.members import Found, find
 from .following.members import listing as listing
@@ -31,7 +31,7 @@ UNKNOWN = 1e-10
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Family:
+class Family(Record):
     """A family of steady motions of a `System`, named by one or more parameters `at`.
 
     Every state is either named in `at`, held at a value, or solved for.  A member is a root of the
@@ -114,6 +114,12 @@ class Family:
     """A known member, from which the others are followed; `System.steady` finds it."""
 
     __getstate__ = fields_of
+
+    def _content(self) -> tuple[Any, ...]:
+        return (*super()._content(), tuple(self.unknown))  # their order is that of the guesses
+
+    def __hash__(self) -> int:
+        return hash((self.system, self.name, self.at))
 
     def __repr__(self) -> str:
         return f"<Family {self.name} of {self.system.name}, named by {', '.join(self.at)}>"

@@ -330,3 +330,39 @@ def check_implicit(
     if ca.SX(mass).nnz() == 0:
         raise ParameterError("mass is zero; give a matrix that can be solved.")
     return pairs
+
+
+def numbers_of(
+    family: Any, fixed: Any, parameters: Any, named: Mapping[str, float]
+) -> tuple[Floats, Floats]:
+    """Further family parameters and parameters of a branch, as arrays of one axis.
+
+    Parameters
+    ----------
+    family
+        The family.
+    fixed, parameters
+        Numbers in order, or by name.
+    named
+        Numbers by name that the call gives as keywords, in place of these.
+    """
+    for name in named:
+        known("parameter", name, (*family.at[1:], *family.parameters))
+    found = []
+    for what, given, names in (
+        ("fixed", fixed, family.at[1:]), ("parameters", parameters, family.parameters)
+    ):  # fmt: skip
+        table = given if isinstance(given, Mapping) else {}
+        own = {n: v for n, v in named.items() if n in names}
+        if own and len(given):
+            raise ParameterError(f"{next(iter(own))} is given by name and in {what}; give it once.")
+        table = table or own
+        for name in (*table, *names) if table else ():
+            known(what, name, names)
+            if name not in table:
+                raise ParameterError(f"{name} is missing; give {', '.join(names)}.")
+        array = rows(what, [table[n] for n in names] if table else given, names)
+        if array.ndim != 1:
+            raise ParameterError(f"{what} has shape {array.shape}; give one axis of numbers.")
+        found.append(array)
+    return found[0], found[1]

@@ -122,7 +122,7 @@ def test_force_replaces_its_own_files_and_leaves_others(folder: Path, tmp_path: 
     with pytest.raises(st.StabilityError, match="not empty"):
         atlas(target, resolution=8, workers=1)
     before = (target / "index.html").read_text()
-    atlas(target, resolution=8, workers=1, force=True)
+    atlas(target, resolution=8, workers=1, overwrite=True)
     assert (target / "notes.txt").read_text() == "mine"
     assert (target / "index.html").read_text() != before
     assert [p.name for p in tmp_path.iterdir()] == ["atlas"]
@@ -133,7 +133,7 @@ def test_a_folder_in_the_way_stops_it_before_anything_is_moved(tmp_path: Path) -
     target = tmp_path / "atlas"
     (target / "rolling-disk.png").mkdir(parents=True)
     with pytest.raises(st.StabilityError, match="in the way"):
-        atlas(target, resolution=8, workers=1, force=True)
+        atlas(target, resolution=8, workers=1, overwrite=True)
     assert [p.name for p in target.iterdir()] == ["rolling-disk.png"]
     assert [p.name for p in tmp_path.iterdir()] == ["atlas"]
 

@@ -241,7 +241,7 @@ def test_a_subclass_of_a_stored_law_does_not_get_its_polynomials() -> None:
         (lambda: Homeless(), "parameter nu and no such field"),
         (lambda: Weakening(-1.0), "nu is -1"),
         (lambda: Weakening(None), "nu is None"),
-        (lambda: st.spectrum("rolling", contact=Weakening, at=2.0), "contact is"),
+        (lambda: st.spectrum("rolling", contact=Weakening, at=2.0), "give Weakening"),
         (lambda: st.spectrum("circling", contact=Weakening(0.3), at=[1.0, 1.0]), "rough disk"),
         (lambda: st.drift(at=2.0, tilt=0.1, contact=Weakening(0.3)), "drift needs a law"),
         (

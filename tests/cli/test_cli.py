@@ -313,7 +313,6 @@ ASK = ["spectrum", "rolling", "--at", "1.2", "--mu", "0.3"]
         (["table", "conditions", "--k", "0.7"], "(0, 1/2]"),
         (["table", "conditions", "--mu", "0"], "--contact smooth"),
         (["fly"], "invalid choice: 'fly'"),
-        ([], "COMMAND"),
     ],
 )
 def test_bad_questions_get_one_sentence(
@@ -335,7 +334,7 @@ def test_bad_questions_get_one_sentence(
         ({"--x": "at:1:2:5:log:x"}, "NAME:LO:HI:N"),
         ({"--x": "at:1:2:5:cubic"}, "'linear' or 'log'"),
         ({"--x": "at:-1:2:5:log"}, "starts above zero"),
-        ({"--x": "depth:1:2:5"}, "known for rolling are at, k, mass"),
+        ({"--x": "depth:1:2:5"}, "known for rolling are at, omega3, k, mass"),
         ({"--x": "mu:1:2:5"}, "two different"),
         ({"--y": "mu:0:2:5"}, "--contact smooth"),
         ({"--y": "k:0.1:0.7:5", "--mu": "1"}, "(0, 1/2]"),
@@ -345,7 +344,7 @@ def test_bad_questions_get_one_sentence(
         ({"--at": "1"}, "given as --at and as an axis"),
         ({"--y": "k:0.1:0.5:5", "--mu": "1", "--k": "0.3"}, "given as --k and as an axis"),
         ({"--x": "k:0.1:0.5:5"}, "at is missing"),
-        ({"--contact": "rough"}, "known for rolling are at, k, mass, radius, gravity"),
+        ({"--contact": "rough"}, "known for rolling are at, omega3, k, mass, radius, gravity"),
         ({"--plot": "map.txt"}, "must end in .png"),
         ({"--out": "map.png", "--plot": "map.png"}, "must end in .nc"),
         ({"--out": "."}, "is a folder"),
@@ -403,13 +402,13 @@ def test_nothing_is_overwritten_without_force(
 ) -> None:
     target = tmp_path / "map.nc"
     target.write_text("precious")
-    assert "--force" in refused(capsys, *MAP, "--out", str(target))
+    assert "--overwrite" in refused(capsys, *MAP, "--out", str(target))
     assert target.read_text() == "precious"
     output(capsys, *MAP, "--out", str(target), "--force")
     folder = tmp_path / "atlas"
     folder.mkdir()
     (folder / "mine.txt").write_text("precious")
-    assert "--force" in refused(capsys, "atlas", "--out", str(folder))
+    assert "--overwrite" in refused(capsys, "atlas", "--out", str(folder))
     assert [p.name for p in folder.iterdir()] == ["mine.txt"]
 
 

@@ -153,7 +153,7 @@ CALLS: dict[str, tuple[Callable[[], Any], str]] = {
     "graph": (lambda: st.stability_map("rolling", x=ca.SX.sym("q", 300), y=()), "x is a SX"),  # type: ignore[arg-type]
     "long double": (lambda: _spring(np.longdouble("1e4000")), "forcing is"),
     "words": (lambda: st.Viscous(0.3).force("ab", 1, 0.5), "of one number type"),
-    "verdict": (lambda: st.Verdict(np.zeros(0)), "known are Verdict.UNDECIDED"),
+    "verdict": (lambda: st.Verdict(np.zeros(0)), "give undecided, stable, unstable, neutral"),
     "law": (lambda: st.disk_system(ca.DM(1)), "known are smooth"),  # type: ignore[arg-type]
     "flag": (lambda: st.write_map(_small(), "x.nc", overwrite=np.ones(2)), "True or False"),  # type: ignore[arg-type]
     "shapes": (lambda: st.Disk(mass=[1, 2], radius=[1, 2, 3]), "do not broadcast"),

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -267,6 +268,7 @@ def test_a_function_without_taylor_series_goes_another_way() -> None:
 
 
 PENDULUM = pendulum()
+OTHER = replace(PENDULUM, name="other")
 REFUSED: list[tuple[str, Callable[[], Any], str]] = [
     ("unnamed state", lambda: st.simulate(PENDULUM, [1, 0], {"angle": 1.0}, 1.0), "not name rate"),
     ("stranger", lambda: st.simulate(PENDULUM, {"g": 1, "mu": 1}, [1, 0], 1.0), "known are g, c"),
@@ -276,7 +278,7 @@ REFUSED: list[tuple[str, Callable[[], Any], str]] = [
     ("pose", lambda: st.simulate(PENDULUM, [1, 0], [1, 0], 1.0, pose=True), "only a disk"),
     ("mass", lambda: st.simulate(PENDULUM, [1, 0], [1, 0], 1.0, method="idas"), "mass matrix"),
     ("other's", lambda: st.simulate(
-        PENDULUM, [1, 0], [1, 0], 1.0, families=hanging(pendulum())), "another system"),
+        PENDULUM, [1, 0], [1, 0], 1.0, families=hanging(OTHER)), "another system"),
     ("no family", lambda: st.simulate(PENDULUM, [1, 0], [1, 0], 1.0, families=[3]), "families is"),
     ("disk", lambda: st.simulate(
         st.Disk(), st.Smooth(), {"theta": 1.0}, 1.0, families=[hanging(PENDULUM)]), "leave them"),

@@ -140,9 +140,9 @@ def test_maps_of_odd_names_survive_the_file(tmp_path: Path) -> None:
 
 def test_records_count_in_the_singular_and_the_plural() -> None:
     family = decay(("gain", "loss"))
-    assert repr(st.spectrum(family, at=1.0, loss=2.0)).endswith("stable, 1 eigenvalue>")
+    assert repr(st.spectrum(family, at=1.0, loss=2.0)).endswith("stable; 1 eigenvalue: -1>")
     grid = st.spectrum(family, at=np.ones((2, 3)), loss=2.0)
-    assert repr(grid).endswith("2 x 3 points, 1 eigenvalue>")
+    assert "2 x 3 points: 6 stable; 1 eigenvalue each" in repr(grid)
     assert repr(st.boundaries(family, axis=("gain", 0, 1, 5), loss=0.5)).startswith("<1 boundary ")
     assert repr(st.boundaries(family, axis=("gain", 0, 1, 5), loss=5.0)).startswith(
         "<0 boundaries "

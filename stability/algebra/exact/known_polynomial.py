@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 from ...base.checks import arithmetic
 from ...base.errors import ParameterError, shown
+from ...base.types import content
 from ..number_types import Algebra
 from ..polynomial import Polynomial
 
@@ -85,6 +86,12 @@ class ExactPolynomial(ABC):
     derived: ClassVar[bool] = False
     """Whether polynomial and conditions are proved for every member and a member's unknowns are
     unique.  The comparison at first use is then left out."""
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and content(vars(self)) == content(vars(other))
+
+    def __hash__(self) -> int:
+        return hash((type(self), content(vars(self))))
 
     @abstractmethod
     def coefficients(self, values: Mapping[str, Any], algebra: Algebra) -> Sequence[Sequence[Any]]:

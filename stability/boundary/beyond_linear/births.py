@@ -8,9 +8,9 @@ import numpy as np
 from flint import arb
 
 from ...algebra.balls import precision, upper
-from ...base.axis import Axis, AxisLike
+from ...base.axis import AxisLike
 from ...base.errors import ParameterError, StabilityError
-from ...spectra.arguments import prepare
+from ...spectra.arguments import axis_of, prepare
 from ...systems.family import Family
 from ...systems.structure.linearity import linear
 from ...systems.structure.structural_zeros import structure
@@ -54,7 +54,7 @@ def births(
         If the family is conservative, or eigenvalues vanish by structure for another reason than
         a line of steady motions or states on which nothing depends.
     """
-    grid = Axis.of(axis, "axis", most=MOST_SCAN)
+    grid = axis_of(family, axis, "axis", MOST_SCAN)
     named = "at" in (*family.at, *family.parameters)  # then it is a parameter like any other
     at = None if named else parameters.pop("at", None)
     problem = prepare(family, (grid,), None, None, at, parameters)

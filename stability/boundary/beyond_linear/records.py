@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.checks import Sentences, checked
+from ...base.checks import checked
 from ...base.errors import ParameterError
-from ...base.types import Floats
+from ...base.types import Floats, Record, Sentences
 
 
 class HopfKind(Sentences):
@@ -34,8 +34,8 @@ class HopfKind(Sentences):
         return self.name.lower()
 
 
-@dataclass(frozen=True)
-class HopfPoint:
+@dataclass(frozen=True, eq=False)
+class HopfPoint(Record):
     """A flutter boundary along a line of steady motions, with its normal form."""
 
     at: float
@@ -114,8 +114,8 @@ class Onset(Sentences):
         return self.name.lower()
 
 
-@dataclass(frozen=True)
-class CycleBirth:
+@dataclass(frozen=True, eq=False)
+class CycleBirth(Record):
     """A flutter boundary of isolated steady motions, with its first Lyapunov coefficient.
 
     Each bound is proved in ball arithmetic: the true number is within it.  All four numbers are NaN

@@ -282,3 +282,19 @@ def _even(a: Sequence[Poly], budget: Budget) -> list[tuple[str, str, Poly, int]]
             for k, d in enumerate(kept, start=m - len(kept) + 1)
         ]  # fmt: skip
     return named
+
+
+def closed_forms(reading: Reading) -> tuple[tuple[str, str], ...]:
+    """Closed forms; a function whose name is only a number is left out where nothing names it.
+
+    Parameters
+    ----------
+    reading
+        The family's Jacobian.
+    """
+    found = [(i, reading.text(v)) for i, v in reading.triangular.solved.items()]
+    named = {i: reading.name(i) for i, _ in found}
+    texts = " ".join(text for _, text in found)
+    kept = [i for i, name in named.items()
+            if i < len(reading.base) or "(" in name or name in texts]  # fmt: skip
+    return tuple((named[i], text) for i, text in found if i in kept)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...base.checks import instance, real_numbers
 from ...base.errors import ParameterError, shown
-from ...base.types import Floats
+from ...base.types import Floats, Record, fields_of
 from ...bodies.model import system_model
 from ...integrators.dense import dense
 from ...integrators.flow import Flow, flow_of
@@ -29,7 +29,7 @@ DOUBT = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class ReducedModel:
+class ReducedModel(Record):
     """A model with fewer states than the full one, and the maps between their states.
 
     Parameters
@@ -65,6 +65,8 @@ class ReducedModel:
     """Full states and parameters → states and parameters of this system."""
     up: Callable[[Floats, Floats], Any]
     """States, shape (…, n), and parameters of this system → full states, shape (…, s)."""
+
+    __getstate__ = fields_of
 
     def __post_init__(self) -> None:
         if not (isinstance(self.name, str) and self.name.strip() and self.name.isprintable()):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from ...algebra.running_error import RunningError, running_error_arrays
-from ...base.types import Floats
+from ...base.types import Floats, Record
 from ..graph.family_graph import FamilyGraph
 
 DIFFERENCE = 6e-6
@@ -26,13 +26,13 @@ FLAT = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class Curve(Record):
     """Members as points z = (unknowns, share) on r(z) = 0, along a line of given numbers.
 
     The share counts from `start`, in units of `turn`; both hold (family parameters, parameters).
     """
 
-    graph: FamilyGraph
+    graph: FamilyGraph = field(compare=False)
     """The family's graph."""
     cut: int
     """Number of family parameters."""

@@ -54,6 +54,7 @@ class FamilyGraph:
     """
 
     def __init__(self, frame: Frame) -> None:
+        self._frame = frame
         self._system = system = frame.system
         self._zero = frame.zero
         others = [n for n in system.parameters if n not in frame.at]
@@ -87,6 +88,9 @@ class FamilyGraph:
     def numbers(self) -> tuple[list[float], tuple[float, ...]]:
         """Doubles that are read as they are, and doubles that are read as decimals."""
         return self._constants.values, self._constants.read
+
+    def __reduce__(self) -> tuple[type[FamilyGraph], tuple[Frame]]:
+        return FamilyGraph, (self._frame,)  # built again: compiled programs have no pickle
 
     def _program(self, name: str, *outputs: Any, more: Sequence[ca.SX] = ()) -> Program:
         inputs = [*self._inputs, *more, self._constants.column]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ...algebra.running_error import UNIT
 from ...base.checks import rows
 from ...base.errors import DomainError, ParameterError, shown
-from ...base.types import Floats
+from ...base.types import Floats, content
 from ..equations import Equations
 from ..system_checks import check_names
 
@@ -65,6 +65,10 @@ class NumericSystem(Equations):
 
     def __getstate__(self) -> dict[str, Any]:
         return dict(self.__dict__)
+
+    def _content(self) -> tuple[Any, ...]:
+        own = (self.name, self.states, self.parameters, self.units, self.__dict__["_call"])
+        return (type(self), content(own))
 
     @property
     def no_graph(self) -> str:

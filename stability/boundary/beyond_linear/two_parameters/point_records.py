@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, overload
 
-from ....base.checks import Sentences
 from ....base.errors import StabilityWarning
+from ....base.types import Record, Sentences
 
 
 class PointKind(Sentences):
@@ -61,7 +61,7 @@ class UnresolvedBox(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class CodimensionTwo(Sequence[DegeneratePoint]):
+class CodimensionTwo(Record, Sequence[DegeneratePoint]):
     """Every point that a search found, and what it left open.
 
     A sequence of its points, sorted by kind and x.

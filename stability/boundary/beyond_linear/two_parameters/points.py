@@ -14,7 +14,7 @@ from ....base.axis import Axis, AxisLike
 from ....base.errors import ParameterError
 from ....bodies.contact import Contact
 from ....bodies.disk import Disk
-from ....spectra.arguments import prepare
+from ....spectra.arguments import axis_of, prepare
 from ....spectra.problem import Problem
 from ....systems.family import Family
 from ....systems.structure.structural_zeros import structure
@@ -57,7 +57,7 @@ def codimension_two(
     x: AxisLike,
     y: AxisLike,
     disk: Disk | None = None,
-    contact: Contact | None = None,
+    contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
     **parameters: ArrayLike,
 ) -> CodimensionTwo:
@@ -110,7 +110,7 @@ def codimension_two(
     >>> [(p.kind.word, p.x, p.y) for p in found], found.complete
     ([('double zero', 0.0, 0.0)], True)
     """
-    axes = (Axis.of(x, "x", most=MOST_LINES), Axis.of(y, "y", most=MOST_LINES))
+    axes = (axis_of(family, x, "x", MOST_LINES), axis_of(family, y, "y", MOST_LINES))
     problem = prepare(family, axes, disk, contact, at, dict(parameters))
     result = in_plane(problem, axes)
     result.warn()

@@ -1,0 +1,88 @@
+"""Names, units and provenance of the numbers of a spectrum or of a map."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from ...base.quantities import Kind, rate_unit
+from ...base.verdict import CODES
+from ...base.version import __version__
+from ...bodies.thin_disk.disk_quantities import disk_quantities
+
+FORMAT = "stability map 1"
+"""Attribute `format` of a file of a map, or of a spectrum."""
+LIBRARIES = ("casadi", "numpy", "scipy", "python-flint", "xarray")
+
+
+def axis_attributes(asked: Any, name: str) -> dict[str, str]:
+    """Long name, unit and quantity of a parameter of a `Problem` or a `Spectrum`."""
+    if asked.law is None:
+        unit = asked.family.system.units.get(name, "1")
+        return {"units": unit, "long_name": name, "quantity": name}
+    meaning = asked.family.at[0] if name == "at" else name
+    known = disk_quantities(type(asked.law)).get(meaning)
+    if known is None:
+        return {"units": "1", "long_name": meaning, "quantity": meaning}
+    return known.attributes(dimensionless=asked.dimensionless) | {"quantity": meaning}
+
+
+def rate_attributes(asked: Any) -> dict[str, str]:
+    """Unit of rates of a `Problem` or a `Spectrum`: the disk's, or from a user's units."""
+    if asked.law is None:
+        return {"units": rate_unit(asked.family.system.units)}
+    return Kind.GROWTH_RATE.attributes(dimensionless=asked.dimensionless)
+
+
+def verdict_attributes() -> dict[str, Any]:
+    """Flags of the verdicts and their sentences."""
+    return {
+        "flag_values": np.array(list(CODES.values()), dtype=np.int8),
+        "flag_meanings": " ".join(v.word for v in CODES),
+        "long_name": "spectral verdict",
+        "comment": "; ".join(str(v.value) for v in CODES),
+    }
+
+
+def origin(asked: Any, fixed: Mapping[str, Any], **more: Any) -> dict[str, Any]:
+    """Origin of a result: family, numbers, source, versions, the time.
+
+    Parameters
+    ----------
+    asked
+        A `Problem` or a `Spectrum`.
+    fixed
+        Numbers by name, in the user's units.
+    **more
+        Further entries, before the source.
+
+    Returns
+    -------
+    dict
+        Strings and numbers that fit in a file's attributes.
+    """
+    family = asked.family
+    return {
+        "format": FORMAT,
+        "title": f"{family.name} of {family.system.name}: spectral stability",
+        "family": family.name,
+        "system": family.system.name,
+        **({"contact": asked.law.name} if asked.law else {}),
+        "at": ", ".join(family.at),
+        "parameters": json.dumps({n: float(v) for n, v in fixed.items()}, sort_keys=True),
+        **({"dimensionless": int(asked.dimensionless)} if asked.law else {}),
+        **more,
+        "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
+        "204-231, linearisation recomputed" if asked.law else "user's system",
+        "software": f"stability {__version__}",
+        "versions": ", ".join(f"{n} {version(n)}" for n in LIBRARIES)
+        + f", python {platform.python_version()}",
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "Conventions": "CF-1.11",
+    }  # fmt: skip
