@@ -19,6 +19,8 @@ from .rungs.track import Problem, Track
 PEAKS, ZOOMS, FLAT_TOP = 300, 16, 0.1
 """Intervals in which the largest tilt is sought; the most zooms into one; the range of values, over
 the distance from flat, below which a polynomial finds the largest."""
+STEEPER = 0.1
+"""Share by which the tilt may rise faster between two samples than at them."""
 LOCAL = 12
 """Points of a stretch on which a largest value or a crossing is found."""
 SIDES = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
@@ -147,12 +149,17 @@ def largest_tilt(problem: Problem, track: Track) -> Found:  # noqa: ARG001
 
 
 def _peaks(times: Floats, tilt: Floats, rate: Floats) -> list[tuple[int, float]]:
-    """Intervals in which the tilt turns, and where the tangents meet there, highest first."""
+    """Intervals in which the tilt turns, and how high it may be there, highest first.
+
+    That is where the tangents meet, and more, since a tilt rises faster on its way to a passage
+    near flat.
+    """
     turns = np.flatnonzero((rate[:-1] > 0) & (rate[1:] < 0))
     if not turns.size:
         return []
     a, b, h = rate[turns], rate[turns + 1], np.diff(times)[turns]
     high = tilt[turns] + a * (tilt[turns + 1] - tilt[turns] - b * h) / (a - b)
+    high += STEEPER * h * np.maximum(a, -b)
     order = np.argsort(high)[::-1][:PEAKS]
     return [(int(turns[k]), float(high[k])) for k in order]
 
