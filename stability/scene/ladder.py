@@ -170,7 +170,7 @@ def price_of_full(problem: Problem, length: float | None = None) -> float:
         asked = max(FINEST, min(COARSEST, STIFF * problem.tolerance))
         turn = turns * PER_RATE * TURN[name] * (asked / 1e-6) ** -TURN_POWER
         stiff = IMPLICIT + RUNS * turn * STEP[name]
-        return BASE + min(RUNS * max(steps, decay) * STEP[name], stiff)
+        return BASE + float(min(RUNS * max(steps, decay) * STEP[name], stiff))
     return BASE + RUNS * steps * STEP[name]
 
 

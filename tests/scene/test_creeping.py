@@ -77,6 +77,20 @@ def test_creep_gives_way_before_a_lift_off_and_the_full_model_meets_the_event() 
             assert run.attrs["outcome"] in ("moving", "settled")
 
 
+def test_no_full_model_runs_where_the_motion_ends_before_creep(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError("the full model ran")
+
+    monkeypatch.setattr("stability.scene.rungs.creeping.full", refuse)
+    start = np.array([1.07, -1.2, -2.1, -0.2, 0.0, 0.0])
+    orders, _, told = creeping(_problem(5000.0, 200.0, 1e-6, start))
+    assert not isinstance(told, Track)
+    assert "before the slip has decayed" in told.why
+    assert not orders
+
+
 def test_laws_whose_slip_does_not_relax_have_no_creep() -> None:
     for law in (st.Smooth(), st.Rough(), st.Coulomb(0.3)):
         launches = gather(st.Disk(), law, {"theta": 1.3, "omega3": 1.2}, 1.0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import airy
 
+from stability.scene.rungs import elements
 from stability.scene.rungs.elements import Elements, Linear, carried, chebyshev
 
 
@@ -77,3 +78,18 @@ def test_the_first_elements_alone_give_the_same_solution() -> None:
     whole = Linear.along(some, matrices)
     part = whole.first(3).solve(none[:3], exact[0, 0])
     assert part == pytest.approx(whole.solve(none, exact[0, 0])[:3], abs=1e-15)
+
+
+@pytest.mark.parametrize("n", [2, 4, 5])
+def test_steps_by_machine_code_are_those_of_numpy(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    some, rng = Elements(np.array([0.0, 0.4, 1.0]), 9), np.random.default_rng(n)
+    matrices = rng.normal(size=(2, 9, n, n))
+    defect, start = rng.normal(size=(2, 9, n, 3)), rng.normal(size=(n, 3))
+    mine = Linear.along(some, matrices)
+    monkeypatch.setattr(elements, "available", lambda: False)
+    other = Linear.along(some, matrices)
+    assert mine.step == pytest.approx(other.step, abs=1e-13)
+    assert mine.half == pytest.approx(other.half, abs=1e-13)
+    for i in range(3):  # each solution alone is that among several
+        one = other.solve(defect[..., i], start[:, i])
+        assert mine.solve(defect, start)[..., i] == pytest.approx(one, abs=1e-12)

@@ -267,3 +267,14 @@ def test_an_answer_that_was_once_outside_its_tolerance(
     answer = scene.verify()
     assert answer.true_error <= tolerance
     assert answer.estimate <= tolerance
+
+
+def test_the_largest_tilt_is_not_passed_over_where_tangents_meet_below_it() -> None:
+    """A tilt may rise faster between two samples than at them; the truth is by dense samples."""
+    start = [0.457136611, 0.037003631, 0.655572591, 0.722622832, 2.47271907e-4, -9.86218573e-4]
+    disk, law = st.Disk(k=0.2852856659488584), st.LinearViscous(0.004705502372324683)
+    scene = st.Scene(disk, law, start, 60.0, 1e-5, quantities=("largest_tilt",))
+    run = st.simulate(disk, law, start, np.linspace(36.95, 37.05, 2001), tolerance=1e-12)
+    tilt = float(np.abs(np.pi / 2 - run.theta.values).max())
+    assert tilt > 1.5702
+    assert scene.answer().value > tilt - 1e-5

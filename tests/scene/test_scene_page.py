@@ -216,6 +216,15 @@ def test_creep_is_left_and_entered_again() -> None:
     assert answer.estimate <= asked.tolerance
 
 
+def test_creep_is_given_up_before_a_stretch_that_may_cost_as_much_as_the_whole() -> None:
+    asked = st.Scene(contact=st.Viscous(1300.0), start=DIPPING, horizon=7.0, tolerance=1e-4)
+    *_, creep, last = asked.answer().rungs
+    assert (creep.name, last.name, last.chosen) == ("creep", "viscous", True)
+    assert "may cost as much as from the start" in creep.why
+    long = replace(asked, start={"theta": 1.3, "omega3": 2.0}, horizon=20.0)
+    assert long.answer().model.startswith("creep")
+
+
 # --- uncertain inputs, several laws ---
 
 

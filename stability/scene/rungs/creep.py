@@ -14,18 +14,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from ...algebra.program import Program
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
 from ...bodies.thin_disk.disk_equations import LEAST_RELAXATION
 from ...bodies.thin_disk.disk_model import LIFT_OFF, NO_CONTACT
 from ...bodies.thin_disk.held_disk import held_disk
 from ...integrators.dense import dense
-from ...integrators.flow import flow
+from ...integrators.flow import Flow, flow
 from ...integrators.leg import Leg
 from ...integrators.selection import METHODS, explicit
 from .elements import Elements, Linear
@@ -109,21 +112,22 @@ class Held:
     by_force: bool
     """Whether slip follows from the force alone and not from the force over the normal force."""
 
-    def motion(self, path: Floats, slip: Floats, rate: Floats) -> tuple[Floats, Floats]:
-        """Rates of the four states, shape (E, N, 4), and forces, shape (E, N, 3)."""
-        found = self._run(0, path, slip, rate)
+    def motion(self, path: Floats, *slip: Floats) -> tuple[Floats, Floats]:
+        """Rates, (E, N, 4), and forces, (E, N, 3), with a slip and its rate, (E, N, 2), or none."""
+        found = self._run(0, path, *slip)
         return found[..., :4], found[..., 4:]
 
-    def slope(self, path: Floats, slip: Floats, rate: Floats) -> Floats:
+    def slope(self, path: Floats, *slip: Floats) -> Floats:
         """Slope of the rates in the states, shape (E, N, 4, 4)."""
-        found = self._run(1, path, slip, rate)
+        found = self._run(1, path, *slip)
         columns = found.reshape(*path.shape[:-1], 4, 4)
         return np.ascontiguousarray(columns.swapaxes(-1, -2))
 
-    def _run(self, which: int, path: Floats, slip: Floats, rate: Floats) -> Floats:
-        points = np.empty((9, path.size // 4))
+    def _run(self, which: int, path: Floats, *slip: Floats) -> Floats:
+        points = np.zeros((9, path.size // 4))
         points[:4], points[4] = path.reshape(-1, 4).T, self.k
-        points[5:7], points[7:] = slip.reshape(-1, 2).T, rate.reshape(-1, 2).T
+        for i, part in enumerate(slip):
+            points[5 + 2 * i : 7 + 2 * i] = part.reshape(-1, 2).T
         found = held_disk()[which].many(points)
         return np.ascontiguousarray(found.T).reshape(*path.shape[:-1], -1)
 
@@ -189,8 +193,7 @@ def creep_path(
     if isinstance(rough, str):
         return rough
     elements, path, slope = rough
-    none = np.zeros((*path.shape[:-1], 2))
-    _, forces = held.motion(path, none, none)
+    _, forces = held.motion(path)
     slip = held.slip(forces)
     rate = elements.derivative(slip)
     relaxation = held.relaxation(forces, rate)
@@ -278,8 +281,7 @@ def _rough(
             break
         halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
         elements = Elements(np.union1d(elements.edges, halves), points)
-    none = np.zeros((*path.shape[:-1], 2))
-    slope = held.slope(path, none, none)
+    slope = held.slope(path)
     pieces = _pieces(elements, slope)
     if (pieces > 1).any():
         inner = np.repeat(elements.edges[:-1], pieces)
@@ -287,8 +289,7 @@ def _rough(
         edges = inner + share * np.repeat(elements.lengths, pieces)
         elements = Elements(np.append(edges, elements.edges[-1]), points)
         path = run.at(elements.times.ravel())[:, :4].reshape(-1, points, 4)
-        none = np.zeros((*path.shape[:-1], 2))
-        slope = held.slope(path, none, none)
+        slope = held.slope(path)
     return elements, path, slope
 
 
@@ -374,8 +375,7 @@ def _free(held: Held, states: Floats) -> Floats:
 
     Slip that was bound is free again while the normal force fades, and has to decay again.
     """
-    none = np.zeros((1, len(states), 2))
-    _, forces = held.motion(states[None, :, :4], none, none)
+    _, forces = held.motion(states[None, :, :4])
     bound = held.slip(forces)[0]
     apart = np.abs(states[:, 4:6] - bound).max(axis=1)
     fades = (forces[0, :, 2] <= 0) | (apart > np.abs(bound).max(axis=1))
@@ -387,8 +387,13 @@ def _pull(problem: Problem, held: Held, states: Floats) -> Floats:
     """Least rate at which slip decays: the inverse inertia at the rim is at least 1/m."""
     if held.by_force:
         return np.full(len(states), held.mu)
-    watch, places = problem.flow.quick.watch, list(problem.flow.guards)
-    lift, contact = places.index(LIFT_OFF), places.index(NO_CONTACT)
-    seen = np.array([watch(problem.flow_p, problem.flow.pack(y[:6]))[0] for y in states])
-    found: Floats = held.mu * seen[:, lift] / seen[:, contact]
+    rows = [problem.flow.pack(states[:, :6]).T, np.tile(problem.flow_p[:, None], len(states))]
+    found: Floats = held.mu * _normal(problem.flow).many(np.concatenate(rows))[0]
     return found
+
+
+@lru_cache(maxsize=8)
+def _normal(own: Flow) -> Program:
+    """Program of (y, p) → the normal force of the full model."""
+    force = own.guards[LIFT_OFF] / own.guards[NO_CONTACT]
+    return Program(ca.Function("normal", [own.x, own.p], [force]))

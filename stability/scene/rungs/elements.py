@@ -303,9 +303,9 @@ def _exponential(matrices: Any, one: Any) -> Any:
 @lru_cache(maxsize=MOST_COMPILED)
 def _program(n: int) -> Program:
     """`_steps` of matrices by rows, which are the columns of its transposes."""
-    slopes, h = [ca.SX.sym("A", n, n) for _ in range(3)], ca.SX.sym("h")
-    found = _steps(*(v.T for v in slopes), h, ca.SX.eye(n))
-    return Program(ca.Function("steps", [*slopes, h], [ca.densify(v.T) for v in found]))
+    (a, b, c), h = (ca.SX.sym("A", n, n) for _ in range(3)), ca.SX.sym("h")
+    found = _steps(a.T, b.T, c.T, h, ca.SX.eye(n))
+    return Program(ca.Function("steps", [a, b, c, h], [ca.densify(v.T) for v in found]))
 
 
 def carried(elements: Elements, matrices: Floats, defect: Floats, start: Floats) -> Floats:
