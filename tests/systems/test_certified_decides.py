@@ -34,9 +34,10 @@ def asked(one: Planted, p: float, planted_zeros: int, seed: int, count: Counter[
         count[f"{way} {word}"] += 1
         dropped = found.structural_zeros
         said = f"{seed} {one.chosen} p = {p!r} {way}: {word}, {dropped} zeros; {found.reason}"
-        if way == "double" and any(truth[:dropped]):
+        unplanned = any(truth[:dropped]) or dropped > planted_zeros
+        if way == "double" and unplanned:
             count["a zero within rounding, without a proof"] += 1  # as `escalate=False` says
-        elif any(truth[:dropped]) or dropped > planted_zeros:
+        elif unplanned:
             wrong.append(f"zeros dropped that are none: {said}")
         elif word != "undecided" and word != verdict_of(truth, dropped):
             wrong.append(f"truth {verdict_of(truth, dropped)}: {said}")
