@@ -265,5 +265,5 @@ def test_random_scenes_move_as_displaced_runs_of_the_full_model_say() -> None:
 
 @pytest.mark.long
 def test_many_random_scenes_move_as_displaced_runs_of_the_full_model_say() -> None:
-    found = [pair for number in range(90) for pair in held(number)]
+    found = [pair for number in range(150) for pair in held(number)]
     assert len(found) > 100
