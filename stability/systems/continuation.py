@@ -177,7 +177,8 @@ def branch(
     >>> run.complete, float(run.state[0, 2].round(6))
     (True, 2.00251)
     """
-    instance("family", family, Family, "give a Family, such as system.steady(at, guess={…}) finds")
+    instance("family", family, Family,
+             "give a stability.Family, such as system.steady(at, guess={…}) or disk_family(…)")  # fmt: skip
     points = whole_number("points", points, 2, MOST_POINTS, "follow a longer branch in pieces")
     lo, hi = one_number("start", start), one_number("stop", stop)
     rest, q = numbers_of(family, fixed, parameters, named)

@@ -53,7 +53,8 @@ def linear(system: Equations) -> bool:
     --------
     >>> from stability.systems.system import System
     >>> x = ca.SX.sym("x")
-    >>> [linear(System("s", x, [], f, states=("x",))) for f in (3 * x, (x + 1)**2 - x**2, x**2)]
+    >>> p = ca.SX.sym("p", 0)
+    >>> [linear(System("s", x, p, f, states=("x",))) for f in (3 * x, (x + 1)**2 - x**2, x**2)]
     [True, True, False]
     """
     try:
