@@ -34,7 +34,7 @@ GROWTH = 30.0
 """Exponent of growth above which no linear motion is small."""
 SAFETY = 3.0
 """Factor on the third order, for the orders above it and for its sampling."""
-DOUBTFUL, CHEAP, CLEAR = 3e-3, 1.5e-3, 0.01
+DOUBTFUL, CHEAP, CLEAR = 3e-3, 1.5e-3, 0.1
 """Expected times of the full model [s] up to which the closed forms are left out: where their third
 order may be above the tolerance at the horizon, and where it is not clearly below; the share of the
 tolerance that is."""
@@ -170,9 +170,12 @@ class Modes:
         return ends, SAFETY * relative(size, self.member)
 
 
-def _vain(problem: Problem, size: float, price: float) -> bool:
-    """Whether the full model may be done before the closed forms have turned out too coarse."""
-    third, tolerance = size**3 * max(1.0, problem.last), problem.tolerance
+def _vain(problem: Problem, size: float, price: float, length: float) -> bool:
+    """Whether the full model may be done before the closed forms have turned out too coarse.
+
+    The third order of a deviation of a size has grown for a length of time.
+    """
+    third, tolerance = size**3 * max(1.0, length), problem.tolerance
     limit = CLEAR * tolerance if price < CHEAP else tolerance
     return price < DOUBTFUL and third > limit and size > tolerance
 
@@ -221,7 +224,8 @@ def modes(
     if growth > GROWTH or size > FAR or (growth > 1 and not always and _hopeless(problem, size)):
         return Refused(f"the linear deviation from {family} grows e^{growth:.3g} times",
                        {"growth exponent to the horizon": growth})  # fmt: skip
-    if not always and _vain(problem, size, price):
+    length = 1.0 if growth > 1 else problem.last  # what grows has most of its size at the end
+    if not always and _vain(problem, size, price, length):
         return Refused(VAIN)
     bend = _bend(system).arrays(place, ())[0]
     if not np.isfinite(bend).all():
@@ -271,7 +275,7 @@ def near_steady(
         cube = f"{size:.2g}³ = {size**3:.2g} is above the tolerance"
         why = f"the start is {size:.2g} from {near.family}, and {cube}"
         return dict.fromkeys(every, Refused(why, where))
-    if not always and _vain(problem, size, price):
+    if not always and _vain(problem, size, price, problem.last):
         return dict.fromkeys(every, Refused(VAIN, where))
     found = modes(problem, near.member, near.family, always=always, price=price)
     if isinstance(found, Refused):
