@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..canvas import COLUMN, STYLE, figure_style, spacing  # isort: skip
+from ..canvas import COLUMN, STYLE, figure_style  # isort: skip
+from ..styled_figure import spacing  # isort: skip
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
