@@ -231,7 +231,7 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
 
 
 def _lines(spectra: Any) -> str:
-    """The caption's words on dashed lines, shared modes and circles: nothing of what is not drawn."""
+    """The caption's words on dashed lines, shared modes and circles, where these are drawn."""
     from ..figures.locus_modes import crossings, mode_groups, swept, tracked
 
     values, radius = tracked(spectra)

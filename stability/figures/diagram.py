@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     import xarray
 
 
-YELLOW, STRIP = "#f7d038", 1.2
-"""Colour and least width [pt] of the strip that encloses the boundary of a certified map."""
+YELLOW, OCHRE, STRIP = "#f7d038", "#6b5900", 1.2
+"""Colours and least width [pt] of the strip that encloses the boundary of a certified map."""
 LINES = {Crossing.STATIC: "-", Crossing.FLUTTER: (0, (4, 1.6)), Crossing.TOUCHING: ":"}
 
 
@@ -240,11 +240,12 @@ def _boxes(axes: Axes, dataset: xarray.Dataset) -> None:
     (x0, x1), (y0, y1) = (e.T for e in ends)
     corners = np.stack([np.stack([x0, x1, x1, x0], 1), np.stack([y0, y0, y1, y1], 1)], axis=-1)
     strip = dataset.box_verdict.values == CODES[Verdict.UNDECIDED]
-    for where, look, z in (
-        (~strip, {"facecolors": "none", "edgecolors": "white", "linewidths": 0.4}, 2.0),
-        (strip, {"facecolors": YELLOW, "edgecolors": "#6b5900", "linewidths": STRIP + 0.8}, 2.1),
-        (strip, {"facecolors": YELLOW, "edgecolors": YELLOW, "linewidths": STRIP}, 2.2),
-    ):
+    dark: dict[str, Any] = {"facecolors": YELLOW, "edgecolors": OCHRE, "linewidths": STRIP + 0.8}
+    looks: tuple[dict[str, Any], ...] = (
+        {"facecolors": "none", "edgecolors": "white", "linewidths": 0.4}, dark,
+        dark | {"edgecolors": YELLOW, "linewidths": STRIP},
+    )  # fmt: skip
+    for where, look, z in zip((~strip, strip, strip), looks, (2.0, 2.1, 2.2), strict=True):
         axes.add_collection(PolyCollection(corners[where], zorder=z, **look), autolim=False)
 
 
@@ -275,10 +276,10 @@ def _handles(axes: Axes, dataset: xarray.Dataset, nameless: set[Verdict]) -> lis
     """Entries of the legend: boundaries, points, boxes, and verdicts whose region has no word."""
     handles, _ = axes.get_legend_handles_labels()
     if "box_verdict" in dataset:
-        look = {"facecolor": YELLOW, "edgecolor": "#6b5900"}
-        handles.append(Patch(**look, linewidth=0.4, label="strip that encloses it"))
-        look = {"facecolor": DIVERGING(0.2), "edgecolor": "white"}
-        handles.append(Patch(**look, linewidth=0.8, label="proved box"))
+        handles.append(Patch(facecolor=YELLOW, edgecolor=OCHRE, linewidth=0.4,
+                             label="strip that encloses it"))  # fmt: skip
+        handles.append(Patch(facecolor=DIVERGING(0.2), edgecolor="white", linewidth=0.8,
+                             label="proved box"))  # fmt: skip
     return handles + [patch(v) for v in Verdict if v in nameless]
 
 

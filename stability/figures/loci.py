@@ -210,7 +210,8 @@ def _frequencies(axes: Axes, at: Floats, values: Complexes, groups: Groups) -> N
     every = np.abs(values.imag)
     if not every.any():
         axes.text(0.5, 0.5, "no oscillation: every eigenvalue is real", ha="center", va="center",
-                  transform=axes.transAxes, fontsize=small(), path_effects=HALO, zorder=5)  # fmt: skip
+                  transform=axes.transAxes, fontsize=small(), path_effects=HALO,
+                  zorder=5)  # fmt: skip
         axes.set_yticks([])
         return
     shown = np.ma.masked_equal(every, 0.0)

@@ -115,9 +115,7 @@ def mode_states(share: Floats, columns: Sequence[int], states: Sequence[str]) ->
     return [states[i] for i in np.argsort(-mean, kind="stable")]
 
 
-def mode_names(
-    spectrum: Spectrum, groups: Sequence[tuple[int, ...]]
-) -> list[str]:
+def mode_names(spectrum: Spectrum, groups: Sequence[tuple[int, ...]]) -> list[str]:
     """A name for each mode: the states that lead it, as many as it takes to have no name twice.
 
     Parameters

@@ -128,7 +128,8 @@ def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) 
     length = np.ravel(axes)[0].get_figure(root=True).get_figheight() * 72 * 0.7
 
     def place(value: float) -> float:
-        return float(norm(value)) * length
+        share: float = norm(value)
+        return share * length
 
     gap = 1.6 * matplotlib.rcParams["ytick.labelsize"]
     ticks, labels = signed_ticks(place, norm.vmin, norm.vmax, norm.linthresh, gap)

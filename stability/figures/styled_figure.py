@@ -21,6 +21,7 @@ from ..base.checks import positive
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, in_latex, plain_text
 
+
 class StyledFigure(Figure):
     """A figure that keeps its settings when it is drawn and saved: ticks and fonts are made then.
 
@@ -34,10 +35,12 @@ class StyledFigure(Figure):
             super().__init__(*args, **options)
 
     def draw(self, renderer: Any) -> None:
+        """Draw in the figure's own settings."""
         with figure_style(self.settings):
             super().draw(renderer)
 
     def savefig(self, *args: Any, **options: Any) -> None:
+        """Save in the figure's own settings, as `Figure.savefig` does."""
         with figure_style(self.settings):
             super().savefig(*args, **options)
 
@@ -195,7 +198,7 @@ def _height(legend: Legend) -> float:
     return float(legend.get_window_extent().height * 72 / legend.get_figure(root=True).dpi)  # type: ignore[union-attr]
 
 
-def note(axes: Axes, text: str) -> None:
+def note(axes: Axes, text: str, share: float = 1.0) -> None:
     """Write small lines under the label of the x axis.
 
     Parameters
@@ -204,16 +207,27 @@ def note(axes: Axes, text: str) -> None:
         The lowest axes.
     text
         What is fixed in the figure; nothing is written when empty.
+    share
+        Share of the figure's width that the lines may take.
     """
     if not text:
         return
     figure: Any = axes.get_figure(root=True)
-    letters = figure.get_figwidth() * 72 / (0.56 * small())
-    lines = "\n".join(textwrap.wrap(text, int(letters), break_long_words=False))
+    wide = share * figure.get_figwidth()
+    if not isinstance(figure, StyledFigure):  # axes of a user may have neighbours
+        wide = axes.get_window_extent().width / figure.dpi
+    letters = wide * 72 / (0.56 * small())
+    lines = wrapped(text, int(letters))
     axes.annotate(
         lines, (0.5, 0.0), (0, -2), xycoords=axes.xaxis.label, textcoords="offset points",
         ha="center", va="top", fontsize=small(), annotation_clip=False,
     )  # fmt: skip
+
+
+def wrapped(text: str, letters: int) -> str:
+    """Lines of at most so many letters; they end after a comma, not between number and unit."""
+    joined = text.replace(" ", "\u00a0").replace(",\u00a0", ", ")
+    return "\n".join(textwrap.wrap(joined, letters, break_long_words=False))
 
 
 def fixed(
