@@ -125,11 +125,10 @@ def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) 
     norm = mesh.norm
     bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=32, fraction=0.05)
     bar.set_label(label)
-    length = np.ravel(axes)[0].get_figure(root=True).get_figheight() * 72 * 0.7
+    length: float = np.ravel(axes)[0].get_figure(root=True).get_figheight() * 72 * 0.7
 
     def place(value: float) -> float:
-        share: float = norm(value)
-        return share * length
+        return float(norm(value)) * length
 
     gap = 1.6 * matplotlib.rcParams["ytick.labelsize"]
     ticks, labels = signed_ticks(place, norm.vmin, norm.vmax, norm.linthresh, gap)

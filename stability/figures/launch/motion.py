@@ -313,6 +313,7 @@ def _draw_energy(page: Any, motion: SingleRun) -> None:
     audit = np.abs(data.audit.values) / first
     seen = np.where(audit > 0, audit, np.nan)  # a log axis has no zero, so leave a gap
     lower.set_yscale("log")
+    lower.set_autoscaley_on(False)  # an audit of zeros alone has no range
     lower.plot(times, seen, label="audit", marker=".", markersize=1.2, linewidth=0.7,
                color=STROKES[0]["color"])  # fmt: skip
     tolerance = tolerance_of(data)
