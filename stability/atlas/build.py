@@ -166,7 +166,7 @@ def _move(folder: Path, target: Path) -> None:
 
 def _job(body: str, family: str, folder: str, resolution: int) -> Page:
     from ..figures.canvas import save
-    from ..figures.diagram import Strip, diagram
+    from ..figures.diagram import Strip, plot_map
     from ..maps.netcdf import write_map
 
     make, name, inertia = BODIES[body]
@@ -194,8 +194,9 @@ def _job(body: str, family: str, folder: str, resolution: int) -> Page:
         limits.append(
             f"{law.name}: " + (f"verdict changes at {where}" if where else "neutral throughout")
         )
-    save(diagram(dataset, above=strips[0], below=strips[1], title=f"{family}: {name}"), here / stem)
-    caption = _diagram_caption(family, name, inertia, dataset, limits)
+    figure = plot_map(dataset, above=strips[0], below=strips[1], title=f"{family}: {name}")
+    save(figure, here / stem)
+    caption = _diagram_caption(family, name, inertia, dataset, limits, strips)
     pictures = [Picture(stem, caption, f"Stability diagram of {family} of the {name}")]
     pictures += [_locus(here, body, family, mu, resolution) for mu in LOCUS_FRICTION]
     return Page(body, family, tuple(pictures), tuple(rows))
@@ -203,7 +204,7 @@ def _job(body: str, family: str, folder: str, resolution: int) -> Page:
 
 def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Picture:
     from ..figures.canvas import save
-    from ..figures.loci import locus
+    from ..figures.loci import plot_locus
 
     make, name, inertia = BODIES[body]
     disk = make()
@@ -214,31 +215,35 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
     points = boundaries(family, axis=("at", low, high, 301), disk=disk, contact=law)
     stem = f"locus-{family}-{body}-mu{mu:g}".replace(".", "_")
     title = rf"{family}: {name}, $\mu = {mu:g}$"
-    save(locus(spectra, thresholds=[p.value for p in points], title=title), here / stem)
+    save(plot_locus(spectra, thresholds=[p.value for p in points], title=title), here / stem)
     quantity = QUANTITIES[FAMILIES[family].at[0]].long_name
     changes = "; ".join(f"{p.crossing.word} boundary at {p.value:.10g}" for p in points)
+    dotted = f"Dotted: {changes}" if changes else "No change of verdict"
     caption = (
         f"Eigenvalues of {family} of the {name} ({inertia}) under viscous friction, μ = {mu:g} "
-        f"/√(gR), against the {quantity}: growth rate above (linear below 10⁻³, logarithmic "
+        f"/√(gR), against the {quantity}: growth rate above (linear near zero, logarithmic "
         f"beyond), frequency below, in √(g/R), at {len(at)} points; "
         f"without the {_zeros(spectra.structural_zeros)}. One colour and number for each "
         "mode, followed by eigenvector overlap and named by the states that lead it on average"
-        f"{_split(spectra)}. {f'Dotted: {changes}' if changes else 'No change of verdict'}."
+        f"{_lines(spectra)}. {dotted}."
     )
     return Picture(stem, caption, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}")
 
 
-def _split(spectra: Any) -> str:
-    """What the caption says of dashed lines: nothing where no pair splits."""
-    from ..figures.loci import mode_groups
+def _lines(spectra: Any) -> str:
+    """The caption's words on dashed lines, shared modes and circles, where these are drawn."""
+    from ..figures.locus_modes import crossings, mode_groups, swept, tracked
 
-    values = np.take_along_axis(spectra.eigenvalues, spectra.tracked(), axis=-1)
+    values, radius = tracked(spectra)
     groups = [list(columns) for columns in mode_groups(values) if len(columns) > 1]
     close = 1e-9 * np.abs(values).max()
     apart = any(np.ptp(values[:, columns].real, axis=1).max() > close for columns in groups)
     more = any(len(columns) > 2 for columns in groups)
     said = "; where a pair splits into two real eigenvalues, one of them is dashed" * apart
-    return said + "; eigenvalues that exchange partners share a mode" * more
+    said += "; eigenvalues that exchange partners share a mode" * more
+    places = crossings(swept(spectra)[1], values.real, radius)
+    where = ", ".join(f"{v:.4g}" for v in places)
+    return said + f"; circles: a growth rate crosses zero, at {where}" * bool(places)
 
 
 def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[Any, ...]]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -72,7 +73,9 @@ def _zeros(count: int) -> str:
     return "structural zero" if count == 1 else f"{count} structural zeros"
 
 
-def _diagram_caption(family: str, name: str, inertia: str, dataset: Any, limits: list[str]) -> str:
+def _diagram_caption(
+    family: str, name: str, inertia: str, dataset: Any, limits: list[str], strips: Sequence[Any]
+) -> str:
     count = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
     verdicts = ", ".join(f"{n:,} {word}".replace(",", " ") for word, n in count.items() if n)
     undecided = "" if count["undecided"] else "; none undecided"
@@ -92,10 +95,24 @@ def _diagram_caption(family: str, name: str, inertia: str, dataset: Any, limits:
         f"{family.capitalize()} of the {name} ({inertia}) under viscous friction. Colour: largest "
         "real part of the eigenvalues other than the "
         f"{_zeros(dataset.attrs['structural_zeros'])}, on "
-        f"{dataset.sizes['at']} × {dataset.sizes['mu']} points, in √(g/R), linear below 10⁻⁴ and "
-        f"logarithmic beyond; slanted lines: unstable. Verdicts: {verdicts}{undecided}. "
+        f"{dataset.sizes['at']} × {dataset.sizes['mu']} points, in √(g/R), "
+        f"{_colours(dataset, strips)}. "
+        f"Verdicts: {verdicts}{undecided}. "
         f"{curve} Strips: the limit laws on the same axis and colours ({'; '.join(limits)})."
     )
+
+
+def _colours(dataset: Any, strips: Sequence[Any]) -> str:
+    """The scale of the colours, and the hatching that the map or a strip has."""
+    from ..figures.shading import TEXTURES, linear_part
+
+    power = f"{math.log10(linear_part(dataset.abscissa.values)[0]):.0f}"
+    raised = power.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    codes = np.concatenate([dataset.verdict.values.ravel(), *(strip.codes for strip in strips)])
+    hatched = "".join(
+        f"; {way}: {v.word}" for v, (_, way) in TEXTURES.items() if (codes == CODES[v]).any()
+    )
+    return f"linear below 10{raised} and logarithmic beyond{hatched}"
 
 
 _STYLE = """

@@ -133,7 +133,7 @@ def _stream(
 
 def _draw(dataset: Any, target: Any) -> None:
     from ..figures.canvas import save_figure
-    from ..figures.diagram import diagram
+    from ..figures.diagram import plot_map
 
-    figure = diagram(dataset, title=str(dataset.attrs["title"]).split(":")[0])
+    figure = plot_map(dataset, title=str(dataset.attrs["title"]).split(":")[0])
     save_figure(figure, target)

@@ -136,10 +136,10 @@ def _draw(
 
     if "plot" in targets:
         from ..figures.canvas import save_figure
-        from ..figures.launch.motion import motion_figure
+        from ..figures.launch.motion import plot_motion
 
         with atomic_write(targets["plot"], overwrite=options.force) as draft:
-            save_figure(motion_figure(dataset), draft)
+            save_figure(plot_motion(dataset), draft)
     if "film" in targets:
         from ..figures.launch.animate import animate
 

@@ -7,7 +7,6 @@ Import this module before Matplotlib.  Otherwise an unknown backend, in the envi
 from __future__ import annotations
 
 import logging
-import math
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -33,12 +32,31 @@ if _asked:  # figures of the user keep their backend, if its name is known
     with suppress(ValueError):
         matplotlib.rcParams["backend"] = _asked
 
-STYLE: dict[Any, Any] = {
-    "font.size": 7.5, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
-    "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
-    "hatch.linewidth": 0.35, "hatch.color": "#5a2a0a", "savefig.dpi": 300, "pdf.fonttype": 42,
-    "mathtext.fontset": "dejavusans", "lines.linewidth": 1.3,
-}  # fmt: skip
+BASE = 7.5
+"""Size of text [pt]; the smallest text of a figure is 1 pt smaller."""
+LEAST = 7.0
+"""Least size of text that is accepted [pt], so that no text is below 6 pt."""
+
+
+def styled(fontsize: float = BASE) -> dict[Any, Any]:
+    """Settings of the package's figures for a size of text.
+
+    Parameters
+    ----------
+    fontsize
+        Size of text [pt].
+    """
+    return {
+        "font.size": fontsize, "axes.labelsize": fontsize + 0.5, "axes.titlesize": fontsize + 0.5,
+        "xtick.labelsize": fontsize - 0.5, "ytick.labelsize": fontsize - 0.5,
+        "legend.fontsize": fontsize - 1,
+        "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
+        "hatch.linewidth": 0.35, "hatch.color": "#2b1000", "savefig.dpi": 300, "pdf.fonttype": 42,
+        "ps.fonttype": 42, "mathtext.fontset": "dejavusans", "lines.linewidth": 1.3,
+    }  # fmt: skip
+
+
+STYLE = styled()
 """Settings of the package's figures."""
 FORMATS = (".png", ".pdf")
 """Endings of the files of a figure."""
@@ -72,7 +90,7 @@ def figure_style(style: Mapping[str, Any]) -> Iterator[None]:
 
 
 def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) -> None:
-    """Write a figure at 300 dots an inch, in `STYLE` again: ticks and texts are made only now.
+    """Write a figure at 300 dots an inch.
 
     Parameters
     ----------
@@ -85,23 +103,9 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) ->
     """
     name, content = Path(path), BytesIO()
     # in memory: on a full disk the PDF writer of Matplotlib raises a different error
-    with figure_style(STYLE):
+    with figure_style(getattr(figure, "settings", STYLE)):
         figure.savefig(content, format=name.suffix[1:].lower(), dpi=300, **options)
     name.write_bytes(content.getbuffer())
-
-
-def spacing(figure: Figure, **pads: float) -> None:
-    """Pads of a constrained layout [in]."""
-    engine: Any = figure.get_layout_engine()
-    engine.set(**pads)
-
-
-def power_of_ten(value: float) -> str:
-    """A signed power of ten as LaTeX."""
-    if value == 0:
-        return "0"
-    sign = "−" if value < 0 else "+"
-    return rf"${sign}10^{{{round(math.log10(abs(value)))}}}$".replace("−", "-")
 
 
 def save(figure: Figure, stem: Path) -> list[Path]:

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from .canvas import COLUMN, STYLE, figure_style, power_of_ten, spacing  # isort: skip
+from .styled_figure import drawing, fixed, key, note, settle, small  # isort: skip
 
-import math
+import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
+from matplotlib.textpath import TextPath
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from ..base.errors import ParameterError
 from ..base.quantities import Quantity, axis_label, in_latex, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.thin_disk.disk_quantities import quantities_of
@@ -28,60 +28,36 @@ from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
 from ..maps.points import points_of
 from .point_marks import counted, mark
+from .shading import DIVERGING, TEXTURES, colour_bar, hatch, linear_part, norm_of, patch
+from .strip import Strip as Strip
+from .strip import draw_strip
 
 if TYPE_CHECKING:
     import xarray
 
 
-# Decay is blue, growth vermilion: distinct in every common colour vision; in grey, by hatching.
-DIVERGING = LinearSegmentedColormap.from_list(
-    "decay-growth", ["#08306b", "#4292c6", "#deebf7", "#fdebdc", "#e6703a", "#7f2704"]
-)
-"""Colours of the abscissa."""
+YELLOW, OCHRE, STRIP = "#f7d038", "#6b5900", 1.2
+"""Colours and least width [pt] of the strip that encloses the boundary of a certified map."""
 LINES = {Crossing.STATIC: "-", Crossing.FLUTTER: (0, (4, 1.6)), Crossing.TOUCHING: ":"}
-SYMMETRIC_FROM = 1e-4
-"""Growth rates of the disk below this are drawn on a linear scale in a diagram."""
-LINEAR_SHARE = 1e-4
-"""The same for a user's system, over the power of ten of its largest rate."""
-TEXTURES = {
-    Verdict.UNSTABLE: ("////", "slanted lines"), Verdict.NEUTRAL: ("....", "dots"),
-    Verdict.UNDECIDED: ("xxxx", "crosses"),
-}  # fmt: skip
-"""Hatching of each verdict, and its name; stable cells have none."""
-FINEST = 600
-"""Most cells along an axis whose edges the hatching follows exactly."""
 
 
-@dataclass(frozen=True, eq=False)
-class Strip:
-    """A limit law next to a diagram: its verdict along the x axis of the main panel."""
-
-    name: str
-    """Name of the law on the figure."""
-    x: NDArray[np.float64]
-    """Points along the axis, shape (n,)."""
-    abscissa: NDArray[np.float64]
-    """Abscissa at these points, shape (n,)."""
-    thresholds: tuple[float, ...]
-    """Points where the verdict changes."""
-    codes: NDArray[np.int8]
-    """Verdicts at the points as flag values (`Verdict.code`), shape (n,)."""
-
-
-def diagram(
+def plot_map(
     dataset: xarray.Dataset,
     *,
     above: Strip | None = None,
     below: Strip | None = None,
     points: CodimensionTwo | None = None,
     title: str = "",
+    ax: Axes | None = None,
+    width: float | None = None,
+    fontsize: float | None = None,
 ) -> Figure:
     """Stability diagram of a map: abscissa in colour, exact boundary curves, limits next to it.
 
     Parameters
     ----------
     dataset
-        Map from `stability_map`.
+        Map from `stability_map` or `read_map`.
     above, below
         Limit laws at the upper and the lower end of the y axis, or None.
     points
@@ -89,57 +65,86 @@ def diagram(
         when left out.
     title
         Title of the figure.
+    ax
+        Axes to draw on, without strips; a figure of its own when left out.
+    width
+        Width of a figure of its own [in]; a journal column, 3.39, when left out.
+    fontsize
+        Size of the text [pt], 7 or more; 7.5 when left out.  The smallest text is 1 pt smaller.
 
     Returns
     -------
     Figure
-        One journal column wide.
+        The parameters that the axes do not show stand below.
+
+    Raises
+    ------
+    ParameterError
+        If a size is not accepted, or strips are given with axes.
 
     Examples
     --------
     >>> import stability as st
     >>> m = st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9))
-    >>> figure = diagram(m)
+    >>> figure = st.plot_map(m)
     >>> round(float(figure.get_figwidth()), 2)
     3.39
     """
-    with figure_style(STYLE):
-        heights = [s for s, strip in ((0.075, above), (1.0, True), (0.075, below)) if strip]
-        figure = Figure(figsize=(COLUMN, 3.05), layout="constrained")
-        panels = figure.subplots(
-            len(heights), 1, sharex=True, squeeze=False,
-            gridspec_kw={"height_ratios": heights, "hspace": 0.05},
-        )  # fmt: skip
-        spacing(figure, hspace=0.02, h_pad=0.02, w_pad=0.02)
-        rows = [row[0] for row in panels]
+    if ax is not None and (above or below):
+        raise ParameterError("above and below need a figure of their own; leave out ax.")
+    with drawing(ax, width, fontsize, lambda wide: min(0.98 * wide, 2.05 + 0.38 * wide)) as figure:
+        rows = [ax] if ax is not None else _rows(figure, above, below)
         main = rows[1 if above else 0]
         mesh = _colour(main, dataset)
+        _axis_labels(main, rows, dataset)
+        strips = [(s, p) for s, p in ((above, rows[0]), (below, rows[-1])) if s is not None]
+        _bar(figure, rows, mesh, dataset, [s for s, _ in strips])
         marked = points_of(dataset) if points is None else points
         if marked is not None:
             mark(main, marked, (_x(dataset), _y(dataset)))
         _curves(main, dataset)
-        _axis_labels(main, dataset)
-        for strip, panel in ((above, rows[0]), (below, rows[-1])):
-            if strip is not None:
-                _strip(panel, strip, mesh.norm)
-        if below is not None:
-            rows[-1].set_xlabel(main.get_xlabel())
-            main.set_xlabel("")
-            main.tick_params(labelbottom=False)
-            rows[-1].tick_params(labelbottom=True)
-        if not _is_log(dataset, _x(dataset)):
-            main.xaxis.set_major_locator(MaxNLocator(6))
-        main.set_xlim(float(dataset[_x(dataset)][0]), float(dataset[_x(dataset)][-1]))
-        bar = figure.colorbar(mesh, ax=rows, pad=0.02, aspect=32, fraction=0.05)
-        unit = unit_of(dataset.abscissa.attrs)
-        shown = "" if unit == "1" else f"  [{in_latex(unit)}]"
-        bar.set_label(r"largest growth rate max Re $\lambda$" + shown)
-        _bar_ticks(bar, mesh.norm)
-        if title:
-            rows[0].set_title(title, fontsize=8, pad=4)
-        named = _region_names(main, dataset)
-        _legend(main, dataset, named)
+        settle(figure)
+        nameless = {v for s, p in strips for v in draw_strip(p, s, mesh.norm)}
+        nameless |= _region_names(main, dataset)
+        key(rows[0], _handles(main, dataset, nameless), title)
+        note(rows[-1], _fixed(dataset))
     return figure
+
+
+diagram = plot_map
+"""The name before version 0.5."""
+
+
+def _rows(figure: Figure, above: Strip | None, below: Strip | None) -> list[Axes]:
+    """Panels of a figure, from the top."""
+    heights = [s for s, strip in ((0.075, above), (1.0, True), (0.075, below)) if strip]
+    panels = figure.subplots(
+        len(heights), 1, sharex=True, squeeze=False,
+        gridspec_kw={"height_ratios": heights, "hspace": 0.05},
+    )  # fmt: skip
+    return [row[0] for row in panels]
+
+
+def _bar(
+    figure: Figure, rows: list[Axes], mesh: Any, dataset: xarray.Dataset, strips: list[Strip]
+) -> None:
+    unit = unit_of(dataset.abscissa.attrs)
+    shown = "" if unit == "1" else f"  [{in_latex(unit)}]"
+    codes = [dataset.verdict.values, *(s.codes for s in strips)]
+    unstable = any((c == CODES[Verdict.UNSTABLE]).any() for c in codes)
+    label = r"largest growth rate max Re $\lambda$" + shown
+    colour_bar(figure, mesh, rows, label, hatched=unstable)
+
+
+def _fixed(dataset: xarray.Dataset) -> str:
+    """The parameters that the axes do not show."""
+    told, known = dataset.attrs, _quantities(dataset)
+    at = {"at": str(told["at"])} if known else {}
+    values = json.loads(told.get("parameters", "{}"))
+    return fixed(
+        {at.get(n, n): v for n, v in values.items()}, known, {},
+        law=str(told.get("contact", "")), dimensionless=bool(told.get("dimensionless", 0)),
+    )  # fmt: skip
 
 
 def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> str:
@@ -150,7 +155,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     dataset
         Map from `stability_map`.
     points
-        Points that are marked, as for `diagram`.
+        Points that are marked, as for `plot_map`.
 
     Returns
     -------
@@ -179,7 +184,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     )
     return (
         f"{title[:1].upper()}{title[1:]} of {dataset.attrs['system']}.  Colour: largest growth "
-        f"rate, grey within {_grey(dataset)[0]:g} of zero{texture}.{blank}  Cells: {cells}{none}."
+        f"rate, grey within {_linear(dataset)[0]:g} of zero{texture}.{blank}  Cells: {cells}{none}."
         f"{counted(points) if points is not None else ''}"
     )
 
@@ -198,21 +203,15 @@ def _is_log(dataset: xarray.Dataset, name: str) -> bool:
     return re.search(entry, str(dataset.attrs.get("axes", ""))) is not None
 
 
-def _grey(dataset: xarray.Dataset) -> tuple[float, float]:
-    """Size up to which a growth rate is grey, and the largest size."""
-    there = dataset.verdict.values != NO_MEMBER
-    largest = float(np.abs(dataset.abscissa.values[there]).max(initial=0.0))
-    if _quantities(dataset):
-        return SYMMETRIC_FROM, largest
-    return LINEAR_SHARE * 10.0 ** math.floor(math.log10(largest or 1.0)), largest
+def _linear(dataset: xarray.Dataset) -> tuple[float, float]:
+    """Size up to which a growth rate is drawn on a linear scale, and the largest size."""
+    return linear_part(dataset.abscissa.values[dataset.verdict.values != NO_MEMBER])
 
 
 def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     x, y, values = dataset[_x(dataset)], dataset[_y(dataset)], dataset.abscissa.values
     missing = dataset.verdict.values == NO_MEMBER
-    grey, largest = _grey(dataset)
-    limit = max(largest, 10 * grey)
-    norm = SymLogNorm(grey, linscale=0.3, vmin=-limit, vmax=limit)
+    norm = norm_of(*_linear(dataset))
     mesh = axes.pcolormesh(
         x, y, np.ma.masked_where(missing, values), cmap=DIVERGING, norm=norm, shading="nearest",
         rasterized=True,
@@ -221,8 +220,8 @@ def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
         if _is_log(dataset, name):
             scale("log")
     # the verdict shows without colour too
-    for verdict, (hatch, _) in TEXTURES.items():
-        _hatch(axes, x.values, y.values, dataset.verdict.values == CODES[verdict], hatch)
+    for verdict, (texture, _) in TEXTURES.items():
+        hatch(axes, x.values, y.values, dataset.verdict.values == CODES[verdict], texture)
     if missing.any():  # left blank within a thin line, so that white is not taken for a colour
         axes.contour(x, y, missing.astype(float), levels=[0.5], colors="#777777", linewidths=0.6)
         axes.set_facecolor("white")
@@ -232,48 +231,22 @@ def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     return mesh
 
 
-def _hatch(axes: Axes, x: NDArray[Any], y: NDArray[Any], where: NDArray[Any], hatch: str) -> None:
-    """Hatch cells, up to the edges of each cell; of a very fine map between the centres."""
-    if not where.any():
-        return
-    if max(where.shape) <= FINEST:
-        rows, columns = (np.repeat(np.arange(n), 2) for n in where.shape)
-        where, x, y = where[np.ix_(rows, columns)], _edges(x), _edges(y)
-    axes.contourf(
-        x, y, where.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch]
-    )  # fmt: skip
-
-
-def _edges(centres: NDArray[Any]) -> NDArray[Any]:
-    """Both edges of each cell, a hair inside; the ends are the first and the last centre."""
-    middle = (centres[1:] + centres[:-1]) / 2
-    low, high = np.append(centres[:1], middle), np.append(middle, centres[-1:])
-    hair = 1e-6 * (high - low)
-    return np.stack([low + hair, high - hair], axis=1).reshape(-1)
-
-
 def _boxes(axes: Axes, dataset: xarray.Dataset) -> None:
-    """Outlines of the proved boxes, and the strip that encloses the boundary, filled."""
+    """Outlines of the proved boxes in white, and the strip that encloses the boundary, filled.
+
+    White is no colour of the hatching.  The strip is drawn at least as wide as `STRIP`.
+    """
     ends = [dataset[f"box_{name}"].values for name in (_x(dataset), _y(dataset))]
     (x0, x1), (y0, y1) = (e.T for e in ends)
     corners = np.stack([np.stack([x0, x1, x1, x0], 1), np.stack([y0, y0, y1, y1], 1)], axis=-1)
     strip = dataset.box_verdict.values == CODES[Verdict.UNDECIDED]
-    proved = PolyCollection(corners[~strip], facecolors="none", edgecolors="#00000055",
-                            linewidths=0.25, label="proved boxes")  # fmt: skip
-    open_boxes = PolyCollection(corners[strip], facecolors="#f7d038", edgecolors="#f7d038",
-                                linewidths=0.4, label="enclosing strip")  # fmt: skip
-    axes.add_collection(proved, autolim=False)
-    axes.add_collection(open_boxes, autolim=False)
-
-
-def _bar_ticks(bar: Any, norm: Any) -> None:
-    top = math.floor(np.log10(norm.vmax))
-    powers = [p for p in range(round(np.log10(norm.linthresh)), top + 1) if (top - p) % 2 == 0]
-    powers = powers[-1::-2][::-1] if len(powers) > 6 else powers
-    ticks = [-(10.0**p) for p in reversed(powers)] + [0.0] + [10.0**p for p in powers]
-    bar.set_ticks(ticks)
-    bar.set_ticklabels([power_of_ten(t) for t in ticks])
-    bar.ax.minorticks_off()
+    dark: dict[str, Any] = {"facecolors": YELLOW, "edgecolors": OCHRE, "linewidths": STRIP + 0.8}
+    looks: tuple[dict[str, Any], ...] = (
+        {"facecolors": "none", "edgecolors": "white", "linewidths": 0.4}, dark,
+        dark | {"edgecolors": YELLOW, "linewidths": STRIP},
+    )  # fmt: skip
+    for where, look, z in zip((~strip, strip, strip), looks, (2.0, 2.1, 2.2), strict=True):
+        axes.add_collection(PolyCollection(corners[where], zorder=z, **look), autolim=False)
 
 
 def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
@@ -284,7 +257,9 @@ def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
     kind, curve = dataset.boundary_kind.values, dataset.boundary_curve.values
     by_code = {code: crossing for crossing, code in KINDS.items()}
     seen: set[Crossing] = set()
-    halo = [withStroke(linewidth=2.6, foreground="white")]
+    # on a certified map the line is thin, so that the strip shows on both its sides
+    boxed = "box_verdict" in dataset
+    halo = [] if boxed else [withStroke(linewidth=2.6, foreground="white")]
     for start, stop in _runs(kind, curve):
         crossing = by_code[int(kind[start])]
         last = min(stop + 1, len(x)) if stop < len(x) and curve[stop] == curve[start] else stop
@@ -292,26 +267,20 @@ def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
         axes.plot(
             x[start:last], y[start:last], color="black", linestyle=LINES[crossing],
             label=None if crossing in seen else f"{label} boundary", path_effects=halo,
-            solid_capstyle="butt",
+            solid_capstyle="butt", linewidth=0.5 if boxed else 1.3, zorder=3,
         )  # fmt: skip
         seen.add(crossing)
 
 
-def _legend(axes: Axes, dataset: xarray.Dataset, named: set[Verdict]) -> None:
-    """The boundaries, and the texture of each verdict whose region is too small for its name."""
+def _handles(axes: Axes, dataset: xarray.Dataset, nameless: set[Verdict]) -> list[Any]:
+    """Entries of the legend: boundaries, points, boxes, and verdicts whose region has no word."""
     handles, _ = axes.get_legend_handles_labels()
-    codes = dataset.verdict.values
-    handles = [h for h in handles if not isinstance(h, PolyCollection)]
-    handles += [
-        Patch(facecolor="white", edgecolor="#5a2a0a", linewidth=0.3, hatch=hatch, label=v.word)
-        for v, (hatch, _) in TEXTURES.items()
-        if v not in named and (codes == CODES[v]).any()
-    ]  # fmt: skip
-    if handles:
-        axes.legend(
-            handles=handles, loc="upper right", fontsize=6.5, frameon=True, framealpha=0.92,
-            edgecolor="none", handlelength=2.2, borderpad=0.3,
-        )  # fmt: skip
+    if "box_verdict" in dataset:
+        handles.append(Patch(facecolor=YELLOW, edgecolor=OCHRE, linewidth=0.4,
+                             label="strip that encloses it"))  # fmt: skip
+        handles.append(Patch(facecolor=DIVERGING(0.2), edgecolor="white", linewidth=0.8,
+                             label="proved box"))  # fmt: skip
+    return handles + [patch(v) for v in Verdict if v in nameless]
 
 
 def _runs(kind: NDArray[Any], curve: NDArray[Any]) -> list[tuple[int, int]]:
@@ -334,35 +303,19 @@ def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
     return quantities_of(str(dataset.attrs.get("system", "")))
 
 
-def _axis_labels(axes: Axes, dataset: xarray.Dataset) -> None:
-    axes.set_xlabel(_label(dataset, _x(dataset)))
-    axes.set_ylabel(_label(dataset, _y(dataset)))
-
-
-def _strip(axes: Axes, strip: Strip, norm: Any) -> None:
-    values = np.tile(strip.abscissa, (2, 1))
-    axes.pcolormesh(
-        strip.x, [0.25, 0.75], values, cmap=DIVERGING, norm=norm, shading="nearest", rasterized=True
-    )
-    for verdict, (hatch, _) in TEXTURES.items():
-        where = np.tile(strip.codes == CODES[verdict], (2, 1))
-        _hatch(axes, strip.x, np.array([0.0, 1.0]), where, hatch)
-    for threshold in strip.thresholds:
-        axes.axvline(threshold, color="black", linewidth=1.3)
-    axes.set_ylim(0, 1)
-    axes.set_yticks([0.5], [strip.name])
-    halo = [withStroke(linewidth=1.8, foreground="white")]
-    for verdict, code in CODES.items():
-        word, runs = verdict.word, np.flatnonzero(strip.codes == code)
-        if len(runs) > 0.22 * len(strip.x):
-            axes.text(strip.x[runs[len(runs) // 2]], 0.48, word, ha="center", va="center",
-                      fontsize=6.5, path_effects=halo)  # fmt: skip
-    axes.tick_params(axis="y", length=0)
-    axes.tick_params(axis="x", labelbottom=False, length=2)
+def _axis_labels(main: Axes, rows: list[Axes], dataset: xarray.Dataset) -> None:
+    """Labels, limits and ticks; those of the x axis are under the lowest panel."""
+    rows[-1].set_xlabel(_label(dataset, _x(dataset)))
+    main.set_ylabel(_label(dataset, _y(dataset)))
+    main.set_xlim(float(dataset[_x(dataset)][0]), float(dataset[_x(dataset)][-1]))
+    if not _is_log(dataset, _x(dataset)):
+        main.xaxis.set_major_locator(MaxNLocator(6))
+    for panel in rows[:-1]:
+        panel.tick_params(axis="x", labelbottom=False)
 
 
 def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
-    """Write each verdict into its region, at the point farthest from the edge; those written."""
+    """Write each verdict into its region, far from its edge; the textures without a word."""
     from scipy.ndimage import distance_transform_edt
 
     codes = dataset.verdict.values
@@ -377,16 +330,29 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
         fine = [max(1, 60 // n) for n in codes.shape]
         where = where.repeat(fine[0], axis=0).repeat(fine[1], axis=1)
         inside = np.pad(where, 1)
-        half = (0.035 * where.shape[0], 0.014 * len(word) * where.shape[1])  # the word's extent
+        # the word's extent, and the share of it that stays free
+        half = [0.5 * e * n for e, n in zip(_extent(axes, word), where.shape, strict=True)]
         depth = distance_transform_edt(inside, sampling=(1 / half[0], 1 / half[1]))
-        # keep clear of the legend in the upper right corner
-        rows, columns = np.indices(inside.shape)
-        depth[(rows > 0.72 * inside.shape[0]) & (columns > 0.45 * inside.shape[1])] = 0
         if depth.max() < 1:  # the word would leave its region
             continue
-        i, j = np.unravel_index(int(depth.argmax()), depth.shape)
+        # of the points that are about as deep the one nearest to the middle of the region
+        rows, columns = np.nonzero(depth >= 0.9 * depth.max())
+        inner = np.nonzero(inside)
+        nearest = np.hypot(rows - inner[0].mean(), columns - inner[1].mean()).argmin()
+        i, j = int(rows[nearest]), int(columns[nearest])
         x = float(dataset[_x(dataset)][min(max(j - 1, 0) // fine[1], codes.shape[1] - 1)])
         y = float(dataset[_y(dataset)][min(max(i - 1, 0) // fine[0], codes.shape[0] - 1)])
-        axes.text(x, y, word, ha="center", va="center", fontsize=8, path_effects=halo)
+        axes.text(x, y, word, ha="center", va="center", path_effects=halo, zorder=5,
+                  fontsize=small() + 1.5)  # fmt: skip
         named |= {v for v in Verdict if v.word == word}
-    return named
+    present = {v for v in TEXTURES if (codes == CODES[v]).any()}
+    return present - named
+
+
+def _extent(axes: Axes, word: str) -> tuple[float, float]:
+    """Height and width of a word with its halo, over those of the panel."""
+    box = axes.get_window_extent()
+    points = 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    size = small() + 1.5
+    width = TextPath((0, 0), word, size=size).get_extents().width
+    return (1.3 * size + 3) / (box.height * points), (width + 7) / (box.width * points)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .canvas import STYLE, figure_style  # isort: skip
+from .styled_figure import StyledFigure  # isort: skip
 
 import json
 import textwrap
@@ -77,7 +78,7 @@ def scene_figure(dataset: xarray.Dataset) -> Figure:
         handles = _handles(dataset)
         low = UNDER + KEY_LINE * -(-len(handles) // 3) + LINE * (len(text) + 0.7)
         height = TOP + BODY + low
-        figure = Figure(figsize=(WIDTH, height))
+        figure = StyledFigure(figsize=(WIDTH, height))
         wide = WIDTH - LEFT - RIGHT
         axes = figure.add_axes((LEFT / WIDTH, low / height, wide / WIDTH, BODY / height))
         _limits(axes, dataset)

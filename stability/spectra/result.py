@@ -177,7 +177,7 @@ class Spectrum(Record):
         Parameters
         ----------
         **options
-            As for `stability.figures.loci.locus`: thresholds, title, unit.
+            As for `stability.plot_locus`: thresholds, title, unit, ax, width, fontsize.
 
         Returns
         -------

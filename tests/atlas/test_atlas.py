@@ -110,8 +110,8 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
         return paths
 
     monkeypatch.setattr("stability.figures.canvas.save", save)
-    monkeypatch.setattr("stability.figures.diagram.diagram", lambda *_, **__: None)
-    monkeypatch.setattr("stability.figures.loci.locus", lambda *_, **__: None)
+    monkeypatch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
+    monkeypatch.setattr("stability.figures.loci.plot_locus", lambda *_, **__: None)
 
 
 @pytest.mark.usefixtures("undrawn")

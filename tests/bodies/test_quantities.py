@@ -124,7 +124,8 @@ def test_a_unit_in_latex_is_that_of_its_kind() -> None:
 
 def _labels(figure: object) -> set[str]:
     axes = figure.axes  # type: ignore[attr-defined]
-    legends = [t.get_text() for legend in figure.legends for t in legend.get_texts()]  # type: ignore[attr-defined]
+    boxes = [a.get_legend() for a in axes if a.get_legend()]
+    legends = [t.get_text() for legend in boxes for t in legend.get_texts()]
     return {text for a in axes for text in (a.get_xlabel(), a.get_ylabel())} | set(legends)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ..styled_figure import fixed  # isort: skip
+
 import json
 from typing import TYPE_CHECKING
 
@@ -95,3 +97,18 @@ def _of_system(dataset: xarray.Dataset, names: tuple[str, ...]) -> str:
 def tolerance_of(dataset: xarray.Dataset) -> float:
     """The tolerance that the integrator was given."""
     return float(dataset.attrs.get("tolerance_used", dataset.attrs.get("tolerance", np.nan)))
+
+
+def fixed_of(dataset: xarray.Dataset) -> str:
+    """The parameters of a motion, for the note of its figure."""
+    if system_states(dataset):
+        names = json.loads(dataset.attrs.get("parameters", "{}"))
+        values = {n: dataset[n].values.flat[0] for n in names if n in dataset}
+        return fixed(values, {}, {n: str(dataset[n].attrs.get("units", "1")) for n in values})
+    law = str(dataset.attrs.get("contact", ""))
+    known = quantities_of(SYSTEM + law)
+    values = {n: dataset[n].item() for n in known if n in dataset.coords and not dataset[n].ndim}
+    values.pop("time", None)
+    return fixed(
+        values, known, {}, law=law, dimensionless=bool(dataset.attrs.get("dimensionless", 0))
+    )

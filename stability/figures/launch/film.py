@@ -19,6 +19,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
+from matplotlib.patheffects import withStroke
 from PIL import Image
 from scipy.ndimage import uniform_filter1d
 
@@ -27,6 +28,7 @@ from ...base.quantities import unit_of
 from ...base.types import Floats
 from ...bodies.thin_disk.disk_quantities import PHYSICAL, QUANTITIES
 from ...motion.result import BY_CODE
+from ..styled_figure import wrapped
 from .pose import POSED, geometry
 
 if TYPE_CHECKING:
@@ -36,7 +38,10 @@ if TYPE_CHECKING:
 Report = Callable[[int, int], None]
 
 BLUE, PALE, EDGE, VERMILION = "#0072B2", "#7db8da", "#004a75", "#D55E00"
-GREY, INK, WORDS = "#7a7a7a", "#222222", "#555555"
+GREY, INK = "#7a7a7a", "#222222"
+SMALL, LARGE, LETTERS = 14, 18, 60
+"""Sizes of text [pt of the frame, of which a phone shows half], and letters in a line."""
+HALO = [withStroke(linewidth=3, foreground="white")]
 FINE = 8
 """Steps of the drawn path between two frames."""
 SIZE, DPI = (7.2, 5.0), 100
@@ -89,12 +94,25 @@ class Camera:
         layers = (self.grid, self.shadow, self.trail, self.path, self.body, self.mark, self.ticks)
         for order, artist in enumerate((*layers, self.spot)):
             artist.set_zorder(order)
-        put = partial(self.figure.text, fontsize=9, color=WORDS)
-        self.clock = put(0.03, 0.94, "", fontsize=12, color=INK)
+        put = partial(self.figure.text, fontsize=SMALL, color=INK, path_effects=HALO)
+        self.clock = put(0.02, 0.975, "", fontsize=LARGE, va="top")
         self.places = int(np.clip(2 - np.floor(np.log10(pace)), 0, 12))
-        put(0.97, 0.94, f"1 s of film = {pace:.3g} {self.unit}", ha="right")
-        put(0.97, 0.895, f"outcome: {BY_CODE[int(dataset.outcome)].word}", ha="right")
-        put(0.03, 0.03, caption_of(dataset))
+        word = BY_CODE[int(dataset.outcome)].word
+        put(0.98, 0.975, f"1 s of film = {pace:.3g} {self.unit}\noutcome: {word}", ha="right",
+            va="top")  # fmt: skip
+        put(0.02, 0.02, wrapped(caption_of(dataset), LETTERS), va="bottom")
+        self.seat = self._overview() if self.follows else None
+
+    def _overview(self) -> Any:
+        """The whole path from above in a corner, since the camera shows a part; the disk in it."""
+        inset = self.figure.add_axes((0.74, 0.6, 0.24, 0.25), zorder=9)
+        inset.plot(*self.seen.contact[:, :2].T, color=VERMILION, lw=1.3)
+        inset.plot(*self.seen.centre[:, :2].T, color=GREY, lw=0.9)
+        inset.set_aspect("equal", adjustable="datalim")
+        inset.margins(0.12)
+        inset.set(xticks=[], yticks=[], facecolor="white")
+        (seat,) = inset.plot([], [], "o", color=BLUE, mec="white", ms=8)
+        return seat
 
     def _patch(self, face: str, edge: str) -> PathPatch:
         patch = PathPatch(Path([[0.0, 0.0]]), facecolor=face, edgecolor=edge, linewidth=1.2)
@@ -112,7 +130,8 @@ class Camera:
         spread = np.abs((ground - middle) @ self.screen).max(axis=0) / radius + [1.2, 1.6]
         self.half = max(float(spread[0]), float(spread[1]) * aspect, 0.7 * CLOSE)
         self.target = np.broadcast_to(middle, ground.shape)
-        if self.half > WIDEST:
+        self.follows = self.half > WIDEST
+        if self.follows:
             self.half = CLOSE
             # a camera that lags a little keeps the grid calm; the clip keeps the disk in view
             calm = uniform_filter1d(ground, max(3, len(ground) // 8), axis=0, mode="nearest")
@@ -165,6 +184,8 @@ class Camera:
         self.trail.set_data(*flat(self.seen.contact[: i + 1]).T)
         self.path.set_data(*flat(self.seen.centre[: i + 1]).T)
         self.spot.set_data(*flat(here.contact).T)
+        if self.seat is not None:
+            self.seat.set_data(*here.contact[:, :2].T)
         time, lean = self.motion["time"][i], math.degrees(self.motion["theta"][i])
         self.clock.set_text(f"t = {time:.{self.places}f} {self.unit},  θ = {lean:.1f}°")
 

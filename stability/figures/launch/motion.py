@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from ..canvas import COLUMN, STYLE, figure_style, spacing  # isort: skip
+from ..canvas import COLUMN  # isort: skip
+from ..styled_figure import drawing, key, note, small, spacing  # isort: skip
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
@@ -17,17 +19,27 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
+from ...base.errors import ParameterError, shown
 from ...bodies.thin_disk.disk_equations import STATES
 from ...bodies.thin_disk.disk_families import FAMILIES
 from ...bodies.thin_disk.disk_quantities import QUANTITIES
 from ...motion.result import BY_CODE, Outcome
-from .motion_panels import MOST_PANELS, STROKES, draw_system, legend, lines_of_energy, unit, words
+from .motion_panels import (
+    MOST_PANELS,
+    STROKES,
+    GivenAxes,
+    draw_system,
+    legend,
+    lines_of_energy,
+    unit,
+    words,
+)
 from .single_run import SingleRun, one_launch, system_states
 
 if TYPE_CHECKING:
     import xarray
 
-from .caption import tolerance_of
+from .caption import fixed_of, tolerance_of
 
 PAGE = 7.0
 """Width of a figure over two journal columns [in]."""
@@ -42,170 +54,145 @@ PANELS = (
     ("slip", ("slip_x", "slip_y")), ("normal force", ("normal_force",)),
 )  # fmt: skip
 """Word and series of each panel over time."""
-START: dict[str, Any] = {"marker": "o", "ls": "", "color": "black", "mfc": "none"}
-END: dict[str, Any] = {"marker": "s", "ls": "", "color": "black"}
+ENDS = {"contact": ("s", 6.0), "centre": ("o", 3.4)}
+"""Shape and size of the marks at the ends of each path, hollow at the start, filled at the end."""
+COUNTS = {"states": len(PANELS), "paths": 1, "energy": 2}
+"""Number of axes that each part of the figure of a disk's motion takes."""
 
 
-def states(dataset: xarray.Dataset) -> Figure:
-    """The states and the normal force over time, one panel below the other.
-
-    Parameters
-    ----------
-    dataset
-        From `simulate`, one launch.
-
-    Returns
-    -------
-    Figure
-        One journal column wide; sticking is hatched, events are vertical lines with a word.
-
-    Raises
-    ------
-    ParameterError
-        If the dataset holds several launches or lacks a series.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.5, "omega3": 1.2}, 9.0)
-    >>> len(states(run).axes)
-    4
-    """
-    if names := system_states(dataset):
-        motion = one_launch(dataset, names)
-        height = 1.2 + min(len(names), MOST_PANELS)
-        return _drawn(COLUMN, height, lambda page: draw_system(page, motion, names))
-    motion = one_launch(dataset, (*STATES, "normal_force"))
-    return _drawn(COLUMN, 4.7, lambda page: _draw_states(page, motion))
-
-
-def paths(dataset: xarray.Dataset) -> Figure:
-    """The paths of the contact point and of the centre in the plane, time shown by colour.
-
-    Parameters
-    ----------
-    dataset
-        From `simulate` with `pose=True`, one launch.
-
-    Returns
-    -------
-    Figure
-        One journal column wide; the path is dashed where the disk sticks.
-
-    Raises
-    ------
-    ParameterError
-        If the dataset holds several launches or lacks the pose.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> start = {"theta": 1.5, "omega3": 1.2}
-    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), start, 9.0, pose=True)
-    >>> paths(run).axes[0].get_xlabel()
-    '$X$  [$R$]'
-    """
-    motion = one_launch(dataset, POSE)
-    return _drawn(COLUMN, 3.2, lambda page: _draw_paths(page, motion))
-
-
-def energy(dataset: xarray.Dataset) -> Figure:
-    """The energy by kind with its constant total, and the error of the energy audit.
-
-    Parameters
-    ----------
-    dataset
-        From `simulate`, one launch.
-
-    Returns
-    -------
-    Figure
-        One journal column wide.
-
-    Raises
-    ------
-    ParameterError
-        If the dataset holds several launches or lacks a series.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.5, "omega3": 1.2}, 9.0)
-    >>> [axes.get_yscale() for axes in energy(run).axes]
-    ['linear', 'log']
-    """
-    motion = one_launch(dataset, (*_energies(dataset), "energy", "audit"))
-    return _drawn(COLUMN, 3.3, lambda page: _draw_energy(page, motion))
-
-
-def motion_figure(dataset: xarray.Dataset) -> Figure:
-    """States, paths and energy of one launch on one figure.
+def plot_motion(
+    dataset: xarray.Dataset,
+    *,
+    show: str | None = None,
+    ax: Any = None,
+    width: float | None = None,
+    fontsize: float | None = None,
+) -> Figure:
+    """States, paths and energy of one launch, on one figure or each of them alone.
 
     Parameters
     ----------
     dataset
         From `simulate`, one launch.  The paths are left out without a pose, and the energy
         where a system has no energy account.
+    show
+        `states`, `paths` or `energy` for one part; all of them when left out.
+    ax
+        Axes to draw one part on, from the top: 4 for the states of a disk, 1 for the paths, 2
+        for the energy; a figure of its own when left out.
+    width
+        Width of a figure of its own [in]: when left out 7.0 for all parts, and a journal column,
+        3.39, for one.
+    fontsize
+        Size of the text [pt], 7 or more; 7.5 when left out.  The smallest text is 1 pt smaller.
 
     Returns
     -------
     Figure
-        Two journal columns wide.
+        The parameters stand below; sticking is hatched, events are vertical lines with a word.
 
     Raises
     ------
     ParameterError
-        If the dataset holds several launches or lacks a series.
+        If the dataset holds several launches or lacks a series, or an option is not accepted.
 
     Examples
     --------
     >>> import stability as st
     >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.5, "omega3": 1.2}, 9.0)
-    >>> figure = motion_figure(run)
+    >>> figure = st.plot_motion(run)
     >>> len(figure.axes), float(figure.get_figwidth())
     (6, 7.0)
     """
-    if names := system_states(dataset):
-        return _system_figure(dataset, names)
-    motion = one_launch(dataset, (*STATES, "normal_force", *ENERGIES, "energy", "audit"))
+    if show not in (None, *COUNTS):
+        known = ", ".join(COUNTS)
+        raise ParameterError(f"show is {shown(show)}; give one of {known}, or leave it out.")
+    if ax is not None and show is None:
+        raise ParameterError(f"ax takes one part; give show as one of {', '.join(COUNTS)}.")
+    names = system_states(dataset)
+    motion = one_launch(dataset, _needed(dataset, names, show))
+    parts = [show] if show else _parts(dataset, names)
+    wide = width or (PAGE if len(parts) > 1 else COLUMN)
+    tall = _height(parts, names) * (wide / (PAGE if len(parts) > 1 else COLUMN)) ** 0.5
+    draw: dict[str, Callable[[Any, SingleRun], None]] = {
+        "states": partial(draw_system, names=names) if names else _draw_states,
+        "paths": _draw_paths, "energy": _draw_energy,
+    }  # fmt: skip
+    with drawing(ax, width if ax is not None else wide, fontsize, lambda _: tall) as figure:
+        if ax is not None:
+            draw[parts[0]](GivenAxes(figure, ax, parts[0]), motion)
+        else:
+            spacing(figure, hspace=0.02, wspace=0.03, h_pad=0.02, w_pad=0.03)
+            for part, page in zip(parts, _pages(figure, len(parts)), strict=True):
+                draw[part](page, motion)
+        lowest = next(a for a in _drawn_on(figure, ax) if a.get_xlabel())
+        note(lowest, fixed_of(dataset), share=1.0 if len(parts) == 1 else 0.48)
+    return figure
 
-    def draw(page: Any) -> None:
-        left, right = page.subfigures(1, 2)
-        _draw_states(left, motion)
-        if posed:
-            upper, right = right.subfigures(2, 1)
-            _draw_paths(upper, motion)
-        _draw_energy(right, motion)
 
-    posed = all(name in dataset for name in POSE)
-    return _drawn(PAGE, 5.6 if posed else 4.4, draw)
+def _drawn_on(figure: Figure, ax: Any) -> list[Axes]:
+    return np.ravel(ax).tolist() if ax is not None else list(figure.axes)
 
 
-def _system_figure(dataset: xarray.Dataset, names: tuple[str, ...]) -> Figure:
-    motion = one_launch(dataset, names)
-    if "audit" not in dataset:
-        return states(dataset)
+def _parts(dataset: xarray.Dataset, names: tuple[str, ...]) -> list[str]:
+    """The parts that a dataset has."""
+    posed = not names and all(name in dataset for name in POSE)
+    energetic = not names or "audit" in dataset
+    return ["states", *["paths"] * posed, *["energy"] * energetic]
 
-    def draw(page: Any) -> None:
-        left, right = page.subfigures(1, 2)
-        draw_system(left, motion, names)
-        _draw_energy(right, motion)
 
-    return _drawn(PAGE, max(3.3, 1.2 + min(len(names), MOST_PANELS)), draw)
+def _needed(dataset: xarray.Dataset, names: tuple[str, ...], show: str | None) -> tuple[str, ...]:
+    """The series that a part draws."""
+    of = {
+        "states": names or (*STATES, "normal_force"),
+        "paths": POSE,
+        "energy": (*_energies(dataset), "energy", "audit"),
+    }
+    if show:
+        return of[show]
+    return names or of["states"] + of["energy"]
+
+
+def _height(parts: list[str], names: tuple[str, ...]) -> float:
+    """Height of a figure of the usual width [in]."""
+    tall = {"states": 1.35 + min(len(names), MOST_PANELS) if names else 4.9, "paths": 3.4,
+            "energy": 3.45}  # fmt: skip
+    if len(parts) == 1:
+        return tall[parts[0]]
+    return max(3.45, tall["states"]) if names else 4.6 + 1.2 * (len(parts) > 2)
+
+
+def _pages(figure: Figure, count: int) -> list[Any]:
+    """One part fills the figure; of several the states fill the left half."""
+    if count == 1:
+        return [figure]
+    halves: Any = figure.subfigures(1, 2)
+    left, right = halves
+    return [left, *(np.ravel(right.subfigures(2, 1)).tolist() if count > 2 else [right])]
+
+
+def states(dataset: xarray.Dataset) -> Figure:
+    """The states and the normal force over time, one panel below the other."""
+    return plot_motion(dataset, show="states")
+
+
+def paths(dataset: xarray.Dataset) -> Figure:
+    """The paths of the contact point and of the centre in the plane, time shown by colour."""
+    return plot_motion(dataset, show="paths")
+
+
+def energy(dataset: xarray.Dataset) -> Figure:
+    """The energy by kind with its constant total, and the error of the energy audit."""
+    return plot_motion(dataset, show="energy")
+
+
+motion_figure = plot_motion
+"""The name before version 0.5."""
 
 
 def _energies(dataset: Any) -> tuple[str, ...]:
     """Layers of the energy: those of a disk, or of a user's system."""
     return ("energy", "dissipated") if system_states(dataset) else ENERGIES
-
-
-def _drawn(width: float, height: float, draw: Callable[[Any], None]) -> Figure:
-    with figure_style(STYLE):
-        figure = Figure(figsize=(width, height), layout="constrained")
-        spacing(figure, hspace=0.02, wspace=0.03, h_pad=0.02, w_pad=0.03)
-        draw(figure)
-        figure.draw_without_rendering()  # ticks take their style when first drawn
-    return figure
 
 
 def _draw_states(page: Any, motion: SingleRun) -> None:
@@ -224,7 +211,7 @@ def _draw_states(page: Any, motion: SingleRun) -> None:
             axes.axvline(t, color="#404040", linewidth=0.5, zorder=1)
     panels[0].axhline(np.pi / 2, color="#404040", linestyle="--", linewidth=0.7, zorder=1)
     panels[0].annotate(r"$\pi/2$", (1.01, np.pi / 2), xycoords=("axes fraction", "data"),
-                       va="center", fontsize=6.5, annotation_clip=False)  # fmt: skip
+                       va="center", fontsize=small(), annotation_clip=False)  # fmt: skip
     low, high = panels[0].get_ylim()
     panels[0].set_ylim(min(low, high - 0.02), max(high, low + 0.02))  # not down to rounding errors
     panels[0].ticklabel_format(useOffset=False)
@@ -267,9 +254,12 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
         axes.add_collection(LineCollection(pieces, array=(times[1:] + times[:-1]) / 2, **shade,
                             linewidths=width, rasterized=len(x) > 20_000,
                             zorder=2 if width > 1 else 3))  # fmt: skip
-        # the start is larger and hollow, so that an end on top of it does not hide it
-        axes.plot(x[:1], y[:1], markersize=4 + 1.6 * width, zorder=4, **START)
-        axes.plot(x[-1:], y[-1:], markersize=2 + 1.2 * width, zorder=4, **END)
+        shape, size = ENDS[name]
+        for at, filled in ((0, False), (-1, True)):
+            # a white edge keeps one filled mark visible on another
+            axes.plot(x[at], y[at], shape, color="black", markersize=size + 0.6 * (not filled),
+                      markerfacecolor="black" if filled else "none", markeredgewidth=0.8,
+                      markeredgecolor="white" if filled else "black", zorder=4)  # fmt: skip
     for a, b in motion.sticking:
         # white gaps over the colours, since a line of many colours cannot be dashed
         when = np.union1d([a, b], times[(times > a) & (times < b)])
@@ -285,19 +275,26 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
         axis.set_major_locator(MaxNLocator(5))
         axis.set_label_text(f"${letter}$  {unit(data, 'centre_x')}")
     axes.ticklabel_format(useOffset=False)
-    legend(axes, _keys(bool(motion.sticking), "first sample" if motion.times[0] else "start"))
+    key(axes, _keys(bool(motion.sticking), "first sample" if motion.times[0] else "start"))
     bar = page.colorbar(ScalarMappable(**shade), ax=axes, pad=0.02, aspect=30, fraction=0.05)
     bar.set_label(f"time $t$  {unit(data, 'time')}")
 
 
-def _keys(sticks: bool, first: str) -> list[Line2D]:
+def _keys(sticks: bool, first: str) -> list[Any]:
+    """Entries of the legend: each path with the mark of its end, and what is hollow."""
     ink: dict[str, Any] = {"color": "#303030"}
-    slides = Line2D([], [], linewidth=1.8, label="contact, sliding" if sticks else "contact", **ink)
+    (square, large), (ring, little) = ENDS["contact"], ENDS["centre"]
+    marked: dict[str, Any] = {"marker": square, "markersize": large, "markevery": [1]}
+    name = "contact, sliding" if sticks else "contact point"
+    slides = Line2D([0, 1], [0, 0], linewidth=1.8, label=name, **marked, **ink)
     stuck = Line2D([], [], linewidth=1.8, dashes=(1.7, 1), label="contact, sticking", **ink)
-    centre = Line2D([], [], linewidth=0.8, label="centre", **ink)
-    ends = [Line2D([], [], label=first, markersize=5, **START),
-            Line2D([], [], label="end", markersize=4, **END)]  # fmt: skip
-    return [slides, *([stuck] if sticks else []), centre, *ends]
+    centre = Line2D([0, 1], [0, 0], linewidth=0.8, label="centre", marker=ring, markersize=little,
+                    markevery=[1], **ink)  # fmt: skip
+    begin = Line2D([], [], ls="", marker=square, markersize=large, color="black",
+                   markerfacecolor="none", label=f"{first} (hollow)")  # fmt: skip
+    end = Line2D([], [], ls="", marker=square, markersize=large, color="black",
+                 label="end (filled)")  # fmt: skip
+    return [slides, *([stuck] if sticks else []), centre, begin, end]
 
 
 def _draw_energy(page: Any, motion: SingleRun) -> None:
@@ -316,6 +313,7 @@ def _draw_energy(page: Any, motion: SingleRun) -> None:
     audit = np.abs(data.audit.values) / first
     seen = np.where(audit > 0, audit, np.nan)  # a log axis has no zero, so leave a gap
     lower.set_yscale("log")
+    lower.set_autoscaley_on(False)  # an audit of zeros alone has no range
     lower.plot(times, seen, label="audit", marker=".", markersize=1.2, linewidth=0.7,
                color=STROKES[0]["color"])  # fmt: skip
     tolerance = tolerance_of(data)

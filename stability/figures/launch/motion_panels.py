@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ..styled_figure import small  # isort: skip
+
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from ...base.errors import ParameterError
 from ...base.quantities import in_latex, unit_of
 from ...motion.result import BY_CODE, Outcome
 from .single_run import SingleRun
@@ -26,6 +29,27 @@ MOST_PANELS = 8
 """Most panels of a user's system."""
 
 
+class GivenAxes:
+    """Axes of a user in the place of a figure: a part of a motion takes its panels from here."""
+
+    def __init__(self, figure: Any, axes: Any, part: str) -> None:
+        self.figure, self.axes, self.part = figure, np.ravel(axes), part
+
+    def subplots(self, rows: int = 1, columns: int = 1, **_: Any) -> Any:  # noqa: ARG002
+        """The axes, if they are as many as the part has panels."""
+        if len(self.axes) != rows:
+            raise ParameterError(f"ax holds {len(self.axes)} axes; give {rows} for {self.part}.")
+        return self.axes if rows > 1 else self.axes[0]
+
+    def colorbar(self, *args: Any, **options: Any) -> Any:
+        """A colour bar in the figure of the axes."""
+        return self.figure.colorbar(*args, **options)
+
+    def align_ylabels(self) -> None:
+        """Line up the labels of the panels."""
+        self.figure.align_ylabels(self.axes)
+
+
 def unit(data: xarray.Dataset, name: str) -> str:
     """The unit of a series in brackets, as an axis shows it; nothing for a bare number."""
     word = unit_of(data[name].attrs)
@@ -36,7 +60,7 @@ def legend(axes: Axes, handles: list[Line2D] | None = None) -> None:
     """Draw a legend above the panel, where it hides no data."""
     shown = handles or axes.get_legend_handles_labels()[0]
     axes.legend(
-        handles=shown, loc="lower right", bbox_to_anchor=(1.02, 0.98), fontsize=6.5,
+        handles=shown, loc="lower right", bbox_to_anchor=(1.02, 0.98),
         ncols=len(shown) if len(shown) < 5 else 3, frameon=False, handlelength=2.2, borderpad=0.1,
         columnspacing=1.1, handletextpad=0.4,
     )  # fmt: skip
@@ -53,7 +77,7 @@ def words(axes: Axes, motion: SingleRun) -> None:
     for t, word in marks[-1:] + marks[:-1]:
         if all(abs(t - other) > room for other in free):
             free.append(t)
-            axes.text(t, 1.03, word, rotation=90, fontsize=6.5, ha="center", va="bottom",
+            axes.text(t, 1.03, word, rotation=90, fontsize=small(), ha="center", va="bottom",
                       transform=axes.get_xaxis_transform())  # fmt: skip
 
 

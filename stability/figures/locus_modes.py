@@ -1,0 +1,210 @@
+"""Modes of a spectrum along one quantity: which eigenvalues they hold, their names, crossings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import ParameterError, listed
+from ..base.quantities import plain_text
+from ..base.types import Complexes, Floats
+from ..bodies.thin_disk.disk_quantities import disk_quantities
+from ..spectra.result import Spectrum
+
+LINEAR_SHARE, LEAST_SHARE = 1e-3, 1e-9
+"""Largest and smallest linear part of the axis, over the power of ten of the largest rate."""
+
+
+def swept(spectrum: Spectrum) -> tuple[str, Floats]:
+    """Name and values of the one quantity that changes along a spectrum.
+
+    Parameters
+    ----------
+    spectrum
+        Spectrum along one axis.
+
+    Returns
+    -------
+    name, values
+        `at` for what names a member of a disk's family; shape (points,).
+
+    Raises
+    ------
+    ParameterError
+        If the spectrum has not one axis, or not one quantity changes along it.
+    """
+    shape = spectrum.codes.shape
+    if len(shape) != 1 or shape[0] < 2:
+        raise ParameterError(
+            f"the spectrum has shape {shape}; give one along one axis, of two points or more."
+        )
+    given = spectrum.values or {spectrum.family.at[0]: np.asarray(spectrum.at)[:, 0]}
+    along = {n: np.asarray(v, dtype=float) for n, v in given.items() if np.size(v) > 1}
+    moved = {n: np.broadcast_to(v, shape) for n, v in along.items() if np.ptp(v) > 0}
+    if len(moved) != 1:
+        raise ParameterError(
+            f"along the spectrum {listed(list(moved) or ['nothing'])} changes; give one quantity "
+            "as an array, and the others as numbers."
+        )
+    return next(iter(moved.items()))
+
+
+def tracked(spectrum: Spectrum) -> tuple[Complexes, Floats]:
+    """Eigenvalues followed along a spectrum, and the radii of their error discs, (points, n)."""
+    order = spectrum.tracked()
+    values = np.take_along_axis(spectrum.eigenvalues, order, axis=-1)
+    return values, np.take_along_axis(spectrum.radius, order, axis=-1)
+
+
+def mode_groups(values: NDArray[np.complex128]) -> list[tuple[int, ...]]:
+    """Group tracked eigenvalues by mode: columns that are conjugate somewhere share a mode.
+
+    Where a pair splits and one half meets a third eigenvalue, all three share a mode, so that no
+    pair has two colours.
+
+    Parameters
+    ----------
+    values
+        Tracked eigenvalues, shape (points, n).
+
+    Returns
+    -------
+    list of tuple
+        Columns of each mode: one real eigenvalue, a pair, or more that exchange partners.
+
+    Examples
+    --------
+    >>> mode_groups(np.array([[1 + 1j, -2, 1 - 1j]]))
+    [(0, 2), (1,)]
+    >>> mode_groups(np.array([[1 + 1j, 1 - 1j, -2], [1, -2 + 1j, -2 - 1j]]))
+    [(0, 1, 2)]
+    """
+    left = list(range(values.shape[1]))
+    close = 1e-9 * np.abs(values).max(initial=0.0)
+    groups: list[tuple[int, ...]] = []
+    while left:
+        group, fresh = [], [left.pop(0)]
+        while fresh:
+            column = fresh.pop()
+            group.append(column)
+            pair = np.abs(values[:, left].conj() - values[:, [column]]) <= close
+            pair &= np.abs(values[:, [column]].imag) > close
+            mates = [c for c, together in zip(left, pair.any(axis=0), strict=True) if together]
+            fresh += mates
+            left = [c for c in left if c not in mates]
+        groups.append(tuple(sorted(group)))
+    return groups
+
+
+def mode_states(share: Floats, columns: Sequence[int], states: Sequence[str]) -> list[str]:
+    """The states of a mode by their share, on average along the branch, the largest first.
+
+    Parameters
+    ----------
+    share
+        Participation, shape (points, n, states).
+    columns
+        The mode's columns.
+    states
+        State names.
+    """
+    mean = share[:, list(columns)].mean(axis=(0, 1))
+    return [states[i] for i in np.argsort(-mean, kind="stable")]
+
+
+def mode_names(spectrum: Spectrum, groups: Sequence[tuple[int, ...]]) -> list[str]:
+    """A name for each mode: the states that lead it, as many as it takes to have no name twice.
+
+    Parameters
+    ----------
+    spectrum
+        The spectrum.
+    groups
+        Columns of each mode among the tracked eigenvalues.
+
+    Returns
+    -------
+    list of str
+        Symbols of the disk, or names of the user.
+    """
+    states, order = spectrum.family.system.states, spectrum.tracked()
+    share = np.take_along_axis(spectrum.modes.participation, order[..., None], axis=1)
+    leads = [mode_states(share, columns, states) for columns in groups]
+    mean = [share[:, list(columns)].mean(axis=(0, 1)).max() for columns in groups]
+    count = [1 if largest > 0.8 else min(2, len(states)) for largest in mean]
+
+    def names() -> list[frozenset[str]]:
+        return [frozenset(lead[:n]) for lead, n in zip(leads, count, strict=True)]
+
+    for _ in states:
+        found = names()
+        twice = [i for i, name in enumerate(found) if found.count(name) > 1]
+        count = [n + (i in twice and n < len(states)) for i, n in enumerate(count)]
+    known = disk_quantities() if spectrum.law is not None else {}
+    return [
+        ", ".join(known[s].typeset if s in known else plain_text(s) for s in states if s in name)
+        for name in names()
+    ]
+
+
+def sure_signs(real: Floats, radius: Floats) -> NDArray[np.int8]:
+    """Sign of each real part; 0 where its error disc reaches the axis."""
+    return np.where(np.abs(real) > radius, np.sign(real), 0).astype(np.int8)
+
+
+def crossings(at: Floats, real: Floats, radius: Floats) -> list[float]:
+    """Places where a real part changes its sign, between neighbouring points by a straight line.
+
+    Parameters
+    ----------
+    at
+        Swept quantity, shape (points,).
+    real, radius
+        Real parts and radii of the error discs of tracked eigenvalues, shape (points, n).
+
+    Returns
+    -------
+    list of float
+        Rising; the two halves of a pair give one place.
+
+    Examples
+    --------
+    >>> crossings(np.array([0.0, 1.0]), np.array([[-1.0, 2.0], [3.0, 1.0]]), np.zeros((2, 2)))
+    [0.25]
+    """
+    found = []
+    for values, signs in zip(real.T, sure_signs(real, radius).T, strict=True):
+        known = np.flatnonzero(signs)
+        for i, j in zip(known[:-1], known[1:], strict=True):
+            if signs[i] != signs[j] and j - i <= 2:  # a longer stretch on the axis is no crossing
+                share = values[i] / (values[i] - values[j])
+                found.append(float(at[i] + share * (at[j] - at[i])))
+    close = 1e-6 * float(np.ptp(at))
+    found.sort()
+    return [v for i, v in enumerate(found) if not i or v - found[i - 1] > close]
+
+
+def linear_width(real: Floats, radius: Floats) -> float:
+    """Size up to which rates are drawn on a linear scale: small enough to show every arc.
+
+    Parameters
+    ----------
+    real, radius
+        As for `crossings`.
+
+    Returns
+    -------
+    float
+        At most a third of the height of the lowest arc between two crossings, as a power of ten.
+    """
+    scale = 10.0 ** math.floor(math.log10(float(np.abs(real).max()) or 1.0))
+    lowest = LINEAR_SHARE * scale
+    for values, signs in zip(real.T, sure_signs(real, radius).T, strict=True):
+        kept = np.abs(values[signs != 0])
+        cuts = np.flatnonzero(np.diff(signs[signs != 0])) + 1
+        if len(cuts):
+            lowest = min([lowest, *(float(arc.max()) / 3 for arc in np.split(kept, cuts))])
+    return max(10.0 ** math.floor(math.log10(lowest) + 1e-9), LEAST_SHARE * scale)

@@ -1,0 +1,139 @@
+"""Colours, hatching and colour bar of growth rates and verdicts."""
+
+from __future__ import annotations
+
+from .styled_figure import signed_ticks  # isort: skip
+
+import math
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from ..base.verdict import Verdict
+
+# Decay is blue, growth vermilion: distinct in every common colour vision.  In grey growth never
+# gets as dark as decay, and its hatching is dark on every shade of it.
+DIVERGING = LinearSegmentedColormap.from_list(
+    "decay-growth", ["#08306b", "#4292c6", "#deebf7", "#fdebdc", "#f2a072", "#c8521c"]
+)
+"""Colours of the abscissa."""
+TEXTURES = {
+    Verdict.UNSTABLE: ("////", "slanted lines"), Verdict.NEUTRAL: ("....", "dots"),
+    Verdict.UNDECIDED: ("xxxx", "crosses"),
+}  # fmt: skip
+"""Hatching of each verdict, and its name; stable cells have none."""
+FINEST = 600
+"""Most cells along an axis whose edges the hatching follows exactly."""
+NEAR_ZERO = 0.02
+"""Share of the cells that may lie on the linear part of the scale."""
+LINEAR_SHARE, LEAST_SHARE = 1e-4, 1e-9
+"""Largest and smallest linear part, over the power of ten of the largest rate."""
+
+
+def linear_part(values: NDArray[np.float64]) -> tuple[float, float]:
+    """Size up to which a growth rate is drawn on a linear scale, and the largest size.
+
+    Parameters
+    ----------
+    values
+        Growth rates, any shape.
+
+    Examples
+    --------
+    >>> rates = 10.0 ** np.linspace(-8, 0, 81)
+    >>> linear_part(rates), linear_part(np.array([0.5, 1.0]))
+    ((1e-08, 1.0), (0.0001, 1.0))
+    """
+    sizes = np.abs(values[np.isfinite(values) & (values != 0)])
+    largest = float(sizes.max(initial=0.0))
+    scale = 10.0 ** math.floor(math.log10(largest or 1.0))
+    typical = float(np.quantile(sizes, NEAR_ZERO)) if sizes.size else scale
+    linear = 10.0 ** math.floor(math.log10(typical) + 1e-9)
+    return min(max(linear, LEAST_SHARE * scale), LINEAR_SHARE * scale), largest
+
+
+def norm_of(linear: float, largest: float) -> SymLogNorm:
+    """The scale of the colours, symmetric about zero."""
+    limit = max(largest, 10 * linear)
+    return SymLogNorm(linear, linscale=0.3, vmin=-limit, vmax=limit)
+
+
+def hatch(axes: Axes, x: NDArray[Any], y: NDArray[Any], where: NDArray[Any], texture: str) -> None:
+    """Hatch cells, up to the edges of each cell; of a very fine map between the centres.
+
+    Parameters
+    ----------
+    axes
+        The panel.
+    x, y
+        Centres of the cells, or the ends of a strip.
+    where
+        Cells to hatch, shape (len(y), len(x)).
+    texture
+        Hatching, as Matplotlib takes it.
+    """
+    if not where.any():
+        return
+    if max(where.shape) <= FINEST:
+        rows, columns = (np.repeat(np.arange(n), 2) for n in where.shape)
+        where, x, y = where[np.ix_(rows, columns)], _edges(x), _edges(y)
+    drawn: Any = axes.contourf(
+        x, y, where.astype(float), levels=[0.5, 1.5], colors="none", hatches=[texture]
+    )
+    drawn.set_hatch_linewidth(matplotlib.rcParams["hatch.linewidth"])
+
+
+def _edges(centres: NDArray[Any]) -> NDArray[Any]:
+    """Both edges of each cell, a hair inside; the ends are the first and the last centre."""
+    middle = (centres[1:] + centres[:-1]) / 2
+    low, high = np.append(centres[:1], middle), np.append(middle, centres[-1:])
+    hair = 1e-6 * (high - low)
+    return np.stack([low + hair, high - hair], axis=1).reshape(-1)
+
+
+def patch(verdict: Verdict) -> Patch:
+    """The entry of a verdict in a legend: its colour and hatching."""
+    shade = {Verdict.STABLE: 0.3, Verdict.UNSTABLE: 0.8}.get(verdict, 0.5)
+    texture = TEXTURES.get(verdict, ("", ""))[0]
+    return Patch(
+        facecolor=DIVERGING(shade), edgecolor=matplotlib.rcParams["hatch.color"], linewidth=0.3,
+        hatch=texture and texture + texture[:2], label=verdict.word,
+    )  # fmt: skip
+
+
+def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) -> None:
+    """The colour bar, hatched like the map where rates grow.
+
+    Parameters
+    ----------
+    figure
+        The figure.
+    mesh
+        Colours of the map.
+    axes
+        Axes from which the bar takes its room.
+    label
+        Label of the bar.
+    hatched
+        Whether unstable cells are drawn.
+    """
+    norm = mesh.norm
+    bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=32, fraction=0.05)
+    bar.set_label(label)
+    length: float = np.ravel(axes)[0].get_figure(root=True).get_figheight() * 72 * 0.7
+
+    def place(value: float) -> float:
+        return float(norm(value)) * length
+
+    gap = 1.6 * matplotlib.rcParams["ytick.labelsize"]
+    ticks, labels = signed_ticks(place, norm.vmin, norm.vmax, norm.linthresh, gap)
+    bar.set_ticks(ticks, labels=labels)
+    bar.ax.minorticks_off()
+    if hatched:
+        ends = np.array([norm.linthresh / 3, norm.vmax])
+        hatch(bar.ax, np.array([0.0, 1.0]), ends, np.ones((2, 2), dtype=bool), "////")

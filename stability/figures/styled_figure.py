@@ -1,0 +1,272 @@
+"""A figure in the package's style, or a user's axes; what every figure writes around its panels."""
+
+from __future__ import annotations
+
+from .canvas import BASE, COLUMN, LEAST, STYLE, figure_style, styled  # isort: skip
+
+import math
+import textwrap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.textpath import TextPath
+
+from ..base.checks import positive
+from ..base.errors import ParameterError, shown
+from ..base.quantities import Quantity, in_latex, plain_text
+
+
+class StyledFigure(Figure):
+    """A figure that keeps its settings when it is drawn and saved: ticks and fonts are made then.
+
+    `savefig` of Matplotlib would write the fonts of a PDF as outlines (Type 3), which journals
+    refuse.
+    """
+
+    def __init__(self, *args: Any, settings: Mapping[Any, Any] = STYLE, **options: Any) -> None:
+        self.settings = dict(settings)
+        with figure_style(self.settings):
+            super().__init__(*args, **options)
+
+    def draw(self, renderer: Any) -> None:
+        """Draw in the figure's own settings."""
+        with figure_style(self.settings):
+            super().draw(renderer)
+
+    def savefig(self, *args: Any, **options: Any) -> None:
+        """Save in the figure's own settings, as `Figure.savefig` does."""
+        with figure_style(self.settings):
+            super().savefig(*args, **options)
+
+
+@contextmanager
+def drawing(
+    ax: Any, width: float | None, fontsize: float | None, aspect: Callable[[float], float]
+) -> Iterator[Figure]:
+    """The figure to draw on, in the package's style: a new one, or that of the axes.
+
+    Parameters
+    ----------
+    ax
+        Axes of a user, or None for a figure of its own.
+    width
+        Width of a figure of its own [in]; one journal column when left out.
+    fontsize
+        Size of text [pt]; when left out 7.5, and on a user's axes that of the user's settings.
+    aspect
+        Height from width [in].
+
+    Raises
+    ------
+    ParameterError
+        If a size is not accepted, or a width is given with axes.
+    """
+    size = None if fontsize is None else checked_size("fontsize", fontsize, LEAST, 40.0, "points")
+    if ax is None:
+        wide = COLUMN if width is None else checked_size("width", width, 2.0, 40.0, "inches")
+        settings = styled(BASE if size is None else size)
+        with figure_style(settings):
+            figure = StyledFigure(
+                figsize=(wide, aspect(wide)), layout="constrained", settings=settings
+            )
+            spacing(figure, hspace=0.02, h_pad=0.02, w_pad=0.02)
+            yield figure
+        return
+    if width is not None:
+        raise ParameterError("width belongs to a figure of its own; leave it out, or leave out ax.")
+    own = float(matplotlib.rcParams["font.size"]) if size is None else size
+    with matplotlib.rc_context(styled(max(own, LEAST))):
+        for axes in np.ravel(ax).tolist():
+            if not isinstance(axes, Axes):
+                raise ParameterError(f"ax is {shown(ax)}; give axes of Matplotlib.")
+            axes.tick_params(labelsize=matplotlib.rcParams["xtick.labelsize"])
+            for text in (axes.xaxis.label, axes.yaxis.label):
+                text.set_fontsize(matplotlib.rcParams["axes.labelsize"])
+        figure = np.ravel(ax)[0].get_figure(root=True)
+        yield figure
+
+
+def settle(figure: Figure) -> None:
+    """Give the panels of a figure their room, which words and keys ask for."""
+    engine = figure.get_layout_engine()
+    if engine is not None and isinstance(figure, StyledFigure):
+        engine.execute(figure)
+
+
+def checked_size(name: str, value: Any, low: float, high: float, unit: str) -> float:
+    """A size within bounds, or an error that says what is accepted."""
+    number = positive(name, value)
+    if not isinstance(number, float) or not low <= number <= high:
+        raise ParameterError(f"{name} is {shown(value)}; give {low:g} to {high:g} {unit}.")
+    return number
+
+
+def small() -> float:
+    """Size of the smallest text in the current style [pt]."""
+    return float(matplotlib.rcParams["legend.fontsize"])
+
+
+def signed_ticks(
+    place: Callable[[float], float], low: float, high: float, least: float, gap: float
+) -> tuple[list[float], list[str]]:
+    """Powers of ten of both signs and zero, so far apart that their labels do not touch.
+
+    Parameters
+    ----------
+    place
+        From a value to its place along the axis [pt].
+    low, high
+        Ends of the axis.
+    least
+        Smallest power of ten to label.
+    gap
+        Least distance of two ticks [pt].
+
+    Returns
+    -------
+    ticks, labels
+    """
+    ticks = [0.0] if low <= 0 <= high else []
+    for sign, end in ((1, high), (-1, -low)):
+        power = math.floor(math.log10(end) + 1e-9) if end > 0 else -400
+        while power >= round(math.log10(least)):
+            value = sign * 10.0**power
+            if all(abs(place(value) - place(t)) >= gap for t in ticks):
+                ticks.append(value)
+            power -= 1
+    ticks.sort()
+    return ticks, [power_of_ten(t) for t in ticks]
+
+
+def power_of_ten(value: float) -> str:
+    """A signed power of ten as LaTeX."""
+    if value == 0:
+        return "0"
+    sign = "−" if value < 0 else "+"
+    return rf"${sign}10^{{{round(math.log10(abs(value)))}}}$".replace("−", "-")
+
+
+def spacing(figure: Figure, **pads: float) -> None:
+    """Pads of a constrained layout [in]."""
+    engine: Any = figure.get_layout_engine()
+    engine.set(**pads)
+
+
+def key(axes: Axes, handles: Sequence[Any], title: str = "", **options: Any) -> None:
+    """A legend above the axes, where it hides no data, and a title above it.
+
+    Parameters
+    ----------
+    axes
+        Axes with their limits set.
+    handles
+        Entries; without one there is no legend.
+    title
+        Title.
+    **options
+        As for `Axes.legend`.
+    """
+    pad = 3.0
+    if handles:
+        room = axes.get_window_extent().width * 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+        # a swatch takes 2.7 sizes, and the gap between columns 1.2
+        widest = max(wide(str(h.get_label())) for h in handles) + 3.9 * small()
+        columns = min(len(handles), max(1, int((1.3 * room + 1.2 * small()) / widest)))
+        legend = axes.legend(
+            handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns,
+            frameon=False, borderpad=0.2, borderaxespad=0.15, handlelength=2.2,
+            handletextpad=0.5, columnspacing=1.2, labelspacing=0.3, **options,
+        )  # fmt: skip
+        pad += _height(legend)
+    if title:
+        axes.set_title(title, pad=pad)
+
+
+def wide(text: str) -> float:
+    """Width of a line of small text [pt]."""
+    return float(TextPath((0, 0), text, size=small()).get_extents().width) if text else 0.0
+
+
+def _height(legend: Legend) -> float:
+    """Height of a legend [pt]."""
+    return float(legend.get_window_extent().height * 72 / legend.get_figure(root=True).dpi)  # type: ignore[union-attr]
+
+
+def note(axes: Axes, text: str, share: float = 1.0) -> None:
+    """Write small lines under the label of the x axis.
+
+    Parameters
+    ----------
+    axes
+        The lowest axes.
+    text
+        What is fixed in the figure; nothing is written when empty.
+    share
+        Share of the figure's width that the lines may take.
+    """
+    if not text:
+        return
+    figure: Any = axes.get_figure(root=True)
+    wide = share * figure.get_figwidth()
+    if not isinstance(figure, StyledFigure):  # axes of a user may have neighbours
+        wide = axes.get_window_extent().width / figure.dpi
+    letters = wide * 72 / (0.56 * small())
+    lines = wrapped(text, int(letters))
+    axes.annotate(
+        lines, (0.5, 0.0), (0, -2), xycoords=axes.xaxis.label, textcoords="offset points",
+        ha="center", va="top", fontsize=small(), annotation_clip=False,
+    )  # fmt: skip
+
+
+def wrapped(text: str, letters: int) -> str:
+    """Lines of at most so many letters; they end after a comma, not between number and unit."""
+    joined = text.replace(" ", "\u00a0").replace(",\u00a0", ", ")
+    return "\n".join(textwrap.wrap(joined, letters, break_long_words=False))
+
+
+def fixed(
+    values: Mapping[str, Any],
+    known: Mapping[str, Quantity],
+    units: Mapping[str, str],
+    *,
+    law: str = "",
+    dimensionless: bool = False,
+) -> str:
+    """The numbers that are the same all over a figure, for its `note`.
+
+    Parameters
+    ----------
+    values
+        Numbers by name.
+    known
+        Quantities of a disk by name; the quantities of a user's system have no symbol.
+    units
+        Units of a user's quantities by name.
+    law
+        Contact law.
+    dimensionless
+        Whether mass, radius and gravity are 1 by choice of units.
+
+    Examples
+    --------
+    >>> fixed({"k": 0.25}, {}, {}, law="viscous")
+    'viscous contact, k = 0.25'
+    """
+    parts = [f"{law} contact"] if law else []
+    for name, value in values.items():
+        quantity = known.get(name)
+        if dimensionless and name in ("mass", "radius", "gravity"):
+            continue
+        symbol = (quantity.typeset if quantity else "") or plain_text(name)
+        unit = units.get(name, "1")
+        if quantity:
+            unit = quantity.kind.label(dimensionless=dimensionless)
+        shown_unit = "" if unit in ("1", "") else f" {in_latex(unit)}".replace(" $1/", "$/")
+        parts.append(f"{symbol} = {float(value):.5g}{shown_unit}")
+    return ", ".join(parts)

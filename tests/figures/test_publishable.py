@@ -1,0 +1,370 @@
+"""Every figure can be printed: no text over text or data, none too small, fonts that stay fonts."""
+
+import re
+import zlib
+from collections.abc import Callable, Iterator
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+import stability as st
+from stability.atlas.build import atlas
+from stability.base.errors import ParameterError
+from stability.figures.canvas import save_figure
+from stability.figures.diagram import Strip
+from stability.figures.shading import DIVERGING, linear_part
+from stability.figures.styled_figure import signed_ticks
+
+SMALLEST = 6.0
+"""Size of the smallest text [pt]; exponents and indices are smaller, as in any journal."""
+
+
+# --- what is drawn ---
+
+
+def drawn(figure: Figure) -> list[tuple[Text, Any]]:
+    """Every text as it is drawn, with its box in pixels."""
+    found: list[tuple[Text, Any]] = []
+    plain = Text.draw
+
+    def draw(self: Text, renderer: Any, *rest: Any, **options: Any) -> None:
+        if self.get_visible() and self.get_text().strip():
+            # the text alone: an annotation would add its arrow
+            found.append((self, Text.get_window_extent(self, renderer)))
+        plain(self, renderer, *rest, **options)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Text, "draw", draw)
+        figure.set_dpi(200)
+        FigureCanvasAgg(figure).draw()
+    return found
+
+
+def faults(figure: Figure) -> list[str]:
+    """Texts that overlap, leave the figure or are too small; legends over data."""
+    texts = drawn(figure)
+    assert len(texts) > 8
+    said = [f"{t.get_text()!r} has {t.get_fontsize()} pt"
+            for t, _ in texts if t.get_fontsize() < SMALLEST]  # fmt: skip
+    for (a, one), (b, other) in combinations(texts, 2):
+        wide = min(one.x1, other.x1) - max(one.x0, other.x0)
+        tall = min(one.y1, other.y1) - max(one.y0, other.y0)
+        if wide > 1 and tall > 1:
+            said.append(f"{a.get_text()!r} over {b.get_text()!r} by {wide:.0f} x {tall:.0f}")
+    page = figure.bbox
+    for text, box in texts:
+        if min(box.x0, box.y0) < -1 or box.x1 > page.x1 + 1 or box.y1 > page.y1 + 1:
+            said.append(f"{text.get_text()!r} leaves the figure")
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        box = legend.get_window_extent() if legend else None
+        said += [f"the legend of {axes.get_ylabel()!r} covers data" for other in figure.axes
+                 if box is not None and box.y0 < other.bbox.y1 - 1 and box.y1 > other.bbox.y0 + 1
+                 and box.x0 < other.bbox.x1 - 1 and box.x1 > other.bbox.x0 + 1]  # fmt: skip
+    return said
+
+
+def test_the_measure_finds_what_overlaps_and_what_is_small() -> None:
+    figure = Figure()
+    axes = figure.subplots()
+    axes.plot([0, 1], label="a line")
+    for where, word, size in ((0.5, "one", 9), (0.51, "two", 9), (0.2, "small", 5)):
+        axes.text(where, where, word, fontsize=size)
+    axes.legend(loc="upper left")
+    assert sorted(f.split(" ")[0] for f in faults(figure)) == ["'one'", "'small'", "the"]
+
+
+# --- figures of the atlas, of motions, of a user's system ---
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Figure]:
+    """Every figure of the atlas, drawn from coarse maps and not saved."""
+    found: dict[str, Figure] = {}
+
+    def save(figure: Figure, stem: Path) -> list[Path]:
+        found[stem.name] = figure
+        return []
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stability.figures.canvas.save", save)
+        atlas(tmp_path_factory.mktemp("atlas") / "atlas", resolution=24, workers=1)
+    return found
+
+
+def test_no_text_of_the_atlas_overlaps_or_is_too_small(pictures: dict[str, Figure]) -> None:
+    assert len(pictures) == 27
+    assert {name: said for name, f in pictures.items() if (said := faults(f))} == {}
+
+
+def test_every_zone_of_an_atlas_diagram_has_its_word(pictures: dict[str, Figure]) -> None:
+    rough = pictures["rolling-disk"].axes[0]
+    assert [t.get_text() for t in rough.texts] == ["unstable", "neutral"]
+    arrow = rough.texts[0]  # from the word in the longer zone to the middle of the short one
+    assert arrow.xy[0] < 0.58 < arrow.get_position()[0]  # type: ignore[attr-defined]
+
+
+@pytest.fixture(scope="module")
+def run() -> Any:
+    start = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]
+    return st.simulate(st.Disk(k=0.3), st.Coulomb(0.15), start, np.linspace(0, 10, 201), pose=True)
+
+
+@pytest.fixture(scope="module")
+def coin() -> Any:
+    start = {"theta": 1.4, "omega3": 60.0}
+    return st.simulate(st.Disk.named("quarter"), st.Viscous(0.3), start, 0.5, pose=True)
+
+
+@pytest.mark.parametrize("show", [None, "states", "paths", "energy"])
+def test_no_text_of_a_motion_overlaps_or_is_too_small(run: Any, coin: Any, show: Any) -> None:
+    assert faults(st.plot_motion(run, show=show)) == []
+    assert faults(st.plot_motion(coin, show=show)) == []
+
+
+@pytest.fixture(scope="module")
+def quarter() -> Any:
+    return st.stability_map(
+        "spinning", x=("at", 40, 200, 24), y=("mu", 0.05, 3, 18), disk=st.Disk.named("quarter")
+    )
+
+
+@pytest.mark.parametrize(("width", "fontsize"), [(None, None), (3.35, 7), (5.0, 10), (7.0, 12)])
+def test_texts_keep_clear_at_any_size(quarter: Any, coin: Any, width: Any, fontsize: Any) -> None:
+    size: dict[str, Any] = {"width": width, "fontsize": fontsize}
+    spectra = st.spectrum("spinning", at=np.linspace(40, 200, 50), disk=st.Disk.named("quarter"),
+                          contact=st.Viscous(0.3))  # fmt: skip
+    for figure in (st.plot_map(quarter, **size), st.plot_locus(spectra, **size)):
+        assert faults(figure) == []
+        assert figure.get_figwidth() == (width or 3.39)
+        sizes = {t.get_fontsize() for t, _ in drawn(figure)}
+        assert min(sizes) == (fontsize or 7.5) - 1
+    assert st.plot_motion(coin, show="paths", **size).get_figwidth() == (width or 3.39)
+
+
+def test_a_certified_map_shows_its_boxes_and_its_strip() -> None:
+    found = st.stability_map(
+        "spinning", x=("at", 1, 4, 24), y=("mu", 0.1, 2, 18), certify=True, levels=5
+    )
+    figure = st.plot_map(found)
+    assert faults(figure) == []
+    legend = figure.axes[0].get_legend()
+    words = [t.get_text() for t in legend.get_texts()]  # type: ignore[union-attr]
+    assert {"proved box", "strip that encloses it", "flutter boundary"} <= set(words)
+    lines = [ln for ln in figure.axes[0].lines if len(ln.get_xdata()) > 2]  # type: ignore[arg-type]
+    strip = [c for c in figure.axes[0].collections if c.get_zorder() == 2.2]
+    # the strip is wider than the line upon it
+    assert max(ln.get_linewidth() for ln in lines) < strip[0].get_linewidth()[0]  # type: ignore[index]
+
+
+def test_every_crossing_of_an_atlas_locus_has_its_circle(pictures: dict[str, Figure]) -> None:
+    """The spinning disk has a real eigenvalue that crosses zero at 1/√k = 2, under any friction."""
+    found = {}
+    for name in ("locus-spinning-disk-mu3", "locus-tumbling-hoop-mu0_3", "locus-tumbling-disk-mu3"):
+        [line] = [ln for ln in pictures[name].axes[0].lines if ln.get_marker() == "o"]
+        found[name] = np.asarray(line.get_xdata(), dtype=float)
+        assert set(line.get_ydata()) == {0.0}  # type: ignore[arg-type]
+    step = 5 / 47
+    assert found["locus-spinning-disk-mu3"][-1] == pytest.approx(2, abs=step)
+    assert len(found["locus-spinning-disk-mu3"]) == 2
+    for name, at, disk, mu in (("hoop-mu0_3", 0.1, st.Disk.hoop(), 0.3),
+                               ("disk-mu3", 0.5, st.Disk(), 3.0)):  # fmt: skip
+        [proved] = st.boundaries("tumbling", axis=("at", at, 1.5, 101), disk=disk,
+                                 contact=st.Viscous(mu))  # fmt: skip
+        [circle] = found[f"locus-tumbling-{name}"]
+        assert circle == pytest.approx(proved.value, abs=1.6 / 47)
+
+
+def test_every_arc_of_a_locus_can_be_seen(pictures: dict[str, Figure]) -> None:
+    """Growth up to 6.5e-6 between flat and 0.26, next to decay of 0.5, has a visible height."""
+    axes = pictures["locus-tumbling-hoop-mu0_3"].axes[0]
+    arcs = [np.max(ln.get_ydata()) for ln in axes.lines if len(ln.get_xdata()) > 9]  # type: ignore[arg-type]
+    height = max(arcs)
+    assert 1e-6 < height < 1e-5
+    zero, top = (axes.transAxes.inverted().transform(axes.transData.transform((1.0, v)))[1]
+                 for v in (0.0, height))  # fmt: skip
+    assert top - zero > 0.05 and axes.get_yscale() == "asinh"
+
+
+def test_no_two_modes_of_a_locus_share_a_name(pictures: dict[str, Figure]) -> None:
+    for name, figure in pictures.items():
+        if name.startswith("locus"):
+            legend = figure.axes[0].get_legend()
+            entries = [t.get_text() for t in legend.get_texts()]  # type: ignore[union-attr]
+            modes = [e.split(": ")[1] for e in entries if ": " in e]
+            assert len(modes) >= 2 and len(set(modes)) == len(modes), name
+
+
+# --- axes of a user ---
+
+
+def test_a_user_gives_axes(run: Any, quarter: Any) -> None:
+    spectra = st.spectrum("rolling", at=np.linspace(1, 2, 20), contact=st.Viscous(0.3))
+    figure = Figure(figsize=(9, 8), layout="constrained")
+    grid: Any = figure.subplots(2, 2)
+    assert st.plot_map(quarter, ax=grid[0, 0]) is figure
+    assert st.plot_locus(spectra, ax=grid[:, 1]) is figure
+    st.plot_motion(run, show="paths", ax=grid[1, 0], fontsize=9)
+    assert faults(figure) == []
+    assert grid[0, 1].get_ylabel().startswith("growth") and grid[1, 1].lines
+    sizes = {t.get_fontsize() for t in grid[1, 0].get_xticklabels()}
+    assert sizes == {8.5}  # 9 pt less a half
+    notes = [t.get_text() for axes in grid.flat for t in axes.texts]
+    assert any("quarter" not in t and "kg" in t for t in notes)  # mass of the coin, in its unit
+    lone = Figure().subplots()
+    st.plot_locus(spectra, ax=lone)
+    assert lone.get_xlabel().startswith("axial")
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda m, _: st.plot_map(m, ax=Figure().subplots(), width=5), "width belongs to"),
+        (lambda m, _: st.plot_map(m, fontsize=5), "fontsize is 5; give 7 to 40 points"),
+        (lambda m, _: st.plot_map(m, width=0.5), "width is 0.5; give 2 to 40 inches"),
+        (lambda m, _: st.plot_map(m, ax="here"), "ax is 'here'; give axes"),
+        (lambda _, r: st.plot_motion(r, show="all"), "show is 'all'; give one of"),
+        (lambda _, r: st.plot_motion(r, ax=Figure().subplots()), "give show"),
+        (lambda _, r: st.plot_motion(r, show="energy", ax=Figure().subplots()), "holds 1 axes"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(
+    call: Callable[[Any, Any], Any], said: str, quarter: Any, run: Any
+) -> None:
+    with pytest.raises(ParameterError, match=said):
+        call(quarter, run)
+
+
+def test_strips_need_a_figure_of_their_own(quarter: Any) -> None:
+    strip = Strip("limit", np.arange(3.0), np.zeros(3), (), np.ones(3, dtype=np.int8))
+    with pytest.raises(ParameterError, match="figure of their own"):
+        st.plot_map(quarter, ax=Figure().subplots(), above=strip)
+
+
+# --- fonts of PDFs ---
+
+
+def fonts(content: bytes) -> set[bytes]:
+    """Subtypes of all font objects of a PDF, in streams too."""
+    parts = [content]
+    for stream in re.findall(rb"stream\r?\n(.*?)endstream", content, re.DOTALL):
+        try:
+            parts.append(zlib.decompress(stream.rstrip(b"\r\n")))
+        except zlib.error:
+            parts.append(stream)
+    found = set()
+    for part in parts:
+        for one in re.findall(
+            rb"<<(?:[^<>]|<<[^<>]*>>|<[^<>]*>)*?/Type\s*/Font\b.*?>>", part, re.S
+        ):
+            found |= set(re.findall(rb"/Subtype\s*/(\w+)", one))
+    return found
+
+
+def test_a_pdf_holds_fonts_of_type_42_alone(quarter: Any, run: Any, tmp_path: Path) -> None:
+    """Type 42 is TrueType: in a PDF a `Type0` font whose descendant is a `CIDFontType2`."""
+    spectra = st.spectrum("rolling", at=np.linspace(1, 2, 20), contact=st.Viscous(0.3))
+    figures = [st.plot_map(quarter), spectra.plot(), st.plot_motion(run)]
+    for i, figure in enumerate(figures):
+        save_figure(figure, tmp_path / f"{i}.pdf")
+        figure.savefig(tmp_path / f"own-{i}.pdf")  # as a user saves it
+    for path in tmp_path.glob("*.pdf"):
+        assert fonts(path.read_bytes()) == {b"Type0", b"CIDFontType2"}, path
+    plain = Figure()
+    plain.text(0.5, 0.5, "x")
+    with matplotlib.rc_context({"pdf.fonttype": 3}):
+        plain.savefig(tmp_path / "plain.pdf")
+    assert b"Type3" in fonts((tmp_path / "plain.pdf").read_bytes())  # the reader can tell
+
+
+# --- colours ---
+
+# Machado, Oliveira & Fernandes, IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291-1298, severity 1
+DEFICIENT = {
+    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
+               [-0.003882, -0.048116, 1.051998]],
+    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
+               [-0.011820, 0.042940, 0.968881]],
+    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
+               [0.004733, 0.691367, 0.303900]],
+}  # fmt: skip
+
+
+def linear(colours: Any) -> Any:
+    """Linear light of sRGB colours."""
+    c = np.asarray(colours, dtype=float)
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+
+
+def lab(light: Any) -> Any:
+    """CIE Lab of linear sRGB, white D65."""
+    xyz = light @ np.array([[0.4124564, 0.2126729, 0.0193339], [0.3575761, 0.7151522, 0.1191920],
+                            [0.1804375, 0.0721750, 0.9503041]]) / [0.95047, 1, 1.08883]  # fmt: skip
+    f = np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz / (3 * (6 / 29) ** 2) + 4 / 29)
+    return np.stack([116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]),
+                     200 * (f[..., 1] - f[..., 2])], axis=-1)  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", DEFICIENT)
+def test_growth_and_decay_have_two_colours_for_every_reader(kind: str) -> None:
+    share = np.linspace(0.15, 0.5, 15)
+    growth, decay = (linear(DIVERGING(0.5 + s * share)[:, :3]) for s in (1, -1))
+    seen = [lab(np.clip(c @ np.array(DEFICIENT[kind]).T, 0, 1)) for c in (growth, decay)]
+    # 2.3 is a difference that is just noticed; decay alone from grey has about 20 here
+    assert np.linalg.norm(seen[0] - seen[1], axis=-1).min() > 18
+
+
+def shades(figure: Figure) -> Iterator[tuple[int, float]]:
+    """Verdict and spread of lightness of small squares of the main panel, printed in grey."""
+    figure.set_dpi(300)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    rgb = np.asarray(canvas.buffer_rgba())[::-1, :, :3] / 255
+    grey = lab(linear(rgb))[..., 0]
+    box, side = figure.axes[0].bbox, 14  # the lines of the hatching are 12 pixels apart
+    for i in range(int(box.y0) + 6, int(box.y1) - side - 6, side):
+        for j in range(int(box.x0) + 6, int(box.x1) - side - 6, side):
+            tile = grey[i : i + side, j : j + side]
+            middle = figure.axes[0].transData.inverted().transform((j + side / 2, i + side / 2))
+            yield middle, float(tile.max() - tile.min())
+
+
+def test_growth_is_hatched_in_grey_on_every_shade_and_decay_is_not() -> None:
+    found = st.stability_map("rolling", x=("at", 0.5, 2.5, 60), y=("mu", 0.01, 100, 60, "log"))
+    figure = st.plot_map(found)
+    for text in figure.axes[0].texts:
+        text.set_visible(False)
+    spreads: dict[bool, list[float]] = {True: [], False: []}
+    for (x, _), spread in shades(figure):
+        if abs(x - 2**0.5) > 0.1:  # away from the line of the boundary
+            spreads[x < 2**0.5].append(spread)
+    assert min(len(v) for v in spreads.values()) > 200
+    assert np.quantile(spreads[True], 0.01) > 25  # of 100, on every shade of growth
+    assert np.quantile(spreads[False], 0.99) < 8
+
+
+# --- scales ---
+
+
+def test_the_scale_of_colours_follows_the_data() -> None:
+    hoop = st.stability_map("tumbling", x=("at", 0.02, 1.5, 40), y=("mu", 0.01, 100, 30, "log"),
+                            disk=st.Disk.hoop())  # fmt: skip
+    rates = np.abs(hoop.abscissa.values)
+    least, largest = linear_part(hoop.abscissa.values)
+    assert largest == rates.max()
+    assert (rates < least).mean() < 0.021 and (rates < 1e-4).mean() > 0.1
+
+
+def test_labels_of_ticks_keep_their_distance() -> None:
+    norm: Any = matplotlib.colors.SymLogNorm(1e-4, linscale=0.3, vmin=-1, vmax=1)
+    ticks, labels = signed_ticks(lambda v: 170 * float(norm(v)), -1, 1, 1e-4, 10)
+    places = 170 * np.asarray(norm(ticks))
+    assert np.diff(places).min() >= 10 and 0 in ticks and len(ticks) == len(labels)
+    assert [-t for t in reversed(ticks)] == ticks and max(ticks) == 1
