@@ -166,13 +166,11 @@ def simulate(
         executor,
     )  # fmt: skip
     settings.refuse()
-    if start is None or times is None:
-        missing = (
-            "start is missing; give the states by name."
-            if start is None
-            else ("times is missing; give a last time, or rising times.")
-        )
-        raise ParameterError(missing)
+    if start is None:
+        states = ", ".join(disk.states) if isinstance(disk, System) else "theta at least"
+        raise ParameterError(f"start is missing; give the states by name or in order: {states}.")
+    if times is None:
+        raise ParameterError("times is missing; give a last time, or rising times.")
     if disk is None:
         disk = Disk()
     contact = _named(disk, contact, parameters)
