@@ -177,8 +177,8 @@ def branch(
     >>> run.complete, float(run.state[0, 2].round(6))
     (True, 2.00251)
     """
-    instance("family", family, Family,
-             "give a stability.Family, such as system.steady(at, guess={…}) or disk_family(…)")  # fmt: skip
+    known = "give a stability.Family, such as system.steady(at, guess={…}) or disk_family(…)"
+    instance("family", family, Family, known)
     points = whole_number("points", points, 2, MOST_POINTS, "follow a longer branch in pieces")
     lo, hi = one_number("start", start), one_number("stop", stop)
     rest, q = numbers_of(family, fixed, parameters, named)
