@@ -27,7 +27,6 @@ import numpy as np
 
 import stability as st
 from stability.figures.launch.caption import caption
-from stability.figures.launch.motion import motion_figure
 
 disk, friction = st.Disk(), st.Viscous(0.3)
 
@@ -43,7 +42,7 @@ start = st.launch("rolling", at=1.2, tilt=0.1)
 run = st.simulate(disk, friction, start, np.linspace(0, 100, 2001), pose=True)
 print(st.spectrum("rolling", at=1.2, contact=friction).verdict.value)
 print(caption(run))
-figure = motion_figure(run)
+figure = st.plot_motion(run)
 figure.savefig("launch.png", dpi=200)
 plt.close(figure)
 

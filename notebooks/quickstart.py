@@ -25,7 +25,6 @@ import numpy as np
 
 import stability as st
 from stability.figures.canvas import save
-from stability.figures.diagram import diagram
 
 coin = st.Disk.named("quarter")
 print(st.REAL_DISKS["quarter"][1])
@@ -74,7 +73,7 @@ found = st.stability_map(
     "spinning", x=("at", 20, 120, 160), y=("mu", 0.02, 50, 120, "log"), disk=coin
 )
 print(found)
-files = save(diagram(found, title="a quarter spinning on its edge"), Path("quarter"))
+files = save(st.plot_map(found, title="a quarter spinning on its edge"), Path("quarter"))
 st.write_map(found, "quarter.nc", overwrite=True)
 assert set(found.verdict.values.ravel().tolist()) == {1, 2}
 assert st.read_map("quarter.nc").identical(found)

@@ -140,9 +140,9 @@ def _fixed(dataset: xarray.Dataset) -> str:
     """The parameters that the axes do not show."""
     told, known = dataset.attrs, _quantities(dataset)
     at = {"at": str(told["at"])} if known else {}
-    values = json.loads(told.get("parameters", "{}"))
+    values, units = (json.loads(told.get(n, "{}")) for n in ("parameters", "parameter_units"))
     return fixed(
-        {at.get(n, n): v for n, v in values.items()}, known, {},
+        {at.get(n, n): v for n, v in values.items()}, known, units,
         law=str(told.get("contact", "")), dimensionless=bool(told.get("dimensionless", 0)),
     )  # fmt: skip
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from .canvas import BASE, COLUMN, LEAST, STYLE, figure_style, styled  # isort: skip
 
 import math
-import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -198,8 +197,8 @@ def _height(legend: Legend) -> float:
     return float(legend.get_window_extent().height * 72 / legend.get_figure(root=True).dpi)  # type: ignore[union-attr]
 
 
-def note(axes: Axes, text: str, share: float = 1.0) -> None:
-    """Write small lines under the label of the x axis.
+def note(axes: Axes, text: str) -> None:
+    """Write small lines at the foot of the figure, or under a user's axes.
 
     Parameters
     ----------
@@ -207,27 +206,40 @@ def note(axes: Axes, text: str, share: float = 1.0) -> None:
         The lowest axes.
     text
         What is fixed in the figure; nothing is written when empty.
-    share
-        Share of the figure's width that the lines may take.
     """
     if not text:
         return
     figure: Any = axes.get_figure(root=True)
-    wide = share * figure.get_figwidth()
-    if not isinstance(figure, StyledFigure):  # axes of a user may have neighbours
-        wide = axes.get_window_extent().width / figure.dpi
-    letters = wide * 72 / (0.56 * small())
-    lines = wrapped(text, int(letters))
-    axes.annotate(
-        lines, (0.5, 0.0), (0, -2), xycoords=axes.xaxis.label, textcoords="offset points",
-        ha="center", va="top", fontsize=small(), annotation_clip=False,
-    )  # fmt: skip
+    own, inch = isinstance(figure, StyledFigure), 72 / figure.dpi
+    # the axes of a user may have neighbours
+    room = (figure.bbox.width if own else axes.get_window_extent().width) * inch - 8
+    lines = broken(text, lambda line: wide(line) <= room)
+    look: dict[str, Any] = {"ha": "center", "fontsize": small()}
+    if not own:
+        axes.annotate(lines, (0.5, 0.0), (0, -2), xycoords=axes.xaxis.label, va="top",
+                      textcoords="offset points", annotation_clip=False, **look)  # fmt: skip
+        return
+    tall = figure.bbox.height * inch
+    foot = (1.3 * small() * (lines.count("\n") + 1) + 3) / tall
+    figure.get_layout_engine().set(rect=(0.0, foot, 1.0, 1.0 - foot))
+    figure.text(0.5, 3 / tall, lines, va="bottom", **look)
 
 
-def wrapped(text: str, letters: int) -> str:
-    """Lines of at most so many letters; they end after a comma, not between number and unit."""
-    joined = text.replace(" ", "\u00a0").replace(",\u00a0", ", ")
-    return "\n".join(textwrap.wrap(joined, letters, break_long_words=False))
+def broken(text: str, fits: Callable[[str], bool]) -> str:
+    r"""Lines that fit; they end after a comma, never between a number and its unit.
+
+    Examples
+    --------
+    >>> broken("a = 1 m, b = 2 m, c = 3 m", lambda line: len(line) < 18)
+    'a = 1 m, b = 2 m,\nc = 3 m'
+    """
+    lines: list[str] = []
+    for part in text.split(", "):
+        if lines and fits(f"{lines[-1]}, {part}"):
+            lines[-1] += f", {part}"
+        else:
+            lines.append(part)
+    return ",\n".join(lines)
 
 
 def fixed(

@@ -7,6 +7,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import matplotlib
 import numpy as np
 import pytest
@@ -200,6 +201,22 @@ def test_no_two_modes_of_a_locus_share_a_name(pictures: dict[str, Figure]) -> No
             entries = [t.get_text() for t in legend.get_texts()]  # type: ignore[union-attr]
             modes = [e.split(": ")[1] for e in entries if ": " in e]
             assert len(modes) >= 2 and len(set(modes)) == len(modes), name
+
+
+def test_many_parameters_of_a_system_keep_within_the_figure() -> None:
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 9)
+    names = ("k", "c", *(f"length of part {i}" for i in range(7)))
+    rhs = ca.vertcat(x[1], -p[0] * x[0] - p[1] * x[1] + 0 * ca.sum1(p))
+    system = st.System("made of parts", x, p, rhs, states=("u", "v"), parameters=names,
+                       units=dict.fromkeys(names[2:], "mm"))  # fmt: skip
+    family = st.Family(system, "rest", at=("k",), held={"u": 0.0, "v": 0.0})
+    held = {name: 1234.5 + i for i, name in enumerate(names[2:])}
+    found = st.stability_map(family, x=("k", -1, 2, 9), y=("c", -1, 1, 9), **held)
+    figure = st.plot_map(found)
+    assert faults(figure) == []
+    [note] = [t.get_text() for t in figure.texts]
+    assert all(f"{name} = {held[name]:.5g} mm" in note for name in names[2:])
+    assert faults(st.plot_locus(st.spectrum(family, at=np.linspace(-1, 2, 9), c=0.1, **held))) == []
 
 
 # --- axes of a user ---

@@ -28,7 +28,7 @@ from ...base.quantities import unit_of
 from ...base.types import Floats
 from ...bodies.thin_disk.disk_quantities import PHYSICAL, QUANTITIES
 from ...motion.result import BY_CODE
-from ..styled_figure import wrapped
+from ..styled_figure import broken
 from .pose import POSED, geometry
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ class Camera:
         word = BY_CODE[int(dataset.outcome)].word
         put(0.98, 0.975, f"1 s of film = {pace:.3g} {self.unit}\noutcome: {word}", ha="right",
             va="top")  # fmt: skip
-        put(0.02, 0.02, wrapped(caption_of(dataset), LETTERS), va="bottom")
+        put(0.02, 0.02, broken(caption_of(dataset), lambda line: len(line) <= LETTERS), va="bottom")
         self.seat = self._overview() if self.follows else None
 
     def _overview(self) -> Any:

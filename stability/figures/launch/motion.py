@@ -126,7 +126,7 @@ def plot_motion(
             for part, page in zip(parts, _pages(figure, len(parts)), strict=True):
                 draw[part](page, motion)
         lowest = next(a for a in _drawn_on(figure, ax) if a.get_xlabel())
-        note(lowest, fixed_of(dataset), share=1.0 if len(parts) == 1 else 0.48)
+        note(lowest, fixed_of(dataset))
     return figure
 
 

@@ -50,6 +50,12 @@ def verdict_attributes() -> dict[str, Any]:
     }
 
 
+def _units(family: Any, fixed: Mapping[str, Any]) -> dict[str, str]:
+    """Units of the fixed numbers of a user's system, where it has units."""
+    known = {n: family.system.units[n] for n in sorted(fixed) if n in family.system.units}
+    return {"parameter_units": json.dumps(known)} if known else {}
+
+
 def origin(asked: Any, fixed: Mapping[str, Any], **more: Any) -> dict[str, Any]:
     """Origin of a result: family, numbers, source, versions, the time.
 
@@ -76,7 +82,7 @@ def origin(asked: Any, fixed: Mapping[str, Any], **more: Any) -> dict[str, Any]:
         **({"contact": asked.law.name} if asked.law else {}),
         "at": ", ".join(family.at),
         "parameters": json.dumps({n: float(v) for n, v in fixed.items()}, sort_keys=True),
-        **({"dimensionless": int(asked.dimensionless)} if asked.law else {}),
+        **({"dimensionless": int(asked.dimensionless)} if asked.law else _units(family, fixed)),
         **more,
         "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, linearisation recomputed" if asked.law else "user's system",
