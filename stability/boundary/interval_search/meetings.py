@@ -184,7 +184,7 @@ class Meetings:
             u = [arb_series([*c, 0]) for c in found]
             rates, _ = family.graph.residual.run(series_algebra(), [a, u, q])
             right = arb_mat(len(start), 1, [-coefficient(r, k) for r in rates])
-            solved = slope.solve(right)
+            solved = slope.solve(right, algorithm="precond")
             for i, c in enumerate(found):
                 c.append(solved[i, 0])
         return [arb_series(c) for c in found]
