@@ -189,7 +189,8 @@ class _Search:
         width = leaf.high - leaf.low
         if width <= self.least or not leaf.low < cut < leaf.high:
             return False
-        if leaf.reason in (NO_MEMBER, BRANCH):
+        here = self.found.root(middle_of(leaf.low, leaf.high)) is not None
+        if leaf.reason == BRANCH or (leaf.reason == NO_MEMBER and not here):
             self.lost += 1
             if self.lost > MOST_LOST:
                 return False
