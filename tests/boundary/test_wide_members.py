@@ -38,7 +38,7 @@ def converted(d: float) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("middle", "half"), [(0.5, 0.004), (0.9, 0.02), (0.138, 0.001), (0.05, 0.005)]
+    ("middle", "half"), [(0.5, 0.004), (0.9, 0.01), (0.138, 0.001), (0.05, 0.005)]
 )
 def test_a_wide_ball_holds_the_members_of_a_piece_and_little_else(
     middle: float, half: float
