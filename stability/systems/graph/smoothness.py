@@ -20,19 +20,22 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ...algebra.number_types import UNARY, Algebra, numpy_algebra
+from ...algebra.number_types import MORE, UNARY, Algebra, numpy_algebra
 from ...algebra.program import Program
 from ...base.errors import ParameterError
 from ...base.types import Floats
 from ..equations import Equations
 
 EDGES: dict[str, tuple[float, ...]] = {
-    "sqrt": (0.0,), "asin": (-1.0, 1.0), "acos": (-1.0, 1.0),
+    "sqrt": (0.0,), "asin": (-1.0, 1.0), "acos": (-1.0, 1.0), "acosh": (1.0,),
 }  # fmt: skip
 """Arguments at which a function has a value and no slope."""
 LEVEL: dict[str, tuple[float, ...]] = {"cos": (0.0,), "cosh": (0.0,)}
 """Arguments at which a function has the slope 0."""
-_CODES = {ca.OP_SQRT, ca.OP_FABS, ca.OP_ASIN, ca.OP_ACOS, ca.OP_POW, ca.OP_CONSTPOW}
+_CODES = {
+    ca.OP_SQRT, ca.OP_FABS, ca.OP_ASIN, ca.OP_ACOS, ca.OP_POW, ca.OP_CONSTPOW, ca.OP_ACOSH,
+    ca.OP_HYPOT, ca.OP_ATAN2,
+}  # fmt: skip
 _PLAIN = numpy_algebra().functions
 
 
@@ -131,8 +134,17 @@ def _sign(x: Any) -> _Number:
     )  # its own kink is a jump, where the rates have no value
 
 
-_TABLE = {name: _function(name) for name in UNARY}
-_ALGEBRA = Algebra("slopes", _number, {**_TABLE, "pow": _power, "fabs": _fabs, "sign": _sign})
+def _angle(y: Any, x: Any) -> _Number:
+    """The angle of (x, y), which jumps by a turn at y = 0 ≥ x."""
+    y, x = _number(y), _number(x)
+    jumps = np.equal(y.value, 0) & np.less_equal(x.value, 0)
+    found = y._with(x, _PLAIN["atan2"](y.value, x.value), np.True_, np.not_equal(y.value, 0))
+    return replace(found, broken=found.broken | jumps)
+
+
+_TABLE = {name: _function(name) for name in (*UNARY, *MORE)}
+_TABLE |= {"pow": _power, "fabs": _fabs, "sign": _sign, "atan2": _angle}
+_ALGEBRA = Algebra("slopes", _number, _TABLE)
 
 
 @lru_cache(maxsize=64)
