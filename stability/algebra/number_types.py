@@ -81,7 +81,12 @@ def numpy_algebra() -> Algebra:
     >>> numpy_algebra().functions["sqrt"](4.0)
     np.float64(2.0)
     """
-    other = {"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "pow": np.power}
+    other: dict[str, Callable[..., Any]] = {
+        "asin": np.arcsin,
+        "acos": np.arccos,
+        "atan": np.arctan,
+        "pow": np.power,
+    }
     other |= {"fabs": np.abs, "expm1": np.expm1, "log1p": np.log1p, "asinh": np.arcsinh}
     other |= {"acosh": np.arccosh, "atanh": np.arctanh, "hypot": np.hypot, "atan2": _angle}
     table = {name: getattr(np, name) for name in UNARY if name not in other}
@@ -180,7 +185,7 @@ def casadi_algebra() -> Algebra:
         # only this algebra meets the exact right angle
         return lambda x: getattr(x, name)() if isinstance(x, Upright) else getattr(ca, name)(x)
 
-    table = {name: exact(name) for name in (*UNARY, *MORE)}
+    table: dict[str, Callable[..., Any]] = {name: exact(name) for name in (*UNARY, *MORE)}
     table |= {"pow": ca.power, "fabs": ca.fabs, "atan2": ca.atan2}
     return Algebra("casadi", ca.SX, table)
 

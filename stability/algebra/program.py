@@ -125,9 +125,10 @@ class Program:
                 names = [f"w{s}" for s in source]
                 lines.append(f"    w{target[0]} = {_SYMBOLS[code].format(*names)}")
             else:
+                known = ", ".join((*UNARY, *BY_OTHERS))
                 raise StabilityError(
-                    f"an expression of the system uses {_in_words(code)}, which is not read; "
-                    f"known are + - * /, powers, fabs, {', '.join(UNARY)}, {', '.join(BY_OTHERS)}."
+                    f"an expression of the system uses {_in_words(code)}, which is not read; only "
+                    f"smooth elementary functions are: + - * /, powers, fabs, {known}."
                 )
         body = "\n".join(lines)
         used = [name for name in (*UNARY, "pow", "fabs") if f"f_{name}(" in body]

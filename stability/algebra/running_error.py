@@ -197,7 +197,9 @@ TRACKED = Algebra(
         "expm1": _elementary(np.expm1, lambda x, e, _: TINY + np.exp(x) * np.expm1(e)),
         "log1p": _elementary(np.log1p, lambda x, e, _: -np.log1p(-np.minimum(e / (1 + x), 1.0))),
         "asinh": _elementary(np.arcsinh, lambda x, e, _: e / np.sqrt(1 + _low(x, e) ** 2)),
-        "acosh": _elementary(np.arccosh, lambda x, e, _: e / np.sqrt(np.maximum(x - e, 1) ** 2 - 1)),
+        "acosh": _elementary(
+            np.arccosh, lambda x, e, _: e / np.sqrt(np.maximum(x - e, 1) ** 2 - 1)
+        ),
         "atanh": _elementary(np.arctanh, lambda x, e, _: e / _room(1 - (np.abs(x) + e) ** 2)),
         "atan2": _angle,
         "fabs": _elementary(np.abs, lambda _, e, __: e),

@@ -139,10 +139,11 @@ def _angle(y: Any, x: Any) -> _Number:
     y, x = _number(y), _number(x)
     jumps = np.equal(y.value, 0) & np.less_equal(x.value, 0)
     found = y._with(x, _PLAIN["atan2"](y.value, x.value), np.True_, np.not_equal(y.value, 0))
-    return replace(found, broken=found.broken | jumps)
+    broken = found.broken | jumps
+    return _Number(found.value, found.moves, found.kinked, broken, found.depends)
 
 
-_TABLE = {name: _function(name) for name in (*UNARY, *MORE)}
+_TABLE: dict[str, Callable[..., Any]] = {name: _function(name) for name in (*UNARY, *MORE)}
 _TABLE |= {"pow": _power, "fabs": _fabs, "sign": _sign, "atan2": _angle}
 _ALGEBRA = Algebra("slopes", _number, _TABLE)
 
