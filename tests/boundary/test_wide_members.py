@@ -122,3 +122,8 @@ def test_members_along_an_axis_are_followed_many_at_once(monkeypatch: pytest.Mon
     monkeypatch.setattr(st.Family, "search", counted)
     st.boundaries(reactor(), axis=("D", 0.02, 1.0, 9), B=14.0, beta=3.0)
     assert sum(counts) > 5 * len(counts)
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_conditions_of_a_reactor_warn_of_no_arithmetic() -> None:
+    assert st.conditions(reactor()).rule
