@@ -258,12 +258,16 @@ class Family:
         self.system.rates(states, given)
         fine = sloped(self.system, states, given)
         if not fine.all():
-            place = listing((*self.at, *self.parameters), (*a[i := int(np.argmin(fine))], *q[i]))
-            raise DomainError(
-                f"{self.name} at {place}: the rates of {self.system.name} have no slope there, as "
-                "|x| or sqrt(x) at 0; a spectrum needs rates that are differentiable at the member."
-            )
+            i = int(np.argmin(fine))
+            raise DomainError(self._kinked(a[i], q[i]))
         return states
+
+    def _kinked(self, a: Floats, q: Floats) -> str:
+        return (
+            f"{self.name} at {listing((*self.at, *self.parameters), (*a, *q))}: the rates of "
+            f"{self.system.name} have no slope there, as |x| or sqrt(x) at 0; a spectrum needs "
+            "rates that are differentiable at the member."
+        )
 
     def matrix(self, a: Floats, u: Floats, q: Floats) -> Floats:
         """Linearisation ∂f/∂x at members.
@@ -366,7 +370,7 @@ class Family:
         return Found(u, good, lambda row: found.why(place[row]) if possible[row] else why(row))
 
     def members(self, a: Floats, q: Floats) -> Found:
-        """As `search`; a root at which the equations have no meaning is no member either.
+        """As `search`; a root at which the rates have no value or no slope is no member either.
 
         Parameters
         ----------
@@ -380,9 +384,14 @@ class Family:
         found = self.search(a, q)
         good = found.good.copy()
         a_, u_, q_ = a[good], found.u[good], q[good]
-        good[good] = self.system.valid(self.states(a_, u_, q_), self._system_parameters(a_, q_))
+        place = self.states(a_, u_, q_), self._system_parameters(a_, q_)
+        good[good] = self.system.valid(*place)
+        valid = good.copy()
+        good[found.good] &= sloped(self.system, *place)
 
         def why(row: int) -> str:
+            if valid[row]:
+                return self._kinked(a[row], q[row])
             place = listing((*self.at, *self.parameters), (*a[row], *q[row]))
             no = f"{self.name} has no member at {place}: a condition of {self.system.name} fails."
             return no if found.good[row] else found.why(row)

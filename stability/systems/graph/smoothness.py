@@ -159,6 +159,17 @@ def _program(system: Equations) -> Program | None:
     return Program(rates) if codes & _CODES else None
 
 
+def edged(system: Equations) -> bool:
+    """Whether a function of a system's rates may lack a slope somewhere.
+
+    Parameters
+    ----------
+    system
+        The equations of motion.
+    """
+    return _program(system) is not None
+
+
 def sloped(system: Equations, x: Floats, p: Floats) -> NDArray[np.bool_]:
     """Whether the rates of a system have a slope at states, which |x| has not at 0.
 
