@@ -14,7 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
-from ..base.errors import DomainError, NameUnknownError, NoMemberError, ParameterError, shown
+from ..base.errors import (
+    DomainError,
+    NameUnknownError,
+    NoMemberError,
+    ParameterError,
+    StabilityError,
+    shown,
+)
 from ..base.types import Floats, fields_of
 from .equations import Equations
 from .following.members import Found, find
@@ -23,7 +30,7 @@ from .following.sheet import Anchor
 from .following.steadiness import rate_noise
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable
-from .graph.smoothness import sloped
+from .graph.smoothness import KINKED, REMOVABLE, gap, sloped
 from .system_checks import check_family, tables
 
 UNKNOWN = 1e-10
@@ -253,21 +260,26 @@ class Family:
         states = self.states(a, u, q)
         given = self._system_parameters(a, q)
         self.system.check(states, given)
-        self._require_steady(a, u, q)
-        # a factor zero folds away in the family's graph, which may hide an overflow in the system's
-        self.system.rates(states, given)
+        try:
+            self._require_steady(a, u, q)
+            # a factor zero folds away in the family's graph, which may hide an overflow
+            self.system.rates(states, given)
+        except StabilityError:
+            row = gap(self.system, states, given)
+            if row is None:
+                raise
+            raise DomainError(f"{self._place(a[row], q[row])}: {REMOVABLE}") from None
         fine = sloped(self.system, states, given)
         if not fine.all():
             i = int(np.argmin(fine))
             raise DomainError(self._kinked(a[i], q[i]))
         return states
 
+    def _place(self, a: Floats, q: Floats) -> str:
+        return f"{self.name} at {listing((*self.at, *self.parameters), (*a, *q))}"
+
     def _kinked(self, a: Floats, q: Floats) -> str:
-        return (
-            f"{self.name} at {listing((*self.at, *self.parameters), (*a, *q))}: the rates of "
-            f"{self.system.name} have no slope there, as |x| or sqrt(x) at 0; a spectrum needs "
-            "rates that are differentiable at the member."
-        )
+        return f"{self._place(a, q)}: the rates of {self.system.name} {KINKED}"
 
     def matrix(self, a: Floats, u: Floats, q: Floats) -> Floats:
         """Linearisation ∂f/∂x at members.

@@ -376,6 +376,7 @@ def _compact(
     ending = [f for poly in ends for f, _ in factors(poly)[1]]
     return Whole(
         tuple(reading.name(i) for i in order), tuple(order), ring, zeros, tuple(rows),
-        tuple(clean), tuple(f for f in clean if f not in ending), tuple((moved(p), s) for p, s in required),
+        tuple(clean), tuple(f for f in clean if f not in ending),
+        tuple((moved(p), s) for p, s in required),
         tuple((places[i], moved(f)) for i, f in kept.items() if occurring(f) <= used),
     )  # fmt: skip
