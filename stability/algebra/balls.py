@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from .number_types import UNARY, Algebra, ball_power
+from .number_types import MORE, UNARY, Algebra, ball_angle, ball_power
 
 
 def upper(ball: Any) -> float:
@@ -57,7 +57,8 @@ def precision(bits: int) -> Iterator[None]:
 
 MIXED = Algebra(
     "rationals and balls", arb,
-    {name: partial(lambda method, x: getattr(arb(x), method)(), name) for name in UNARY}
-    | {"pow": ball_power, "fabs": abs},
+    {name: partial(lambda method, x: getattr(arb(x), method)(), name)
+     for name in (*UNARY, *MORE)}
+    | {"pow": ball_power, "fabs": abs, "atan2": ball_angle},
 )  # fmt: skip
 """Rationals stay rational; a function makes them balls."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import prod
 from typing import Any
 
@@ -33,6 +33,46 @@ MOST_FACTORS = 64
 UNARY = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh", "tanh")
 
 
+MORE = ("expm1", "log1p", "asinh", "acosh", "atanh")
+"""Further functions of one number; `BY_OTHERS` where a number type lacks one."""
+
+
+def _by_root(f: dict[str, Callable[..., Any]], x: Any) -> Any:
+    share = x / (f["sqrt"](x * x + 1) + 1)  # tanh(y/2) of the result y, without cancellation
+    return f["log"](share + 1) - f["log"](-share + 1)
+
+
+BY_OTHERS: dict[str, Callable[..., Any]] = {
+    "expm1": lambda f, x: f["exp"](x) - 1,
+    "log1p": lambda f, x: f["log"](x + 1),
+    "asinh": _by_root,
+    "acosh": lambda f, x: f["log"](x + f["sqrt"](x * x - 1)),
+    "atanh": lambda f, x: (f["log"](x + 1) - f["log"](-x + 1)) / 2,
+    "hypot": lambda f, y, x: f["sqrt"](x * x + y * y),
+    # 0/0 at y = 0 ≥ x, where the angle jumps
+    "atan2": lambda f, y, x: f["atan"](y / (f["sqrt"](x * x + y * y) + x)) * 2,
+}
+"""Functions by those of `UNARY`, from the table f of a number type."""
+
+
+def function_of(functions: dict[str, Callable[..., Any]], name: str) -> Callable[..., Any]:
+    """A function of a number type, its own or by other functions.
+
+    Parameters
+    ----------
+    functions
+        The number type's own functions.
+    name
+        Name of the function.
+
+    Examples
+    --------
+    >>> function_of(sympy_algebra().functions, "log1p")(2)
+    log(3)
+    """
+    return functions.get(name) or partial(BY_OTHERS[name], functions)
+
+
 def numpy_algebra() -> Algebra:
     """Double-precision arrays, elementwise.
 
@@ -41,10 +81,21 @@ def numpy_algebra() -> Algebra:
     >>> numpy_algebra().functions["sqrt"](4.0)
     np.float64(2.0)
     """
-    other = {"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "pow": np.power}
-    other |= {"fabs": np.abs}
+    other: dict[str, Callable[..., Any]] = {
+        "asin": np.arcsin,
+        "acos": np.arccos,
+        "atan": np.arctan,
+        "pow": np.power,
+    }
+    other |= {"fabs": np.abs, "expm1": np.expm1, "log1p": np.log1p, "asinh": np.arcsinh}
+    other |= {"acosh": np.arccosh, "atanh": np.arctanh, "hypot": np.hypot, "atan2": _angle}
     table = {name: getattr(np, name) for name in UNARY if name not in other}
     return Algebra("numpy", float, table | other)
+
+
+def _angle(y: Any, x: Any) -> Any:
+    """The angle of (x, y); nan where the angle jumps by a turn."""
+    return np.where(np.equal(y, 0) & np.less_equal(x, 0), np.nan, np.arctan2(y, x))
 
 
 def ball_algebra() -> Algebra:
@@ -57,10 +108,30 @@ def ball_algebra() -> Algebra:
     """
     from flint import arb
 
-    table: dict[str, Callable[..., Any]] = {name: operator.methodcaller(name) for name in UNARY}
-    table["pow"] = ball_power
-    table["fabs"] = abs
+    names = (*UNARY, *MORE)
+    table: dict[str, Callable[..., Any]] = {name: operator.methodcaller(name) for name in names}
+    table |= {"pow": ball_power, "fabs": abs, "atan2": ball_angle}
     return Algebra("ball", arb, table)
+
+
+def ball_angle(y: Any, x: Any) -> Any:
+    """The angle of (x, y) as a ball; nan where the angle may jump by a turn.
+
+    Parameters
+    ----------
+    y, x
+        Balls, or exact numbers.
+
+    Examples
+    --------
+    >>> from flint import arb
+    >>> ball_angle(arb(0, 1), arb(2)).is_finite(), ball_angle(arb(0, 1), arb(-2)).is_finite()
+    (True, False)
+    """
+    from flint import arb
+
+    x, y = arb(x), arb(y)
+    return arb.atan2(y, x) if x > 0 or y > 0 or y < 0 else arb("nan")
 
 
 def ball_power(x: Any, y: Any) -> Any:
@@ -96,7 +167,8 @@ def sympy_algebra() -> Algebra:
     """
     import sympy
 
-    table = {name: getattr(sympy, name) for name in UNARY}
+    names = (*UNARY, "asinh", "acosh", "atanh", "atan2")
+    table = {name: getattr(sympy, name) for name in names}
     return Algebra("sympy", sympy.Rational, table | {"pow": sympy.Pow, "fabs": sympy.Abs})
 
 
@@ -113,8 +185,9 @@ def casadi_algebra() -> Algebra:
         # only this algebra meets the exact right angle
         return lambda x: getattr(x, name)() if isinstance(x, Upright) else getattr(ca, name)(x)
 
-    table = {name: exact(name) for name in UNARY}
-    return Algebra("casadi", ca.SX, table | {"pow": ca.power, "fabs": ca.fabs})
+    table: dict[str, Callable[..., Any]] = {name: exact(name) for name in (*UNARY, *MORE)}
+    table |= {"pow": ca.power, "fabs": ca.fabs, "atan2": ca.atan2}
+    return Algebra("casadi", ca.SX, table)
 
 
 @lru_cache(maxsize=1)

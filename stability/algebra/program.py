@@ -17,7 +17,15 @@ import numpy as np
 
 from ..base.errors import StabilityError
 from ..base.types import Floats
-from .number_types import UNARY, Algebra, heyoka_algebra, numpy_algebra
+from .number_types import (
+    BY_OTHERS,
+    MORE,
+    UNARY,
+    Algebra,
+    function_of,
+    heyoka_algebra,
+    numpy_algebra,
+)
 
 _SYMBOLS = {
     ca.OP_ADD: "{0} + {1}",
@@ -35,7 +43,18 @@ _SYMBOLS = {
     ca.OP_SIGN: "f_sign({0})",
 }
 """Each operation of CasADi as Python source."""
-_SYMBOLS |= {getattr(ca, f"OP_{name.upper()}"): f"f_{name}({{0}})" for name in UNARY}
+_SYMBOLS |= {getattr(ca, f"OP_{name.upper()}"): f"f_{name}({{0}})" for name in (*UNARY, *MORE)}
+_SYMBOLS |= {ca.OP_HYPOT: "f_hypot({0}, {1})", ca.OP_ATAN2: "f_atan2({0}, {1})"}
+
+_SIGNS = {"LT": "<", "LE": "<=", "EQ": "==", "NE": "!=", "NOT": "not", "AND": "and", "OR": "or"}
+_WORDS = {getattr(ca, f"OP_{n}"): f"a branch or comparison ({s})" for n, s in _SIGNS.items()}
+_WORDS[ca.OP_IF_ELSE_ZERO] = "a branch (if_else)"
+"""Operations that no number type reads, in words; others by CasADi's name."""
+
+
+def _in_words(code: int) -> str:
+    names = {getattr(ca, name): name[3:].lower() for name in dir(ca) if name.startswith("OP_")}
+    return _WORDS.get(code, names.get(code, f"CasADi operation {code}"))
 
 
 class Program:
@@ -80,7 +99,7 @@ class Program:
         self._constants: list[float] = []
         self._held: dict[str, list[Any]] = {}
         self._code = compile(self._source(function), f"<graph {self.name}>", "exec")
-        space: dict[str, Any] = {}
+        space: dict[str, Any] = {"function_of": function_of}
         exec(self._code, space)
         self._run = space["run"]
 
@@ -106,13 +125,15 @@ class Program:
                 names = [f"w{s}" for s in source]
                 lines.append(f"    w{target[0]} = {_SYMBOLS[code].format(*names)}")
             else:
+                known = ", ".join((*UNARY, *BY_OTHERS))
                 raise StabilityError(
-                    f"an expression of the system uses CasADi operation {code} (a branch, "
-                    "comparison or special function); only smooth elementary functions are read."
+                    f"an expression of the system uses {_in_words(code)}, which is not read; only "
+                    f"smooth elementary functions are: + - * /, powers, fabs, {known}."
                 )
         body = "\n".join(lines)
         used = [name for name in (*UNARY, "pow", "fabs") if f"f_{name}(" in body]
         lines = ["def run(f, c, a):", *[f"    f_{n} = f[{n!r}]" for n in used]]
+        lines += [f"    f_{n} = function_of(f, {n!r})" for n in BY_OTHERS if f"f_{n}(" in body]
         if "f_sign(" in body:  # the slope of |x|: no value at 0, unless the number type has one
             lines.append("    f_sign = f.get('sign') or (lambda x: x / f['fabs'](x))")
         head = "\n".join(lines)

@@ -154,9 +154,23 @@ def _low(x: Any, e: Any) -> Any:
     return np.maximum(np.abs(x) - e, 0.0)
 
 
+def _room(value: Any) -> Any:
+    return np.where(value > 0, value, 0.0)
+
+
 def _arc(x: Any, e: Any, _: Any) -> Any:
-    room = 1 - (np.abs(x) + e) ** 2
-    return e / np.sqrt(np.where(room > 0, room, 0.0))
+    return e / np.sqrt(_room(1 - (np.abs(x) + e) ** 2))
+
+
+def _angle(y: Any, x: Any) -> RunningError:
+    """The angle of (x, y): it changes by less than π/2 of the way over the distance from 0."""
+    y, x = (v if isinstance(v, RunningError) else RunningError(np.float64(v), 0.0) for v in (y, x))
+    total = np.arctan2(y.value, x.value)
+    way = np.hypot(y.error, x.error)
+    passed = np.pi / 2 * way / np.hypot(y.value, x.value)
+    jumps = (x.value - x.error <= 0) & (np.abs(y.value) <= y.error)
+    jumps |= way >= np.hypot(y.value, x.value)
+    return RunningError(total, np.where(jumps, np.inf, passed) + 2 * UNIT * np.abs(total) + TINY)
 
 
 def _tan(x: Any) -> Any:
@@ -180,6 +194,14 @@ TRACKED = Algebra(
         "sinh": _elementary(np.sinh, lambda x, e, _: np.cosh(np.abs(x) + e) * e),
         "cosh": _elementary(np.cosh, lambda x, e, _: np.sinh(np.abs(x) + e) * e),
         "tanh": _elementary(np.tanh, lambda x, e, _: (1 - np.tanh(_low(x, e)) ** 2) * e),
+        "expm1": _elementary(np.expm1, lambda x, e, _: TINY + np.exp(x) * np.expm1(e)),
+        "log1p": _elementary(np.log1p, lambda x, e, _: -np.log1p(-np.minimum(e / (1 + x), 1.0))),
+        "asinh": _elementary(np.arcsinh, lambda x, e, _: e / np.sqrt(1 + _low(x, e) ** 2)),
+        "acosh": _elementary(
+            np.arccosh, lambda x, e, _: e / np.sqrt(np.maximum(x - e, 1) ** 2 - 1)
+        ),
+        "atanh": _elementary(np.arctanh, lambda x, e, _: e / _room(1 - (np.abs(x) + e) ** 2)),
+        "atan2": _angle,
         "fabs": _elementary(np.abs, lambda _, e, __: e),
         "pow": lambda x, y: (
             (x if isinstance(x, RunningError) else RunningError(np.float64(x), 0.0)) ** y

@@ -350,7 +350,9 @@ def conditions(
         found = whole(reading)
     except NotExact as reason:
         large = isinstance(reason, TooLarge)
-        why = f"is too large: {reason}" if large else f"has no exact form here ({reason})"
+        why = f"has no exact form here ({reason})"
+        if large:
+            why = f"is too large: {reason}; terms= and seconds= move these limits"
         raise StabilityError(
             f"{family.name}: the characteristic polynomial, of degree {len(family.system.states)} "
             f"in λ, {why}; verdicts, boundaries and maps need no formula."

@@ -26,6 +26,7 @@ from ..spectra.certificate import BITS, verdict
 from ..spectra.deflation import deflate
 from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
+from ..systems.graph.smoothness import edged
 from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .dataset import EXACT, GRAPH, OWN, SINGLE, SLICE
@@ -242,6 +243,7 @@ class Cells:
 
     def _complete(self) -> None:
         """The cells that the slice left open: by the graph, verdicts of members as they are."""
+        self._leave_edges()
         flat = {
             n: getattr(self, n).reshape(-1, *getattr(self, n).shape[2:])
             for n in ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes))
@@ -254,6 +256,15 @@ class Cells:
             chunk["codes"] = np.where(known == ELSEWHERE, chunk["codes"], known)
             for name, array in chunk.items():
                 flat[name][some] = array
+
+    def _leave_edges(self) -> None:
+        """Leave to the graph the cells in which the rates have no slope: no polynomial shows it."""
+        codes = self.codes.reshape(-1)
+        if edged(self.problem.family.system):
+            for first in range(0, len(codes), CHUNK):
+                cells = np.arange(first, min(first + CHUNK, len(codes)))
+                bad = cells[~self._members_of(cells)[-1]]
+                codes[bad[codes[bad] != NO_MEMBER]] = ELSEWHERE
 
     def _inputs(
         self, start: int, total: int

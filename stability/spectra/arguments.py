@@ -119,6 +119,7 @@ def prepare(
     if len(set(names)) < len(names):
         raise ParameterError(f"both axes are {shown(names[0])}; give two different ones.")
     if isinstance(family, Family):
+        at, parameters = _beyond_axes(family, names, at, parameters)
         problem = problem_of(family, at, disk, contact, dict(parameters))
         known: tuple[str, ...] = (*family.at, *family.parameters)
     else:
@@ -195,6 +196,28 @@ def _taken(name: str) -> NameUnknownError:
     return NameUnknownError(
         f"axis is {shown(name)}, a name that the map needs for itself; rename the parameter."
     )
+
+
+def _beyond_axes(
+    family: Family, names: Sequence[str], at: Any, parameters: Mapping[str, ArrayLike]
+) -> tuple[Any, Mapping[str, ArrayLike]]:
+    """Where axes take some of the names of a member, `at` holds the others, by name."""
+    open_ = [n for n in family.at if n not in names]
+    if at is None or len(open_) == len(family.at):
+        return at, parameters
+    values = list(at) if np.ndim(at) else [at]
+    if len(values) == len(family.at):
+        return at, parameters
+    if len(values) != len(open_):
+        raise ParameterError(
+            f"at holds {len(values)} numbers; a member of {family.name} is named by "
+            f"{', '.join(family.at)}, and beyond the axis at holds "
+            + (f"{len(open_)} ({', '.join(open_)})." if open_ else "none, so leave it out.")
+        )
+    twice = [n for n in open_ if n in parameters]
+    if twice:
+        raise ParameterError(f"{twice[0]} is given as at and by name; give it once.")
+    return None, {**parameters, **dict(zip(open_, values, strict=True))}
 
 
 def _pair(family: Any, names: Sequence[str], at: ArrayLike | None) -> Any:

@@ -14,7 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
-from ..base.errors import DomainError, NameUnknownError, NoMemberError, ParameterError, shown
+from ..base.errors import (
+    DomainError,
+    NameUnknownError,
+    NoMemberError,
+    ParameterError,
+    StabilityError,
+    shown,
+)
 from ..base.types import Floats, Record, fields_of
 from .equations import Equations
 from .following.members import Found, find
@@ -23,7 +30,7 @@ from .following.sheet import Anchor
 from .following.steadiness import rate_noise
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable
-from .graph.smoothness import sloped
+from .graph.smoothness import KINKED, REMOVABLE, gap, sloped
 from .system_checks import check_family, tables
 
 UNKNOWN = 1e-10
@@ -259,17 +266,26 @@ class Family(Record):
         states = self.states(a, u, q)
         given = self._system_parameters(a, q)
         self.system.check(states, given)
-        self._require_steady(a, u, q)
-        # a factor zero folds away in the family's graph, which may hide an overflow in the system's
-        self.system.rates(states, given)
+        try:
+            self._require_steady(a, u, q)
+            # a factor zero folds away in the family's graph, which may hide an overflow
+            self.system.rates(states, given)
+        except StabilityError:
+            row = gap(self.system, states, given)
+            if row is None:
+                raise
+            raise DomainError(f"{self._place(a[row], q[row])}: {REMOVABLE}") from None
         fine = sloped(self.system, states, given)
         if not fine.all():
-            place = listing((*self.at, *self.parameters), (*a[i := int(np.argmin(fine))], *q[i]))
-            raise DomainError(
-                f"{self.name} at {place}: the rates of {self.system.name} have no slope there, as "
-                "|x| or sqrt(x) at 0; a spectrum needs rates that are differentiable at the member."
-            )
+            i = int(np.argmin(fine))
+            raise DomainError(self._kinked(a[i], q[i]))
         return states
+
+    def _place(self, a: Floats, q: Floats) -> str:
+        return f"{self.name} at {listing((*self.at, *self.parameters), (*a, *q))}"
+
+    def _kinked(self, a: Floats, q: Floats) -> str:
+        return f"{self._place(a, q)}: the rates of {self.system.name} {KINKED}"
 
     def matrix(self, a: Floats, u: Floats, q: Floats) -> Floats:
         """Linearisation ∂f/∂x at members.
@@ -372,7 +388,7 @@ class Family(Record):
         return Found(u, good, lambda row: found.why(place[row]) if possible[row] else why(row))
 
     def members(self, a: Floats, q: Floats) -> Found:
-        """As `search`; a root at which the equations have no meaning is no member either.
+        """As `search`; a root at which the rates have no value or no slope is no member either.
 
         Parameters
         ----------
@@ -386,9 +402,14 @@ class Family(Record):
         found = self.search(a, q)
         good = found.good.copy()
         a_, u_, q_ = a[good], found.u[good], q[good]
-        good[good] = self.system.valid(self.states(a_, u_, q_), self._system_parameters(a_, q_))
+        place = self.states(a_, u_, q_), self._system_parameters(a_, q_)
+        good[good] = self.system.valid(*place)
+        valid = good.copy()
+        good[found.good] &= sloped(self.system, *place)
 
         def why(row: int) -> str:
+            if valid[row]:
+                return self._kinked(a[row], q[row])
             place = listing((*self.at, *self.parameters), (*a[row], *q[row]))
             no = f"{self.name} has no member at {place}: a condition of {self.system.name} fails."
             return no if found.good[row] else found.why(row)

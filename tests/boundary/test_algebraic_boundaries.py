@@ -362,3 +362,42 @@ def test_a_thousand_planted_families_have_every_boundary() -> None:
     ends, wrong = campaign(range(1000, 2000))
     assert not wrong, "\n".join(wrong[:20])
     assert sum(n for (kind, how), n in ends.items() if kind != "gap" and how != "complete") <= 5
+
+
+# --- branches that cross ---
+
+
+def prey_and_predator(h: float = 1.0) -> st.Family:
+    """Rosenzweig and MacArthur's model at coexistence, where the predator may be negative too."""
+    x, y, *given = (ca.SX.sym(n) for n in ("x", "y", "K", "d"))
+    capacity, death = given
+    eaten = x * y / (1 + h * x)
+    system = st.System(
+        "prey", ca.vertcat(x, y), ca.vertcat(*given),
+        ca.vertcat(x * (1 - x / capacity) - eaten, eaten - death * y),
+        states=("x", "y"), parameters=("K", "d"),
+    )  # fmt: skip
+    return system.steady("K", guess={"x": 0.6, "y": 0.8, "K": 2.0, "d": 0.375})
+
+
+@pytest.mark.parametrize("death", [0.375, 0.25, 0.5])
+def test_a_branch_that_another_one_crosses_goes_on_through_the_crossing(death: float) -> None:
+    """The prey is x = d/(1 - d); trans-critical at K = x, oscillation from K = (1 + d)/(1 - d)."""
+    found = st.boundaries(prey_and_predator(), axis=("K", 0.1, 5, 9), d=death)
+    assert found.complete
+    assert [(b.crossing.word, b.stable_below) for b in found] == [
+        ("static", False), ("flutter", True),
+    ]  # fmt: skip
+    wanted = [death / (1 - death), (1 + death) / (1 - death)]
+    assert [b.value for b in found] == pytest.approx(wanted, rel=1e-14)
+
+
+def test_a_root_finder_that_passes_to_another_branch_between_samples_is_seen() -> None:
+    """dx/dt = x (p - x): the guess 1/2 leads to x = p up to p = 1, and then to the unstable 0."""
+    x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    system = st.System("s", x, p, x * (p - x), states=("x",), parameters=("p",))
+    family = st.Family(system, "f", ("p",), unknown={"x": 0.5}, equations=("x",))
+    assert [st.spectrum(family, at=v).verdict.word for v in (0.9, 1.01)] == ["stable", "unstable"]
+    with pytest.warns(st.StabilityWarning, match="not complete"):
+        found = st.boundaries(family, axis=("p", 0.2, 1.02, 9))
+    assert any(u.high >= 1.0 for u in found.unresolved)

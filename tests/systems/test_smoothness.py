@@ -100,3 +100,41 @@ def test_each_state_is_judged_by_itself() -> None:
 def test_conditions_of_a_family_without_slopes_are_refused() -> None:
     with pytest.raises(st.StabilityError, match="no slope"):
         st.conditions(_family(KINKS["cube root of a square"]))
+
+
+X, V, C = (ca.SX.sym(n) for n in "xvc")
+
+
+def rest(rate: ca.SX) -> st.Family:
+    system = st.System("s", ca.vertcat(X, V), C, ca.vertcat(V, -X - C * V - rate),
+                       states=("x", "v"), parameters=("c",))  # fmt: skip
+    return st.Family(system, "rest", ("c",), held={"x": 0.0, "v": 0.0})
+
+
+@pytest.mark.parametrize(("force", "fine"), [
+    (X**1.5, False), ((2 * X + V) ** 2.5, False), (X ** (C + 1), False), (ca.sqrt(X) * X, False),
+    (ca.fabs(X) ** 1.5, True), ((X**2 + V**2) ** 1.5, True), ((1 + X) ** 1.5 - 1, True),
+    (X**3, True),
+])  # fmt: skip
+def test_a_member_at_the_edge_of_the_domain_of_a_power_is_refused(force: ca.SX, fine: bool) -> None:
+    """Next to x = 0 such a power has no value, so no neighbouring motion exists."""
+    family = rest(3 * force)
+    if fine:
+        assert st.spectrum(family, at=0.5, certify=True).verdict.word == "stable"
+        return
+    for ask in (lambda: st.spectrum(family, at=0.5, certify=True), lambda: st.conditions(family),
+                lambda: st.boundaries(family, axis=("c", 0.25, 0.75, 5))):  # fmt: skip
+        with pytest.raises(st.StabilityError, match="no slope"):
+            ask()
+
+
+@pytest.mark.parametrize(("force", "removable"), [
+    (V * ca.sin(X) / X, True), (X**2 / X, True), ((ca.exp(X) - 1) / X - 1, True),
+    (V * (10 * X) / (ca.exp(10 * X) - 1), True), ((X - V) * ca.sinh(X) / X, True),
+    (1 / X, False), (X * V / (X**2 + V**2), False), (ca.sign(X), False), (ca.log(X), False),
+    (ca.fabs(X) / X, False),
+])  # fmt: skip
+def test_a_gap_that_is_removable_is_called_so(force: ca.SX, removable: bool) -> None:
+    with pytest.raises(st.StabilityError) as refusal:
+        st.spectrum(rest(force), at=0.5)
+    assert ("so the gap is removable; cancel" in str(refusal.value)) is removable

@@ -105,6 +105,8 @@ RATIONAL_AT = {
     "acos": (1, 0), "atan": (0, 0), "sinh": (0, 0), "cosh": (0, 1), "tanh": (0, 0),
 }  # fmt: skip
 """Point where each transcendental function is rational, and its value there."""
+RATIONAL_TOO = {"expm1": (0, 0), "log1p": (0, 0), "asinh": (0, 0), "acosh": (1, 0), "atanh": (0, 0)}
+"""The same of functions that exact numbers know by others."""
 
 
 def _function(name: str) -> Callable[[Any], Any]:

@@ -174,6 +174,8 @@ class Triangular:
         """(index of the unknown, its equation), in the order of reduction."""
         self.nonzero: list[Any] = []
         """Polynomials that do not vanish on this branch."""
+        self.crossed: list[Any] = []
+        """Those that vanish where another branch crosses this one, which goes on through there."""
         self._open = list(equations)
         for index in [i for i in field.squares if i in unknowns]:
             self._open.append(field.generator(index) ** 2 - field.squares.pop(index))
@@ -192,6 +194,8 @@ class Triangular:
         for factor, _ in factors(equation)[1]:
             state = self._vanishes(factor)
             if state is False:
+                if factor not in self.nonzero and not factor.is_constant():
+                    self.crossed.append(factor)
                 self._exclude(factor)
             elif state:
                 out = out * factor
@@ -204,6 +208,17 @@ class Triangular:
     def _exclude(self, poly: Any) -> None:
         if not poly.is_constant() and poly not in self.nonzero:
             self.nonzero.append(poly)
+
+    def _divide(self, poly: Any) -> None:
+        """Exclude a polynomial whose zeros end the branch, or make it singular."""
+        self._exclude(poly)
+        self.crossed = [f for f in self.crossed if f != poly]
+
+    def _inserted(self, polynomials: list[Any], index: int, value: Expression) -> list[Any]:
+        return [f for f in polynomials if index not in occurring(f)] + [
+            g for f in polynomials if index in occurring(f)
+            for g in [inserted(self.field, f, index, value).num] if not g.is_constant()
+        ]  # fmt: skip
 
     def _linear(self) -> bool:
         """Solve one equation that is linear in an unknown."""
@@ -221,7 +236,7 @@ class Triangular:
             return False
         _, place, index, parts = best
         del self._open[place]
-        self._exclude(parts[1])
+        self._divide(parts[1])
         tail = parts.get(0, self.field.ring.constant(0))
         self._solve(index, self.field.quotient(-tail, parts[1]))
         return True
@@ -229,10 +244,10 @@ class Triangular:
     def _solve(self, index: int, value: Expression) -> None:
         self._open = [inserted(self.field, f, index, value).num for f in self._open]
         self.kept = [(i, inserted(self.field, f, index, value).num) for i, f in self.kept]
-        self.nonzero = [f for f in self.nonzero if index not in occurring(f)] + [
-            g for f in self.nonzero if index in occurring(f)
-            for g in [inserted(self.field, f, index, value).num] if not g.is_constant()
-        ]  # fmt: skip
+        crossed = self._inserted(self.crossed, index, value)
+        others = [f for f in self.nonzero if f not in self.crossed]
+        self.nonzero = self._inserted(self.nonzero, index, value)
+        self.crossed = [f for f in crossed if f not in self._inserted(others, index, value)]
         for other, known in self.solved.items():
             top = inserted(self.field, known.num, index, value)
             bottom = inserted(self.field, known.den, index, value)
@@ -261,7 +276,7 @@ class Triangular:
         lead = by_power(divisor, index)[degree]
         if self._vanishes(lead) is not False:
             raise NotExact("a leading coefficient vanishes")
-        self._exclude(lead)
+        self._divide(lead)
         if len(having) == 1:
             self.kept.append((index, divisor))
             self._open = others

@@ -82,12 +82,13 @@ class Branch:
         for bits in LADDER:
             with precision(bits):
                 try:
-                    known = self.known(arb(value))
+                    full = self._full(arb(value))
                 except (StabilityError, ZeroDivisionError):
                     return Look(0, None, NO_MEMBER)
+                known = self._compact(full)
                 if not all(v.is_finite() for v in known.values()):
                     return Look(0, None, NO_VALUE)
-                if not self._obeys(known):
+                if not (self._obeys(known) and self._solved(full)):
                     return Look(0, None, OTHER)
                 label = self._label(known)
                 sign = self._sign(known) if label is not None and self._regular(known) else 0
@@ -108,11 +109,18 @@ class Branch:
         NoMemberError
             If there is no member, or an unknown is not proved to be positive.
         """
+        return self._compact(self._full(value))
+
+    def _full(self, value: Any) -> dict[int, Any]:
+        """Values of every indeterminate."""
         known = self.tower.along.at(value)
         names = list(self.tower.along.base)
         for name in self.family.positive:
             if not known[names.index(name)] > 0:
                 raise NoMemberError(f"{self.family.name}: {name} is not proved to be positive.")
+        return known
+
+    def _compact(self, known: Mapping[int, Any]) -> dict[int, Any]:
         return {new: known[old] for new, old in enumerate(self.tower.whole.indices)}
 
     def sign(self, value: float, label: tuple[int, ...] | None) -> int:
@@ -135,6 +143,14 @@ class Branch:
 
     def _obeys(self, known: Mapping[int, Any]) -> bool:
         return all(arb(evaluate(p, known)).contains(0) for _, p in self.tower.whole.relations)
+
+    def _solved(self, known: Mapping[int, Any]) -> bool:
+        """Whether unknowns have the values of their closed forms, which other branches lack."""
+        for index, form in self.tower.along.triangular.solved.items():
+            value = arb(evaluate(form.num, known)) / arb(evaluate(form.den, known))
+            if not value.overlaps(arb(known[index])):
+                return False
+        return True
 
     def _regular(self, known: Mapping[int, Any]) -> bool:
         return not any(arb(evaluate(p, known)).contains(0) for p in self.tower.whole.nonzero)

@@ -223,6 +223,8 @@ class _Judge:
             return False
         kept = self.branch.vanishing(self.candidates, one)
         events = [w for w in one.watched if w.kind in ("fold", "pole", "end")]
+        if kept is None and not events and any(w.kind == "crossed" for w in one.watched):
+            kept = list(one.watched)  # the root-finder fails there, and the branch goes on
         if kept is None or any(w in kept for w in events):
             kinds = {w.kind for w in events if kept is None or w in kept}
             self._leave(one.value, one.value, self._event(kinds, same=signs[0] == signs[1]))

@@ -37,8 +37,8 @@ class Watched:
     """A polynomial that may vanish."""
 
     kind: str
-    """static, flutter, pole (no linearisation), fold (members meet, or go to infinity) or end (an
-    unknown that must be positive vanishes)."""
+    """static, flutter, pole (no linearisation), fold (members meet, or go to infinity), end (an
+    unknown that must be positive vanishes) or crossed (another branch crosses this one)."""
     poly: Any
     """The polynomial in the ring of the family's polynomials."""
     image: Any
@@ -55,7 +55,9 @@ def watched(tower: Tower, budget: Budget) -> list[Watched]:
     budget
         Limits of the work.
     """
-    found: list[tuple[str, Any]] = [("pole", p) for p in tower.whole.nonzero]
+    found: list[tuple[str, Any]] = [
+        ("crossed" if p in tower.whole.crossed else "pole", p) for p in tower.whole.nonzero
+    ]
     found += [("end", p) for p, _ in tower.whole.required]
     for a, _ in tower.whole.factors:
         found += _critical(a, budget)

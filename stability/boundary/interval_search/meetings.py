@@ -52,6 +52,11 @@ class Piece:
     """One for each block."""
 
 
+def middle_of(low: float, high: float) -> float:
+    """The point of a piece about which its forms are taken."""
+    return low + (high - low) / 2
+
+
 class Meetings:
     """The functions along a line.
 
@@ -69,6 +74,7 @@ class Meetings:
         self.even = self.family.conservative
         self.blocks = self._split()
         self._roots: dict[tuple[float, int], list[Any] | None] = {}
+        self._rough: dict[float, list[float] | None] = {}
 
     def _split(self) -> list[list[int]]:
         """Diagonal blocks of the block triangular form; one where zeros or evenness join them."""
@@ -88,6 +94,37 @@ class Meetings:
         a, q, _ = self.line.problem.reduce(fixed | {self.line.axis: value}, lambda v: v.sqrt())
         return a, q
 
+    def prepared(self, value: float) -> bool:
+        """Whether `root` need not follow the member from the family's known one.
+
+        Parameters
+        ----------
+        value
+            Value of the axis.
+        """
+        return value in self._rough
+
+    def prepare(self, values: Sequence[float]) -> None:
+        """Double-precision unknowns at many points, followed all at once, for `root`.
+
+        Parameters
+        ----------
+        values
+            Values of the axis.
+        """
+        new = [v for v in dict.fromkeys(values) if v not in self._rough]
+        if not new or self.family.anchor is None or self.family.closed:
+            return
+        with precision(BITS):
+            given = [self._given(arb(v)) for v in new]
+        a, q = (
+            np.array([[float(v.mid()) for v in pair[i]] for pair in given]).reshape(len(new), -1)
+            for i in (0, 1)
+        )
+        found = self.family.search(a, q)
+        for value, good, u in zip(new, found.good, found.u, strict=True):
+            self._rough[value] = u.tolist() if good else None
+
     def root(self, value: float, bits: int = BITS) -> list[Any] | None:
         """The unknowns of the member that the family's root-finder gives; None without a member.
 
@@ -100,9 +137,13 @@ class Meetings:
         """
         key = value, bits
         if key not in self._roots:
+            self.prepare([value])
+            near = self._rough.get(value)
+            if near is None and value in self._rough:
+                return None
             with precision(bits):
                 try:
-                    self._roots[key] = self._unknowns(arb(value), None)
+                    self._roots[key] = self._unknowns(arb(value), near)
                 except (StabilityError, ZeroDivisionError):
                     self._roots[key] = None
         return self._roots[key]
@@ -143,7 +184,7 @@ class Meetings:
             u = [arb_series([*c, 0]) for c in found]
             rates, _ = family.graph.residual.run(series_algebra(), [a, u, q])
             right = arb_mat(len(start), 1, [-coefficient(r, k) for r in rates])
-            solved = slope.solve(right)
+            solved = slope.solve(right, algorithm="precond")
             for i, c in enumerate(found):
                 c.append(solved[i, 0])
         return [arb_series(c) for c in found]
@@ -165,7 +206,7 @@ class Meetings:
         NoValueError
             If the linearisation has no finite enclosure.
         """
-        point = low + (high - low) / 2
+        point = middle_of(low, high)
         middle = arb(point)
         half = max(arb(high) - middle, middle - arb(low))  # the form may reach beyond one end
         here = self.root(point)

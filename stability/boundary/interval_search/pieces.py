@@ -9,7 +9,7 @@ import heapq
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import chain, groupby
 
 from ...algebra.balls import precision
 from ...base.errors import NoMemberError, StabilityError
@@ -17,7 +17,7 @@ from ...systems.structure.multiplicity import certain
 from ...systems.structure.structural_zeros import structure
 from ..brackets import BITS, AxisScan
 from .blocks import NoValueError
-from .meetings import Meetings
+from .meetings import Meetings, middle_of
 
 MOST_PIECES = 1200
 """Largest number of pieces for a system of few states."""
@@ -147,6 +147,8 @@ class _Search:
         heap = [(-self._width(self.low, self.high), self.low, self.high, "")]
         leaves, count = [], 0
         while heap:
+            if not self.found.prepared(middle_of(*heap[0][1:3])):
+                self._prepare([waiting[1:3] for waiting in heap[: self.most - count]])
             _, low, high, reason = heapq.heappop(heap)
             if count >= self.most:
                 why = f"the budget of {self.most} pieces ended" + (reason and f"; {reason}")
@@ -165,6 +167,11 @@ class _Search:
                 heapq.heappush(heap, (-self._width(*part), *part, leaf.reason))
         return leaves, count
 
+    def _prepare(self, waiting: list[tuple[float, float]]) -> None:
+        """Members in all pieces that wait, at once: one at a time each takes as long as all."""
+        places = (middle_of, lambda low, high: self._at(low, high, CUT))
+        self.found.prepare([*chain(*waiting), *(at(*pair) for pair in waiting for at in places)])
+
     def _width(self, low: float, high: float) -> float:
         return math.log(high / low) if self.log else high - low
 
@@ -182,7 +189,8 @@ class _Search:
         width = leaf.high - leaf.low
         if width <= self.least or not leaf.low < cut < leaf.high:
             return False
-        if leaf.reason in (NO_MEMBER, BRANCH):
+        here = self.found.root(middle_of(leaf.low, leaf.high)) is not None
+        if leaf.reason == BRANCH or (leaf.reason == NO_MEMBER and not here):
             self.lost += 1
             if self.lost > MOST_LOST:
                 return False

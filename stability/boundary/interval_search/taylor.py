@@ -17,7 +17,7 @@ from typing import Any
 
 from flint import arb, arb_series, ctx
 
-from ...algebra.number_types import UNARY, Algebra, ball_power
+from ...algebra.number_types import UNARY, Algebra, ball_angle, ball_power
 
 UNIT = arb(0, 1)
 """Every t of a piece."""
@@ -121,6 +121,32 @@ def _plain(name: str) -> Callable[[Any], Any]:
     return apply
 
 
+SLOPES: dict[str, Callable[[Any], Any]] = {
+    "expm1": lambda x: x.exp(), "log1p": lambda x: 1 / (1 + x),
+    "asinh": lambda x: 1 / (1 + x * x).sqrt(), "acosh": lambda x: 1 / (x * x - 1).sqrt(),
+    "atanh": lambda x: 1 / (1 - x * x),
+}  # fmt: skip
+"""Derivatives of functions that power series lack."""
+
+
+def _by_slope(name: str, slope: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    def apply(x: Any) -> Any:
+        if not isinstance(x, arb_series):
+            return getattr(arb(x), name)()
+        return (slope(x) * x.derivative()).integral() + getattr(x[0], name)()
+
+    return apply
+
+
+def _angle(y: Any, x: Any) -> Any:
+    """The angle of (x, y): its slope is (x dy - y dx)/(x² + y²)."""
+    if not isinstance(x, arb_series) and not isinstance(y, arb_series):
+        return ball_angle(y, x)
+    y, x = (v if isinstance(v, arb_series) else arb_series([v]) for v in (y, x))
+    turn = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
+    return turn.integral() + ball_angle(y[0], x[0])
+
+
 @lru_cache(maxsize=1)
 def series_algebra() -> Algebra:
     """Power series with balls as coefficients, as long as `terms` says.
@@ -133,6 +159,7 @@ def series_algebra() -> Algebra:
     (0.0, 1.0)
     """
     table: dict[str, Callable[..., Any]] = {n: _plain(n) for n in UNARY}
+    table |= {n: _by_slope(n, slope) for n, slope in SLOPES.items()} | {"atan2": _angle}
     table |= {"sinh": _hyperbolic("sinh", "cosh"), "cosh": _hyperbolic("cosh", "sinh")}
     return Algebra("series", arb, table | {"tanh": _tanh, "pow": _power, "fabs": _fabs})
 

@@ -272,6 +272,8 @@ class Whole:
     """(coefficients by powers of λ, lowest first; multiplicity) of each other factor."""
     nonzero: tuple[Poly, ...]
     """Polynomials that are not zero, since there is no linearisation or no member otherwise."""
+    crossed: tuple[Poly, ...]
+    """Those at whose zeros another branch crosses: this branch has a linearisation there."""
     required: tuple[tuple[Poly, str], ...]
     """Polynomials that the system requires to be positive."""
     relations: tuple[tuple[int, Poly], ...]
@@ -370,8 +372,11 @@ def _compact(
     clean: list[Poly] = []
     for poly in map(moved, nonzero):
         clean += [f for f, _ in factors(poly)[1] if f not in clean]
+    ends = [moved(p) for p in nonzero if p not in reading.triangular.crossed]
+    ending = [f for poly in ends for f, _ in factors(poly)[1]]
     return Whole(
         tuple(reading.name(i) for i in order), tuple(order), ring, zeros, tuple(rows),
-        tuple(clean), tuple((moved(p), s) for p, s in required),
+        tuple(clean), tuple(f for f in clean if f not in ending),
+        tuple((moved(p), s) for p, s in required),
         tuple((places[i], moved(f)) for i, f in kept.items() if occurring(f) <= used),
     )  # fmt: skip

@@ -94,6 +94,7 @@ class Located(NamedTuple):
     """Left null vector of the slope, shape (u,)."""
 
 
+@np.errstate(all="ignore")  # what is not finite is no singular point
 def locate_fold(curve: Curve, z: Floats) -> Located:
     """The fold near a point: r = 0 and r_u φ = 0 with φ of length 1.
 
@@ -137,6 +138,7 @@ def locate_fold(curve: Curve, z: Floats) -> Located:
     return Located(z, last, bool((last <= RESOLVED * (1 + np.abs(z))).all() and bent), left)
 
 
+@np.errstate(all="ignore")
 def locate_branch_point(curve: Curve, z: Floats) -> Located:
     """The branch point near a point: r + μ c = 0 and ψ (r_u, r_p) = 0 with c ψ = 1, where μ = 0.
 

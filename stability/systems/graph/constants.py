@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ...algebra.exact.number_fields import RATIONAL_AT
+from ...algebra.exact.number_fields import RATIONAL_AT, RATIONAL_TOO
 from ...algebra.number_types import Algebra, casadi_algebra
 from ...base.exact_numbers import decimal_of
 
@@ -103,8 +103,15 @@ class Constants:
                 met.append(("fabs", x))
             return ca.fabs(x)
 
-        table = {name: kept(name) for name in plain.functions if name not in ("pow", "fabs")}
-        return Algebra("casadi", self, table | {"pow": power, "fabs": size})
+        def angle(y: Any, x: Any) -> Any:
+            if met is not None:
+                met.append(("atan2", y))
+            numbers = all(isinstance(v, ca.SX) and v.is_constant() for v in (y, x))
+            return ca.atan2(*(self._kept(float(v)) if numbers else v for v in (y, x)))
+
+        other = {"pow": power, "fabs": size, "atan2": angle}
+        table = {name: kept(name) for name in plain.functions if name not in other}
+        return Algebra("casadi", self, table | other)
 
     def _kept(self, value: float) -> ca.SX:
         """A number, also zero, as a symbol: acos(0) is not rational."""
@@ -124,7 +131,7 @@ def rounded(name: str, x: Any) -> bool:
     """Whether CasADi's own number for a function of an argument may be wrong.
 
     CasADi rounds functions of numbers as soon as it builds an expression, and gives
-    |x| a slope at 0.
+    |x| a slope at 0.  `atan2` has two arguments, and is read again in any case.
 
     Parameters
     ----------
@@ -134,9 +141,9 @@ def rounded(name: str, x: Any) -> bool:
         Its argument.
     """
     known = isinstance(x, ca.SX) and x.is_constant()
-    if name in ("pow", "fabs"):
-        return bool(known or name == "fabs")
-    return bool(known and float(x) != RATIONAL_AT.get(name, (float(x), 0))[0])
+    if name in ("pow", "fabs", "atan2"):
+        return bool(known or name != "pow")
+    return bool(known and float(x) != (RATIONAL_AT | RATIONAL_TOO).get(name, (float(x), 0))[0])
 
 
 def exact_numbers(*outputs: ca.SX) -> bool:

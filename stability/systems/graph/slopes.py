@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ...algebra.number_types import UNARY, Algebra
+from ...algebra.number_types import MORE, UNARY, Algebra
 from ...algebra.program import Program
 from ...base.errors import StabilityError
 
@@ -107,6 +107,9 @@ def _by_argument(f: Mapping[str, Callable[..., Any]]) -> dict[str, Callable[[Any
         "sin": f["cos"], "cos": lambda x: -f["sin"](x), "log": lambda x: 1 / x,
         "asin": lambda x: 1 / f["sqrt"](1 - x * x), "acos": lambda x: -1 / f["sqrt"](1 - x * x),
         "atan": lambda x: 1 / (1 + x * x), "sinh": f["cosh"], "cosh": f["sinh"],
+        "expm1": f["exp"], "log1p": lambda x: 1 / (x + 1),
+        "asinh": lambda x: 1 / f["sqrt"](x * x + 1), "acosh": lambda x: 1 / f["sqrt"](x * x - 1),
+        "atanh": lambda x: 1 / (-(x * x) + 1),
     }  # fmt: skip
 
 
@@ -150,7 +153,7 @@ def sloped_algebra(plain: Algebra) -> Algebra:
             )
         return f["fabs"](x)
 
-    table: dict[str, Callable[..., Any]] = {n: lifted(n) for n in UNARY}
+    table: dict[str, Callable[..., Any]] = {n: lifted(n) for n in (*UNARY, *MORE) if n in f}
     return Algebra(f"sloped {plain.name}", plain.constant, table | {"pow": power, "fabs": fabs})
 
 

@@ -20,19 +20,31 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ...algebra.number_types import UNARY, Algebra, numpy_algebra
+from ...algebra.number_types import MORE, UNARY, Algebra, numpy_algebra
 from ...algebra.program import Program
 from ...base.errors import ParameterError
 from ...base.types import Floats
 from ..equations import Equations
 
+KINKED = (
+    "have no slope there, as |x| or sqrt(x) at 0, or no value on one side, as x**1.5 at 0; a "
+    "spectrum needs rates that are differentiable at the member."
+)
+REMOVABLE = (
+    "the rates have no value there, as sin(x)/x at 0, and tend to one value from all sides, so the "
+    "gap is removable; cancel the common factor, put the first terms of its series in place of the "
+    "quotient, or take a member next to it."
+)
 EDGES: dict[str, tuple[float, ...]] = {
-    "sqrt": (0.0,), "asin": (-1.0, 1.0), "acos": (-1.0, 1.0),
+    "sqrt": (0.0,), "asin": (-1.0, 1.0), "acos": (-1.0, 1.0), "acosh": (1.0,),
 }  # fmt: skip
 """Arguments at which a function has a value and no slope."""
 LEVEL: dict[str, tuple[float, ...]] = {"cos": (0.0,), "cosh": (0.0,)}
 """Arguments at which a function has the slope 0."""
-_CODES = {ca.OP_SQRT, ca.OP_FABS, ca.OP_ASIN, ca.OP_ACOS, ca.OP_POW, ca.OP_CONSTPOW}
+_CODES = {
+    ca.OP_SQRT, ca.OP_FABS, ca.OP_ASIN, ca.OP_ACOS, ca.OP_POW, ca.OP_CONSTPOW, ca.OP_ACOSH,
+    ca.OP_HYPOT, ca.OP_ATAN2,
+}  # fmt: skip
 _PLAIN = numpy_algebra().functions
 
 
@@ -111,7 +123,10 @@ def _fabs(x: Any) -> _Number:
 
 
 def _power(x: Any, exponent: Any) -> _Number:
-    """A power with an exponent that does not move: below 1/2 it is steeper than any root."""
+    """A power with an exponent that does not move: below 1/2 it is steeper than any root.
+
+    One that is not whole has no value on one side of 0, unless its base rests there as x² does.
+    """
     x, e = _number(x), _number(exponent)
     whole = np.equal(e.value, np.round(e.value))
     zero = np.equal(x.value, 0)
@@ -119,6 +134,7 @@ def _power(x: Any, exponent: Any) -> _Number:
     edge = x.depends & zero & ~whole & (e.value < 1)
     found = _at_edge(x, edge, x.moves & level, x.kinked & level, _PLAIN["pow"](x.value, e.value))
     steep = (edge & (e.value < 0.5)) | (zero & e.depends)
+    steep = steep | (zero & ~whole & x.moves)
     return _Number(
         found.value, found.moves | e.moves, found.kinked | e.kinked,
         found.broken | e.broken | steep, x.depends or e.depends,
@@ -131,19 +147,84 @@ def _sign(x: Any) -> _Number:
     )  # its own kink is a jump, where the rates have no value
 
 
-_TABLE = {name: _function(name) for name in UNARY}
-_ALGEBRA = Algebra("slopes", _number, {**_TABLE, "pow": _power, "fabs": _fabs, "sign": _sign})
+def _angle(y: Any, x: Any) -> _Number:
+    """The angle of (x, y), which jumps by a turn at y = 0 ≥ x."""
+    y, x = _number(y), _number(x)
+    jumps = np.equal(y.value, 0) & np.less_equal(x.value, 0)
+    found = y._with(x, _PLAIN["atan2"](y.value, x.value), np.True_, np.not_equal(y.value, 0))
+    broken = found.broken | jumps
+    return _Number(found.value, found.moves, found.kinked, broken, found.depends)
+
+
+_TABLE: dict[str, Callable[..., Any]] = {name: _function(name) for name in (*UNARY, *MORE)}
+_TABLE |= {"pow": _power, "fabs": _fabs, "sign": _sign, "atan2": _angle}
+_ALGEBRA = Algebra("slopes", _number, _TABLE)
 
 
 @lru_cache(maxsize=64)
-def _program(system: Equations) -> Program | None:
-    """The rates of a system, or None where no function may lack a slope."""
+def _rates(system: Equations) -> tuple[Program, bool] | None:
+    """The rates of a system, and whether a function in them may lack a slope."""
     try:
         rates = ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)])
     except ParameterError:
         return None  # a numeric system has no graph
     codes = {rates.instruction_id(i) for i in range(rates.n_instructions())}
-    return Program(rates) if codes & _CODES else None
+    return Program(rates), bool(codes & _CODES)
+
+
+def _program(system: Equations) -> Program | None:
+    """The rates of a system, or None where no function may lack a slope."""
+    found = _rates(system)
+    return found[0] if found and found[1] else None
+
+
+NEAR = (1e-3, 1e-4)
+"""Distances from a gap, relative to 1 or to the state, at which rates are compared."""
+
+
+def gap(system: Equations, x: Floats, p: Floats) -> int | None:
+    """The first row whose rates have no value but, as far as values nearby show, a limit.
+
+    Parameters
+    ----------
+    system, x, p
+        As in `sloped`.
+    """
+    known = _rates(system)
+    if known is None:
+        return None
+
+    def rates(x: Floats, p: Floats) -> Floats:
+        found: Floats = known[0].arrays([list(x.T), list(p.T)], x.shape[:1])[0][..., 0]
+        return found
+
+    with np.errstate(all="ignore"):
+        rows = np.flatnonzero(~np.isfinite(rates(x, p)).all(axis=1))
+        if not len(rows):
+            return None
+        row, n = int(rows[0]), x.shape[1]
+        ways = np.vstack([np.eye(n), -np.eye(n), np.random.default_rng(5).normal(size=(8, n))])
+        spread = []
+        for share in NEAR:
+            around = x[row] + share * (1 + np.abs(x[row])) * ways
+            found = rates(around, np.tile(p[row], (len(ways), 1)))
+            # along an axis on which the quotient stays 0/0 nothing is seen
+            found = found[np.isfinite(found).all(axis=1)]
+            if len(found) < len(ways) // 2:
+                return None
+            spread.append(float((np.ptp(found, axis=0) / (1 + np.abs(found).max(axis=0))).max()))
+    return row if spread[1] <= spread[0] / 3 <= 0.1 else None
+
+
+def edged(system: Equations) -> bool:
+    """Whether a function of a system's rates may lack a slope somewhere.
+
+    Parameters
+    ----------
+    system
+        The equations of motion.
+    """
+    return _program(system) is not None
 
 
 def sloped(system: Equations, x: Floats, p: Floats) -> NDArray[np.bool_]:

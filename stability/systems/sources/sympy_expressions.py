@@ -9,7 +9,7 @@ from typing import Any
 
 import casadi as ca
 
-from ...algebra.number_types import UNARY
+from ...algebra.number_types import MORE, UNARY
 from ...base.errors import ParameterError, shown
 from .exact_terms import ONE, ZERO, Term, graph, over, plus, power, times
 
@@ -17,7 +17,9 @@ RECIPROCAL = {
     "sec": "cos", "csc": "sin", "cot": "tan", "sech": "cosh", "csch": "sinh", "coth": "tanh",
 }  # fmt: skip
 """Functions that are one over a function of the graph."""
-DIRECT: dict[str, Callable[[Any], Any]] = {n: getattr(ca, n) for n in UNARY} | {"Abs": ca.fabs}
+DIRECT: dict[str, Callable[[Any], Any]] = {n: getattr(ca, n) for n in (*UNARY, *MORE)} | {
+    "Abs": ca.fabs
+}
 """Functions of SymPy that a graph has, by SymPy's name."""
 
 
@@ -171,5 +173,5 @@ def _refusal(one: Any) -> ParameterError:
         )
     return ParameterError(
         f"the equations use SymPy's {type(one).__name__}; a graph has + - * /, powers, abs, "
-        f"{', '.join(UNARY)}."
+        f"{', '.join(n for n in DIRECT if n != 'Abs')}."
     )

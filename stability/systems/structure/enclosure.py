@@ -38,6 +38,8 @@ def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[A
 
 NEARBY = 1e-6
 """Largest distance of a proved root from the double-precision root, over 1 plus its size."""
+NARROW = 2.0**-40
+"""Largest radius of a given number, relative to it, at which its ball counts as a point."""
 INFLATIONS = 4
 """Largest number of boxes in one test; each next box is twice the last image."""
 
@@ -115,11 +117,15 @@ def _krawczyk(
 
     A root at 0 has no relative size.
     """
+    given = [arb(v) for v in (*a, *q)]
+    middle = [v.mid() for v in given]
+    wide = any(v.rad() > NARROW * abs(m) for v, m in zip(given, middle, strict=True))
+    place = (middle[: len(a)], middle[len(a) :]) if wide else (a, q)
     size = len(rough)
     x = arb_mat(size, 1, [arb(float(v)) for v in rough])
     half = arb(2) ** (-ctx.prec // 2)
     for _ in range(20):  # a Newton step doubles the digits, as the test below does: stop halfway
-        r, r_u = _residual(family, a, x, q)
+        r, r_u = _residual(family, place[0], x, place[1])
         try:
             inverse = r_u.mid().inv().mid()
         except ZeroDivisionError:
@@ -132,24 +138,93 @@ def _krawczyk(
             break
         x = (x - shift).mid()
     else:  # the operator needs the residual at the last point, not at the point before
+        shift = inverse * _residual(family, place[0], x, place[1])[0]
+    if wide:
+        found = _along_tangent(family, (given, len(a)), x, inverse)
+        if found is not None:
+            return found
         shift = inverse * _residual(family, a, x, q)[0]
-    one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
     for least in (0, 1):
-        small = arb(2) ** (16 - ctx.prec)
-        spread = [
-            (3 * shift[i, 0].abs_upper() + (least + abs(x[i, 0])) * small).abs_upper()
-            for i in range(size)
-        ]
-        for _ in range(INFLATIONS):
-            box = arb_mat(size, 1, [x[i, 0] + arb(0, spread[i]) for i in range(size)])
-            _, slope = _residual(family, a, box, q)
-            image = x - shift + (one - inverse * slope) * (box - x)
-            if all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
-                return [image[i, 0] for i in range(size)]
-            # an unknown's image may be wide only because the other unknowns are wide
-            moved = [(2 * (image[i, 0] - x[i, 0])).abs_upper() for i in range(size)]
-            spread = [max(s, m) for s, m in zip(spread, moved, strict=True)]
+        start = [3 * shift[i, 0].abs_upper() + (least + abs(x[i, 0])) * _small()
+                 for i in range(size)]  # fmt: skip
+        image = _contained(family, (a, q), x, shift, inverse, start)
+        if image is not None:
+            return [v + w for v, w in zip(x.entries(), image.entries(), strict=True)]
     return None
+
+
+def _small() -> Any:
+    return arb(2) ** (16 - ctx.prec)
+
+
+def _contained(
+    family: Family, given: tuple[Any, Any], x: Any, shift: Any, inverse: Any, spread: list[Any]
+) -> Any | None:
+    """The image of a box about zero that is inside it: the way from x to the root; or None."""
+    size = x.nrows()
+    spread = [s.abs_upper() for s in spread]
+    for _ in range(INFLATIONS):
+        box = arb_mat(size, 1, [arb(0, s) for s in spread])
+        _, slope = _residual(family, given[0], x + box, given[1])
+        image = (_one(size) - inverse * slope) * box - shift
+        if all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
+            return image
+        # an unknown's image may be wide only because the other unknowns are wide
+        moved = [(2 * image[i, 0]).abs_upper() for i in range(size)]
+        spread = [max(s, m) for s, m in zip(spread, moved, strict=True)]
+    return None
+
+
+def _along_tangent(
+    family: Family, over: tuple[list[Any], int], x: Any, inverse: Any
+) -> list[Any] | None:
+    """Krawczyk's test for all given numbers in wide balls, about the tangent at their middle.
+
+    The distance of the root from the tangent is of second order in the balls' widths, and is
+    bounded by the mean value theorem in these numbers.  The result holds no other root.
+    """
+    given, cut = over
+    size = x.nrows()
+    a, q = given[:cut], given[cut:]
+    middle = [v.mid() for v in given]
+    way = arb_mat(len(given), 1, [v - m for v, m in zip(given, middle, strict=True)])
+    here, _, by_given = _moving(family, middle[:cut], x, middle[cut:])
+    turn = (-(inverse * by_given)).mid()
+    line = x + turn * way
+    _, slope, by_given = _moving(family, a, line, q)
+    shift = inverse * here + (inverse * (slope * turn + by_given)) * way
+    start = [3 * shift[i, 0].abs_upper() + (1 + abs(x[i, 0])) * _small() for i in range(size)]
+    image = _contained(family, (a, q), line, shift, inverse, start)
+    if image is None:
+        return None
+    hull = line + image
+    # the test says that one root is near the tangent; a regular slope, that one is in the hull
+    _, slope = _residual(family, a, hull, q)
+    box = arb_mat(size, 1, [arb(0, hull[i, 0].rad().abs_upper()) for i in range(size)])
+    left = (_one(size) - inverse * slope) * box
+    if not all(box[i, 0].contains_interior(left[i, 0]) for i in range(size)):
+        return None
+    found: list[Any] = hull.entries()
+    return found
+
+
+def _one(size: int) -> Any:
+    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+
+
+def _moving(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any, Any]:
+    """Residual, slope by the unknowns, and slope by the given numbers."""
+    program = family.graph.along
+    values = program.run(balls(), [list(a), x.entries(), list(q)])
+    out = []
+    for (rows, columns), places, entries in zip(
+        program.shapes, program.places, values, strict=True
+    ):
+        table = arb_mat(rows, columns)
+        for place, entry in zip(places, entries, strict=True):
+            table[place] = entry
+        out.append(table)
+    return out[0], out[1], out[2]
 
 
 def _residual(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any]:

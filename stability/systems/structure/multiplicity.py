@@ -12,14 +12,12 @@ from contextlib import suppress
 from functools import cached_property
 from typing import Any
 
-from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
+from flint import arb, fmpq, fmpq_mat
 
 from ...algebra.balls import precision
 from ...algebra.exact.function_field import FunctionField
 from ...algebra.exact.number_fields import (
-    EXACT,
     NotExact,
-    NumberField,
     rational,
     vanishes,
 )
@@ -29,6 +27,7 @@ from ..family import Family
 from . import pattern
 from .enclosure import ball_unknowns, matrix_polynomial
 from .entries import with_symbols
+from .exact_unknowns import exact_unknowns
 from .identities import (
     MOST_STATES,
     blocks_of,
@@ -116,38 +115,10 @@ class Member:
             return [rational(v) for v in self.family.unknown.values()]
         if self.root is None:
             raise NotExact("no root is proved")
+        with precision(ROOT_BITS // 2):  # a wider ball, which holds no other root either
+            wide = ball_unknowns(self.family, self.balls(self.a), self.balls(self.q), self.near)
         with precision(ROOT_BITS):
-            simple = [_simplest(ball) for ball in self.root]
-            if None not in simple and self._solves(simple):
-                return simple
-            if len(self.root) > 1:
-                raise NotExact("several algebraic unknowns")
-            return [self._algebraic(self.root[0])]
-
-    def _solves(self, u: list[Any]) -> bool:
-        """Whether rationals solve the equations exactly."""
-        try:
-            residual, _ = self.family.graph.residual.run(EXACT, [self.a, u, self.q])
-        except ZeroDivisionError:
-            return False
-        return all(vanishes(r) for r in residual)
-
-    def _algebraic(self, ball: Any) -> Any:
-        """A single unknown as an element of its number field over Q."""
-        field = FunctionField(["u"])
-        given = [[field.number(v) for v in some] for some in (self.a, self.q)]
-        residual, _ = self.family.graph.residual.run(EXACT, [given[0], field.symbols, given[1]])
-        terms = residual[0].num.to_dict()
-        if any(any(exponents[1:]) for exponents in terms):
-            raise NotExact("an equation that is not algebraic")
-        coefficients = [fmpq(0)] * (1 + max(int(e[0]) for e in terms))
-        for exponents, coefficient in terms.items():
-            coefficients[int(exponents[0])] = coefficient
-        _, factors = fmpq_poly(coefficients).numer().factor()
-        near = [f for f, _ in factors if arb_poly(f.coeffs())(ball).contains(0)]
-        if len(near) != 1:
-            raise NotExact("a root that two factors share")
-        return NumberField(fmpq_poly(near[0].coeffs()), ball).generator
+            return exact_unknowns(self.family, (self.a, self.q), self.root, wide)
 
     @staticmethod
     def balls(values: Sequence[Any]) -> list[Any]:
@@ -286,23 +257,6 @@ def _sampled(
     if member.rational is not None:  # exact, however small a coefficient is
         return low, low
     return low, next(i for i, c in enumerate(member.enclosed()) if not c.contains(0))
-
-
-def _simplest(ball: Any) -> Any:
-    """The rational of least denominator in a ball, by continued fractions; None if it is large."""
-    before, here = (0, 1), (1, 0)  # numerators and denominators (p, q) of the convergents
-    rest = ball.mid().fmpq()
-    for _ in range(ctx.prec):
-        whole = int(rest.floor())
-        before, here = here, (whole * here[0] + before[0], whole * here[1] + before[1])
-        found = fmpq(*here)
-        if ball.contains(arb(found)):
-            return found if here[1].bit_length() < ctx.prec // 3 else None
-        rest = rest - whole
-        if rest == 0:
-            return None
-        rest = 1 / rest
-    return None
 
 
 def _plain(value: Any) -> Any:
