@@ -349,9 +349,8 @@ def conditions(
         reading = Reading(family, values, budget, reads.ratio)
         found = whole(reading)
     except NotExact as reason:
-        large = isinstance(reason, TooLarge)
         why = f"has no exact form here ({reason})"
-        if large:
+        if isinstance(reason, TooLarge):
             why = f"is too large: {reason}; terms= and seconds= move these limits"
         raise StabilityError(
             f"{family.name}: the characteristic polynomial, of degree {len(family.system.states)} "
