@@ -349,9 +349,8 @@ def conditions(
         reading = Reading(family, values, budget, reads.ratio)
         found = whole(reading)
     except NotExact as reason:
-        why = f"has no exact form here ({reason})"
-        if isinstance(reason, TooLarge):
-            why = f"is too large: {reason}; terms= and seconds= move these limits"
+        large, why = isinstance(reason, TooLarge), f"has no exact form here ({reason})"
+        why = f"is too large: {reason}; terms= and seconds= move these limits" if large else why
         raise StabilityError(
             f"{family.name}: the characteristic polynomial, of degree {len(family.system.states)} "
             f"in λ, {why}; verdicts, boundaries and maps need no formula."
