@@ -146,22 +146,23 @@ def _point_text(table: Table) -> str:
 BIRTHS = Definition(
     HOPF_HEADING,
     (
-        Column("at", "quantity of the axis at the boundary", form="{:.10g}"),
-        Column("error", "bound on its error", latex=r"\pm", form="{:.1e}"),
-        word("kind", "how oscillation begins", share=0.16),
+        Column("at", "quantity of the axis at the boundary", form="{:.8g}"),
+        Column("error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        word("kind", "how oscillation begins", share=0.13),
         Column("stable_below", "whether it is stable below the boundary"),
-        Column("frequency", "frequency of the crossing pair", latex=r"\omega", form="{:.8g}"),
-        Column("frequency_error", "bound on its error", latex=r"\pm", form="{:.1e}"),
-        Column("crossing", "d Re λ by the axis", latex="c", form="{:.8g}"),
-        Column("crossing_error", "bound on its error", latex=r"\pm", form="{:.1e}"),
-        Column("coefficient", "first Lyapunov coefficient", latex="l_{1}", form="{:.8g}"),
-        Column("coefficient_error", "bound on its error", latex=r"\pm", form="{:.1e}"),
+        Column("frequency", "frequency of the crossing pair", latex=r"\omega", form="{:.6g}"),
+        Column("frequency_error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        Column("crossing", "d Re λ by the axis", latex="c", form="{:.6g}"),
+        Column("crossing_error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        Column("coefficient", "first Lyapunov coefficient", latex="l_{1}", form="{:.6g}"),
+        Column("coefficient_error", "bound on its error", latex=r"\pm", form="{:.0e}"),
         Column("push", "coefficient of the drift along a line", latex="p"),
         word("reason", "reason for an open kind", "below"),
     ),
     lambda **_: [],
     notes=lambda _: BIRTH_NOTES,
     text=_birth_text,
+    home=f"{__name__}:BIRTHS",
 )
 """Flutter boundaries of a family of the user's own."""
 POINTS = Definition(
@@ -178,6 +179,7 @@ POINTS = Definition(
     lambda **_: [],
     notes=lambda table: [f"{table.found.statement}."],
     text=_point_text,
+    home=f"{__name__}:POINTS",
 )
 """Points of codimension two."""
 
@@ -231,7 +233,7 @@ def point_columns(axes: Sequence[str], units: Mapping[str, str]) -> tuple[Column
         replace(
             c, kind=units.get(named.get(c.name[0], ""), "1") if c.name[0] in "xy" else c.kind,
             latex=symbol(named[c.name]) if c.name in named else c.latex,
-            meaning=f"{named[c.name]}, the {c.meaning.split(' of ')[1]}"
+            meaning=f"{named[c.name]}, {c.meaning.split(' of ')[1]}"
             if c.name in named else c.meaning,
         )
         for c in POINTS.columns

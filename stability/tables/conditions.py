@@ -8,11 +8,12 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
-from ..base.quantities import Kind
+from ..base.quantities import Kind, Quantity
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
+from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..boundary.changes import along
 from ..boundary.crossings import BoundaryPoint
 from ..spectra.disk_problem import disk_problem
@@ -193,11 +194,18 @@ def _latex(table: Table) -> str:
     return "\n\n".join([formula_latex(table.more["formulas"]), latex(table)])
 
 
-AT_KINDS = {
-    f.name: Kind.ANGLE if f.by_angle else Kind.ANGULAR_VELOCITY for f in FAMILIES.values()
-    if len(f.at) == 1
-}  # fmt: skip
-"""Kind of the quantity that names a member, by family."""
+def member(family: str) -> Quantity | None:
+    """The quantity that names a member of a family, if it is one.
+
+    Parameters
+    ----------
+    family
+        Name of the family.
+    """
+    names = FAMILIES[family].at if family in FAMILIES else ()
+    return QUANTITIES[names[0]] if len(names) == 1 else None
+
+
 K = Column("k", "inertia factor", latex="k", form="{:g}")
 MU = Column("mu", "friction coefficient", Kind.INVERSE_VELOCITY, r"\mu", "{:g}")
 TABLE = Definition(
@@ -207,9 +215,9 @@ TABLE = Definition(
         word("contact", "contact law", "group"),
         K,
         MU,
-        Column("at", "member of the family where the verdict changes", AT_KINDS, "", "{:.12g}",
+        Column("at", "member where the verdict changes", member, "", "{:.12g}",
                "family"),
-        Column("error", "half-width of the proved bracket around at", AT_KINDS, r"\pm", "{:.1e}",
+        Column("error", "half-width of the proved bracket around at", member, r"\pm", "{:.1e}",
                "family"),
         word("crossing", "static, flutter or none"),
         Column("frequency", "frequency of the crossing pair", Kind.ANGULAR_VELOCITY, r"\omega",
@@ -220,5 +228,6 @@ TABLE = Definition(
     lambda **options: [asdict(row) for row in conditions(**options)],
     ("k", "mu", "contact", "disk", "progress"),
     _notes, _text, _latex, _formulas,
+    home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -139,15 +139,15 @@ TABLE = Definition(
                r"\omega_{3}"),
         Column("threshold", "axial angular velocity where spectral stability ends",
                Kind.ANGULAR_VELOCITY, r"\omega_{3,c}"),
-        Column("tilt", "theta - π/2 at the start", Kind.ANGLE, r"\tau_{0}", "{:g}"),
+        Column("tilt", "theta - π/2 at the start", Kind.ANGLE, form="{:g}"),
         Column("time_slow", "time to the threshold on the slow manifold", Kind.TIME, "T_{s}"),
         Column("time_launch", "time to the threshold from a launch with phi_dot = 0 and no slip",
                Kind.TIME, "T_{l}"),
-        Column("tilt_end", "tilt at the threshold after the launch", Kind.ANGLE, r"\tau_{1}",
-               "{:.4g}"),
+        Column("tilt_end", "tilt at the threshold after the launch", Kind.ANGLE, form="{:.4g}"),
     ),
     lambda **options: [asdict(row) for row in drift_rows(**options)],
     ("k", "mu", "contact", "disk", "tilt"),
     lambda table: [*DRIFT_NOTES, units_note(table)],
+    home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -134,9 +134,9 @@ def _text(table: Table) -> str:
 TABLE = Definition(
     "the steady motions with their conditions, structural zeros and limits",
     (
-        word("family", "name of the family", share=0.1),
-        word("at", "quantities that name a member", share=0.08),
-        word("motion", "the motion in words", share=0.2),
+        word("family", "name of the family", share=0.12),
+        word("at", "quantities that name a member", share=0.07),
+        word("motion", "the motion in words", share=0.19),
         word("condition", "condition for a member", share=0.24),
         Column("structural_zeros", "number of structural zeros by contact law", share=0.13,
                form="{:d}"),
@@ -147,5 +147,6 @@ TABLE = Definition(
     lambda: [asdict(row) for row in families()],
     notes=lambda _: ["Dimensionless: m = R = g = 1, angular velocities in √(g/R)."],
     text=_text,
+    home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -11,7 +11,7 @@ from ..base.types import Progress
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..boundary.hopf import hopf
-from .conditions import AT_KINDS, MU, K
+from .conditions import MU, K, member
 from .drift import _body, law_of
 from .formats.column import Column, word
 from .formats.plain import units_note
@@ -106,7 +106,7 @@ TABLE = Definition(
         word("family", "family of steady motions", "group"),
         K,
         MU,
-        Column("at", "member of the family at the boundary", AT_KINDS, "", "{:.12g}", "family"),
+        Column("at", "member at the boundary", member, "", "{:.12g}", "family"),
         word("stable", "stable side of the boundary"),
         Column("frequency", "frequency of the crossing pair", Kind.ANGULAR_VELOCITY, r"\omega",
                "{:.10g}"),
@@ -117,5 +117,6 @@ TABLE = Definition(
     lambda **options: [asdict(row) for row in hopf_rows(**options)],
     ("k", "mu", "contact", "disk", "progress"),
     lambda table: [*HOPF_NOTES, units_note(table)],
+    home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

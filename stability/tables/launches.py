@@ -21,7 +21,7 @@ from ..motion.result import BY_CODE, Outcome
 from ..motion.simulate import simulate
 from ..motion.starts import TILT, TIME, _body, launch
 from ..spectra.spectrum import spectrum
-from .conditions import AT_KINDS, MU, K
+from .conditions import MU, K, member
 from .drift import law_of
 from .formats.column import Column, word
 from .formats.plain import units_note
@@ -254,12 +254,12 @@ TABLE = Definition(
         word("launch", "family of the steady motion launched near", "group"),
         replace(K, place="group"),
         replace(MU, place="group"),
-        Column("at", "omega3 or phi_dot at the start", Kind.ANGULAR_VELOCITY, form="{:.12g}"),
+        Column("at", "omega3 or phi_dot at the start", Kind.ANGULAR_VELOCITY, form="{:.6g}"),
         word("linear", "spectral verdict of the steady motion"),
         Column("rate", "its largest growth rate", Kind.GROWTH_RATE, r"\alpha", "{:+.3g}"),
         word("outcome", "outcome of the launch"),
         word("final", "nearest steady motion at the end; a tilde: near, not settled"),
-        Column("final_at", "the member of that family", AT_KINDS, "", "{:.6g}", "final"),
+        Column("final_at", "member of that family", member, "", "{:.6g}", "final"),
         Column("time", "time from which it has settled, otherwise of the end", Kind.TIME, "T",
                "{:.4g}"),
         Column("energy", "final over initial energy", latex="E/E_{0}", form="{:.4f}"),
@@ -269,5 +269,6 @@ TABLE = Definition(
     lambda **options: [asdict(row) for row in launch_rows(**options)],
     ("k", "mu", "contact", "disk", "tilt", "at", "time", "progress"),
     lambda table: [*contact_lines(table.rows), "", *NOTES, units_note(table)],
+    home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

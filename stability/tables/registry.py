@@ -96,14 +96,15 @@ def table(
     progress: Progress | None = None,
     **parameters: Any,
 ) -> Table:
-    """A registered table, recomputed: as text, CSV, JSON, LaTeX, or a pandas DataFrame.
+    r"""A registered table, recomputed: as text, CSV, JSON, LaTeX, or a pandas DataFrame.
 
     The arguments are the options of `stability table`.
 
     Parameters
     ----------
     name
-        families, conditions, drift, hopf, codimension, launches, theorems, benchmarks or completeness.
+        families, conditions, drift, hopf, codimension, launches, theorems, benchmarks or
+        completeness.
     family
         A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by
         name, for codimension.
@@ -148,7 +149,7 @@ def table(
     >>> [(row["family"], row["kind"]) for row in hopf]
     [('spinning', 'elliptic'), ('tumbling', 'hyperbolic')]
     >>> print(st.table("drift", k=0.25, mu=1, tilt=0.01).to_latex().splitlines()[4])
-    \\begin{longtable}{@{\\extracolsep{\\fill}}rrrrrrrr@{}}
+    \begin{longtable}{@{\extracolsep{\fill}}rrrrrrrr@{}}
     """
     given = {
         "k": k, "mu": mu, "contact": contact, "disk": disk, "tilt": tilt, "at": at, "time": time,
@@ -161,14 +162,15 @@ def table(
         return _of_family(name, family, given, axes, exact, parameters)
     chosen = definition(name)
     for key in (*axes, *exact, *parameters):
-        raise ParameterError(f"{key} belongs to `table` with a family of your own; leave it out.")
+        raise ParameterError(
+            f"{key} belongs to `table` with a family of your own (--system); leave it out."
+        )
     for key in given:
         if key not in chosen.takes:
             raise ParameterError(f"{key} belongs to {_takers(key)} only; leave it out.")
     options = _checked(name, given)
     if "progress" in chosen.takes:
         options["progress"] = progress
-
     body = options.get("disk")
     return Table(
         name, f"{chosen.heading} (recomputed)", chosen.columns, chosen.rows(**options),
@@ -215,7 +217,7 @@ def _of_family(
     exact: Mapping[str, Any],
     parameters: dict[str, Any],
 ) -> Table:
-    """A table of a family of the user's own, or of points of codimension two of one of the disk's."""
+    """A table of a family of the user's own, or of codimension two of one of the disk's."""
     if name not in OF_FAMILY:
         raise ParameterError(f"family belongs to `table` {listed(OF_FAMILY)}; leave it out.")
     if family is None:
@@ -278,8 +280,9 @@ def _points(family: Family | str, axes: Mapping[str, Any], given: Mapping[str, A
         units, name = family.system.units, family.name
     more = point_records(found)
     rows = more.pop("rows")
-    return Table("codimension", POINTS.heading.format(name=name), point_columns((x[0], y[0]), units),
-                 rows, more=more, definition=POINTS, found=found)  # fmt: skip
+    columns = point_columns((x[0], y[0]), units)
+    return Table("codimension", POINTS.heading.format(name=name), columns, rows,
+                 more=more, definition=POINTS, found=found)  # fmt: skip
 
 
 def _of_disk(

@@ -238,7 +238,7 @@ def latex(found: Conditions) -> str:
     out = [
         "% stability table conditions --system: derived from the equations of motion",
         "% needs amsmath and booktabs",
-        rf"\paragraph{{{escaped(family.system.name)}, {escaped(family.name)}}}",
+        rf"\paragraph{{{escaped(family.system.name)}, {escaped(family.name)}}}\mbox{{}}\par\noindent",
         r"\begin{tabular}{@{}lp{0.75\linewidth}@{}}",
         r"  \toprule",
         r"  symbol & meaning \\",
@@ -325,5 +325,6 @@ TABLE = Definition(
     lambda **_: [],
     text=lambda table: "\n".join(lines(table.found)),
     latex=lambda table: latex(table.found),
+    home=f"{__name__}:TABLE",
 )
 """Conditions of a family of the user's own."""

@@ -144,7 +144,7 @@ TABLE = Definition(
     "systems with known answers: known value, recomputed value, certified verdicts",
     (
         word("system", "name of the system", "group"),
-        word("quantity", "quantity that is compared", share=0.34),
+        word("quantity", "quantity that is compared", share=0.22),
         word("unit", "unit of the values"),
         word("source", "source of the equations or the value", "group"),
         word("origin", "origin of the known value", "below"),
@@ -159,5 +159,6 @@ TABLE = Definition(
     ("progress",),
     lambda table: benchmark_notes(table.rows),
     lambda table: framed(table, benchmark_lines(table.rows)),
+    home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

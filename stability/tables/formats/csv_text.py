@@ -36,7 +36,7 @@ def flat(
         header += names or [column.header(dimensionless=dimensionless)]
         for cell, value in zip(cells, values, strict=True):
             cell += [_plain(value.get(k)) for k in keys] if keys else [_plain(value)]
-        if not isinstance(column.kind, Mapping):
+        if not callable(column.kind):
             continue
         header.append(f"{column.name}_unit")
         for cell, row in zip(cells, rows, strict=True):

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from .column import Column
+from .column import Column, Content
 from .letters import escaped, number, prose, unit
-
-if TYPE_CHECKING:
-    from .table import Table
+from .plain import units_note
 
 NEEDS = "% needs amsmath, array, booktabs and longtable; run LaTeX twice"
 """Comment at the start of a table."""
@@ -18,7 +16,7 @@ SHORT = 60
 """Most characters of a heading of rows in one line."""
 
 
-def latex(table: Table) -> str:
+def latex(table: Content) -> str:
     """A table as LaTeX: a longtable as wide as the line, then its symbols and notes.
 
     Parameters
@@ -32,11 +30,12 @@ def latex(table: Table) -> str:
     """
     rows = [line for block in _blocks(table) for line in block]
     cells = [c for c in table.columns if c.place == "cell"]
+    notes = [line for line in table.notes if line != units_note(table)]  # the header has the units
     body = longtable(
         table.heading, [spec(c, table) for c in cells], [_head(c) for c in cells], rows,
         [_unit(c, table) for c in cells], label=table.name,
     )  # fmt: skip
-    return "\n".join([start(table.name), *body, *symbols(table), *paragraphs(table.notes), END])
+    return "\n".join([start(table.name), *body, *symbols(table), *paragraphs(notes), END])
 
 
 END = r"\par\endgroup"
@@ -47,7 +46,7 @@ def start(name: str) -> str:
     """First lines of a table: where it is from, and its size of letters."""
     return "\n".join([
         f"% stability table {name}: recomputed", NEEDS,
-        r"\begingroup\footnotesize\setlength{\tabcolsep}{2.5pt}\setlength{\parindent}{0pt}"
+        r"\begingroup\footnotesize\setlength{\tabcolsep}{2pt}\setlength{\parindent}{0pt}"
         r"\raggedright",
         r"\setlength{\LTleft}{0pt}\setlength{\LTright}{0pt}",
     ])  # fmt: skip
@@ -84,13 +83,13 @@ def longtable(
     Examples
     --------
     >>> print(longtable("two", ["l", "r"], ["a", "b"], [r"1 & 2 \\"], label="two")[1])
-    \caption{two}\label{tab:two}\\
+    \caption{Two.}\label{tab:two}\\
     """
     titles = [" & ".join(head) + r" \\"]
     titles += [" & ".join(units) + r" \\"] if any(units) else []
     return [
         rf"\begin{{longtable}}{{@{{\extracolsep{{\fill}}}}{''.join(specs)}@{{}}}}",
-        rf"\caption{{{prose(caption)}}}\label{{tab:{label}}}\\",
+        rf"\caption{{{prose(caption[:1].upper() + caption[1:])}.}}\label{{tab:{label}}}\\",
         r"\toprule", *titles, r"\midrule", r"\endfirsthead",
         r"\toprule", *titles, r"\midrule", r"\endhead",
         r"\bottomrule", r"\endfoot",
@@ -106,13 +105,11 @@ def breaking(share: float) -> str:
 
 def across(columns: int, text: str, indent: str = "") -> str:
     """A line across all columns."""
-    return (
-        rf"\multicolumn{{{columns}}}{{@{{}}>{{\raggedright\arraybackslash}}p{{0.99\linewidth}}@{{}}}}"
-        rf"{{{indent}{text}}} \\"
-    )
+    box = rf"\parbox[t]{{\linewidth}}{{\raggedright {indent}{text}\strut}}"  # stretches no column
+    return rf"\multicolumn{{{columns}}}{{@{{}}l@{{}}}}{{\makebox[0pt][l]{{{box}}}}} \\"
 
 
-def spec(column: Column, table: Table) -> str:
+def spec(column: Column, table: Content) -> str:
     """Alignment of a column."""
     if column.share:
         return breaking(column.share)
@@ -124,12 +121,12 @@ def _head(column: Column) -> str:
     return f"${column.latex}$" if column.latex else escaped(column.name.replace("_", " "))
 
 
-def _unit(column: Column, table: Table) -> str:
+def _unit(column: Column, table: Content) -> str:
     text = column.unit(dimensionless=table.dimensionless)
     return f"{{[{unit(text)}]}}" if text else ""  # a bare [ would belong to the line before
 
 
-def _blocks(table: Table) -> list[list[str]]:
+def _blocks(table: Content) -> list[list[str]]:
     """Lines of each row, with those of a heading where it changes."""
     groups = [c for c in table.columns if c.place == "group"]
     cells = [c for c in table.columns if c.place == "cell"]
@@ -139,6 +136,8 @@ def _blocks(table: Table) -> list[list[str]]:
     for row in table.rows:
         block = []
         title = "; ".join(_titled(c, row) for c in groups if row[c.name] not in (None, ""))
+        if out and not groups and any(c.share for c in cells):
+            block.append(r"\addlinespace")
         if title != last and groups:
             block += [r"\addlinespace"] if out else []
             line = rf"\multicolumn{{{len(cells)}}}{{@{{}}l@{{}}}}{{\textit{{{title}}}}} \\*"
@@ -177,7 +176,7 @@ def cell(column: Column, row: Mapping[str, Any]) -> str:
     return prose(text) if column.share else number(text)
 
 
-def symbols(table: Table) -> list[str]:
+def symbols(table: Content) -> list[str]:
     """A paragraph that defines the symbols of a table, and its other columns.
 
     Parameters
@@ -191,16 +190,17 @@ def symbols(table: Table) -> list[str]:
     """
     said = []
     for column in table.columns:
-        units = ""
-        if isinstance(column.kind, Mapping):
-            kinds = {n: k.label(dimensionless=table.dimensionless) for n, k in column.kind.items()}
-            units = f" ({', '.join(f'{n}: {unit(u)}' for n, u in kinds.items())})"
+        named = []
+        for word, quantity in column.quantities(table.rows).items():
+            words = unit(quantity.kind.label(dimensionless=table.dimensionless))
+            named.append(f"{prose(word)}: ${quantity.latex or quantity.symbol}$ in {words}")
+        units = f" ({', '.join(named)})" if named else ""
         said.append(f"{_head(column)}: {prose(column.meaning)}{units}")
     return [r"\noindent " + "; ".join(said) + "."]
 
 
 def paragraphs(lines: Sequence[str]) -> list[str]:
-    """Notes in LaTeX: lines of one paragraph joined, an indented line alone.
+    r"""Notes in LaTeX: lines of one paragraph joined, an indented line alone.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def paragraphs(lines: Sequence[str]) -> list[str]:
     Examples
     --------
     >>> paragraphs(["one", "two", "  alone"])
-    ['', 'one two', '', '\\\\quad alone']
+    ['', 'one two', '', '\\quad alone']
     """
     out: list[str] = []
     joined = re.split(r"\n(?= )|\n\n|(?<=\n) {2}", "\n".join(lines))

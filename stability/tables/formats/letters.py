@@ -22,7 +22,7 @@ SYMBOLS = {
     "lam": r"\lambda", "mu": r"\mu", "phi_dot": r"\dot\varphi", "theta_dot": r"\dot\theta",
     "omega3": r"\omega_{3}", "omega3_c": r"\omega_{3,c}", "theta": r"\theta", "gn": "g_{n}",
     "vA": "v_{A}", "vx": "v_{x}", "bx": "b_{x}", "by": "b_{y}", "bz": "b_{z}", "Fx": "F_{x}",
-    "Fy": "F_{y}", "oo": r"\infty", "det": r"\det ", "pi": r"\pi",
+    "Fy": "F_{y}", "oo": r"\infty", "tilt0": r"\mathrm{tilt}_{0}", "det": r"\det ", "pi": r"\pi",
 }  # fmt: skip
 """Names of the package's formulas."""
 FUNCTIONS = ("sin", "cos", "tan", "log", "ln", "exp")
@@ -57,6 +57,7 @@ def mathematics(text: str) -> str:
     >>> print(mathematics("-(2*k + 1)**2*sqrt(z)/mu**2"), mathematics("√(x_1) φ̇² ≤ sinθ"))
     -(2k+1)^{2}\sqrt{z}/\mu^{2} \sqrt{x_{1}}\,\dot\varphi^{2}\le \sin \theta
     """
+    text = text.replace(">=", "≥").replace("<=", "≤")
     tokens = [(m.lastgroup or "", m[0]) for m in _TOKEN.finditer(_decomposed(text))]
     return _typeset(tokens).strip()
 
@@ -233,7 +234,7 @@ def _mathy(word: str) -> bool:
         return True
     letters = re.findall(r"[A-Za-z]+", core)
     digits = re.findall(r"\d+", core)
-    named = all(len(x) <= 2 or x in SYMBOLS or x in FUNCTIONS for x in letters)
+    named = all(len(x) <= 2 or x in (*SYMBOLS, *FUNCTIONS, "sqrt") for x in letters)
     short = named and all(len(x) <= 2 for x in digits)
     if letters and short and re.search(r"[/·+]|^-|\(", core):
         return True
@@ -256,6 +257,7 @@ def prose(text: str) -> str:
     out: list[str] = []
     run: list[str] = []
     joined = re.sub(r"\b(sin|cos) a\b", "\\1\u2060a", text)
+    joined = re.sub(r"\ba (?==)|(?<== )a (?=\w+\^)", "\u2060a ", joined)
     for word in joined.split():
         if _mathy(word) or _FREE.fullmatch(word):
             if run and word[0] in "([" and not run[-1].endswith(_OPERATOR):
@@ -320,7 +322,7 @@ def escaped(text: str) -> str:
     a\_1 \& 50\% of x**2
     """
     table = {"\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "_": r"\_", "&": r"\&",
-             "%": r"\%", "#": r"\#", "$": r"\$", "^": r"\^{}", "~": r"\~{}", "<": "$<$",
+             "%": r"\%", "#": r"\#", "$": r"\$", "^": r"\^{}", "~": r"$\sim$", "<": "$<$",
              ">": "$>$", "λ": r"$\lambda$", "²": "$^2$", "…": r"\dots{}", "≈": r"$\approx$",
              "≤": r"$\le$", "≥": r"$\ge$", "√": r"$\surd$", "→": r"$\to$", "≠": r"$\ne$",
              "±": r"$\pm$", "·": r"$\cdot$", "∞": r"$\infty$"}  # fmt: skip

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-if TYPE_CHECKING:
-    from .table import Table
+from .column import Content
 
 
-def plain(table: Table) -> str:
+def plain(table: Content) -> str:
     """Heading, rows in columns of equal width, notes.
 
     Parameters
@@ -26,7 +24,7 @@ def plain(table: Table) -> str:
     return framed(table, aligned(cells))
 
 
-def framed(table: Table, lines: Sequence[str]) -> str:
+def framed(table: Content, lines: Sequence[str]) -> str:
     """Lines of a table between its heading and its notes.
 
     Parameters
@@ -68,7 +66,7 @@ def aligned(cells: Sequence[Sequence[str]]) -> list[str]:
     return [lines[0], "  ".join("-" * w for w in widths), *lines[1:]]
 
 
-def units_note(table: Table) -> str:
+def units_note(table: Content) -> str:
     """Units of a table's columns in one line.
 
     Parameters
@@ -82,11 +80,9 @@ def units_note(table: Table) -> str:
     """
     by_unit: dict[str, list[str]] = {}
     for column in table.columns:
-        if isinstance(column.kind, Mapping):
-            for name, kind in column.kind.items():
-                unit = kind.label(dimensionless=table.dimensionless)
-                by_unit.setdefault(unit, []).append(f"{column.name} ({name})")
-            continue
+        for word, quantity in column.quantities(table.rows).items():
+            unit = quantity.kind.label(dimensionless=table.dimensionless)
+            by_unit.setdefault(unit, []).append(f"{column.name} ({word})")
         unit = column.unit(dimensionless=table.dimensionless)
         if unit:
             by_unit.setdefault(unit, []).append(column.name)

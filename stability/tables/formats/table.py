@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,17 @@ class Definition:
     """The table as LaTeX."""
     more: Callable[..., dict[str, Any]] | None = None
     """Further keys of the JSON object, from the same options."""
+    home: str = field(kw_only=True)
+    """Where it is, as `module:name`: it is pickled by this."""
+
+    def __reduce__(self) -> tuple[Callable[[str], Definition], tuple[str]]:
+        return _at_home, (self.home,)
+
+
+def _at_home(home: str) -> Definition:
+    module, _, name = home.partition(":")
+    found: Definition = getattr(import_module(module), name)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,13 +120,15 @@ class Table(Record):
 
     def to_json(self) -> str:
         """The table as one JSON object: name, heading, columns with meaning and unit, rows."""
-        columns = [
-            {"name": c.name, "meaning": c.meaning, "unit": c.unit(dimensionless=self.dimensionless)}
-            if not isinstance(c.kind, Mapping)
-            else {"name": c.name, "meaning": c.meaning, "unit_by": c.by, "units": {
-                n: k.label(dimensionless=self.dimensionless) for n, k in c.kind.items()}}
-            for c in self.columns
-        ]  # fmt: skip
+        columns: list[dict[str, Any]] = []
+        for c in self.columns:
+            units: dict[str, Any] = {"unit": c.unit(dimensionless=self.dimensionless)}
+            if c.by:
+                units = {"unit_by": c.by, "units": {
+                    word: q.kind.label(dimensionless=self.dimensionless)
+                    for word, q in c.quantities(self.rows).items()
+                }}  # fmt: skip
+            columns.append({"name": c.name, "meaning": c.meaning, **units})
         body = {"table": self.name, "heading": self.heading, "columns": columns, "rows": self.rows}
         return json_text(body | dict(self.more))
 

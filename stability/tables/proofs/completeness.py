@@ -49,5 +49,6 @@ TABLE = Definition(
     ),
     _rows,
     notes=_notes, text=_text, more=_search,
+    home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -109,7 +109,7 @@ def _latex(table: Table) -> str:
     out = [start("theorems")]
     for number, row in enumerate(table.rows, start=1):
         mark = "proved" if row["proved"] else "not proved: a conjecture"
-        out += ["", rf"\paragraph{{{number}. {prose(row['name'])}}} ({mark})"]
+        out += ["", rf"\paragraph{{{number}. {prose(row['name'])}}} ({mark})", ""]
         out += [f"{prose(text)}\n" for text in row["statement"]]
         out += ["Assumptions: " + "; ".join(prose(text) for text in row["assumptions"]) + "."]
         steps = []
@@ -140,5 +140,6 @@ TABLE = Definition(
     ("progress",),
     text=lambda table: framed(table, theorem_lines(table.rows)),
     latex=_latex,
+    home=f"{__name__}:TABLE",
 )
 """The table for the registry."""
