@@ -71,6 +71,8 @@ _HOME = {
     "scene.ladder": ("Rung",),
     "scene.rungs.reduced": ("ReducedModel",),
     "compare.report": ("report",),
+    "tables.registry": ("table",),
+    "tables.formats.table": ("Table",),
     "base.errors": ("StabilityError", "StabilityWarning"),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
@@ -154,6 +156,8 @@ if TYPE_CHECKING:
     from .systems.family import Family as Family
     from .systems.mechanics import mechanics as mechanics
     from .systems.system import System as System
+    from .tables.formats.table import Table as Table
+    from .tables.registry import table as table
 
 
 def __getattr__(name: str) -> Any:

@@ -14,12 +14,13 @@ from ..base.version import __version__
 from ..storage.json_text import HELP, json_text
 from .compare import add_arguments as add_compare
 from .map import _map
-from .options import CONTACTS, _bar, _disk, _family, _list, _member, _Parser, _physics, overwriting
+from .options import _bar, _disk, _family, _member, _Parser, _physics, overwriting
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
 from .system_option import add_system
 from .table import _table
+from .table import add_arguments as add_table
 from .terminal import (
     LEAST_MEMORY,
     allowed_memory,
@@ -230,9 +231,10 @@ def _parser() -> argparse.ArgumentParser:
                   "stability scene examples/scenes/rolled-coin.toml --json")  # fmt: skip
     add_scene(sub)
 
-    _table_arguments(command(
+    add_table(command(
         "table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
         "stability table conditions --k 0.25,0.5 --mu 0.1,1,10",
+        "stability table drift --k 0.25 --mu 0.3 --out drift.tex",
         "stability table conditions --system examples/bicycle.py:upright --positive v,g --decimals",
         "stability table hopf --system examples/railway_wheelset.py:centred --x v:1:50:50 "
         "--parameter m=1",
@@ -249,47 +251,6 @@ def _parser() -> argparse.ArgumentParser:
         sub.set_defaults(command=name)
         add_compare(sub, chart=name == "chart")
     return parser
-
-
-def _table_arguments(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "name",
-        metavar="NAME",
-        help="families, conditions, drift, hopf, codimension, launches, theorems, benchmarks or "
-        "completeness",
-    )
-    lists = "`conditions`, `drift`, `hopf`, `launches`: {} of the disk, comma-separated; "
-    one = "`codimension --family`: one, where it is no axis"
-    sub.add_argument("--k", type=_list, help=lists.format("inertia factors") + one)
-    sub.add_argument("--mu", type=_list, help=lists.format("friction coefficients") + one)
-    sub.add_argument("--tilt", type=_list,
-                     help="`drift`: tilts [rad], comma-separated; `launches`: one")  # fmt: skip
-    sub.add_argument("--at", type=_list,
-                     help="`launches`: initial angular velocities, comma-separated; `codimension "
-                     "--family`: what names the member, one, where it is no axis")  # fmt: skip
-    sub.add_argument("--time", type=float, help="`launches`: length of each run")
-    sub.add_argument("--latex", action="store_true", help="`conditions`: formulas as LaTeX")
-    sub.add_argument("--system", metavar="MODULE:FAMILY",
-                     help="`conditions`, `hopf` or `codimension` of a family of your own: "
-                     "module:name, or file.py:name")  # fmt: skip
-    sub.add_argument("--family", help="`codimension` of one of the disk's families")
-    axis = "NAME:LO:HI:N[:log]"
-    sub.add_argument("--x", metavar=axis,
-                     help="`codimension`: the first axis; `hopf --system`: the axis")  # fmt: skip
-    sub.add_argument("--y", metavar=axis, help="`codimension`: the second axis")
-    sub.add_argument("--positive", metavar="NAMES",
-                     help="`conditions --system`: positive names, comma-separated")  # fmt: skip
-    sub.add_argument("--decimals", action="store_true",
-                     help="`conditions --system`: read a number of the equations, such as 9.81, as "
-                     "the decimal, not as its nearest double")  # fmt: skip
-    sub.add_argument("--parameter", action="append", metavar="NAME=X",
-                     help="--system: a number for a parameter, such as g=9.81 or r=3/10, which "
-                     "`conditions` takes exactly; once for each")  # fmt: skip
-    sub.add_argument("--contact", help=f"`conditions`, `drift`, `hopf`, `launches`, `codimension "
-                     f"--family`: one law of {CONTACTS}")  # fmt: skip
-    for name in ("mass", "radius", "gravity"):
-        sub.add_argument(f"--{name}", type=float,
-                         help=f"{name} of the disk, where --k is taken (default 1)")  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -21,7 +21,6 @@ from ..algebra.polynomial import Polynomial
 from ..base.errors import ParameterError, shown
 from ..bodies.thin_disk.disk_families import FAMILIES, families_under
 from ..bodies.thin_disk.disk_polynomials import exact_polynomial, known_polynomial
-from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from .branches import where
 from .characteristic import LAM, MU, SQUARE, Derived, M
 from .friction_ranges import FlutterCondition, Range
@@ -268,63 +267,6 @@ def _span(r: Range) -> str:
     if r.low == "0":
         return f"mu*² < {r.high}"
     return f"mu*² > {r.low}" if r.high == "oo" else f"{r.low} < mu*² < {r.high}"
-
-
-def latex(found: Formulas) -> str:
-    r"""The formulas as LaTeX.
-
-    Parameters
-    ----------
-    found
-        Result of `formulas`.
-
-    Returns
-    -------
-    str
-        An itemised list; needs amsmath.
-
-    Examples
-    --------
-    >>> print(latex(formulas("spinning", "rough")).splitlines()[4])
-    \item static boundary: $\dot\varphi^{2} = \frac{1}{k + 1}$
-    """
-    names = {LAM: "\\lambda", MU: QUANTITIES["mu"].latex}
-    names |= {sympy.Symbol(n): QUANTITIES[n].latex for n in ("phi_dot", "omega3")}
-
-    def show(text: str) -> str:
-        value = sympy.sympify(text, locals={"lam": LAM, "S": sympy.Symbol("S")})
-        return str(sympy.latex(value, symbol_names=names))
-
-    product = " ".join(f"\\left({show(p)}\\right)" for p in found.polynomial)
-    if len(found.polynomial) == 1:
-        product = show(found.polynomial[0])
-    lines = [
-        "% stability table conditions: recomputed from the equations of motion",
-        f"\\paragraph{{{found.family}, {found.contact} contact}} "
-        f"$\\lambda^{{{found.structural_zeros}}}$ times ${product}$",
-        "\\begin{itemize}",
-    ]
-    lines += [f"\\item {c['kind']}: ${show(c['positive'])} > 0$" for c in found.conditions]
-    lines += [
-        f"\\item {b['kind']} boundary: ${show(b['of'])} = {show(b['formula'])}$"
-        + (f" for {_words(b['where'])}" if "where" in b else "")
-        for b in found.boundaries
-    ]
-    for limit, values in found.limits.items():
-        arrow = limit.replace("mu", "\\mu").replace("->", "\\to").replace("oo", "\\infty")
-        lines += [f"\\item ${arrow}$: ${show(v)} > 0$" for v in values]
-    lines += [f"\\item {_words(s)}" for s in found.statements]
-    return "\n".join([*lines, "\\end{itemize}"])
-
-
-def _words(statement: str) -> str:
-    """A statement with the special characters of LaTeX replaced."""
-    text = statement.replace("mu*²", "@").replace("**", "^").replace("*", " ")
-    for plain in ("phi_dot", "omega3"):
-        text = text.replace(plain, plain.replace("_", "\\_"))
-    for plain, typeset in (("^", "\\^{}"), ("<", "$<$"), (">", "$>$"), ("&", "\\&")):
-        text = text.replace(plain, typeset)
-    return text.replace("@", "$\\mu_*^2$")
 
 
 def cases(laws: Sequence[str]) -> list[tuple[str, str]]:

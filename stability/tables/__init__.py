@@ -1,6 +1,7 @@
 """Registered tables, recomputed.
 
-Rows as records, and their text.  May import `maps`, `motion` and the floors below.
-To add a table: a module with a frozen dataclass of a row and a function that returns rows, its name
-in `TABLES` and `records` of `registry.py`, and its text in `text` of `render.py`.
+Columns and rows of each table; `st.table` and the command line ask `registry.py` alone.
+May import `maps`, `motion` and the floors below.
+To add a table: a module with its rows and a `Definition` named `TABLE`, like `drift.py`, and its
+name in `PLACES` of `registry.py`; text, CSV, JSON and LaTeX follow from the columns.
 """

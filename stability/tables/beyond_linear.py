@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
+from ..base.quantities import rate_unit
 from ..boundary.beyond_linear.records import CycleBirth, HopfPoint
 from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
-from ..storage.json_text import json_text
+from .formats.column import Column, word
+from .formats.letters import symbol
+from .formats.table import Definition, Table
 
 HOPF_HEADING = "flutter boundaries of {name}: how oscillation begins (recomputed)"
 POINT_HEADING = "points of codimension two of {name} (recomputed)"
@@ -41,14 +44,14 @@ def birth_records(
 
 
 def birth_text(
-    name: str, axis: str, found: Sequence[CycleBirth | HopfPoint], units: Mapping[str, str]
+    heading: str, axis: str, found: Sequence[CycleBirth | HopfPoint], units: Mapping[str, str]
 ) -> str:
     """Flutter boundaries as lines of text.
 
     Parameters
     ----------
-    name
-        Name of the family.
+    heading
+        First line.
     axis
         Name of the axis.
     found
@@ -61,7 +64,7 @@ def birth_text(
     str
     """
     unit = f" [{units[axis]}]" if axis in units else ""
-    lines = [HOPF_HEADING.format(name=name), ""]
+    lines = [heading, ""]
     for point in found:
         side = "below" if point.stable_below else "above"
         lines.append(f"{axis} = {point.at:.15g}{unit}: {point.kind.word}, stable {side}")
@@ -129,13 +132,109 @@ def point_text(name: str, found: CodimensionTwo) -> str:
     return "\n".join([*lines, "", f"{found.statement}."])
 
 
-def birth_json(name: str, found: Sequence[CycleBirth | HopfPoint]) -> str:
-    """Flutter boundaries as JSON."""
-    heading = HOPF_HEADING.format(name=name)
-    return json_text({"table": "hopf", "heading": heading, "rows": birth_records(found)})
+# --- for the registry ---
 
 
-def point_json(name: str, found: CodimensionTwo) -> str:
-    """Points of codimension two as JSON."""
-    heading = POINT_HEADING.format(name=name)
-    return json_text({"table": "codimension", "heading": heading, **point_records(found)})
+def _birth_text(table: Table) -> str:
+    return birth_text(table.heading, *table.found)
+
+
+def _point_text(table: Table) -> str:
+    return point_text(table.heading.split(" of ")[-1].removesuffix(" (recomputed)"), table.found)
+
+
+BIRTHS = Definition(
+    HOPF_HEADING,
+    (
+        Column("at", "quantity of the axis at the boundary", form="{:.8g}"),
+        Column("error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        word("kind", "how oscillation begins", share=0.13),
+        Column("stable_below", "whether it is stable below the boundary"),
+        Column("frequency", "frequency of the crossing pair", latex=r"\omega", form="{:.6g}"),
+        Column("frequency_error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        Column("crossing", "d Re λ by the axis", latex="c", form="{:.6g}"),
+        Column("crossing_error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        Column("coefficient", "first Lyapunov coefficient", latex="l_{1}", form="{:.6g}"),
+        Column("coefficient_error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        Column("push", "coefficient of the drift along a line", latex="p"),
+        word("reason", "reason for an open kind", "below"),
+    ),
+    lambda **_: [],
+    notes=lambda _: BIRTH_NOTES,
+    text=_birth_text,
+    home=f"{__name__}:BIRTHS",
+)
+"""Flutter boundaries of a family of the user's own."""
+POINTS = Definition(
+    POINT_HEADING,
+    (
+        word("kind", "kind of the point", share=0.2),
+        Column("x", "quantity of the first axis", form="{:.12g}"),
+        Column("x_error", "bound on its error", latex=r"\pm", form="{:.1e}"),
+        Column("y", "quantity of the second axis", form="{:.12g}"),
+        Column("y_error", "bound on its error", latex=r"\pm", form="{:.1e}"),
+        Column("frequencies", "frequencies on the axis", form="{:.10g}"),
+        word("others", "real parts of the other eigenvalues", "below"),
+    ),
+    lambda **_: [],
+    notes=lambda table: [f"{table.found.statement}."],
+    text=_point_text,
+    home=f"{__name__}:POINTS",
+)
+"""Points of codimension two."""
+
+
+def birth_columns(
+    axis: str, units: Mapping[str, str], rows: Sequence[Mapping[str, Any]]
+) -> tuple[Column, ...]:
+    """Columns of flutter boundaries of a family, without those that no row has.
+
+    Parameters
+    ----------
+    axis
+        Name of the axis.
+    units
+        Unit by name.
+    rows
+        From `birth_records`.
+
+    Returns
+    -------
+    tuple of Column
+    """
+    there = {name for row in rows for name in row} or {c.name for c in BIRTHS.columns}
+    unit, rate = units.get(axis, "1"), rate_unit(units)
+    kinds = {"at": unit, "error": unit, "frequency": rate, "frequency_error": rate}
+    return tuple(
+        replace(
+            c, kind=kinds.get(c.name, c.kind), latex=symbol(axis) if c.name == "at" else c.latex
+        )
+        for c in BIRTHS.columns
+        if c.name in there
+    )
+
+
+def point_columns(axes: Sequence[str], units: Mapping[str, str]) -> tuple[Column, ...]:
+    """Columns of points of codimension two.
+
+    Parameters
+    ----------
+    axes
+        Names of both axes.
+    units
+        Unit by name.
+
+    Returns
+    -------
+    tuple of Column
+    """
+    named = dict(zip("xy", axes, strict=True))
+    return tuple(
+        replace(
+            c, kind=units.get(named.get(c.name[0], ""), "1") if c.name[0] in "xy" else c.kind,
+            latex=symbol(named[c.name]) if c.name in named else c.latex,
+            meaning=f"{named[c.name]}, {c.meaning.split(' of ')[1]}"
+            if c.name in named else c.meaning,
+        )
+        for c in POINTS.columns
+    )  # fmt: skip

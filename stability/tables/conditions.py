@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.quantities import Kind, Quantity
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
+from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..boundary.changes import along
 from ..boundary.crossings import BoundaryPoint
 from ..spectra.disk_problem import disk_problem
+from .disk_formulas import formula_latex, formula_lines
+from .formats.column import Column, word
+from .formats.latex import latex
+from .formats.plain import plain
+from .formats.table import Definition, Table
 
 
 @dataclass(frozen=True)
@@ -145,3 +152,82 @@ def _rows(family: DiskFamily, disk: Disk, contact: Contact) -> list[ConditionRow
         )
         for p in points
     ]  # fmt: skip
+
+
+def _formulas(
+    *,
+    k: Sequence[float] = (0.25, 0.5),
+    laws: Sequence[str] = ("smooth", "viscous", "rough"),
+    progress: Callable[[int, int], None] | None = None,
+    **_: Any,
+) -> dict[str, Any]:
+    from ..derivation.formulas import rows
+
+    return {"formulas": [asdict(one) for one in rows(laws, k, progress)]}
+
+
+def _notes(table: Table) -> list[str]:
+    kinds: dict[str, list[str]] = {}
+    for family in FAMILIES.values():
+        if family.searched:
+            kind = Kind.ANGLE if family.by_angle else Kind.ANGULAR_VELOCITY
+            unit = kind.label(dimensionless=table.dimensionless)
+            kinds.setdefault(unit, []).append(f"{family.at[0]} ({family.name})")
+    names = ", ".join(f"{', '.join(words)} in {u}" for u, words in kinds.items())
+    ranges = [
+        f"{f.name} {f.searched[0]:g}…{f.searched[1]:.4g}" for f in FAMILIES.values() if f.searched
+    ]
+    frequency = Kind.ANGULAR_VELOCITY.label(dimensionless=table.dimensionless)
+    return [
+        f"at: {names}; frequency in {frequency}.",
+        f"Searched: {', '.join(ranges)} "
+        "(dimensionless), completely: every real root of the conditions over Q is isolated; each "
+        "place is a bracket proved in ball arithmetic.",
+    ]
+
+
+def _text(table: Table) -> str:
+    return "\n".join([*formula_lines(table.more["formulas"]), plain(table)])
+
+
+def _latex(table: Table) -> str:
+    return "\n\n".join([formula_latex(table.more["formulas"]), latex(table)])
+
+
+def member(family: str) -> Quantity | None:
+    """The quantity that names a member of a family, if it is one.
+
+    Parameters
+    ----------
+    family
+        Name of the family.
+    """
+    names = FAMILIES[family].at if family in FAMILIES else ()
+    return QUANTITIES[names[0]] if len(names) == 1 else None
+
+
+K = Column("k", "inertia factor", latex="k", form="{:g}")
+MU = Column("mu", "friction coefficient", Kind.INVERSE_VELOCITY, r"\mu", "{:g}")
+TABLE = Definition(
+    "where the verdict changes along each family, for several k and mu",
+    (
+        word("family", "family of steady motions", "group"),
+        word("contact", "contact law", "group"),
+        K,
+        MU,
+        Column("at", "member where the verdict changes", member, "", "{:.12g}",
+               "family"),
+        Column("error", "half-width of the proved bracket around at", member, r"\pm", "{:.1e}",
+               "family"),
+        word("crossing", "static, flutter or none"),
+        Column("frequency", "frequency of the crossing pair", Kind.ANGULAR_VELOCITY, r"\omega",
+               "{:.10g}"),
+        word("below", "verdict below at, or everywhere"),
+        word("above", "verdict above at, or everywhere"),
+    ),
+    lambda **options: [asdict(row) for row in conditions(**options)],
+    ("k", "mu", "contact", "disk", "progress"),
+    _notes, _text, _latex, _formulas,
+    home=f"{__name__}:TABLE",
+)  # fmt: skip
+"""The table for the registry."""

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 from ..base.errors import NameUnknownError, shown
+from ..base.quantities import Kind
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LinearViscous, Viscous
 from ..bodies.disk import Disk
 from ..boundary.drift import FORMULAS, drift
+from .conditions import MU, K
+from .formats.column import Column
+from .formats.plain import units_note
+from .formats.table import Definition
 
 RATIOS = (1.25, 1.5, 2.0, 3.0)
 """Values of omega3 over its threshold in the table of drift."""
@@ -124,3 +129,25 @@ DRIFT_NOTES = [
     *[f"  {name}: {formula}" for name, formula in FORMULAS.items()],
 ]
 """Lines below the rows of the table of drift."""
+
+TABLE = Definition(
+    "how long straight rolling under friction lasts before it crosses its threshold",
+    (
+        K,
+        MU,
+        Column("omega3", "axial angular velocity at the start", Kind.ANGULAR_VELOCITY,
+               r"\omega_{3}"),
+        Column("threshold", "axial angular velocity where spectral stability ends",
+               Kind.ANGULAR_VELOCITY, r"\omega_{3,c}"),
+        Column("tilt", "theta - π/2 at the start", Kind.ANGLE, form="{:g}"),
+        Column("time_slow", "time to the threshold on the slow manifold", Kind.TIME, "T_{s}"),
+        Column("time_launch", "time to the threshold from a launch with phi_dot = 0 and no slip",
+               Kind.TIME, "T_{l}"),
+        Column("tilt_end", "tilt at the threshold after the launch", Kind.ANGLE, form="{:.4g}"),
+    ),
+    lambda **options: [asdict(row) for row in drift_rows(**options)],
+    ("k", "mu", "contact", "disk", "tilt"),
+    lambda table: [*DRIFT_NOTES, units_note(table)],
+    home=f"{__name__}:TABLE",
+)  # fmt: skip
+"""The table for the registry."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 
 from ..bodies.contact_laws import LAWS
@@ -10,6 +10,9 @@ from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, disk_family
 from ..systems.structure.structural_zeros import structure
 from .conditions import scan
+from .formats.column import Column, word
+from .formats.plain import framed
+from .formats.table import Definition, Table
 
 
 @dataclass(frozen=True)
@@ -107,3 +110,43 @@ def families() -> list[FamilyRow]:
             FamilyRow(name, ", ".join(record.at), record.motion, condition(name), zeros, thresholds)
         )
     return rows
+
+
+def _text(table: Table) -> str:
+    lines = []
+    for row in table.rows:
+        zeros = ", ".join(f"{law} {count}" for law, count in row["structural_zeros"].items())
+        lines += [
+            f"{row['family']} (named by {row['at']}): {row['motion']}",
+            f"    condition         {row['condition']}",
+            f"    structural zeros  {zeros}",
+        ]
+        for law, values in row["thresholds"].items():
+            what = "no change of verdict"
+            if values:
+                what = f"neutral above {row['at']}² = " + ", ".join(f"{v:.12g}" for v in values)
+                what += " (k = 1/4), unstable below"
+            lines.append(f"    {law:<6}            {what}")
+        lines.append("")
+    return framed(table, lines[:-1])
+
+
+TABLE = Definition(
+    "the steady motions with their conditions, structural zeros and limits",
+    (
+        word("family", "name of the family", share=0.12),
+        word("at", "quantities that name a member", share=0.07),
+        word("motion", "the motion in words", share=0.19),
+        word("condition", "condition for a member", share=0.24),
+        Column("structural_zeros", "number of structural zeros by contact law", share=0.13,
+               form="{:d}"),
+        Column("thresholds", "squares of at where the verdict turns from unstable below to neutral "
+               "above, for k = 1/4, without friction (smooth) and without slip (rough)", share=0.14,
+               form="{:.6g}"),
+    ),
+    lambda: [asdict(row) for row in families()],
+    notes=lambda _: ["Dimensionless: m = R = g = 1, angular velocities in √(g/R)."],
+    text=_text,
+    home=f"{__name__}:TABLE",
+)  # fmt: skip
+"""The table for the registry."""

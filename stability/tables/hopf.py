@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
+from ..base.errors import listed
+from ..base.quantities import Kind
 from ..base.types import Progress
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..boundary.hopf import hopf
+from .conditions import MU, K, member
 from .drift import _body, law_of
+from .formats.column import Column, word
+from .formats.plain import units_note
+from .formats.table import Definition
 
 
 @dataclass(frozen=True)
@@ -92,3 +98,25 @@ HOPF_NOTES = [
     "Re μ' vanishes only where the boundary folds (tumbling, 0.3291… < k < 1/2).",
 ]
 """Lines below the rows of the table of flutter boundaries."""
+
+_LINES = listed([f.name for f in FAMILIES.values() if f.flutter])
+TABLE = Definition(
+    f"flutter boundaries of {_LINES} as Hopf bifurcations without parameters",
+    (
+        word("family", "family of steady motions", "group"),
+        K,
+        MU,
+        Column("at", "member at the boundary", member, "", "{:.12g}", "family"),
+        word("stable", "stable side of the boundary"),
+        Column("frequency", "frequency of the crossing pair", Kind.ANGULAR_VELOCITY, r"\omega",
+               "{:.10g}"),
+        Column("crossing", "Re μ' along the family, dimensionless", latex=r"\mathrm{Re}\,\mu'"),
+        Column("push", "coefficient of the drift, dimensionless", latex="c"),
+        word("kind", "elliptic, hyperbolic, degenerate, or none"),
+    ),
+    lambda **options: [asdict(row) for row in hopf_rows(**options)],
+    ("k", "mu", "contact", "disk", "progress"),
+    lambda table: [*HOPF_NOTES, units_note(table)],
+    home=f"{__name__}:TABLE",
+)  # fmt: skip
+"""The table for the registry."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..base.checks import checked, positive
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
+from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.verdict import Nonlinear, Verdict
 from ..bodies.contact import Contact
@@ -20,7 +21,11 @@ from ..motion.result import BY_CODE, Outcome
 from ..motion.simulate import simulate
 from ..motion.starts import TILT, TIME, _body, launch
 from ..spectra.spectrum import spectrum
+from .conditions import MU, K, member
 from .drift import law_of
+from .formats.column import Column, word
+from .formats.plain import units_note
+from .formats.table import Definition
 
 VELOCITIES = tuple(float(v) for v in np.round(np.linspace(0.4, 4.8, 12), 6))
 """Initial angular velocities [√(g/R)]."""
@@ -240,3 +245,30 @@ def _why(
     if stayed:
         return "agrees" if outcome is Outcome.SETTLED else "agrees so far: it has not settled yet"
     return "differs: the tilt is beyond the reach of the stable motion"
+
+
+_LAUNCHED = listed([f.name for f in FAMILIES.values() if f.launch])
+TABLE = Definition(
+    f"what becomes of {_LAUNCHED} launched with a tilt, compared with linear theory",
+    (
+        word("launch", "family of the steady motion launched near", "group"),
+        replace(K, place="group"),
+        replace(MU, place="group"),
+        Column("at", "omega3 or phi_dot at the start", Kind.ANGULAR_VELOCITY, form="{:.6g}"),
+        word("linear", "spectral verdict of the steady motion"),
+        Column("rate", "its largest growth rate", Kind.GROWTH_RATE, r"\alpha", "{:+.3g}"),
+        word("outcome", "outcome of the launch"),
+        word("final", "nearest steady motion at the end; a tilde: near, not settled"),
+        Column("final_at", "member of that family", member, "", "{:.6g}", "final"),
+        Column("time", "time from which it has settled, otherwise of the end", Kind.TIME, "T",
+               "{:.4g}"),
+        Column("energy", "final over initial energy", latex="E/E_{0}", form="{:.4f}"),
+        Column("normal_force", "least normal force over m g", latex="N/mg", form="{:.3f}"),
+        word("why", "reason why prediction and outcome agree or differ", "below"),
+    ),
+    lambda **options: [asdict(row) for row in launch_rows(**options)],
+    ("k", "mu", "contact", "disk", "tilt", "at", "time", "progress"),
+    lambda table: [*contact_lines(table.rows), "", *NOTES, units_note(table)],
+    home=f"{__name__}:TABLE",
+)  # fmt: skip
+"""The table for the registry."""

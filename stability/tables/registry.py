@@ -1,80 +1,312 @@
-"""Names of the tables, and their rows as records."""
+"""Names of the tables, and `table`, which computes them."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from typing import Any
 
-from ..base.errors import NameUnknownError, listed, shown
-from ..bodies.thin_disk.disk_families import FAMILIES
-from .drift import drift_rows
-from .hopf import hopf_rows
-from .launches import launch_rows
+import numpy as np
 
-if TYPE_CHECKING:
-    pass
+from ..base.errors import NameUnknownError, ParameterError, listed, shown
+from ..base.types import Progress
+from ..bodies.disk import Disk
+from ..bodies.law_names import law_named
+from ..systems.family import Family
+from .formats.table import Definition, Table
 
-from .conditions import conditions
-from .families import families
-
-_LINES = listed([f.name for f in FAMILIES.values() if f.flutter])
-_LAUNCHED = listed([f.name for f in FAMILIES.values() if f.launch])
-TABLES = {
-    "families": "the steady motions with their conditions, structural zeros and limits",
-    "conditions": "where the verdict changes along each family, for several k and mu",
-    "drift": "how long straight rolling under friction lasts before it crosses its threshold",
-    "hopf": f"flutter boundaries of {_LINES} as Hopf bifurcations without parameters",
-    "launches": f"what becomes of {_LAUNCHED} launched with a tilt, compared with linear theory",
-    "theorems": "statements about the disk, proved step by step from its graph",
-    "benchmarks": "systems with known answers: known value, recomputed value, certified verdicts",
-    "completeness": "why the viscous disk has no other steady motions: proof and search",
+PLACES = {
+    "families": "families",
+    "conditions": "conditions",
+    "drift": "drift",
+    "hopf": "hopf",
+    "launches": "launches",
+    "theorems": "proofs.theorems",
+    "benchmarks": "benchmarks.catalogue",
+    "completeness": "proofs.completeness",
 }
-"""Heading of each table, by name."""
+"""Module of each table, by name; its `TABLE` is the `Definition`."""
+OF_FAMILY = ("conditions", "hopf", "codimension")
+"""Tables of a family of the user's own."""
+LISTS = ("k", "mu", "tilt", "at")
+"""Options that are lists of numbers."""
 
 
-# --- as records ---
-
-
-def records(name: str, **options: Any) -> list[dict[str, Any]]:
-    """A table as plain records, for JSON.
+def definition(name: str) -> Definition:
+    """The definition of a table.
 
     Parameters
     ----------
     name
-        A key of `TABLES`.
-    **options
-        Arguments of the table's function.
+        A key of `PLACES`.
 
     Returns
     -------
-    list of dict
+    Definition
 
     Raises
     ------
     NameUnknownError
         If the table is unknown.
+
+    Examples
+    --------
+    >>> definition("drift").takes
+    ('k', 'mu', 'contact', 'disk', 'tilt')
     """
-    if name == "families":
-        return [asdict(row) for row in families()]
-    if name == "conditions":
-        return [asdict(row) for row in conditions(**options)]
-    if name == "drift":
-        return [asdict(row) for row in drift_rows(**options)]
-    if name == "hopf":
-        return [asdict(row) for row in hopf_rows(**options)]
-    if name == "launches":
-        return [asdict(row) for row in launch_rows(**options)]
-    if name == "theorems":
-        from .theorems import theorem_rows
+    if name not in PLACES:
+        known = ", ".join((*PLACES, "codimension"))
+        raise NameUnknownError(f"table is {shown(name)}; known are {known}.")
+    found: Definition = import_module(f".{PLACES[name]}", __package__).TABLE
+    return found
 
-        return [asdict(row) for row in theorem_rows(**options)]
-    if name == "benchmarks":
-        from .benchmarks.catalogue import benchmark_rows
 
-        return [asdict(row) for row in benchmark_rows(**options)]
-    if name == "completeness":
-        from ..derivation.completeness import prove, search
+def records(name: str, **options: Any) -> list[dict[str, Any]]:
+    """Rows of a table as plain records.
 
-        steps = [asdict(step) for step in prove()]
-        return [*steps, {"search": asdict(search())}]
-    raise NameUnknownError(f"table is {shown(name)}; known are {', '.join(TABLES)}.")
+    Parameters
+    ----------
+    name
+        A key of `PLACES`.
+    **options
+        Arguments of the function of its rows.
+
+    Returns
+    -------
+    list of dict
+    """
+    return definition(name).rows(**options)
+
+
+def table(
+    name: str,
+    family: Family | str | None = None,
+    *,
+    k: float | Sequence[float] | None = None,
+    mu: float | Sequence[float] | None = None,
+    contact: str | None = None,
+    disk: Disk | None = None,
+    tilt: float | Sequence[float] | None = None,
+    at: float | Sequence[float] | None = None,
+    time: float | None = None,
+    x: Sequence[Any] | None = None,
+    y: Sequence[Any] | None = None,
+    positive: Sequence[str] = (),
+    decimals: bool = False,
+    progress: Progress | None = None,
+    **parameters: Any,
+) -> Table:
+    r"""A registered table, recomputed: as text, CSV, JSON, LaTeX, or a pandas DataFrame.
+
+    The arguments are the options of `stability table`.
+
+    Parameters
+    ----------
+    name
+        families, conditions, drift, hopf, codimension, launches, theorems, benchmarks or
+        completeness.
+    family
+        A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by
+        name, for codimension.
+    k, mu
+        Inertia factors [-] and friction coefficients, each one number or several: for conditions,
+        drift, hopf and launches; for codimension one number.
+    contact
+        Name of a contact law, for the same tables.
+    disk
+        Gives mass, radius and gravity to the same tables; with `k` left out of codimension, k too.
+    tilt
+        Tilts [rad], for drift; one, for launches.
+    at
+        Initial angular velocities, for launches; the member, for codimension.
+    time
+        Length of each run, for launches.
+    x, y
+        Axes (name, low, high, points): both for codimension; x for hopf of your own family.
+    positive, decimals
+        As in `stability.conditions`, for conditions of your own family.
+    progress
+        Called with (pieces done, pieces in all).
+    **parameters
+        Numbers for parameters of your own family.
+
+    Returns
+    -------
+    Table
+        Rows as records, and `to_text`, `to_csv`, `to_json`, `to_latex`, `to_pandas`, `write`.
+
+    Raises
+    ------
+    NameUnknownError, ParameterError
+        If there is no such table, or an argument does not belong to it.
+
+    Source: recomputed; each table says how.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> hopf = st.table("hopf", k=0.5, mu=1.0)
+    >>> [(row["family"], row["kind"]) for row in hopf]
+    [('spinning', 'elliptic'), ('tumbling', 'hyperbolic')]
+    >>> print(st.table("drift", k=0.25, mu=1, tilt=0.01).to_latex().splitlines()[4])
+    \begin{longtable}{@{\extracolsep{\fill}}rrrrrrrr@{}}
+    """
+    given = {
+        "k": k, "mu": mu, "contact": contact, "disk": disk, "tilt": tilt, "at": at, "time": time,
+    }  # fmt: skip
+    given = {n: v for n, v in given.items() if v is not None}
+    axes = {n: v for n, v in (("x", x), ("y", y)) if v is not None}
+    exact: dict[str, Any] = {"positive": tuple(positive)} if positive else {}
+    exact |= {"decimals": True} if decimals else {}
+    if family is not None or name == "codimension":
+        return _of_family(name, family, given, axes, exact, parameters)
+    chosen = definition(name)
+    for key in (*axes, *exact, *parameters):
+        raise ParameterError(
+            f"{key} belongs to `table` with a family of your own (--system); leave it out."
+        )
+    for key in given:
+        if key not in chosen.takes:
+            raise ParameterError(f"{key} belongs to {_takers(key)} only; leave it out.")
+    options = _checked(name, given)
+    if "progress" in chosen.takes:
+        options["progress"] = progress
+    body = options.get("disk")
+    return Table(
+        name, f"{chosen.heading} (recomputed)", chosen.columns, chosen.rows(**options),
+        body is None or body.dimensionless,
+        chosen.more(**options) if chosen.more else {}, definition=chosen,
+    )  # fmt: skip
+
+
+def _takers(key: str) -> str:
+    """The tables that take an option, in words."""
+    names = [f"`{name}`" for name in PLACES if key in definition(name).takes]
+    return listed([f"`table {names[0][1:]}", *names[1:]]) if names else "other tables"
+
+
+def _checked(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Options of a table of the disk as arguments of the function of its rows."""
+    options: dict[str, Any] = dict(given)
+    for key in LISTS:
+        if key in options:
+            options[key] = [float(v) for v in np.atleast_1d(options[key])]
+    if name == "launches" and "tilt" in options:
+        [*more, options["tilt"]] = options["tilt"]
+        if more:
+            raise ParameterError(
+                f"tilt is {shown(given['tilt'])}; `table launches` takes one tilt."
+            )
+    if "contact" in options:
+        law = options.pop("contact")
+        law_named(law, options["mu"][0] if "mu" in options else None, needed=False)
+        options |= {"laws": [law]} if name == "conditions" else {"law": law}
+    if "k" in options:
+        Disk(k=options["k"])
+    return options
+
+
+# --- of one family ---
+
+
+def _of_family(
+    name: str,
+    family: Family | str | None,
+    given: dict[str, Any],
+    axes: Mapping[str, Any],
+    exact: Mapping[str, Any],
+    parameters: dict[str, Any],
+) -> Table:
+    """A table of a family of the user's own, or of codimension two of one of the disk's."""
+    if name not in OF_FAMILY:
+        raise ParameterError(f"family belongs to `table` {listed(OF_FAMILY)}; leave it out.")
+    if family is None:
+        raise ParameterError("`table codimension` needs a family; give it as family.")
+    wanted = {"conditions": (), "hopf": ("x",), "codimension": ("x", "y")}[name]
+    if set(axes) != set(wanted):
+        needs = " and ".join(wanted) or "no axis"
+        raise ParameterError(
+            f"`table {name}` of a family takes {needs}: (name, low, high, points)."
+        )
+    if exact and name != "conditions":
+        raise ParameterError(f"{next(iter(exact))} belongs to `table conditions`; leave it out.")
+    if isinstance(family, str):
+        if name != "codimension":
+            raise ParameterError("a family by name belongs to `table codimension`; give a Family.")
+        return _points(family, axes, _of_disk(given, axes, parameters))
+    names = (*family.at, *family.parameters)
+    for key, value in given.items():
+        if key not in names:
+            raise ParameterError(
+                f"{key} belongs to the disk; with a family of your own leave it out."
+            )
+        parameters[key] = value
+    if name == "codimension":
+        return _points(family, axes, parameters)
+    return _conditions(family, exact, parameters) if name == "conditions" else _births(
+        family, axes["x"], parameters)  # fmt: skip
+
+
+def _conditions(family: Family, exact: Mapping[str, Any], parameters: Mapping[str, Any]) -> Table:
+    from ..derivation.conditions import conditions
+    from .system_conditions import TABLE, condition_rows, record
+
+    found = conditions(family, **exact, **parameters)
+    heading = f"{family.system.name}, {family.name}: exact conditions of stability (derived)"
+    return Table("conditions", heading, TABLE.columns, condition_rows(found), True, record(found),
+                 definition=TABLE, found=found)  # fmt: skip
+
+
+def _births(family: Family, axis: Sequence[Any], parameters: Mapping[str, Any]) -> Table:
+    from ..boundary.hopf import hopf
+    from .beyond_linear import BIRTHS, birth_columns, birth_records
+
+    found = hopf(family, axis=tuple(axis), **parameters)
+    units, rows = family.system.units, birth_records(found)
+    return Table("hopf", BIRTHS.heading.format(name=family.name),
+                 birth_columns(axis[0], units, rows), rows, definition=BIRTHS,
+                 found=(axis[0], found, units))  # fmt: skip
+
+
+def _points(family: Family | str, axes: Mapping[str, Any], given: Mapping[str, Any]) -> Table:
+    from ..boundary.beyond_linear.two_parameters.points import codimension_two
+    from .beyond_linear import POINTS, point_columns, point_records
+
+    x, y = tuple(axes["x"]), tuple(axes["y"])
+    found = codimension_two(family, x=x, y=y, **given)
+    units: Mapping[str, str] = {}
+    name = family
+    if isinstance(family, Family):
+        units, name = family.system.units, family.name
+    more = point_records(found)
+    rows = more.pop("rows")
+    columns = point_columns((x[0], y[0]), units)
+    return Table("codimension", POINTS.heading.format(name=name), columns, rows,
+                 more=more, definition=POINTS, found=found)  # fmt: skip
+
+
+def _of_disk(
+    given: Mapping[str, Any], axes: Mapping[str, Any], parameters: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Arguments of a disk's family, one number each."""
+    from ..bodies.law_names import class_named
+
+    for key in ("tilt", "time", *parameters):
+        if key in given or key in parameters:
+            raise ParameterError(f"{key} is no option of `table codimension`; leave it out.")
+    swept = [axis[0] for axis in axes.values()]
+    one = {}
+    for key in ("k", "mu", "at"):
+        if key not in given:
+            continue
+        values = np.atleast_1d(given[key])
+        if len(values) > 1:
+            raise ParameterError(f"{key} has {len(values)} numbers; give one.")
+        if key in swept:
+            raise ParameterError(f"{key} is given as a number and as an axis; give it once.")
+        one[key] = float(values[0])
+    base = given.get("disk") or Disk()
+    body = Disk(base.mass, base.radius, one.get("k", base.k), base.gravity)
+    name = given.get("contact", "viscous")
+    law = class_named(name) if "mu" in swept else law_named(name, one.get("mu"))
+    return {"disk": body, "contact": law, "at": one.get("at")}

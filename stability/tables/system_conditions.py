@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-import unicodedata
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from ..algebra.polynomial import Polynomial
 from ..base.exact_numbers import decimal_of, written
+from .formats.column import Column, word
+from .formats.letters import converted, escaped, symbol
+from .formats.table import Definition
 
 if TYPE_CHECKING:
     from ..derivation.conditions import Conditions
@@ -18,18 +20,6 @@ DIGITS = 12
 """Digits of a coefficient in text; longer ones are rounded and marked."""
 WIDTH = 72
 """Characters of a line of a formula in LaTeX, roughly."""
-GREEK = frozenset(
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau phi "
-    "chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega".split()
-)
-GREEK_LETTERS = {
-    letter: word
-    for word in GREEK
-    for letter in [unicodedata.lookup(
-        f"GREEK {'CAPITAL' if word[0].isupper() else 'SMALL'} LETTER "
-        f"{word.upper().replace('LAMBDA', 'LAMDA')}")]
-} | {"µ": "mu", "ϕ": "phi", "ϑ": "theta", "ϵ": "epsilon"}  # fmt: skip
-"""Names that LaTeX writes as Greek letters."""
 MOST_OF_RULE = 120
 """Characters of a rule in full; a longer one has the labels of its conditions."""
 ROUNDED = (
@@ -209,62 +199,6 @@ def record(found: Conditions) -> dict[str, Any]:
 # --- LaTeX ---
 
 
-def symbol(name: str) -> str:
-    r"""The name of a variable in mathematics of LaTeX.
-
-    Parameters
-    ----------
-    name
-        Name of a variable, such as `phi_dot` or `sin(theta)`.
-
-    Examples
-    --------
-    >>> print(symbol("omega_0"), symbol("sin(theta)"), symbol("sqrt(b)"), symbol("de"))
-    \omega_{0} \sin\left(\theta\right) \sqrt{b} \mathit{de}
-    """
-    match = re.fullmatch(r"([^\W\d_]\w*)\((.*)\)", name)
-    if match:
-        inner = _converted(match[2])
-        if match[1] == "sqrt":
-            return rf"\sqrt{{{inner}}}"
-        known = match[1] in ("sin", "cos", "tan", "exp", "log", "sinh", "cosh", "tanh")
-        head = f"\\{match[1]}" if known else rf"\mathrm{{{match[1]}}}"
-        return rf"{head}\left({inner}\right)"
-    first, *rest = [p for p in name.split("_") if p] or ["x"]
-    digits = re.fullmatch(r"([A-Za-z]+)(\d+)", first)
-    if digits:
-        first, rest = digits[1], [digits[2], *rest]
-    head = _letter(first)
-    return head + (f"_{{{','.join(_letter(r) for r in rest)}}}" if rest else "")
-
-
-def _letter(word: str) -> str:
-    if word in GREEK:
-        return f"\\{word}"
-    if word.isascii() and (len(word) == 1 or word.isdigit()):
-        return word
-    if word in GREEK_LETTERS:
-        return f"\\{GREEK_LETTERS[word]}"
-    if not word.isascii() or " " in word:
-        return rf"\text{{{escaped(word)}}}"
-    safe = "".join(c for c in word if c.isalnum())
-    return rf"\mathit{{{safe or 'x'}}}"
-
-
-def _converted(text: str, names: Collection[str] = ()) -> str:
-    """The text of an expression in mathematics of LaTeX; names such as sqrt(b) are one symbol."""
-    known = "".join(rf"(?<!\w){re.escape(n)}(?!\w)|" for n in sorted(names, key=len, reverse=True))
-    out: list[str] = []
-    for token in re.findall(rf"{known}[<>]=|\*\*\d+|[^\W\d_]\w*|\d+|.", text):
-        if token.startswith("**"):
-            out[-1] = f"{{{out[-1].strip()}}}^{{{token[2:]}}} "
-        elif token[0].isalpha():
-            out.append(f"{symbol(token)} ")
-        else:
-            out.append({"*": r"\,", "<=": r"\leq ", ">=": r"\geq "}.get(token, token))
-    return " ".join("".join(out).split())
-
-
 def _formula(poly: Polynomial, relation: str, label: str = "") -> str:
     """A polynomial with a relation as displayed mathematics, broken into lines, with a label."""
     parts = []
@@ -304,8 +238,8 @@ def latex(found: Conditions) -> str:
     out = [
         "% stability table conditions --system: derived from the equations of motion",
         "% needs amsmath and booktabs",
-        rf"\paragraph{{{escaped(family.system.name)}, {escaped(family.name)}}}",
-        r"\begin{tabular}{ll}",
+        rf"\paragraph{{{escaped(family.system.name)}, {escaped(family.name)}}}\mbox{{}}\par\noindent",
+        r"\begin{tabular}{@{}lp{0.75\linewidth}@{}}",
         r"  \toprule",
         r"  symbol & meaning \\",
         r"  \midrule",
@@ -340,9 +274,9 @@ def _latex_assumptions(found: Conditions) -> list[str]:
         rf"${symbol(n)} {_number(v)}$".replace("≈", r"\approx") + escaped(_unit(found, n, " {}"))
         for n, v in found.given.items()
     ]
-    assumed = [f"${_converted(text, names)}$" for text in found.domain]
-    solved = [f"${symbol(n)} = {_converted(value, names)}$" for n, value in found.solved]
-    apart = [rf"${_converted(_text(p), names)} \neq 0$" for p in found.nonzero]
+    assumed = [f"${converted(text, names)}$" for text in found.domain]
+    solved = [f"${symbol(n)} = {converted(value, names)}$" for n, value in found.solved]
+    apart = [rf"${converted(_text(p), names)} \neq 0$" for p in found.nonzero]
     parts = (("Given", given), ("Assumed", assumed + apart), ("With", solved))
     return [f"{word}: {', '.join(texts)}." for word, texts in parts if texts]
 
@@ -352,39 +286,45 @@ def _words(kind: str, name: str) -> str:
     return f"{kind.capitalize()} condition ({plain})"
 
 
-def escaped(text: str) -> str:
-    r"""A text with the special characters of LaTeX replaced.
-
-    Parameters
-    ----------
-    text
-        Plain text.
-
-    Examples
-    --------
-    >>> print(escaped("a_1 & 50% of x**2"))
-    a\_1 \& 50\% of x**2
-    """
-    table = {"\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "_": r"\_", "&": r"\&",
-             "%": r"\%", "#": r"\#", "$": r"\$", "^": r"\^{}", "~": r"\~{}", "<": "$<$",
-             ">": "$>$",
-             "λ": r"$\lambda$", "²": "$^2$", "…": r"\dots{}", "≈": r"$\approx$"}  # fmt: skip
-    table |= {letter: rf"$\{word}$" for letter, word in GREEK_LETTERS.items()}
-    return "".join(table.get(c, c) for c in text)  # LaTeX reads other letters in UTF-8
+# --- for the registry ---
 
 
-def printed(found: Conditions, *, form: str = "text") -> str:
-    """Conditions as text, LaTeX or JSON.
+def condition_rows(found: Conditions) -> list[dict[str, Any]]:
+    """Each condition as a plain record.
 
     Parameters
     ----------
     found
         Result of `stability.conditions`.
-    form
-        text, latex or json.
-    """
-    from ..storage.json_text import json_text
 
-    if form == "latex":
-        return latex(found)
-    return json_text(record(found)) if form == "json" else "\n".join(lines(found))
+    Returns
+    -------
+    list of dict
+    """
+    names = _labels(found)
+    return [
+        {"label": names.get(id(c)), "kind": c.kind, "name": c.name, "factor": c.factor + 1,
+         "status": c.status, "decides": c.decides, "positive": str(c.polynomial),
+         "proof": c.proof}
+        for c in found.conditions
+    ]  # fmt: skip
+
+
+TABLE = Definition(
+    "exact conditions of stability",
+    (
+        word("label", "label of a condition that decides"),
+        word("kind", "kind of the change of verdict"),
+        word("name", "coefficient or determinant"),
+        Column("factor", "number of the factor of the characteristic polynomial", form="{:d}"),
+        word("status", "how the condition is known"),
+        Column("decides", "whether its sign decides the verdict"),
+        word("positive", "polynomial that is positive where the motion is stable"),
+        word("proof", "proof of a condition that holds"),
+    ),
+    lambda **_: [],
+    text=lambda table: "\n".join(lines(table.found)),
+    latex=lambda table: latex(table.found),
+    home=f"{__name__}:TABLE",
+)
+"""Conditions of a family of the user's own."""

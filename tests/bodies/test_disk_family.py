@@ -25,7 +25,6 @@ from stability.bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from stability.cli import main
 from stability.tables.launches import launch_rows
 from stability.tables.registry import records
-from stability.tables.render import text
 
 EDGE_ON = DiskFamily(
     "edge-on", ("phi_dot",), held={"theta": UPRIGHT}, unknown={"omega3": 0.0},
@@ -182,8 +181,9 @@ def test_tables_hold_it(family: str) -> None:
     assert row["structural_zeros"]["viscous"] == 1
     disk = st.Disk(mass=2.0, radius=0.3, gravity=9.81)
     rate, speed = float(np.asarray(disk.rate)), float(np.asarray(disk.speed))
-    rows = records("conditions", k=(0.25,), mu=(0.97 / speed,), laws=("viscous",), disk=disk)
-    assert f"phi_dot ({family})" in text("conditions", rows, "√(g/R)")
+    table = st.table("conditions", k=0.25, mu=0.97 / speed, contact="viscous", disk=disk)
+    rows = table.rows
+    assert f"phi_dot ({family})" in table.to_text()
     mine = [r for r in rows if r["family"] == family]
     for r in mine:
         if r["at"] is not None:

@@ -129,13 +129,13 @@ def test_every_command_has_help_with_an_example_that_parses(
 def test_help_of_table_names_every_table_and_what_each_axis_belongs_to(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    from stability.tables.registry import TABLES
+    from stability.tables.registry import PLACES
 
     with pytest.raises(SystemExit):
         main(["table", "--help"])
     text = " ".join(capsys.readouterr().out.split())
     named = text.split("NAME families")[1].split("options:")[0]
-    assert {*TABLES, "codimension"} == {"families", *named.replace(",", "").split()} - {"or"}
+    assert {*PLACES, "codimension"} == {"families", *named.replace(",", "").split()} - {"or"}
     x, y = text.split("--x NAME:LO:HI:N[:log]")[2], text.split("--y NAME:LO:HI:N[:log]")[2]
     assert "hopf" in x.split(" --")[0]
     assert "hopf" not in y.split(" --")[0]

@@ -2,6 +2,7 @@
 
 import json
 import random
+from dataclasses import asdict
 from typing import Any
 
 import mpmath
@@ -12,9 +13,10 @@ import sympy
 import stability as st
 from stability.base.verdict import Verdict
 from stability.cli import main
-from stability.derivation.formulas import cases, formulas, latex
+from stability.derivation.formulas import cases, formulas
 from stability.spectra.certificate import verdict
 from stability.spectra.disk_problem import disk_problem
+from stability.tables.disk_formulas import formula_latex
 
 Z, M, S, K = sympy.symbols("z M s k")
 
@@ -208,7 +210,7 @@ def test_the_table_prints_text_latex_and_json(capsys: pytest.CaptureFixture[str]
 
 def test_latex_has_balanced_braces_and_dollars() -> None:
     for family, law in cases(["viscous", "rough"]):
-        text = latex(formulas(family, law, ("0.25",)))
+        text = formula_latex([asdict(formulas(family, law, ("0.25",)))])
         assert text.count("{") == text.count("}")
         assert text.count("$") % 2 == 0
         assert "**" not in text and "…" not in text.split("\\item")[1]

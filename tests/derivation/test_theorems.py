@@ -28,7 +28,7 @@ from stability.derivation.theorems import spinning as spinning_theorem
 from stability.derivation.theorems import tumbling as tumbling_theorem
 from stability.derivation.theorems.catalogue import PROOFS
 from stability.motion.result import BY_CODE
-from stability.tables.theorems import theorem_lines
+from stability.tables.proofs.theorems import theorem_lines
 
 Array = NDArray[Any]
 Verdict = Callable[..., bool]

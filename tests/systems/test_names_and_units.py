@@ -18,7 +18,8 @@ from stability.base.errors import NameUnknownError, ParameterError
 from stability.base.quantities import rate_unit, time_unit
 from stability.figures.launch.caption import caption
 from stability.figures.launch.motion import energy, paths
-from stability.tables.system_conditions import printed, symbol
+from stability.tables.formats.letters import symbol
+from stability.tables.system_conditions import latex, lines
 
 DISK_WORDS = ("theta", "phi", "omega3", "slip", "friction", "disk", "√(g", "mu*", "rolling",
               "spinning", "contact", "tilt", "lift")  # fmt: skip
@@ -244,16 +245,16 @@ def test_a_graph_with_a_branch_is_refused_without_an_internal_name() -> None:
 
 def test_the_table_of_conditions_has_units_and_counts() -> None:
     family = decay(("gain", "loss"), {"gain": "1/µs"})
-    told = printed(st.conditions(family))
+    told = "\n".join(lines(st.conditions(family)))
     assert "gain: parameter of tank [1/µs]\n" in told and "loss: parameter of tank\n" in told
     assert "det(λ - A) ~ 1 factor:" in told
-    assert r"[1/$\mu$s]" in printed(st.conditions(family), form="latex")
-    assert "has 1 factor." in printed(st.conditions(family), form="latex")
+    assert r"[1/$\mu$s]" in latex(st.conditions(family))
+    assert "has 1 factor." in latex(st.conditions(family))
 
 
 def test_latex_tells_unicode_names_apart() -> None:
     family = decay(("β", "γ"), name="épidémie")
-    told = printed(st.conditions(family), form="latex")
+    told = latex(st.conditions(family))
     assert r"\paragraph{épidémie, empty}" in told
     assert r"$\beta$ &" in told and r"- \beta + \gamma > 0" in told
     assert [symbol(n) for n in ("θ", "x y", "größe", "Ω_1")] == [

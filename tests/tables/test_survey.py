@@ -10,8 +10,6 @@ from stability.bodies.thin_disk.disk_families import FAMILIES
 from stability.motion.result import BY_CODE
 from stability.motion.starts import launch
 from stability.tables.launches import contact_lines, launch_rows
-from stability.tables.registry import records
-from stability.tables.render import text
 
 
 def test_rows_are_single_runs_beside_linear_theory() -> None:
@@ -76,8 +74,8 @@ def test_si_bodies_give_the_same_table_in_their_units() -> None:
 
 
 def test_the_text_is_headed_recomputed_and_says_where_contact_is_lost() -> None:
-    rows = records("launches", launches=("rolling",), k=(0.25,), mu=(0.3,), at=(1.2, 1.4))
-    printed = text("launches", rows, "√(g/R)")
+    table = st.table("launches", k=0.25, mu=0.3, at=(1.2, 1.4))
+    rows, printed = table.rows, table.to_text()
     assert "(recomputed)" in printed.splitlines()[0]
     assert "rolling, k = 0.25, mu = 0.3: gn reaches zero from at = 1.4" in printed
     assert contact_lines(rows[:1]) == [

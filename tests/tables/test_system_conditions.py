@@ -15,7 +15,8 @@ from matplotlib.mathtext import MathTextParser
 
 import stability as st
 from stability.cli.commands import main
-from stability.tables.system_conditions import escaped, latex, lines, record, symbol
+from stability.tables.formats.letters import escaped, symbol
+from stability.tables.system_conditions import latex, lines, record
 
 BICYCLE = "examples/bicycle.py:upright"
 
@@ -116,6 +117,8 @@ def compile_latex(text: str, folder: Path) -> None:
     options = [] if program == "tectonic" else ["-interaction=nonstopmode", "-halt-on-error"]
     subprocess.run([program, *options, "paper.tex"], cwd=folder, check=True, capture_output=True)
     assert (folder / "paper.pdf").stat().st_size > 1000
+    if program == "pdflatex":
+        assert re.findall("Overfull .*", (folder / "paper.log").read_text(errors="replace")) == []
 
 
 @pytest.mark.skipif(
@@ -228,8 +231,8 @@ def test_latex_of_the_examples_is_well_formed(
     (("conditions", "--system", BICYCLE, "--parameter", "h=1"), "parameter is 'h'"),
     (("conditions", "--system", BICYCLE, "--parameter", "family=1"), "parameter is 'family'"),
     (("conditions", "--system", BICYCLE, "--parameter", "g=1/0"), "g is '1/0'"),
-    (("conditions", "--decimals"), "belongs to `table … --system`"),
-    (("conditions", "--positive", "v"), "belongs to `table … --system`"),
+    (("conditions", "--decimals"), "family of your own (--system)"),
+    (("conditions", "--positive", "v"), "family of your own (--system)"),
 ])  # fmt: skip
 def test_bad_input_ends_with_one_sentence_and_code_2(
     words: tuple[str, ...], part: str, capsys: pytest.CaptureFixture[str]

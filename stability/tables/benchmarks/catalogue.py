@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 
 from ...base.checks import known
 from ...base.errors import listed
+from ..formats.column import Column, word
+from ..formats.plain import framed
+from ..formats.table import Definition
 from .cycles import axon, nerve, stick_slip, swinging
 from .linear_bicycle import linear_bicycle
 from .nonlinear_bicycle import nonlinear_bicycle
@@ -96,15 +100,29 @@ def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
             title = row["system"]
             lines += ["", f"{title}  ({row['source']})"]
         lines += _lines_of(row)
+    return [*lines[1:], "", *benchmark_notes(rows)]
+
+
+def benchmark_notes(rows: Sequence[dict[str, object]]) -> list[str]:
+    """How many known values agree, as lines of text.
+
+    Parameters
+    ----------
+    rows
+        Rows as records.
+
+    Returns
+    -------
+    list of str
+    """
     missing = [row for row in rows if row["recomputed"] is None]
     agree = sum(str(row["status"]).startswith("agrees") for row in rows)
     systems = list(dict.fromkeys(str(row["system"]) for row in missing))
     where = f"; not covered: {len(missing)} ({listed(systems)})" if missing else ""
     return [
-        *lines[1:], "",
         f"{len(rows)} known values, {agree} agree{where}.",
         "below, above: certified verdicts at a relative distance of 1e-12 from a threshold.",
-    ]  # fmt: skip
+    ]
 
 
 def _lines_of(row: dict[str, object]) -> list[str]:
@@ -120,3 +138,27 @@ def _lines_of(row: dict[str, object]) -> list[str]:
     if row["below"]:
         lines += [f"        below {row['below']}, above {row['above']} (certified)"]
     return lines
+
+
+TABLE = Definition(
+    "systems with known answers: known value, recomputed value, certified verdicts",
+    (
+        word("system", "name of the system", "group"),
+        word("quantity", "quantity that is compared", share=0.22),
+        word("unit", "unit of the values"),
+        word("source", "source of the equations or the value", "group"),
+        word("origin", "origin of the known value", "below"),
+        word("known", "known value with all its digits"),
+        Column("recomputed", "the value of this package", form="{:.16g}"),
+        Column("difference", "recomputed minus known", form="{:.1e}"),
+        word("status", "digits that agree, or why there is no value", "below"),
+        word("below", "certified verdict below a threshold", "below"),
+        word("above", "certified verdict above a threshold", "below"),
+    ),
+    lambda **options: [asdict(row) for row in benchmark_rows(**options)],
+    ("progress",),
+    lambda table: benchmark_notes(table.rows),
+    lambda table: framed(table, benchmark_lines(table.rows)),
+    home=f"{__name__}:TABLE",
+)
+"""The table for the registry."""

@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from textwrap import wrap
 from typing import Any
 
-from ..derivation.proof import Step
+from ...derivation.proof import Step
+from ..formats.column import Column, word
+from ..formats.latex import END, breaking, longtable, start
+from ..formats.letters import prose
+from ..formats.plain import framed
+from ..formats.table import Definition, Table
 
 WIDTH = 100
 """Columns of the text."""
+NOTES = (
+    "Dimensionless: m = R = g = 1, s = sinθ, c = cosθ, I1 = k, I3 = 2k, vA the slip, gn the",
+    "normal force, F the horizontal contact force; M = mu*², z = at*².",
+)
+"""Meaning of the symbols."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +55,7 @@ def theorem_rows(progress: Callable[[int, int], None] | None = None) -> list[The
 
     Source: each step is computed from the graph; tests/derivation/test_theorems.py.
     """
-    from ..derivation.theorems.catalogue import theorems
+    from ...derivation.theorems.catalogue import theorems
 
     return [
         TheoremRow(t.name, t.proved, t.statement, t.assumptions, t.steps, t.refuters)
@@ -78,10 +88,7 @@ def theorem_lines(rows: list[dict[str, Any]]) -> list[str]:
             lines += _step(place, step)
         lines.append("   Tests that try to refute it:")
         lines += [f"     - {name}" for name in row["refuters"]] + [""]
-    lines.append("Dimensionless: m = R = g = 1, s = sinθ, c = cosθ, I1 = k, I3 = 2k, vA the slip, "
-                 "gn the")  # fmt: skip
-    lines.append("normal force, F the horizontal contact force; M = mu*², z = at*².")
-    return lines
+    return [*lines, *NOTES]
 
 
 def _step(place: int, step: dict[str, Any]) -> list[str]:
@@ -96,3 +103,43 @@ def _paragraph(text: str, indent: str, mark: str = "") -> list[str]:
         text, WIDTH, initial_indent=indent + mark, subsequent_indent=indent + " " * len(mark),
         break_long_words=False, break_on_hyphens=False,
     )  # fmt: skip
+
+
+def _latex(table: Table) -> str:
+    out = [start("theorems")]
+    for number, row in enumerate(table.rows, start=1):
+        mark = "proved" if row["proved"] else "not proved: a conjecture"
+        out += ["", rf"\paragraph{{{number}. {prose(row['name'])}}} ({mark})", ""]
+        out += [f"{prose(text)}\n" for text in row["statement"]]
+        out += ["Assumptions: " + "; ".join(prose(text) for text in row["assumptions"]) + "."]
+        steps = []
+        for place, step in enumerate(row["steps"], start=1):
+            how = prose(step["method"]) + (f": {prose(step['detail'])}" if step["detail"] else "")
+            fails = "" if step["proved"] else r"\textbf{fails:} "
+            steps.append(rf"{place} & {prose(step['claim'])} & {fails}{how} \\")
+        out += longtable(
+            f"Steps of theorem {number} as checked: {row['name']}",
+            ["r", breaking(0.42), breaking(0.5)], ["", "step", "checked by"], steps,
+            label=f"theorem-{number}",
+        )  # fmt: skip
+        out += ["Tests that try to refute it: " + "; ".join(map(prose, row["refuters"])) + "."]
+    return "\n".join([*out, "", prose(" ".join(NOTES)), END])
+
+
+TABLE = Definition(
+    "statements about the disk, proved step by step from its graph",
+    (
+        word("name", "short name"),
+        Column("proved", "whether every step is proved"),
+        word("statement", "sentences that the steps prove together"),
+        word("assumptions", "assumptions of the statement"),
+        word("steps", "steps of the proof as checked"),
+        word("refuters", "tests that try to refute the statement"),
+    ),
+    lambda **options: [asdict(row) for row in theorem_rows(**options)],
+    ("progress",),
+    text=lambda table: framed(table, theorem_lines(table.rows)),
+    latex=_latex,
+    home=f"{__name__}:TABLE",
+)
+"""The table for the registry."""
