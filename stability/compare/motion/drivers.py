@@ -49,6 +49,8 @@ class Driver:
     """Name in tables and on the command line."""
     title: ClassVar[str]
     """Description in a few words."""
+    flaw: ClassVar[str] = ""
+    """Why it crashes where it does, in sentences; empty for a driver that does not."""
     own: ClassVar[bool] = False
     """Whether the driver belongs to the package."""
     default: ClassVar[bool] = False
@@ -218,6 +220,10 @@ class AsItComes(RungeKutta45):
     """`solve_ivp` with the default tolerances of SciPy."""
 
     name, title, usual = "rk45-default", "solve_ivp with its defaults (rtol 1e-3), no events", 1e-3
+    flaw = (
+        "Under stiff decay the step of this explicit method at its loose default tolerance shrinks "
+        "below the spacing of doubles; radau, bdf and cvodes are made for such motions."
+    )
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:  # noqa: ARG002
         """Call `scipy.integrate.solve_ivp` without options."""
@@ -228,6 +234,10 @@ class FixedStep(Driver):
     """The classical Runge-Kutta method with a fixed step; gn is checked after each step."""
 
     name, title = "rk4", "RK4 with a fixed step; gn looked at between steps"
+    flaw = (
+        "Its step of 0.05 times a rate of decay of 900 and more exceeds 2.8, RK4's limit of "
+        "stability, and the numbers grow beyond any double; a step that is short enough is slow."
+    )
     tolerances = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
     usual = 0.05
 
