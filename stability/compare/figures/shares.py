@@ -33,20 +33,20 @@ LINE, APART = 0.125, 0.45
 
 def _figure(
     methods: Sequence[str], own: Sequence[bool], heads: Sequence[str],
-    counts: NDArray[np.float64], *, marks: Sequence[str], beside: Sequence[str] = (),
+    counts: NDArray[np.float64], *, marks: Sequence[str], notes: Sequence[str] = (),
     label: str = "", blank: str = "no answer",
 ) -> Figure:  # fmt: skip
     """Rows of methods against columns; each cell is split by its shares.
 
     `counts` has shape (methods, columns, marks): numbers over the number of questions, so that a
-    cell in which some were not asked is not full.  `beside` stands to the right of each row.
+    cell in which some were not asked is not full.  `notes` stands to the right of each row.
     """
     cuts = [0, *np.cumsum([a != b for a, b in zip(own[:-1], own[1:], strict=True)]).tolist()]
     y = [i + APART * cut for i, cut in zip(range(len(own)), cuts, strict=False)]
     turned = [fill(h, 17) for h in heads] if not label else []
     top = 0.05 + 0.056 * max((len(part) for h in turned for part in h.split("\n")), default=0)
     tall, foot = y[-1] + 1.0, 0.2 + (0.28 if label else 0.0) + 0.14 * (len(marks) > 3)
-    left, right = 0.05 + 0.052 * max(map(len, methods)), 0.42 if beside else 0.05
+    left, right = 0.05 + 0.052 * max(map(len, methods)), 0.42 if notes else 0.05
     with figure_style(STYLE | {"hatch.linewidth": 0.5, "hatch.color": "black"}):
         height = LINE * tall + top + foot
         figure = Figure(figsize=(WIDTH, height))
@@ -56,7 +56,7 @@ def _figure(
         for i, j in np.ndindex(counts.shape[:2]):
             _cell(axes, j, y[i], counts[i, j], marks)
         _label(axes, (y, methods, own), label, heads if label else turned)
-        for place, text in zip(y, beside, strict=False):
+        for place, text in zip(y, notes, strict=False):
             axes.annotate(text, (1, place), (28, 0), annotation_clip=False,
                           xycoords=("axes fraction", "data"), textcoords="offset points",
                           fontsize=SMALL, ha="right", va="center_baseline")  # fmt: skip
@@ -124,7 +124,7 @@ def verdict_figure(chart: xarray.Dataset) -> Figure:
     return _figure(
         names, chart.own.values.tolist(), [_short(str(t)) for t in chart.class_title.values],
         shares, marks=("right", "undecided", "wrong"),
-        beside=[_time(float(np.nanmedian(t))) if np.isfinite(t).any() else "" for t in times],
+        notes=[_time(float(np.nanmedian(t))) if np.isfinite(t).any() else "" for t in times],
     )  # fmt: skip
 
 

@@ -108,8 +108,18 @@ class Fine(Simulated):
     method, check, usual = "auto", True, 1e-14
 
 
+KINDS = {
+    "heyoka": "Taylor series in compiled code", "dop853": "explicit Runge-Kutta, order 8",
+    "lsoda": "multistep, switches at stiffness", "radau": "implicit Runge-Kutta, order 5",
+    "bdf": "implicit multistep, in SciPy", "cvodes": "implicit multistep, in SUNDIALS",
+    "idas": "implicit multistep for differential-algebraic equations, in SUNDIALS",
+}  # fmt: skip
+"""What each integrator is, in a few words."""
+
+
 def _single(method: str) -> type[Driver]:
-    words = {"name": method, "title": f"simulate(method='{method}', check=False)"}
+    title = f"simulate(method='{method}', check=False): {KINDS[method]}"
+    words = {"name": method, "title": title}
     body = {**words, "method": method, "__doc__": f"`simulate` by {method}, unchecked."}
     made: type[Driver] = type(method.capitalize(), (Simulated,), body)
     return made

@@ -59,14 +59,14 @@ class ForwardDifferences(Route):
 class LongForwardDifferences(ForwardDifferences):
     """Forward differences with a step that is too long."""
 
-    name, title = "forward-1e-4", "the same, step 1e-4"
+    name, title = "forward-1e-4", "as forward, step 1e-4"
     step = 1e-4
 
 
 class ShortForwardDifferences(ForwardDifferences):
     """Forward differences with a step that is too short."""
 
-    name, title = "forward-1e-12", "the same, step 1e-12"
+    name, title = "forward-1e-12", "as forward, step 1e-12"
     step = 1e-12
 
 
