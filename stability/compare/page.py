@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import html
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..base.provenance import machine, today
 from ..storage.files import atomic_write
 from . import failures as catalogue
 from .marks import Mark
+from .motion import measure as motion_methods
+from .motion.drivers import DRIVERS
 from .scenes import sentence
+from .spectrum import measure as spectrum_methods
 
 if TYPE_CHECKING:
-    from .parts import Part, Standing
+    from .parts import Part, Plate, Standing
 
 
 PAGE = "index.html"
@@ -51,9 +55,19 @@ STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 72rem;
        margin: 0 auto; padding: 1.5rem; }
 h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { margin: 2.4rem 0 .3rem; font-size: 1.3rem; }
+h3 { margin: 1.4rem 0 .2rem; font-size: 1rem; }
 p, ul { max-width: 48rem; } nav a { margin-right: 1rem; }
-figure { margin: 1.2rem 0; } figure img { width: 100%; height: auto; }
-figcaption { font-size: .85rem; color: #333; max-width: 60rem; }
+.figures { display: grid; gap: 1.5rem 2.5rem; align-items: start;
+  grid-template-columns: repeat(auto-fit, minmax(min(100%, 25rem), 1fr)); }
+figure { margin: 0; min-width: 0; } figure img { width: 100%; height: auto; display: block; }
+figure.wide .scroll img { min-width: 33rem; }
+figcaption { font-size: .85rem; color: #333; max-width: 34rem; margin-top: .4rem; }
+dl { font-size: .85rem; margin: .5rem 0; max-width: 48rem; } dd { margin: 0 0 .25rem 1rem; }
+dt { font-weight: 600; } code, h1, p, li, dd { overflow-wrap: anywhere; }
+@media (min-width: 40rem) { dl.methods { display: grid; grid-template-columns: max-content 1fr; }
+  dl.methods dd { margin-bottom: .1rem; } }
+@media (max-width: 40rem) { body { padding: .75rem; } h1 { font-size: 1.35rem; }
+  nav a { display: inline-block; padding: .35rem 0; } }
 table { border-collapse: collapse; font-size: .8rem; } th, td { padding: .15rem .45rem; }
 th { text-align: left; font-weight: 600; } tr { border-bottom: 1px solid #e4e4e4; }
 .scroll { overflow-x: auto; } .scroll th.turned { writing-mode: vertical-rl; rotate: 180deg;
@@ -133,15 +147,56 @@ def _section(one: Part) -> list[str]:
     else:
         told, places = _standings(one)
         found.append(told)
-    for plate in one.plates:
-        links = " · ".join(f'<a href="{plate.stem}.{s}">{s.upper()}</a>' for s in ("png", "pdf"))
-        found.append(
-            f'<figure><img src="{plate.stem}.png" alt="{html.escape(plate.caption[:90])}" '
-            f'loading="lazy"><figcaption>{html.escape(plate.caption)} {links}</figcaption></figure>'
-        )
+    found.append('<div class="figures">')
+    found += [_figure(plate, wide=one.name == "scenes") for plate in one.plates]
+    found += ["</div>", *_methods(one)]
     if one.name == "failures":
         found += _tables(one.chart)
     return found + places
+
+
+def _figure(plate: Plate, *, wide: bool) -> str:
+    """A figure with its caption; a wide one scrolls where it would be too small to read."""
+    links = " · ".join(f'<a href="{plate.stem}.{s}">{s.upper()}</a>' for s in ("png", "pdf"))
+    alt = html.escape(plate.caption[:90])
+    return (
+        f'<figure{" class=wide" if wide else ""}><div class="scroll"><img src="{plate.stem}.png" '
+        f'alt="{alt}" loading="lazy"></div>'
+        f"<figcaption>{html.escape(plate.caption)} {links}</figcaption></figure>"
+    )
+
+
+def _methods(one: Part) -> list[str]:
+    """The methods of a part, a line each, and why some of them crash."""
+    asked = {
+        "spectrum": spectrum_methods.CHARTED, "motion": motion_methods.NAMES,
+        "failures": (*catalogue.ROUTE_NAMES, *catalogue.DRIVER_NAMES), "scenes": (),
+    }[one.name]  # fmt: skip
+    if not asked:
+        return []
+    known: dict[str, Any] = {**spectrum_methods.ROUTES, **DRIVERS}
+    lines = [
+        f"<dt{' class=own' if known[n].own else ''}>{n}</dt><dd>{html.escape(known[n].title)}</dd>"
+        for n in asked
+    ]
+    found = ["<h3>Methods</h3>", '<dl class="methods">', *lines, "</dl>"]
+    if one.name == "failures":
+        found += _crashes(one.chart, known)
+    return found
+
+
+def _crashes(found: Sequence[catalogue.Entry], known: Mapping[str, Any]) -> list[str]:
+    """For each method that crashed: how often, with which message, and why."""
+    lines = []
+    for name in dict.fromkeys(e.method for e in found if e.mark is Mark.CRASHED):
+        asked = [e for e in found if e.method == name and e.mark is not None]
+        crashed = [e for e in asked if e.mark is Mark.CRASHED]
+        said, _ = Counter(e.note for e in crashed).most_common(1)[0]
+        lines.append(
+            f"<dt>{name}: {len(crashed)} of {len(asked)} cases</dt><dd>"
+            f"{html.escape(known[name].flaw)} Message: <code>{html.escape(said)}</code></dd>"
+        )
+    return ["<h3>Why some crash</h3>", "<dl>", *lines, "</dl>"] if lines else []
 
 
 # --- charts ---

@@ -7,6 +7,7 @@ page are written when a part is complete.
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,7 +32,7 @@ from .spectrum import measure as spectral
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-from .parts import FAILURES, METRICS, MOTION, QUANTITIES, SCENES, SPECTRUM, Part, Plate
+from .parts import FAILURES, METRICS, MOTION, SCENES, SPECTRUM, Part, Plate
 
 PARTS: dict[str, Callable[[], list[list[Task]]]] = {
     SPECTRUM: spectral.tasks, MOTION: works.tasks, SCENES: scenes.tasks, FAILURES: catalogue.tasks,
@@ -175,40 +176,39 @@ def _spectrum(cells: Mapping[str, Cell]) -> Part:
     from .figures import cost_error as drawings
 
     chart = spectral_data.dataset(cells)
-    plates = [
-        Plate(
-            f"spectrum-{q}", _spectrum_caption(chart, q),
-            lambda q=q: drawings.spectrum_figure(chart, q),  # type: ignore[misc]
-        )
-        for q in ("eigenvalues", "abscissa", "verdict")
-    ]  # fmt: skip
-    plates.append(Plate(
-        "spectrum-boundary",
-        "Routes to the place of a boundary: time for one boundary against relative error, on "
-        f"{chart.sizes['boundary']} boundaries (slow routes on every {spectral.SPARSE}th): "
-        "bisection on a route's verdict from 1 % off, and for the package its own boundaries() in "
-        "the same bracket. Crosses: boundaries not found, since the route gives both ends the same "
-        "verdict.",
-        lambda: drawings.boundary_figure(chart),
-    ))  # fmt: skip
-    return Part(SPECTRUM, tuple(plates), ("spectrum.nc", "spectrum.csv", "boundaries.csv"), chart)
-
-
-def _spectrum_caption(chart: Any, quantity: str) -> str:
-    error = {
-        "eigenvalues": "the largest error of the eigenvalues over the points, relative to the "
-        "largest modulus, after the best matching",
-        "abscissa": "the largest error of the abscissa over the points, relative to itself",
-        "verdict": "the share of points left undecided",
-    }[quantity]
     count = int(np.nanmax(chart["count"].values))
-    return (
-        f"Routes to {QUANTITIES[quantity]}: time a point, at the route's best (a batch of "
-        f"{spectral.MANY} where it takes arrays), against {error}; up to {count} points a class. "
-        "Lines: to the time of a call with one point, and down to the median error. A route with a "
-        "wrong verdict stands in the strip above, with their number. Step line: the Pareto front "
-        f"of the others. Truth: {chart.attrs['truth']}."
+    truth = f"Truth: {chart.attrs['truth']}."
+    plates = (
+        Plate(
+            "spectrum-verdict",
+            f"Verdicts in {chart.sizes['hardness']} classes of problems, {count} points at most: "
+            "shares right, undecided and wrong. At the right: median time per point, in a batch of "
+            f"{spectral.MANY} where the route takes arrays. Bold: the package's. {truth}",
+            lambda: drawings.verdict_figure(chart),
+        ),
+        Plate(
+            "spectrum-eigenvalues",
+            "Eigenvalues, for routes without a wrong verdict: time per point against the largest "
+            "error over the points, relative to the largest modulus, after the best matching. "
+            "Broad line: the Pareto front. Names: routes on the front, the package's, and ad-1e-9 "
+            f"as a reference; other routes are grey. {truth}",
+            lambda: drawings.spectrum_figure(chart),
+        ),
+        Plate(
+            "spectrum-boundary",
+            "Places of boundaries. Above: time for one boundary against the largest relative error "
+            f"on {chart.sizes['boundary']} boundaries (slow routes on every {spectral.SPARSE}th), "
+            "for routes that miss none. Below: all errors, boundary by boundary. Common routes "
+            "bisect on their verdict from 1 % off; the package calls boundaries() in the same "
+            "bracket. A boundary is missed where a route gives both ends the same verdict.",
+            lambda: drawings.boundary_figure(chart),
+        ),
     )
+    return Part(SPECTRUM, plates, ("spectrum.nc", "spectrum.csv", "boundaries.csv"), chart)
+
+
+DRAWN = ("path", "event")
+"""Errors of motions that have a figure; those of all METRICS are in the files and the standings."""
 
 
 def _motion(cells: Mapping[str, Cell]) -> Part:
@@ -218,17 +218,20 @@ def _motion(cells: Mapping[str, Cell]) -> Part:
     plates = [
         Plate(
             f"motion-{m}",
-            f"Work against precision, error of {text}: median time of a run against error for each "
-            "tolerance (steps for rk4, ε for regularised), without the first call. Rungs with a "
-            f"wrong outcome stand in the strip above. Truth: {chart.attrs['truth']}.",
+            f"Work against precision, error of {METRICS[m]}: median time of a run against error at "
+            "each tolerance (steps for rk4, ε for regularised), without the first call. In colour: "
+            "integrators on the Pareto front (broad line) with a digit or more, simulate() and "
+            "SciPy's RK45; others are grey. Over a panel: who gave a wrong outcome or none. "
+            f"Truth: {chart.attrs['truth']}.",
             lambda m=m: drawings.motion_figure(chart, m),  # type: ignore[misc]
         )
-        for m, text in METRICS.items()
+        for m in DRAWN if m in METRICS and drawings.panels_of(chart, m)
     ]  # fmt: skip
     plates.append(Plate(
         "motion-first",
-        "What the first call costs: a run in a fresh process (graphs built, code compiled, imports "
-        "apart) and the median of repeats at the middle tolerance.",
+        "What the first call costs: a run in a fresh process at the loosest tolerance (graphs "
+        "built, code compiled, imports apart), and the median repeat at the middle tolerance. "
+        "Circles: medians over the scenes; lines: least to most.",
         lambda: drawings.first_call_figure(chart),
     ))  # fmt: skip
     return Part(MOTION, tuple(plates), ("motion.nc", "motion.csv"), chart)
@@ -253,9 +256,9 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
     plates = [
         Plate(
             f"failures-{name}",
-            f"{heading}: every hard case against every method. Numbers are digits, or decades of "
-            "distance from a boundary, that are left. The package's routes stand apart.",
-            lambda name=name: _heat_map(found, name),  # type: ignore[misc]
+            f"{heading}: answers of every method to hard cases, by group, with the number of "
+            "cases. Bold: the package's. The table below has every case.",
+            lambda name=name: _failure_figure(found, name),  # type: ignore[misc]
         )
         for name, heading in ((catalogue.LINEAR, "Linear analysis"), (catalogue.MOTION, "Motion"))
     ]  # fmt: skip
@@ -263,7 +266,7 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
         "failures-ladder",
         "Verdicts on both sides of boundaries, at relative distances 10⁻¹ to 10⁻¹⁵: shares of the "
         f"{len(_ladders())} boundaries for which each route is right, undecided or wrong; "
-        "blank where it crashed.",
+        "blank where it crashed. Bold: the package's.",
         lambda: _ladder_figure(cells),
     ))  # fmt: skip
     return Part(FAILURES, tuple(plates), ("failures.md", "failures.csv"), found)
@@ -275,22 +278,21 @@ def _ladders() -> tuple[Any, ...]:
     return LADDERS
 
 
-def _heat_map(found: Sequence[catalogue.Entry], name: str) -> Figure:
+def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
     from .figures import cost_error as drawings
+    from .figures.shares import MARKS
 
     mine = [e for e in found if e.part == name]
-    cases = list(dict.fromkeys(e.case for e in mine))
     methods = list(dict.fromkeys(e.method for e in mine))
-    marks = np.array([e.mark.word if e.mark else "" for e in mine]).reshape(len(cases), -1)
-    digits = np.array([e.digits for e in mine], dtype=float).reshape(marks.shape)
-    groups: dict[str, list[str]] = {}
+    groups: dict[str, set[str]] = {}
     for e in mine:
-        if e.case not in groups.setdefault(e.group, []):
-            groups[e.group].append(e.case)
+        groups.setdefault(e.group, set()).add(e.case)
+    counts = Counter((e.method, e.group, e.mark.word) for e in mine if e.mark)
+    share = np.array([
+        [[counts[m, g, word] / len(groups[g]) for word in MARKS] for g in groups] for m in methods
+    ])  # fmt: skip
     own = [method in catalogue.own_methods() for method in methods]
-    return drawings.catalogue_figure(
-        cases, methods, own, marks, digits, groups=[(g, len(c)) for g, c in groups.items()]
-    )
+    return drawings.failure_figure(methods, own, [(g, len(c)) for g, c in groups.items()], share)
 
 
 def _ladder_figure(cells: Mapping[str, Cell]) -> Figure:

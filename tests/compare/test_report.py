@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -193,7 +194,7 @@ def small(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> No
     if few:
         monkeypatch.setattr("stability.figures.canvas.FORMATS", (".png",))
         for module in (parts, report):  # each metric is one more figure
-            monkeypatch.setattr(module, "METRICS", {"final": parts.METRICS["final"]})
+            monkeypatch.setattr(module, "METRICS", {"path": parts.METRICS["path"]})
         monkeypatch.setattr(works, "LIMIT", 2.0)  # what a cell has by then is kept
     monkeypatch.setattr(catalogue, "LIMIT", 60.0)  # a loaded machine is no fault of a method
     monkeypatch.setattr(catalogue, "ROUTE_NAMES", ("ad-raw", "sympy-solved", "spectrum"))
@@ -225,6 +226,11 @@ def test_a_report_holds_figures_numbers_and_a_page(
             assert Path(file).stat().st_size > 100
             assert Path(file).name in page
     assert found["scenes"]["models"]["sticky"]["chosen"] == "creep-2"
+    for name, title in (("spectrum", "discs about eigenvalues"), ("rk4", "RK4 with a fixed step")):
+        assert re.search(rf"<dt[^>]*>{name}</dt><dd>[^<]*{title}", page)
+    # what may be wider than a phone scrolls within its box
+    assert page.count("<table>") == page.count('<div class="scroll"><table>') > 0
+    assert page.count("<img ") == page.count('<div class="scroll"><img ') > 0
     assert found["machine"]["processor"] in page.replace("&amp;", "&")
     assert "stability " + st.__version__ in page
     assert not [p for p in out.iterdir() if p.name.startswith(".")]

@@ -1,9 +1,8 @@
-"""Pieces that the figures of the charts share: panels under strips, letters, fronts and keys."""
+"""Pieces that the figures of the charts share: panels in two columns, labels, fronts and keys."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
 
@@ -13,74 +12,59 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from ...figures.letters import SMALL, Letter
+from ...figures.canvas import COLUMN
+from ...figures.letters import SMALL
 
-WIDTH = 7.1
-"""Width of a figure over two journal columns [in]."""
-OWN, PEOPLE, FRONT = "#D55E00", "#0072B2", "#009E73"
-"""Colours of the package's routes, of those people use, and of the front."""
-LEFT, RIGHT, BETWEEN = 0.46, 0.06, 0.1
+WIDTH = COLUMN
+"""Width of a figure: a journal column, which is also readable on a phone [in]."""
+OWN, PEOPLE, FRONT, PALE = "#D55E00", "#0072B2", "#009E73", "#c4c4c4"
+"""Colours of the package's routes, of those people use, of the front, and of all others."""
+LEFT, RIGHT, BETWEEN = 0.46, 0.09, 0.12
 """Margins next to and between panels [in]."""
-ROW = 0.088
-"""Height of a line of small text [in]."""
-CROSS: dict[str, Any] = {"marker": "x", "ls": "", "ms": 3.6, "mew": 0.9, "color": "black"}
+HEAD, FOOT = 0.4, 0.2
+"""Room over a panel for its title and a note, and under it for its ticks [in]."""
+LETTERS = 29
+"""Letters in a line of a title."""
+DIGIT = 0.1
+"""Error beyond which no digit is right, so that speed counts for nothing."""
 
 
-@dataclass(frozen=True, eq=False)
-class Panel:
-    """A panel and the strip over it, which share their x axis."""
-
-    main: Axes
-    """Cost against error."""
-    strip: Axes
-    """Routes that have no error to plot."""
-
-
-def page(strips: Sequence[int], body: float, legend: float) -> tuple[Figure, list[Panel]]:
-    """A figure with rows of four panels, each under its strip.
+def page(count: int, body: float, below: float) -> tuple[Figure, list[Axes]]:
+    """A figure with rows of two panels.
 
     Parameters
     ----------
-    strips
-        Lines of text that the strips of each row of panels have room for.
+    count
+        Number of panels.
     body
         Height of a panel [in].
-    legend
-        Height left free at the bottom [in].
+    below
+        Height left free at the bottom, for the label of the axes and a legend [in].
 
     Returns
     -------
-    Figure, list of Panel
+    Figure, list of Axes
         Row by row.
     """
-    head, gap, foot, label = 0.3, 0.03, 0.3, 0.12
-    tall = [ROW * (n + 0.6) for n in strips]
-    height = sum(tall) + len(strips) * (head + gap + body + foot) + label + legend
-    wide = (WIDTH - LEFT - RIGHT - 3 * BETWEEN) / 4
-    figure, found, top = Figure(figsize=(WIDTH, height)), [], height
-    for strip in tall:
-        top -= head + strip
-        for column in range(4):
-            x = (LEFT + column * (wide + BETWEEN)) / WIDTH
-            upper = figure.add_axes((x, top / height, wide / WIDTH, strip / height))
-            lower = figure.add_axes(
-                (x, (top - gap - body) / height, wide / WIDTH, body / height), sharex=upper
-            )
-            upper.set(ylim=(0, 1), yticks=[], facecolor="#f1f1f1")
-            upper.tick_params(axis="x", which="both", length=0, labelbottom=False)
-            found.append(Panel(lower, upper))
-        top -= gap + body + foot
+    height = -(-count // 2) * (HEAD + body + FOOT) + below
+    wide = (WIDTH - LEFT - RIGHT - BETWEEN) / 2
+    figure = Figure(figsize=(WIDTH, height))
+    found = []
+    for index in range(count):
+        row, column = divmod(index, 2)
+        x, y = LEFT + column * (wide + BETWEEN), height - row * FOOT - (row + 1) * (HEAD + body)
+        found.append(figure.add_axes((x / WIDTH, y / height, wide / WIDTH, body / height)))
     return figure, found
 
 
-def title(axes: Axes, text: str, width: int = 31) -> None:
-    """A title in at most two lines, broken after its colon where it has one.
+def title(axes: Axes, text: str, note: str = "", width: int = LETTERS) -> None:
+    """A title in at most two lines, broken after its colon where it has one, and a grey note.
 
     Parameters
     ----------
     axes
-        The upper axes of a panel.
-    text
+        The panel.
+    text, note
         The words.
     width
         Letters in a line.
@@ -91,7 +75,9 @@ def title(axes: Axes, text: str, width: int = 31) -> None:
         # lines of about the same length
         count = len(wrap(text, width))
         lines = next(ls for n in range(1, width + 1) if len(ls := wrap(text, n)) <= count)
-    axes.set_title("\n".join(lines), fontsize=6.6, pad=2.5, linespacing=1.05)
+    axes.annotate(note, (0.5, 1), (0, 2), xycoords="axes fraction", textcoords="offset points",
+                  fontsize=SMALL, color="#555555", ha="center", va="bottom")  # fmt: skip
+    axes.set_title("\n".join(lines), fontsize=6.5, pad=10.5 if note else 3, linespacing=1.05)
 
 
 def log_axis(axis: Any, low: float, high: float, step: int) -> None:
@@ -112,25 +98,28 @@ def log_axis(axis: Any, low: float, high: float, step: int) -> None:
     axis.set_minor_locator(NullLocator())
 
 
-def span(values: Any) -> tuple[float, float]:
+def span(values: Any, room: float = 1.8) -> tuple[float, float]:
     """Ends of a log axis that holds the values, with some room.
 
     Parameters
     ----------
     values
         Numbers, of which the positive and finite ones count.
+    room
+        Factor between the outermost values and the ends.
 
     Returns
     -------
     low, high
     """
-    known = np.asarray(values)[np.isfinite(values) & (np.asarray(values) > 0)]
+    known = np.asarray(values, dtype=float).ravel()
+    known = known[np.isfinite(known) & (known > 0)]
     if not known.size:
         return 1e-3, 1.0
-    return float(known.min() / 1.8), float(known.max() * 1.8)
+    return float(known.min() / room), float(known.max() * room)
 
 
-def frame(panels: Sequence[Panel], x: str, y: str, strip: str) -> None:
+def frame(panels: Sequence[Axes], x: str, y: str) -> None:
     """Label the outer axes of a page; inner panels have ticks alone.
 
     Parameters
@@ -139,37 +128,19 @@ def frame(panels: Sequence[Panel], x: str, y: str, strip: str) -> None:
         From `page`.
     x, y
         Labels of the axes.
-    strip
-        Heading of the strips.
     """
-    for index, panel in enumerate(panels):
-        panel.main.grid(True, linewidth=0.3, color="#dddddd")
-        panel.main.set_axisbelow(True)
-        panel.main.tick_params(labelsize=6.5, length=2, pad=1.5, labelleft=index % 4 == 0)
-        if index % 4 == 0:
-            panel.main.set_ylabel(y, fontsize=7, labelpad=2)
-            panel.strip.set_ylabel(strip.replace(" ", "\n"), fontsize=SMALL, rotation=0,
-                                   ha="right", va="center", labelpad=3)  # fmt: skip
-        if index >= len(panels) - 4:
-            panel.main.set_xlabel(x, fontsize=7, labelpad=9)
+    for index, axes in enumerate(panels):
+        axes.grid(True, linewidth=0.3, color="#dddddd")
+        axes.set_axisbelow(True)
+        axes.tick_params(labelsize=SMALL + 0.5, length=2, pad=1.5, labelleft=index % 2 == 0)
+        if index % 2 == 0:
+            axes.set_ylabel(y, fontsize=7, labelpad=1)
+        if index >= len(panels) - 2:
+            axes.set_xlabel(x, fontsize=7, labelpad=2)
 
 
-def under(axes: Axes, text: str) -> None:
-    """A few words below the ticks of a panel.
-
-    Parameters
-    ----------
-    axes
-        The panel.
-    text
-        The words, or nothing.
-    """
-    axes.annotate(text, (0, 0), (0, -12), xycoords="axes fraction", textcoords="offset points",
-                  fontsize=SMALL, va="top", annotation_clip=False)  # fmt: skip
-
-
-def steps(axes: Axes, spots: Sequence[tuple[float, float]], **stroke: Any) -> None:
-    """Draw the front as a step line: the least error within a time.
+def steps(axes: Axes, spots: Sequence[tuple[float, float]]) -> None:
+    """Draw the front as a broad step line: the least error within a time.
 
     Parameters
     ----------
@@ -177,76 +148,19 @@ def steps(axes: Axes, spots: Sequence[tuple[float, float]], **stroke: Any) -> No
         The panel.
     spots
         (seconds, error) of the routes on the front.
-    **stroke
-        Properties of the line; green when left out.
     """
     if not spots:
         return
     times, errors = np.array(sorted(spots)).T
     # ties on the front must not make the line rise again
     errors = np.minimum.accumulate(errors)
-    look: dict[str, Any] = {"color": FRONT, "linewidth": 1.3, "zorder": 1.5} | stroke
-    # corners one by one, so that letters can avoid the line
+    # corners one by one, so that labels can avoid the line
     axes.plot(np.append(np.repeat(times, 2)[1:], axes.get_xlim()[1]), np.repeat(errors, 2),
-              solid_joinstyle="miter", solid_capstyle="butt", **look)  # fmt: skip
+              solid_joinstyle="miter", solid_capstyle="butt", **BROAD)  # fmt: skip
 
 
-def crosses(axes: Axes, wrongs: Sequence[Letter], rows: int) -> None:
-    """Draw crosses in a strip at their times, each in its own row with its text.
-
-    Parameters
-    ----------
-    axes
-        The strip.
-    wrongs
-        Times and texts of the crosses; y is not used.
-    rows
-        Lines that the strip has room for.
-    """
-    for line, it in enumerate(sorted(wrongs, key=lambda w: w.x)):
-        y = 1 - (line + 0.8) / (rows + 0.6)
-        axes.plot([it.x], [y], **CROSS)
-        # to the right, or to the left where the right-hand edge is near
-        low, high = np.log10(axes.get_xlim())
-        side = 1 if (np.log10(it.x) - low) / (high - low) < 0.6 else -1
-        axes.annotate(it.text, (it.x, y), (3.4 * side, -0.3), textcoords="offset points",
-                      fontsize=SMALL, color=it.colour, va="center",
-                      ha="left" if side > 0 else "right")  # fmt: skip
-    if not wrongs:
-        none(axes)
-
-
-def none(axes: Axes) -> None:
-    """Write "none" in the middle of an empty strip.
-
-    Parameters
-    ----------
-    axes
-        The strip.
-    """
-    axes.text(0.5, 0.5, "none", transform=axes.transAxes, fontsize=SMALL, color="#666666",
-              ha="center", va="center")  # fmt: skip
-
-
-def key(figure: Figure, top: float, entries: Sequence[tuple[str, str, bool]]) -> None:
-    """Write the meaning of the letters, in two columns.
-
-    Parameters
-    ----------
-    figure
-        The figure.
-    top
-        Upper edge of the list, from the bottom of the figure [in].
-    entries
-        (letter, words, whether the route is the package's).
-    """
-    tall, rows = figure.get_figheight(), -(-len(entries) // 2)
-    for index, (letter, words, own) in enumerate(entries):
-        x, y = 0.12 + (index // rows) * 3.5, top - (index % rows) * 1.12 * ROW
-        colour = OWN if own else PEOPLE
-        figure.text(x / WIDTH, y / tall, letter, fontsize=SMALL, weight="bold", color=colour,
-                    ha="center", va="top")  # fmt: skip
-        figure.text((x + 0.08) / WIDTH, y / tall, words, fontsize=SMALL, va="top")
+BROAD: dict[str, Any] = {"color": FRONT, "alpha": 0.35, "linewidth": 2.6, "zorder": 1.5}
+"""Stroke of the front."""
 
 
 def handle(words: str, **look: Any) -> Line2D:
@@ -282,6 +196,37 @@ def legend(figure: Figure, top: float, handles: Sequence[Any], columns: int) -> 
         Number of columns.
     """
     figure.legend(handles=handles, loc="upper center", ncols=columns, frameon=False,
-                  bbox_to_anchor=(0.5, top / figure.get_figheight()), fontsize=SMALL,
-                  columnspacing=1.2, handletextpad=0.4, handlelength=2.0, borderpad=0,
+                  bbox_to_anchor=(0.5, top / figure.get_figheight()), fontsize=SMALL + 0.5,
+                  columnspacing=1.0, handletextpad=0.4, handlelength=1.8, borderpad=0,
                   labelspacing=0.35)  # fmt: skip
+
+
+def named(words: str, names: Sequence[str], count: int, width: int = LETTERS + 3) -> str:
+    """A note on some of the methods: their names, or where these are too long how many.
+
+    Parameters
+    ----------
+    words
+        What these methods have in common.
+    names
+        Their names.
+    count
+        Number of methods asked.
+    width
+        Letters in the note.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> named("wrong", ["rk4"], 9), named("wrong", [], 9)
+    ('wrong: rk4', '')
+    >>> named("wrong", ["a-long-name"] * 4, 9)
+    'wrong: 4 of 9 methods'
+    """
+    if not names:
+        return ""
+    text = f"{words}: {', '.join(names)}"
+    return text if len(text) <= width else f"{words}: {len(names)} of {count} methods"

@@ -11,27 +11,26 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ...figures.letters import SMALL  # fmt: skip
 from ..motion import dataset as motion_data
 from ..motion.cases import NO_ANSWER
 from ..pareto import places
 from .panels import (
-    BETWEEN,
-    FRONT,
+    BROAD,
+    DIGIT,
+    LETTERS,
     OWN,
+    PALE,
     RIGHT,
     WIDTH,
-    Panel,
     frame,
     handle,
     legend,
     log_axis,
-    none,
+    named,
     page,
     span,
     steps,
     title,
-    under,
 )
 
 if TYPE_CHECKING:
@@ -42,32 +41,53 @@ LABELS = {
     "final": "error of the last state",
     "path": "error along the path",
     "audit": "error of the energy account",
-    "event": "error of the times of events",
+    "event": "error of event times",
 }
 """Label of the error by metric."""
 LOWEST, HIGHEST = 1e-16, 1e2
 """Ends of an axis of errors."""
-STROKES: tuple[dict[str, Any], ...] = (
-    {"color": "#0072B2", "marker": "s"}, {"color": "#E69F00", "marker": "^"},
-    {"color": "#000000", "marker": "v"}, {"color": "#CC79A7", "marker": "p"},
-    {"color": "#882255", "marker": "h"}, {"color": "#56B4E9", "marker": "<"},
-    {"color": "#332288", "marker": ">"},
-)  # fmt: skip
-"""Looks of the package's integrators other than its default."""
-MODELS: tuple[dict[str, Any], ...] = (
-    {"color": "#7f4f24"}, {"color": "#c08a3e"}, {"color": "#4d3b1f", "mfc": "white"},
-)  # fmt: skip
-"""Looks of models with another law in place of the true one."""
-PEOPLE: tuple[dict[str, Any], ...] = ({"marker": "o"}, {"marker": "s"})
-"""Looks of integrators that people use."""
-BROAD: dict[str, Any] = {"color": FRONT, "alpha": 0.35, "linewidth": 3.2, "zorder": 1}
-"""Stroke of the front."""
-BAR: dict[str, Any] = {"alpha": 0.45, "linewidth": 0.6, "zorder": 2.5}
-"""Stroke of the spread of the repeats."""
+REFERENCES = ("simulate", "rk45")
+"""Drivers that are drawn in colour in every panel: the package's default and SciPy's."""
+SHORT = {"simulate": "simulate()", "unchecked": "simulate(check=False)", "rk45": "SciPy RK45",
+         "rough-model": "rough model", "smooth-model": "smooth model"}  # fmt: skip
+"""Names in the legend where they differ from those of the drivers."""
+LOOKS: dict[str, dict[str, Any]] = {
+    "simulate": {"color": OWN, "marker": "o", "lw": 1.6, "ms": 3.2, "zorder": 5},
+    "unchecked": {"color": OWN, "marker": "o", "mfc": "white", "zorder": 4.5},
+    "heyoka": {"color": "#0072B2", "marker": "s"}, "dop853": {"color": "#E69F00", "marker": "^"},
+    "lsoda": {"color": "#000000", "marker": "v"}, "radau": {"color": "#CC79A7", "marker": "p"},
+    "bdf": {"color": "#882255", "marker": "h"}, "cvodes": {"color": "#56B4E9", "marker": "<"},
+    "idas": {"color": "#332288", "marker": ">"},
+    "rk45": {"color": "#6a6a6a", "marker": "o", "mfc": "white"},
+    "rk4": {"color": "#6a6a6a", "marker": "s", "mfc": "white"},
+    "rough-model": {"color": "#7f4f24", "marker": "D"},
+    "smooth-model": {"color": "#c08a3e", "marker": "D"},
+    "regularised": {"color": "#4d3b1f", "marker": "D", "mfc": "white"},
+}  # fmt: skip
+"""Line and marker of every driver."""
+PLAIN: dict[str, Any] = {"ls": "-", "lw": 0.8, "ms": 2.4, "mew": 0.6, "zorder": 4}
+"""What their looks have in common."""
+
+
+def panels_of(chart: xarray.Dataset, metric: str) -> list[str]:
+    """Scenes in which any driver has the error.
+
+    Parameters
+    ----------
+    chart
+        From `stability.compare.motion.dataset.dataset`.
+    metric
+        One of `stability.compare.motion.measure.METRICS`.
+
+    Returns
+    -------
+    list of str
+    """
+    return [w for w in chart.scene.values.tolist() if motion_data.points(chart, w, metric)]
 
 
 def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
-    """Work against precision: every driver through its tolerances, a panel for each scene.
+    """Work against precision through the tolerances, a panel for each scene that has the error.
 
     Parameters
     ----------
@@ -79,113 +99,84 @@ def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
     Returns
     -------
     Figure
-        Two journal columns wide; runs with a wrong outcome stand in a strip over their panel.
+        A journal column wide.  In colour: drivers on the front with at least one digit, and
+        references; others are grey, and those with a wrong outcome are named over the panel.
     """
-    looks = _looks(chart)
-    low, high = span(chart.seconds.values.ravel())
+    scenes = panels_of(chart, metric)
+    low, high = span(chart.seconds.values)
     with figure_style(STYLE):
-        figure, panels = page([3, 3], 1.9, 0.74)
-        for panel, which in zip(panels, chart.scene.values.tolist(), strict=False):
-            log_axis(panel.main.xaxis, low, high, 1)
-            log_axis(panel.main.yaxis, LOWEST, HIGHEST, 4)
-            title(panel.strip, str(chart.scene_title.sel(scene=which).values))
-            _motion_panel(panel, chart.sel(scene=which), metric, looks)
-            steps(panel.main, _front(chart, which, metric), **BROAD)
-        frame(panels, "time of a run [s]", LABELS[metric], "wrong outcome")
-        _driver_key(figure, looks)
+        told = {which: _told(chart, which, metric) for which in scenes}
+        everywhere = [n for n in LOOKS if any(n in names for names in told.values())]
+        handles = _handles(everywhere)
+        figure, panels = page(len(scenes), 1.15, 0.3 + 0.13 * -(-len(handles) // 3))
+        for axes, which in zip(panels, scenes, strict=True):
+            log_axis(axes.xaxis, low, high, 1)
+            log_axis(axes.yaxis, LOWEST, HIGHEST, 4)
+            here = chart.sel(scene=which)
+            title(axes, str(here.scene_title.values), _silent(here))
+            _draw(axes, motion_data.points(chart, which, metric), told[which])
+            steps(axes, _front(chart, which, metric)[1])
+        frame(panels, "time of a run [s]", LABELS[metric])
+        legend(figure, 0.05 + 0.13 * -(-len(handles) // 3), handles, 3)
     return figure
 
 
-def _front(chart: xarray.Dataset, which: str, metric: str) -> list[tuple[float, float]]:
+def _front(
+    chart: xarray.Dataset, which: str, metric: str
+) -> tuple[set[str], list[tuple[float, float]]]:
+    """Drivers on the front that have a digit right, and the points of the front."""
     flat = {
         f"{name} {rung}": point
         for name, rows in motion_data.points(chart, which, metric).items()
         for rung, point in enumerate(rows)
     }
-    return [(p.time, max(p.error, 2 * LOWEST)) for p in places(flat).values() if p.on_front]
+    best = {key: p for key, p in places(flat).items() if p.on_front and p.error < DIGIT}
+    spots = [(p.time, max(p.error, 2 * LOWEST)) for p in best.values()]
+    return {key.split()[0] for key in best}, spots
 
 
-def _looks(chart: xarray.Dataset) -> dict[str, dict[str, Any]]:
-    """Line and marker of every driver, by what it is."""
-    found: dict[str, dict[str, Any]] = {}
-    others, people, models = (iter(stock * 3) for stock in (STROKES, PEOPLE, MODELS))
-    for name in chart.driver.values.tolist():
-        one = chart.sel(driver=name)
-        if name.endswith("-model") or name == "regularised":
-            look = {"marker": "D", "ls": (0, (3, 1.2)), "lw": 1.0, "ms": 2.6, "zorder": 3.5}
-            found[name] = look | next(models)
-        elif bool(one.default):
-            found[name] = {"color": OWN, "marker": "o", "lw": 1.6, "ms": 3.4, "zorder": 5}
-        elif name == "unchecked":
-            # the default without its check: the same colour, an open marker
-            found[name] = {"color": OWN, "marker": "o", "mfc": "white", "lw": 0.8, "ms": 2.8,
-                           "zorder": 4.5}  # fmt: skip
-        elif bool(one.own):
-            found[name] = {"lw": 0.8, "ms": 2.6, "zorder": 4} | next(others)
+def _told(chart: xarray.Dataset, which: str, metric: str) -> set[str]:
+    """Drivers in colour in a panel."""
+    return (_front(chart, which, metric)[0] | set(REFERENCES)) & set(
+        motion_data.points(chart, which, metric)
+    )
+
+
+def _draw(axes: Axes, found: dict[str, list[tuple[float, float]]], told: set[str]) -> None:
+    for name, rows in found.items():
+        times, errors = np.array(rows).T
+        errors = np.clip(errors, 2 * LOWEST, HIGHEST / 2)
+        if name in told:
+            axes.plot(times, errors, **(PLAIN | LOOKS[name]))
         else:
-            found[name] = {"color": "#8a8a8a", "mfc": "white", "lw": 0.8, "ms": 2.8,
-                           "zorder": 3} | next(people)  # fmt: skip
-    return {name: {"ls": "-", "mew": 0.6} | look for name, look in found.items()}
+            axes.plot(times, errors, color=PALE, lw=0.6, marker=".", ms=1.6, zorder=2)
 
 
-def _motion_panel(
-    panel: Panel, here: xarray.Dataset, metric: str, looks: dict[str, dict[str, Any]]
-) -> None:
-    silent = []
-    panel.strip.set_ylim(-0.6, 2.6)
-    asked = bool(np.isfinite(here[metric].values).any())
-    if not asked:
-        panel.main.text(0.5, 0.5, "no such error here", transform=panel.main.transAxes,
-                        fontsize=SMALL, color="#666666", ha="center")  # fmt: skip
-    for index, (name, look) in enumerate(looks.items()):
-        mine = here.sel(driver=name)
-        if str(mine.status.values) == "not asked":
-            continue
-        ran = np.isfinite(mine.seconds.values).any(axis=-1)
-        if not ran.any():
-            silent.append(name)
-            continue
-        right = ran & (mine.outcome.values == str(here.true_outcome.values))
-        times, error = _times(mine.seconds.values), np.where(right, mine[metric].values, np.nan)
-        error = np.clip(error, 2 * LOWEST, HIGHEST / 2)
-        panel.main.plot(times[1], error, **look)
-        panel.main.hlines(error, times[0], times[2], color=look["color"], **BAR)
-        # each driver is a little lower than the last, so that none hides another
-        down = index / len(looks)
-        open_ = ran & np.isin(mine.outcome.values, NO_ANSWER)
-        rows = ((ran & ~right & ~open_, 2.3 - 1.2 * down, "x"), (open_, 2.3 - 1.2 * down, "_"),
-                (right & np.isnan(error) & asked, 0.6 - 0.9 * down, "|"))  # fmt: skip
-        for where, y, mark in rows:
-            panel.strip.plot(times[1][where], [y] * int(where.sum()), mark, ms=3.3, mew=0.9,
-                             color=look["color"])  # fmt: skip
-    if not any(np.size(line.get_xdata()) for line in panel.strip.lines):
-        none(panel.strip)
-    under(panel.main, f"no answer: {', '.join(silent)}" if silent else "")
+def _silent(here: xarray.Dataset) -> str:
+    """A note: drivers with a wrong outcome at some tolerance, and those without any answer."""
+    ran = np.isfinite(here.seconds.values).any(axis=-1)
+    wrong = ran & (here.outcome.values != str(here.true_outcome.values))
+    wrong &= ~np.isin(here.outcome.values, NO_ANSWER)
+    asked = here.status.values != "not asked"
+    mute = asked & ~ran.any(axis=-1)
+    names = here.driver.values
+    bad, none = names[wrong.any(axis=-1)].tolist(), names[mute].tolist()
+    both = "; ".join(named(*pair, int(asked.sum()), 99) for pair in (("wrong", bad),
+                     ("no answer", none)) if pair[1])  # fmt: skip
+    if len(both) <= LETTERS + 3:
+        return both
+    return "; ".join(f"{w}: {len(n)}" for w, n in (("wrong", bad), ("no answer", none)) if n) + (
+        f" of {int(asked.sum())}"
+    )
 
 
-def _times(raw: NDArray[Any]) -> NDArray[Any]:
-    """Fastest, median and slowest repeat of each rung; NaN where none ran."""
-    ran = np.isfinite(raw).any(axis=-1)
-    out = np.full((3, len(raw)), np.nan)
-    if ran.any():
-        known = raw[ran]
-        out[:, ran] = np.nanmin(known, -1), np.nanmedian(known, -1), np.nanmax(known, -1)
-    return out
-
-
-def _driver_key(figure: Figure, looks: dict[str, dict[str, Any]]) -> None:
-    extra = [
-        handle("front", ls="-", **{k: v for k, v in BROAD.items() if k != "zorder"}),
-        handle("wrong outcome", marker="x", color="#555555", ms=3.2),
-        handle("says it has none", marker="_", color="#555555", ms=3.6, mew=0.9),
-        handle("right, but no such error", marker="|", color="#555555"),
-        handle("fastest to slowest repeat", ls="-", color="#555555", lw=0.6),
+def _handles(names: list[str]) -> list[Any]:
+    front = {k: v for k, v in BROAD.items() if k != "zorder"}
+    return [
+        *(handle(SHORT.get(name, name), **(PLAIN | LOOKS[name])) for name in names),
+        handle("others", ls="-", color=PALE, lw=0.8, marker=".", ms=1.6),
+        handle("Pareto front", ls="-", **front),
     ]
-    names = {"simulate": "simulate() (default)", "unchecked": "simulate(check=False)",
-             "rk45": "people's: RK45", "rk4": "people's: RK4", "rough-model": "model: rough",
-             "smooth-model": "model: smooth", "regularised": "model: regularised"}  # fmt: skip
-    handles = [handle(names.get(name, name), **look) for name, look in looks.items()]
-    legend(figure, 0.66, handles + extra, 5)
 
 
 def first_call_figure(chart: xarray.Dataset) -> Figure:
@@ -199,54 +190,48 @@ def first_call_figure(chart: xarray.Dataset) -> Figure:
     Returns
     -------
     Figure
-        Two journal columns wide: a panel for each scene, a line for each driver.
+        A journal column wide: a row for each driver, with the median over the scenes and a line
+        from the least to the most.
     """
-    looks = _looks(chart)
-    names = list(looks)
-    left, body, height = 0.86, 0.118 * len(names), 2 * 0.118 * len(names) + 1.45
-    wide = (WIDTH - left - RIGHT - 3 * BETWEEN) / 4
-    low, high = span(np.append(chart.seconds.values, chart["first"].values))
+    names = chart.driver.values.tolist()
+    left, body, foot = 0.78, 0.15 * len(names), 0.52
+    height = body + foot + 0.05
     with figure_style(STYLE):
         figure = Figure(figsize=(WIDTH, height))
-        for index, which in enumerate(chart.scene.values.tolist()):
-            row, column = divmod(index, 4)
-            bottom = height - (row + 1) * (0.32 + body) - row * 0.2
-            axes = figure.add_axes(((left + column * (wide + BETWEEN)) / WIDTH, bottom / height,
-                                    wide / WIDTH, body / height))  # fmt: skip
-            log_axis(axes.xaxis, low, high, 1)
-            _first_panel(axes, chart.sel(scene=which), looks)
-            title(axes, str(chart.scene_title.sel(scene=which).values), 29)
-            axes.set_yticks(range(len(names)), names if column == 0 else [])
-            axes.set_ylim(len(names) - 0.4, -0.6)
-            axes.tick_params(labelsize=6.5, length=2, pad=1.5)
-            if row == 1:
-                axes.set_xlabel("time of a run [s]", fontsize=7, labelpad=2)
-        dot: dict[str, Any] = {"marker": "o", "color": "#303030"}
-        handles = [
-            handle("first call in a process, loosest tolerance", mfc="white", **dot),
-            handle("median repeat, middle tolerance", **dot),
-            handle("no answer", marker="x", color="#303030", ms=3), handle("blank: not asked"),
-        ]  # fmt: skip
-        legend(figure, 0.14, handles, 4)
+        axes = figure.add_axes((left / WIDTH, foot / height, (WIDTH - left - RIGHT) / WIDTH,
+                                body / height))  # fmt: skip
+        log_axis(axes.xaxis, *span([*_repeats(chart).ravel(), *chart["first"].values.ravel()]), 1)
+        axes.grid(True, axis="x", linewidth=0.3, color="#dddddd")
+        for line, (again, first) in enumerate(
+            zip(_repeats(chart).T, chart["first"].values.T, strict=True)
+        ):
+            for times, shift, look in ((again, -0.16, SOLID), (first, 0.16, OPEN)):
+                known = times[np.isfinite(times)]
+                if known.size:
+                    axes.plot([known.min(), known.max()], [line + shift] * 2, lw=0.8,
+                              color=look["mec"], alpha=0.6)  # fmt: skip
+                    axes.plot([np.median(known)], [line + shift], **look)
+        axes.set_yticks(range(len(names)), names)
+        axes.set_ylim(len(names) - 0.4, -0.6)
+        axes.tick_params(labelsize=6.5, length=2, pad=1.5)
+        axes.set_xlabel("time of a run [s]", fontsize=7, labelpad=2)
+        legend(figure, 0.24, [handle("repeat, middle tolerance", **SOLID),
+                              handle("first call in a process", **OPEN)], 2)  # fmt: skip
     return figure
 
 
-def _first_panel(axes: Axes, here: xarray.Dataset, looks: dict[str, dict[str, Any]]) -> None:
-    axes.grid(True, axis="x", linewidth=0.3, color="#dddddd")
-    for line, (name, look) in enumerate(looks.items()):
-        mine = here.sel(driver=name)
-        colour = look["color"]
-        if str(mine.status.values) == "not asked":
-            continue
-        rungs = np.flatnonzero(np.isfinite(mine.tolerance.values))
-        times = mine.seconds.values[rungs]
+SOLID: dict[str, Any] = {"marker": "o", "ms": 3.2, "mew": 0.8, "mec": "#303030",
+                         "mfc": "#303030", "ls": ""}  # fmt: skip
+OPEN: dict[str, Any] = SOLID | {"mec": OWN, "mfc": "white"}
+"""Marks of repeats and of first calls."""
+
+
+def _repeats(chart: xarray.Dataset) -> NDArray[Any]:
+    """Median repeat at the middle tolerance, shape (scenes, drivers); NaN without an answer."""
+    found = np.full((chart.sizes["scene"], chart.sizes["driver"]), np.nan)
+    for place in np.ndindex(found.shape):
+        times = chart.seconds.values[place]
         times = times[np.isfinite(times).any(axis=-1)]
-        first = float(mine["first"])
-        if not len(times):
-            axes.plot([0.03], [line], "x", ms=3, mew=0.8, color=colour,
-                      transform=axes.get_yaxis_transform())  # fmt: skip
-            continue
-        again = float(np.nanmedian(times[len(times) // 2]))
-        axes.plot([again, first], [line] * 2, color=colour, linewidth=0.7, alpha=0.6)
-        axes.plot([first], [line], "o", ms=3.2, mew=0.8, mec=colour, mfc="white")
-        axes.plot([again], [line], "o", ms=3.2, mew=0.8, color=colour)
+        if len(times):
+            found[place] = np.nanmedian(times[len(times) // 2])
+    return found

@@ -49,6 +49,8 @@ class Driver:
     """Name in tables and on the command line."""
     title: ClassVar[str]
     """Description in a few words."""
+    flaw: ClassVar[str] = ""
+    """Why it crashes where it does, in sentences; empty for a driver that does not."""
     own: ClassVar[bool] = False
     """Whether the driver belongs to the package."""
     default: ClassVar[bool] = False
@@ -106,8 +108,18 @@ class Fine(Simulated):
     method, check, usual = "auto", True, 1e-14
 
 
+KINDS = {
+    "heyoka": "Taylor series in compiled code", "dop853": "explicit Runge-Kutta, order 8",
+    "lsoda": "multistep, switches at stiffness", "radau": "implicit Runge-Kutta, order 5",
+    "bdf": "implicit multistep, in SciPy", "cvodes": "implicit multistep, in SUNDIALS",
+    "idas": "implicit multistep for differential-algebraic equations, in SUNDIALS",
+}  # fmt: skip
+"""What each integrator is, in a few words."""
+
+
 def _single(method: str) -> type[Driver]:
-    words = {"name": method, "title": f"simulate(method='{method}', check=False)"}
+    title = f"simulate(method='{method}', check=False): {KINDS[method]}"
+    words = {"name": method, "title": title}
     body = {**words, "method": method, "__doc__": f"`simulate` by {method}, unchecked."}
     made: type[Driver] = type(method.capitalize(), (Simulated,), body)
     return made
@@ -218,6 +230,10 @@ class AsItComes(RungeKutta45):
     """`solve_ivp` with the default tolerances of SciPy."""
 
     name, title, usual = "rk45-default", "solve_ivp with its defaults (rtol 1e-3), no events", 1e-3
+    flaw = (
+        "Under stiff decay the step of this explicit method at its loose default tolerance shrinks "
+        "below the spacing of doubles; radau, bdf and cvodes are made for such motions."
+    )
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:  # noqa: ARG002
         """Call `scipy.integrate.solve_ivp` without options."""
@@ -228,6 +244,10 @@ class FixedStep(Driver):
     """The classical Runge-Kutta method with a fixed step; gn is checked after each step."""
 
     name, title = "rk4", "RK4 with a fixed step; gn looked at between steps"
+    flaw = (
+        "Its step of 0.05 times a rate of decay of 900 and more exceeds 2.8, RK4's limit of "
+        "stability, and the numbers grow beyond any double; a step that is short enough is slow."
+    )
     tolerances = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
     usual = 0.05
 

@@ -41,7 +41,7 @@ def rates(points: Points, x: Floats) -> Floats:
 class ForwardDifferences(Route):
     """Columns (f(x + h e) - f(x)) / h with h = √ε."""
 
-    name, title = "forward", "forward differences, h = 1.5e-8; LAPACK"
+    name, title = "forward", "Jacobian by forward differences, step 1.5e-8; LAPACK"
     step: ClassVar[float] = 2.0**-26
 
     def matrices(self, points: Points) -> Floats:
@@ -59,21 +59,21 @@ class ForwardDifferences(Route):
 class LongForwardDifferences(ForwardDifferences):
     """Forward differences with a step that is too long."""
 
-    name, title = "forward-1e-4", "forward differences, h = 1e-4; LAPACK"
+    name, title = "forward-1e-4", "as forward, step 1e-4"
     step = 1e-4
 
 
 class ShortForwardDifferences(ForwardDifferences):
     """Forward differences with a step that is too short."""
 
-    name, title = "forward-1e-12", "forward differences, h = 1e-12; LAPACK"
+    name, title = "forward-1e-12", "as forward, step 1e-12"
     step = 1e-12
 
 
 class CentralDifferences(Route):
     """Columns (f(x + h e) - f(x - h e)) / 2h with h = ε^(1/3)."""
 
-    name, title = "central", "central differences, h = 6e-6; LAPACK"
+    name, title = "central", "Jacobian by central differences, step 6e-6; LAPACK"
     step: ClassVar[float] = float(np.finfo(float).eps) ** (1 / 3)
 
     def matrices(self, points: Points) -> Floats:
@@ -90,7 +90,7 @@ class CentralDifferences(Route):
 class ComplexStep(Route):
     """Im f(x + i h e) / h with h = 1e-30: no difference, no cancellation (Squire & Trapp 1998)."""
 
-    name, title = "complex-step", "complex step, h = 1e-30; LAPACK"
+    name, title = "complex-step", "Jacobian by complex steps of 1e-30; LAPACK"
     step: ClassVar[float] = 1e-30
 
     def matrices(self, points: Points) -> Floats:
@@ -172,7 +172,7 @@ def automatic(points: Points) -> Floats:
 class AutomaticJacobian(Route):
     """CasADi's Jacobian of the rates, LAPACK, and the sign of the largest real part."""
 
-    name, title = "ad", "AD Jacobian; LAPACK; sign"
+    name, title = "ad", "automatic differentiation; eigenvalues by LAPACK; their signs as they come"
     small = 0.0
 
     def matrices(self, points: Points) -> Floats:
@@ -183,7 +183,7 @@ class AutomaticJacobian(Route):
 class AutomaticRaw(AutomaticJacobian):
     """`AutomaticJacobian` with the zeros left in, as in a first script."""
 
-    name, title = "ad-raw", "AD Jacobian; LAPACK; sign of the largest real part of all"
+    name, title = "ad-raw", "as ad, but the zeros that structure demands are left in"
 
     def judged(self, points: Points, values: Complexes) -> Answer:  # noqa: ARG002
         """Every eigenvalue counts, structural zeros too."""
@@ -196,7 +196,7 @@ class AutomaticRaw(AutomaticJacobian):
 class AutomaticTolerance(AutomaticJacobian):
     """`AutomaticJacobian` in which all eigenvalues and real parts below 1e-9 count as zero."""
 
-    name, title = "ad-1e-9", "AD Jacobian; LAPACK; below 1e-9 is zero"
+    name, title = "ad-1e-9", "as ad, but what is below 1e-9 counts as zero"
     small = SMALL
 
     def judged(self, points: Points, values: Complexes) -> Answer:
@@ -213,7 +213,7 @@ class AutomaticTolerance(AutomaticJacobian):
 class SymbolicJacobian(Route):
     """SymPy's equations with the mass matrix kept, differentiated and lambdified."""
 
-    name, title = "sympy", "SymPy, mass matrix kept, lambdify; LAPACK"
+    name, title = "sympy", "equations derived and linearised by SymPy, mass matrix kept; LAPACK"
 
     def matrices(self, points: Points) -> Floats:
         """The Jacobian at each point, shape (N, n, n)."""
@@ -225,7 +225,13 @@ class SymbolicJacobian(Route):
 class SolvedSymbolically(Route):
     """SymPy's equations solved for the accelerations first, which leaves 1/cosθ."""
 
-    name, title = "sympy-solved", "SymPy, accelerations solved for, lambdify; LAPACK"
+    name, title = "sympy-solved", "equations solved for the accelerations by SymPy; LAPACK"
+    flaw = (
+        "SymPy solves for the accelerations in the order of the equations as written, and so "
+        "divides by cos θ and by μ v_y. On a steady motion without slip the result is 0/0, though "
+        "every such quotient has a limit. It stands here since the step is a common one. The same "
+        "equations with the mass matrix kept (sympy) do not crash."
+    )
 
     def matrices(self, points: Points) -> Floats:
         """The Jacobian at each point, shape (N, n, n)."""
@@ -240,7 +246,7 @@ class SolvedSymbolically(Route):
 class PolynomialRoots(Route):
     """Characteristic polynomial in doubles by Faddeev and LeVerrier, then `numpy.roots`."""
 
-    name, title = "polynomial", "AD Jacobian; characteristic polynomial; numpy.roots"
+    name, title = "polynomial", "characteristic polynomial in doubles; its roots by numpy.roots"
 
     def answer(self, points: Points) -> Answer:
         """Roots of each polynomial, structural zeros divided out."""
@@ -253,7 +259,7 @@ class PolynomialRoots(Route):
 class Hurwitz(Route):
     """The signs of Routh's array in doubles: a verdict without eigenvalues."""
 
-    name, title = "hurwitz", "AD Jacobian; characteristic polynomial; Routh's array in doubles"
+    name, title = "hurwitz", "characteristic polynomial in doubles; signs of Routh's array"
 
     def answer(self, points: Points) -> Answer:
         """Verdicts alone."""

@@ -20,7 +20,7 @@ from .route import Answer, Route
 class ManyDigits(Route):
     """The AD Jacobian's graph and a QR iteration in mpmath's arithmetic."""
 
-    name, title = "mpmath-30", "AD Jacobian and eigenvalues by mpmath, 30 digits"
+    name, title = "mpmath-30", "automatic differentiation; eigenvalues by mpmath, 30 digits"
     arrays = False
     digits: ClassVar[int] = 30
 
@@ -74,14 +74,14 @@ class ManyDigits(Route):
 class MoreDigits(ManyDigits):
     """`ManyDigits` with 50 digits."""
 
-    name, title = "mpmath-50", "AD Jacobian and eigenvalues by mpmath, 50 digits"
+    name, title = "mpmath-50", "automatic differentiation; eigenvalues by mpmath, 50 digits"
     digits = 50
 
 
 class MostDigits(ManyDigits):
     """`ManyDigits` with 100 digits."""
 
-    name, title = "mpmath-100", "AD Jacobian and eigenvalues by mpmath, 100 digits"
+    name, title = "mpmath-100", "automatic differentiation; eigenvalues by mpmath, 100 digits"
     digits = 100
 
 

@@ -76,6 +76,8 @@ class Route:
     """Name in tables and on the command line."""
     title: ClassVar[str]
     """Description in a few words."""
+    flaw: ClassVar[str] = ""
+    """Why it crashes where it does, in sentences; empty for a route that does not."""
     own: ClassVar[bool] = False
     """Whether the route belongs to the package."""
     default: ClassVar[bool] = False

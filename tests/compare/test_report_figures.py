@@ -1,0 +1,160 @@
+"""Figures of the report, drawn from the example report's numbers, can be read in a column."""
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import matplotlib.colors as colours
+import numpy as np
+import pytest
+import xarray
+from figure_audit import faults
+from matplotlib.figure import Figure
+
+from stability.compare import failures as catalogue
+from stability.compare import page, report
+from stability.compare.figures import cost_error as drawings
+from stability.compare.figures.panels import PALE
+from stability.compare.marks import BY_WORD, Mark
+from stability.compare.motion.drivers import DRIVERS
+from stability.compare.motion.reference_motions import scene
+from stability.compare.parts import FAILURES, Part
+from stability.compare.spectrum.measure import ROUTES
+from stability.figures.canvas import COLUMN
+
+EXAMPLE = Path(__file__).parents[2] / "docs" / "report"
+
+
+def chart(name: str) -> xarray.Dataset:
+    with xarray.open_dataset(EXAMPLE / f"{name}.nc", engine="h5netcdf") as data:
+        return data.load()
+
+
+@pytest.fixture(scope="module")
+def motion() -> xarray.Dataset:
+    return chart("motion")
+
+
+@pytest.fixture(scope="module")
+def spectrum() -> xarray.Dataset:
+    return chart("spectrum")
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[dict[str, str]]:
+    return list(csv.DictReader((EXAMPLE / "failures.csv").read_text().splitlines()))
+
+
+@pytest.fixture(scope="module")
+def cases(rows: list[dict[str, str]]) -> list[catalogue.Entry]:
+    return [
+        catalogue.Entry(r["part"], r["group"], r["case"], r["method"], BY_WORD.get(r["mark"]),
+                        float(r["digits"] or "nan"), r["note"]) for r in rows
+    ]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def figures(
+    spectrum: xarray.Dataset, motion: xarray.Dataset, cases: list[catalogue.Entry]
+) -> dict[str, Figure]:
+    """Every figure of the report but those of scenes."""
+    names = list(catalogue.ROUTE_NAMES)
+    share = np.random.default_rng(1).dirichlet([3, 1, 1], size=(len(names), 15))
+    own = [n in catalogue.own_methods() for n in names]
+    draw: dict[str, Callable[[], Figure]] = {
+        "verdict": lambda: drawings.verdict_figure(spectrum),
+        "eigenvalues": lambda: drawings.spectrum_figure(spectrum),
+        "boundary": lambda: drawings.boundary_figure(spectrum),
+        "path": lambda: drawings.motion_figure(motion, "path"),
+        "event": lambda: drawings.motion_figure(motion, "event"),
+        "first": lambda: drawings.first_call_figure(motion),
+        "linear": lambda: report._failure_figure(cases, "linear"),
+        "motion": lambda: report._failure_figure(cases, "motion"),
+        "ladder": lambda: drawings.ladder_figure(names, own, [*range(-1, -16, -1)], share),
+    }
+    return {name: make() for name, make in draw.items()}
+
+
+def test_no_text_overlaps_leaves_the_figure_or_is_small(figures: dict[str, Figure]) -> None:
+    assert {name: said for name, f in figures.items() if (said := faults(f))} == {}
+    assert {f.get_figwidth() for f in figures.values()} == {COLUMN}
+
+
+def test_scenes_without_the_error_have_no_panel(
+    motion: xarray.Dataset, figures: dict[str, Figure]
+) -> None:
+    timed = [s for s in motion.scene.values.tolist() if scene(s).ends or scene(s).events]
+    assert 0 < len(timed) < motion.sizes["scene"]
+    assert len(figures["event"].axes) == len(timed)
+    for name in ("path", "event", "eigenvalues"):
+        assert all(len(axes.lines) > 2 for axes in figures[name].axes)
+
+
+def test_colour_is_for_the_front_and_the_references(
+    motion: xarray.Dataset, figures: dict[str, Figure]
+) -> None:
+    for which, axes in zip(motion.scene.values.tolist(), figures["path"].axes, strict=True):
+        here = motion.sel(scene=which)
+        right = here.outcome.values == str(here.true_outcome.values)
+        runs = [
+            (name, np.nanmedian(here.seconds.values[i, j]), max(here.path.values[i, j], 1e-16))
+            for i, name in enumerate(here.driver.values.tolist())
+            for j in np.flatnonzero(right[i] & np.isfinite(here.path.values[i]))
+        ]  # fmt: skip
+        front = {n for n, t, e in runs if e < 0.1
+                 and not any(s < t and f <= e for _, s, f in runs)}  # fmt: skip
+        expected = (front | {"simulate", "rk45"}) & {n for n, _, _ in runs}
+        grey = [ln for ln in axes.lines if colours.same_color(ln.get_color(), PALE)]
+        assert len(axes.lines) - len(grey) - 1 == len(expected), which  # one is the front
+        assert len(grey) + len(expected) == len({n for n, _, _ in runs})
+
+
+def test_a_share_of_a_row_is_a_share_of_the_cases(
+    rows: list[dict[str, str]], figures: dict[str, Figure]
+) -> None:
+    axes = figures["linear"].axes[0]
+    names = [t.get_text() for t in axes.get_yticklabels()]
+    heads = [re.sub(r"\s+", " ", t.get_text()) for t in axes.get_xticklabels()]
+    place = axes.get_yticks()[names.index("sympy-solved")]
+    mine = [r for r in rows if r["method"] == "sympy-solved"]
+    asked, crashed = (Counter(r["group"] for r in some) for some in
+                      (mine, [r for r in mine if r["mark"] == "crashed"]))  # fmt: skip
+    assert heads == [f"{group} ({count})" for group, count in asked.items()]
+    for column, group in enumerate(asked):
+        black = sum(
+            p.get_width() for p in axes.patches
+            if tuple(p.get_facecolor()) == (0, 0, 0, 1)
+            and abs(p.get_x() + p.get_width() / 2 - column) < 0.5
+            and abs(p.get_y() + p.get_height() / 2 - place) < 0.1
+        )  # fmt: skip
+        assert black == pytest.approx(0.92 * crashed[group] / asked[group])
+
+
+def test_the_page_says_why_a_method_crashes(cases: list[catalogue.Entry], tmp_path: Path) -> None:
+    text = page.write(tmp_path, [Part(FAILURES, (), (), cases)]).read_text()
+    found = dict(re.findall(r"<dt>([\w-]+): (\d+ of \d+) cases</dt>", text))
+    crashed = Counter(e.method for e in cases if e.mark is Mark.CRASHED)
+    asked = Counter(e.method for e in cases if e.mark is not None)
+    assert found == {name: f"{n} of {asked[name]}" for name, n in crashed.items()}
+    assert "divides by cos θ and by μ v_y" in text
+    methods: dict[str, Any] = {**ROUTES, **DRIVERS}
+    assert all(methods[name].flaw for name in crashed)
+
+
+def test_sympy_divides_by_what_the_page_names() -> None:
+    """The pivots of the elimination, in an exact decomposition of the same equations."""
+    import sympy
+
+    from stability.compare.spectrum.routes.sympy_disk import K, X, residual
+
+    equations, unknowns, _ = residual("viscous")
+    mass, _ = sympy.linear_eq_to_matrix(list(equations), unknowns)
+    _, upper, _ = mass.LUdecomposition()
+    pivots = [sympy.factor(upper[i, i]) for i in range(len(unknowns))]
+    assert pivots[0] == sympy.cos(X[0])
+    assert [p for p in pivots[:-1] if p.subs({X[4]: 0, X[5]: 0}) == 0] == [
+        sympy.factor(sympy.Symbol("mu") * X[5] * (1 + 2 * K))
+    ]
