@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import operator
+import sys
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import cache, lru_cache, partial
+from importlib import import_module
+from importlib.util import find_spec
 from math import prod
+from types import ModuleType
 from typing import Any
 
 import casadi as ca
@@ -190,6 +195,90 @@ def casadi_algebra() -> Algebra:
     return Algebra("casadi", ca.SX, table)
 
 
+class _Later:
+    """A function or module of SymPy that is looked up when it is first called.
+
+    Parameters
+    ----------
+    find
+        Finds it.
+    """
+
+    def __init__(self, find: Callable[[], Any]) -> None:
+        self.find = find
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        if isinstance(sys.modules.get("sympy"), _SymPyLater):  # heyoka is being imported
+            return _Later(lambda: self.find()(*arguments, **named))
+        return self.find()(*arguments, **named)
+
+    def __getattr__(self, name: str) -> Any:
+        return _Later(lambda: getattr(self.find(), name))
+
+
+class _SymPyLater(ModuleType):
+    """In the place of SymPy during the import of heyoka."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return _Later(lambda: getattr(import_module("sympy"), name))
+
+
+class _FunctionsLater:
+    """heyoka's table of SymPy's functions, made when it is first read.
+
+    Parameters
+    ----------
+    build
+        Makes the table.
+    """
+
+    def __init__(self, build: Callable[[], Any]) -> None:
+        self.table = cache(build)
+
+    def __contains__(self, key: Any) -> bool:
+        return key in self.table()
+
+    def __getitem__(self, key: Any) -> Any:
+        return self.table()[key]
+
+
+def heyoka() -> Any:
+    """The library heyoka, whose import does not wait for SymPy.
+
+    heyoka imports the whole of SymPy, for `heyoka.to_sympy` and `heyoka.from_sympy` alone.  A first
+    motion would wait for SymPy as long as for everything else.  Here both functions import SymPy
+    when they are first called.
+
+    Returns
+    -------
+    module
+
+    Raises
+    ------
+    ImportError
+        If heyoka is not installed.
+    """
+    others = [t for t in threading.enumerate() if t is not threading.current_thread()]
+    # a thread that imports SymPy meanwhile would find the stand-in; that of a progress bar does not
+    alone = all(type(t).__module__.startswith("tqdm") for t in others)
+    ready = {"heyoka", "sympy"} & sys.modules.keys()
+    found = find_spec("sympy") if alone and not ready else None
+    if found is None:
+        return import_module("heyoka")
+    later = sys.modules["sympy"] = _SymPyLater("sympy")
+    later.__spec__ = found
+    try:
+        library = import_module("heyoka")
+    finally:
+        del sys.modules["sympy"]
+    back: Any = sys.modules.get("heyoka._sympy_utils")
+    if hasattr(back, "_build_fmap"):
+        back._fmap = _FunctionsLater(back._build_fmap)
+    return library
+
+
 @lru_cache(maxsize=1)
 def heyoka_algebra() -> Algebra:
     """Expressions of heyoka.
@@ -198,8 +287,7 @@ def heyoka_algebra() -> Algebra:
     -------
     Algebra
     """
-    import heyoka as hy
-
+    hy = heyoka()
     hy.set_logger_level_critical()  # it logs to standard output, which is the user's
     names = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh")
     table: dict[str, Callable[..., Any]] = {n: getattr(hy, n) for n in (*names, "tanh")}

@@ -247,8 +247,7 @@ class Program:
             return np.concatenate(rows)
 
         try:
-            import heyoka as hy
-
+            hy = heyoka()
             algebra, names = heyoka_algebra(), [hy.expression(f"a{i}") for i in range(parts[-1])]
             zero, entries = algebra.constant(0.0), []
             for (rows, columns), places, values in zip(

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from flint import arb, ctx
-from scipy.optimize import brentq
 
 from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
@@ -302,6 +301,8 @@ def _crossing(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
 
 
 def _zero(f: Callable[[float], float], low: float, high: float) -> float:
+    from scipy.optimize import brentq
+
     return float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=5000))
 
 

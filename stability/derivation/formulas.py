@@ -24,7 +24,7 @@ from ..bodies.thin_disk.disk_polynomials import exact_polynomial, known_polynomi
 from .branches import where
 from .characteristic import LAM, MU, SQUARE, Derived, M
 from .friction_ranges import FlutterCondition, Range
-from .hurwitz import conditions, decisive
+from .hurwitz import conditions, decisive, factored
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""
@@ -149,7 +149,7 @@ def _formulas(family: str, law: str, k: tuple[str, ...]) -> Formulas:
     found = Formulas(
         family, law, known.zeros, [str(f) for f in in_lambda],
         {name: str(value) for name, value in conditions(whole)},
-        [{"kind": c.kind, "positive": str(sympy.factor(c.polynomial.as_expr()))} for c in asked],
+        [{"kind": c.kind, "positive": str(factored(c.polynomial.as_expr()))} for c in asked],
         [{"name": o.name, "positive": str(o.polynomial), "proof": o.proof} for o in proved],
         [b for c in asked for b in _solved(c.kind, c.polynomial.as_expr(), family)],
         _limits([c.polynomial.as_expr() for c in asked]),
@@ -160,7 +160,7 @@ def _formulas(family: str, law: str, k: tuple[str, ...]) -> Formulas:
 def _in_lambda(factor: sympy.Poly, known: Exact) -> Expr:
     """A factor in λ and mu again: σ = λ/mu, without powers of mu in a denominator."""
     if known.even or "M" not in known.variables:
-        return sympy.factor(factor.as_expr())
+        return factored(factor.as_expr())
     value = factor.as_expr().subs({LAM: LAM / MU, M: MU**2})
     return sympy.expand(sympy.fraction(sympy.together(value))[0])
 
@@ -212,8 +212,8 @@ def _limits(polynomials: Sequence[Expr]) -> dict[str, list[str]]:
         if not polynomial.has(M):
             continue
         terms = sympy.Poly(polynomial, M).terms()
-        out["mu -> 0"].append(str(sympy.factor(terms[-1][1])))
-        out["mu -> oo"].append(str(sympy.factor(terms[0][1])))
+        out["mu -> 0"].append(str(factored(terms[-1][1])))
+        out["mu -> oo"].append(str(factored(terms[0][1])))
     return out if out["mu -> 0"] else {}
 
 
@@ -236,7 +236,10 @@ def _statements(
     statements: list[str] = []
     ranges: list[dict[str, Any]] = []
     static = next((c.polynomial.as_expr() for c in asked if c.kind == "static"), None)
-    beyond = sympy.solve(static, SQUARE)[0] if static is not None else sympy.Integer(0)
+    beyond: Expr = sympy.Integer(0)
+    if static is not None:
+        [slope, offset] = sympy.Poly(static, SQUARE).all_coeffs()
+        beyond = sympy.cancel(-offset / slope)
     line = FlutterCondition(family, condition, beyond)
     general = line.for_every_k() if beyond != 0 else None
     if general is not None:
@@ -257,7 +260,7 @@ def _plain(family: str, known: Exact, asked: Sequence[Any]) -> list[str]:
     good = "neutral" if known.even else "stable"
     if not asked:
         return [f"for every k in (0, 1/2] and every {FAMILIES[family].at[-1]}: {good}"]
-    shown = [sympy.factor(c.polynomial.as_expr()) for c in asked]
+    shown = [factored(c.polynomial.as_expr()) for c in asked]
     return [f"{good} where {value} > 0, unstable where it is negative" for value in shown]
 
 

@@ -16,10 +16,12 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path as FilePath
 from typing import Any
 
 import sympy
+from sympy.polys.matrices import DomainMatrix
 
 from ..base.errors import FileError, StabilityError
 from ..bodies.contact_laws import LAWS
@@ -56,6 +58,31 @@ class Obligation:
     """A sentence; the substitution in it turns every coefficient positive."""
 
 
+def factored(expression: Expr) -> Expr:
+    """A polynomial as the product of its irreducible factors.
+
+    As `sympy.factor`, which first looks for denominators and needs most of its time for that.
+
+    Parameters
+    ----------
+    expression
+        Polynomial over Q.
+
+    Examples
+    --------
+    >>> factored(2 * K * SIN**2 - 2 * K)
+    2*k*(s - 1)*(s + 1)
+    """
+    expression = sympy.sympify(expression)
+    if not expression.free_symbols:
+        return expression
+    content, factors = sympy.Poly(expression).factor_list()
+    product = sympy.Mul(*[factor.as_expr() ** power for factor, power in factors])
+    # SymPy would multiply a sum out
+    apart = product.is_Add and abs(content) != 1
+    return sympy.Mul(content, product, evaluate=not apart)
+
+
 def determinants(polynomial: sympy.Poly) -> list[Expr]:
     """Hurwitz determinants of order 1 … n, factored.
 
@@ -74,18 +101,24 @@ def determinants(polynomial: sympy.Poly) -> list[Expr]:
     >>> determinants(sympy.Poly(x**3 + a * x**2 + x + 1, x))
     [a, a - 1, a - 1]
     """
+    return [_determinant(polynomial, i) for i in range(1, polynomial.degree() + 1)]
+
+
+def _determinant(polynomial: sympy.Poly, order: int) -> Expr:
+    """Hurwitz determinant of one order, factored."""
     a = polynomial.all_coeffs()
-    n = len(a) - 1
 
     def entry(i: int, j: int) -> Expr:
         place = 2 * (j + 1) - (i + 1)
-        return a[place] if 0 <= place <= n else sympy.Integer(0)
+        return a[place] if 0 <= place < len(a) else sympy.Integer(0)
 
-    whole = sympy.Matrix(n, n, entry)
-    return [sympy.factor(whole[:i, :i].det(method="berkowitz")) for i in range(1, n + 1)]
+    # over the ring of polynomials, not of expressions
+    matrix = DomainMatrix.from_Matrix(sympy.Matrix(order, order, entry))
+    return factored(matrix.domain.to_sympy(matrix.det()))
 
 
-def conditions(derived: Derived) -> list[tuple[str, Expr]]:
+@lru_cache(maxsize=64)
+def conditions(derived: Derived) -> tuple[tuple[str, Expr], ...]:
     """Polynomials that must all be positive, by name, for every factor.
 
     For an even factor q(λ²), linear in λ², the conditions say that λ² is negative.
@@ -97,7 +130,7 @@ def conditions(derived: Derived) -> list[tuple[str, Expr]]:
 
     Returns
     -------
-    list of (str, Expr)
+    tuple of (str, Expr)
     """
     out: list[tuple[str, Expr]] = []
     for factor in derived.factors:
@@ -116,11 +149,11 @@ def conditions(derived: Derived) -> list[tuple[str, Expr]]:
             ("constant term" if i == n else f"coefficient of λ^{n - i}", a[i])
             for i in range(n, 0, -2)
         ]
-        found = determinants(poly)
-        out += [(f"Hurwitz determinant {i}", found[i - 1]) for i in range(n - 1, 0, -2)]
-    return [(name, sympy.factor(value)) for name, value in out]
+        out += [(f"Hurwitz determinant {i}", _determinant(poly, i)) for i in range(n - 1, 0, -2)]
+    return tuple((name, factored(value)) for name, value in out)
 
 
+@lru_cache(maxsize=1024)
 def positive(expression: Expr, given: Expr | None = None) -> str | None:
     """A proof that an expression is positive for k in (0, 1/2], s in (0, 1), M > 0, z > 0.
 
@@ -167,9 +200,12 @@ def positive(expression: Expr, given: Expr | None = None) -> str | None:
 
 def _inserted(expression: Expr, variable: sympy.Symbol, top: Expr, bottom: Expr) -> Expr:
     """The expression at variable = top/bottom, times a power of bottom > 0: no fractions."""
-    poly = sympy.Poly(expression, variable)
-    n = poly.degree()
-    return sympy.expand(sum(c * top**i * bottom ** (n - i) for (i,), c in poly.terms()))
+    names = sorted(expression.free_symbols | top.free_symbols | bottom.free_symbols, key=str)
+    above, below = sympy.Poly(top, *names), sympy.Poly(bottom, *names)
+    result, power = sympy.Poly(0, *names), sympy.Poly(1, *names)
+    for c in sympy.Poly(expression, variable).all_coeffs():  # Horner's scheme
+        result, power = result * above + power * sympy.Poly(c, *names), power * below
+    return result.as_expr()
 
 
 def _all_positive(expression: Expr) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..algebra.number_types import heyoka
 from ..base.types import Floats
 from . import taylor
 from .flow import Evaluator
@@ -57,8 +58,7 @@ def _by_heyoka(leg: Leg) -> DensePath:
 
     The path ends at the last whole step before a guard's zero.
     """
-    import heyoka as hy
-
+    hy = heyoka()
     steps = [float(leg.times[0])]
 
     def note(ta: Any) -> bool:

@@ -17,7 +17,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..algebra.number_types import heyoka_algebra
+from ..algebra.number_types import heyoka, heyoka_algebra
 from ..algebra.program import Program
 from ..base.errors import StabilityError
 from ..base.types import Floats
@@ -75,8 +75,7 @@ def unread(flow: Flow) -> str:
 
 def _expressions(flow: Flow) -> tuple[list[Any], list[Any], list[Any]]:
     """Symbols, rates and events; lanes of a batch have one event, the product of the guards."""
-    import heyoka as hy
-
+    hy = heyoka()
     product, own = ca.SX(1), flow.model.parking is None
     for name, guard in flow.guards.items():
         if name == NO_CONTACT and flow.friction:
@@ -122,8 +121,7 @@ class _Held:
 @lru_cache(maxsize=64)
 def _single(flow: Flow, tolerance: float) -> _Held:
     def build() -> Any:
-        import heyoka as hy
-
+        hy = heyoka()
         symbols, rates, guards = _expressions(flow)
         down = hy.event_direction.negative
         return hy.taylor_adaptive(
@@ -166,8 +164,7 @@ def integrate(leg: Leg) -> Path:
     -------
     Path
     """
-    import heyoka as hy
-
+    hy = heyoka()
     held = _single(leg.flow, max(leg.tolerance, FINEST))
     ta = _ready(held.take(), leg)
     quiet = min(QUIET, leg.max_steps)
@@ -268,8 +265,7 @@ class _Stop:
 @lru_cache(maxsize=64)
 def _batch(flow: Flow, tolerance: float, width: int) -> _Held:
     def build() -> Any:
-        import heyoka as hy
-
+        hy = heyoka()
         symbols, rates, guards = _expressions(flow)
         down, events, more = hy.event_direction.negative, [], {}
         if flow.model.parking is not None:
@@ -308,8 +304,7 @@ def integrate_many(
     list of Path
         In the order of the legs; a lane's result does not depend on the number of workers.
     """
-    import heyoka as hy
-
+    hy = heyoka()
     width: int = hy.recommended_simd_size()
     groups = [range(i, min(i + width, len(legs))) for i in range(0, len(legs), width)]
     flow, count = shared(legs[0].flow, executor), min(workers or CORES, len(groups))
@@ -333,8 +328,7 @@ def _together(flow: Callable[[], Flow], width: int, numbers: list[tuple[Any, ...
 
 def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     """One batch; lanes that have no launch repeat the last one."""
-    import heyoka as hy
-
+    hy = heyoka()
     width = ta.batch_size
     filled = legs + legs[-1:] * (width - len(legs))
     ends = ta.t_events[0].callback.ends if ta.with_events else {}
@@ -365,8 +359,7 @@ def _read(
     ta: Any, legs: list[Leg], states: Floats, ends: Mapping[int, tuple[float, Floats]]
 ) -> list[Path]:
     """The paths of a batch that has run; evaluates the guards."""
-    import heyoka as hy
-
+    hy = heyoka()
     paths = []
     for lane, leg in enumerate(legs):
         outcome, _, _, steps = ta.propagate_res[lane]

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from flint import acb, acb_poly, arb, ctx, fmpq_poly
-from scipy.sparse.csgraph import connected_components
 
 from ..balls import precision
 from .isolation import MOST_FACTORED, factored_roots, height
@@ -144,6 +143,8 @@ def clustered(coefficients: Sequence[Any]) -> Balls:
     Source: continuity of roots, A. M. Ostrowski, Solution of Equations in Euclidean and Banach
     Spaces, 3rd ed. (1973), appendix A.
     """
+    from scipy.sparse.csgraph import connected_components
+
     degree = len(coefficients) - 1
     middle = fmpq_poly([c.mid().fmpq() for c in coefficients])
     roots = exact_roots(middle)

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 from flint import arb, arb_mat
 
 from .taylor import product, quotient
@@ -50,6 +49,8 @@ def finite(matrix: Any) -> bool:
 
 def basis_of(matrix: Any) -> Basis:
     """A basis in which a matrix is nearly diagonal, with its inverse divided by its size."""
+    import scipy.linalg
+
     size = len(matrix)
     right = np.eye(size)
     scale = 1.0

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 from flint import arb, arb_mat, arb_series
-from scipy.sparse.csgraph import connected_components
 
 from ...algebra.balls import precision
 from ...algebra.number_types import balls
@@ -78,6 +77,8 @@ class Meetings:
 
     def _split(self) -> list[list[int]]:
         """Diagonal blocks of the block triangular form; one where zeros or evenness join them."""
+        from scipy.sparse.csgraph import connected_components
+
         graph, size = self.family.graph.matrix, len(self.family.system.states)
         if self.zeros or self.even:
             return [list(range(size))]

@@ -16,8 +16,6 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import bmat
-from scipy.sparse.csgraph import connected_components
 
 from ...algebra.linear_systems import solution
 from ...algebra.number_types import Algebra
@@ -125,6 +123,9 @@ class Implicit:
 
     def _patterns(self, states: int, hidden: Sequence[tuple[int, int]]) -> tuple[Any, Any]:
         """Whether each rate, and each slope, may differ from zero."""
+        from scipy.sparse import bmat
+        from scipy.sparse.csgraph import connected_components
+
         mass = np.array(ca.DM(self.mass.sparsity(), 1)) != 0
         size, own = len(mass), len(self.own)
         _, labels = connected_components(bmat([[None, mass], [mass.T, None]]), directed=False)

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components, min_weight_full_bipartite_matching
 
 Pattern = NDArray[np.bool_]
 
@@ -28,6 +26,8 @@ def components(pattern: Pattern) -> list[NDArray[np.intp]]:
     >>> [c.tolist() for c in components(np.array([[1, 1], [0, 1]], dtype=bool))]
     [[1], [0]]
     """
+    from scipy.sparse.csgraph import connected_components
+
     _, labels = connected_components(pattern, directed=True, connection="strong")
     return [np.flatnonzero(labels == label) for label in np.unique(labels)]
 
@@ -50,6 +50,9 @@ def zeros(pattern: Pattern) -> int:
     >>> zeros(np.array([[0, 1, 0], [0, 0, 1], [0, 1, 0]], dtype=bool))  # a chain into a pair
     1
     """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+
     if not len(pattern):
         return 0
     cost = pattern.astype(float)

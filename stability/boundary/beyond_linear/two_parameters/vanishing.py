@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from flint import arb
-from scipy.optimize import brentq
 
 from ....algebra.balls import precision
 from ....base.axis import Axis
@@ -187,6 +186,8 @@ def _refined(
 
     def size(place: float) -> float:
         return float(coefficients(at(place)).first.mid())
+
+    from scipy.optimize import brentq
 
     root = float(brentq(size, *places, xtol=1e-300, rtol=4 * np.finfo(float).eps))
     width = float(np.spacing(abs(root))) or 1e-300
