@@ -23,6 +23,7 @@ from .number_types import (
     UNARY,
     Algebra,
     function_of,
+    heyoka,
     heyoka_algebra,
     numpy_algebra,
 )

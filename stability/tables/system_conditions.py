@@ -238,7 +238,8 @@ def latex(found: Conditions) -> str:
     out = [
         "% stability table conditions --system: derived from the equations of motion",
         "% needs amsmath and booktabs",
-        rf"\paragraph{{{escaped(family.system.name)}, {escaped(family.name)}}}\mbox{{}}\par\noindent",
+        rf"\paragraph{{{escaped(family.system.name)}, {escaped(family.name)}}}"
+        r"\mbox{}\par\noindent",
         r"\begin{tabular}{@{}lp{0.75\linewidth}@{}}",
         r"  \toprule",
         r"  symbol & meaning \\",
