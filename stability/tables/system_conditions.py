@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..algebra.polynomial import Polynomial
 from ..base.exact_numbers import decimal_of, written
 from .formats.column import Column, word
+from .formats.latex import END
 from .formats.letters import converted, escaped, symbol
 from .formats.table import Definition
 
@@ -20,6 +21,8 @@ DIGITS = 12
 """Digits of a coefficient in text; longer ones are rounded and marked."""
 WIDTH = 72
 """Characters of a line of a formula in LaTeX, roughly."""
+ROWS = 20
+"""Most lines of one display."""
 MOST_OF_RULE = 120
 """Characters of a rule in full; a longer one has the labels of its conditions."""
 ROUNDED = (
@@ -218,8 +221,13 @@ def _formula(poly: Polynomial, relation: str, label: str = "") -> str:
         row = f"{row} {part}".strip()
     rows.append(f"{row} {relation}")
     mark = r"\approx{}" if _size(poly) > 1 else ""
-    body = " \\\\\n  & ".join(rows)
-    return f"\\[\n  \\begin{{aligned}}\n  {mark}& {body}\n  \\end{{aligned}}{label}\n\\]"
+    pages = [rows[i : i + ROWS] for i in range(0, len(rows), ROWS)]  # no page breaks in a display
+    bodies = [" \\\\\n  & ".join(page) for page in pages]
+    marks, labels = [mark] + [""] * len(pages), [""] * (len(pages) - 1) + [label]
+    return "\n".join(
+        f"\\[\n  \\begin{{aligned}}\n  {first}& {body}\n  \\end{{aligned}}{last}\n\\]"
+        for first, body, last in zip(marks, bodies, labels, strict=False)
+    )
 
 
 def latex(found: Conditions) -> str:
@@ -238,8 +246,9 @@ def latex(found: Conditions) -> str:
     out = [
         "% stability table conditions --system: derived from the equations of motion",
         "% needs amsmath and booktabs",
-        rf"\paragraph{{{escaped(family.system.name)}, {escaped(family.name)}}}"
-        r"\mbox{}\par\noindent",
+        r"\begingroup\raggedright",
+        rf"\paragraph{{{escaped(family.system.name)}, {escaped(family.name)}}}\mbox{{}}\par",
+        r"\noindent",
         r"\begin{tabular}{@{}lp{0.75\linewidth}@{}}",
         r"  \toprule",
         r"  symbol & meaning \\",
@@ -265,7 +274,7 @@ def latex(found: Conditions) -> str:
     if any(_size(c.polynomial) > 1 for c in found.deciding):
         out += [rf"Where $\approx$ is written, coefficients are rounded to {DIGITS} digits."]
     out += [escaped(sentence) for sentence in (*found.left_out, *filter(None, [found.numbers]))]
-    return "\n".join(out)
+    return "\n".join([*out, END])
 
 
 def _latex_assumptions(found: Conditions) -> list[str]:

@@ -97,6 +97,7 @@ def plane(shift: float) -> Any:
 
 NEARBY = (0.3, 0.4)
 MAKERS: dict[str, Callable[[float], Any]] = {
+    "Table": lambda v: st.table("drift", k=0.25, mu=v),
     "Disk": lambda v: st.Disk(mass=[v, 1.0], radius=2.0),
     "Contact": Weakening,
     "Smooth": lambda v: st.Smooth() if v < 0.35 else st.Rough(),

@@ -17,7 +17,7 @@ PACKAGE = ROOT / "stability"
 PAGE = ROOT / "docs" / "architecture.md"
 CHANGES = (
     "contact law", "body", "source of systems", "family", "integrator", "route to a verdict",
-    "figure", "command", "hard case", "output format", "eigenvalue backend",
+    "figure", "table", "command", "hard case", "output format", "eigenvalue backend",
 )  # fmt: skip
 QUESTIONS = ("spectrum", "stability_map", "simulate")
 FOLDERS = sorted(p.parent.name for p in PACKAGE.glob("*/__init__.py"))

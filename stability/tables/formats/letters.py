@@ -81,7 +81,12 @@ def _typeset(tokens: list[tuple[str, str]]) -> str:
             out += _space(tokens[max(at - 2, 0) : at - 1], tokens[at : at + 1])
         else:
             out += _one(kind, word)
-    return re.sub(r"(\d{9,}/)(?=\d)", r"\1\\allowbreak ", out)  # an exact number may be long
+    return _breaking(out)
+
+
+def _breaking(text: str) -> str:
+    """A text that may break within an exact number, which may be long."""
+    return re.sub(r"(\d{9,}/)(?=\d)", r"\1\\allowbreak ", text)
 
 
 def _space(before: list[tuple[str, str]], after: list[tuple[str, str]]) -> str:
@@ -327,7 +332,8 @@ def escaped(text: str) -> str:
              "≤": r"$\le$", "≥": r"$\ge$", "√": r"$\surd$", "→": r"$\to$", "≠": r"$\ne$",
              "±": r"$\pm$", "·": r"$\cdot$", "∞": r"$\infty$"}  # fmt: skip
     table |= {letter: rf"$\{word}$" for letter, word in GREEK_LETTERS.items()}
-    return "".join(table.get(c, c) for c in text)  # LaTeX reads other letters in UTF-8
+    found = "".join(table.get(c, c) for c in text)  # LaTeX reads other letters in UTF-8
+    return _breaking(found)
 
 
 def unit(text: str) -> str:
