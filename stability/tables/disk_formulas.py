@@ -76,7 +76,7 @@ def formula_latex(found: Sequence[Formulas]) -> str:
     >>> from stability.derivation.formulas import formulas
     >>> text = formula_latex([asdict(formulas("spinning", "rough"))])
     >>> print(text[text.index(r"\item static b"):].splitlines()[0])
-    \item static boundary: $\dot\varphi^{2} = \frac{1}{k + 1}$
+    \item static boundary: $\dot\varphi ^{2} = \frac{1}{k + 1}$
     """
     lines = [
         "% stability table conditions: recomputed from the equations of motion", NEEDS,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -217,13 +216,13 @@ def paragraphs(lines: Sequence[str]) -> list[str]:
     ['', 'one two', '', '\\quad alone']
     """
     out: list[str] = []
-    joined = re.split(r"\n(?= )|\n\n|(?<=\n) {2}", "\n".join(lines))
-    for part in joined:
-        alone = part.startswith(" ")
-        texts = part.splitlines() if alone else [part.replace("\n", " ")]
-        first, *rest = texts or [""]
-        if first.strip():
-            out += ["", rf"\quad {prose(first)}" if alone else prose(first)]
-        if rest:
-            out += ["", prose(" ".join(rest))]
+    whole: list[str] = []
+    for line in (*lines, ""):
+        if whole and (not line or line.startswith(" ")):
+            out += ["", prose(" ".join(whole))]
+            whole = []
+        if line.startswith(" "):
+            out += ["", rf"\quad {prose(line)}"]
+        elif line:
+            whole.append(line)
     return out

@@ -55,7 +55,7 @@ def mathematics(text: str) -> str:
     Examples
     --------
     >>> print(mathematics("-(2*k + 1)**2*sqrt(z)/mu**2"), mathematics("√(x_1) φ̇² ≤ sinθ"))
-    -(2k+1)^{2}\sqrt{z}/\mu^{2} \sqrt{x_{1}}\,\dot\varphi^{2}\le \sin \theta
+    -(2k+1)^{2}\sqrt{z}/\mu ^{2} \sqrt{x_{1}}\dot\varphi^{2}\le \sin \theta
     """
     text = text.replace(">=", "≥").replace("<=", "≤")
     tokens = [(m.lastgroup or "", m[0]) for m in _TOKEN.finditer(_decomposed(text))]
@@ -257,7 +257,7 @@ def prose(text: str) -> str:
     Examples
     --------
     >>> print(prose("stable & neutral for 2*k*z - 1 > 0, as sinθ ≥ ε"))
-    stable \& neutral for $2kz-1>0$, as $\sin \theta \ge \epsilon$
+    stable \& neutral for $2k\,z-1>0$, as $\sin \theta \ge \epsilon$
     """
     out: list[str] = []
     run: list[str] = []
