@@ -1,6 +1,6 @@
 """The atlas: diagrams and loci of the families for three bodies, with data and a page.
 
-Each (body, family) pair is one job.  Jobs run in separate processes.  All files are written into a
+Each figure is one job.  Jobs run in separate processes.  All files are written into a
 temporary folder next to the target, and move to the target when the atlas is complete.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
 from functools import partial
@@ -52,6 +52,10 @@ COLUMNS = (
     "error", "error_along",
 )  # fmt: skip
 """Columns of the CSV of boundaries."""
+_Key = tuple[str, str, float | None]
+"""A figure: body, family, and the friction coefficient of loci or None for the diagram."""
+_Drawn = tuple[Picture, tuple[tuple[Any, ...], ...]]
+"""A figure, and the rows of the CSV that come with it."""
 
 
 def atlas(
@@ -79,7 +83,7 @@ def atlas(
         Any `concurrent.futures.Executor` in place of the processes.  Its workers must see the same
         folders; `workers` is then its number of workers.
     progress
-        Called with (jobs done, jobs in all).
+        Called with (figures done, figures in all).
 
     Returns
     -------
@@ -103,18 +107,21 @@ def atlas(
     )
     target = check_folder(place(out), "" if overwrite else taken)
     with _temporary_folder(target) as folder:
-        jobs = [(body, family) for body in BODIES for family in drawn()]
+        pairs = [(body, family) for body in BODIES for family in drawn()]
+        # the loci first, since each is soon done; then the diagrams, the longest first
+        jobs: list[_Key] = [(*pair, mu) for mu in LOCUS_FRICTION for pair in pairs]
+        longest = sorted(pairs, key=lambda pair: not FAMILIES[pair[1]].by_angle)
+        jobs += [(*pair, None) for pair in longest]
         counted = Counted(progress, len(jobs))
         counted.add(0)
         count = min(workers or os.cpu_count() or 1, len(jobs))
         with closing(ordered(
-            sorted(jobs, key=lambda job: not FAMILIES[job[1]].by_angle),  # the longest first
-            lambda job: partial(_job, *job, str(folder), resolution),
+            jobs, lambda job: partial(_job, *job, str(folder), resolution),
             executor=executor, workers=count, own=here if workers == 1 else processes,
             progress=counted,
         )) as results:  # fmt: skip
             found = dict(results)
-        pages = [found[job] for job in jobs]
+        pages = [_page(*pair, found) for pair in pairs]
         _write_csv(folder / "boundaries.csv", pages)
         (folder / "index.html").write_text(_html(pages, resolution), encoding="utf-8")
         _move(folder, target)
@@ -164,13 +171,27 @@ def _move(folder: Path, target: Path) -> None:
 # --- one job ---
 
 
-def _job(body: str, family: str, folder: str, resolution: int) -> Page:
+def _job(body: str, family: str, mu: float | None, folder: str, resolution: int) -> _Drawn:
+    """One figure: the loci at a friction coefficient, or the diagram where there is none."""
+    here = Path(folder)
+    if mu is None:
+        return _diagram(here, body, family, resolution)
+    return _locus(here, body, family, mu, resolution), ()
+
+
+def _page(body: str, family: str, found: Mapping[_Key, _Drawn]) -> Page:
+    """The figures of a body's family, the diagram first."""
+    drawings = [found[body, family, mu] for mu in (None, *LOCUS_FRICTION)]
+    return Page(body, family, tuple(picture for picture, _ in drawings), drawings[0][1])
+
+
+def _diagram(here: Path, body: str, family: str, resolution: int) -> _Drawn:
     from ..figures.canvas import save
     from ..figures.diagram import Strip, plot_map
     from ..maps.netcdf import write_map
 
     make, name, inertia = BODIES[body]
-    disk, here, stem = make(), Path(folder), f"{family}-{body}"
+    disk, stem = make(), f"{family}-{body}"
     low, high = drawn()[family]
     dataset = stability_map(
         family, x=("at", low, high, resolution), y=("mu", *FRICTION, 3 * resolution // 4, "log"),
@@ -197,9 +218,7 @@ def _job(body: str, family: str, folder: str, resolution: int) -> Page:
     figure = plot_map(dataset, above=strips[0], below=strips[1], title=f"{family}: {name}")
     save(figure, here / stem)
     caption = _diagram_caption(family, name, inertia, dataset, limits, strips)
-    pictures = [Picture(stem, caption, f"Stability diagram of {family} of the {name}")]
-    pictures += [_locus(here, body, family, mu, resolution) for mu in LOCUS_FRICTION]
-    return Page(body, family, tuple(pictures), tuple(rows))
+    return Picture(stem, caption, f"Stability diagram of {family} of the {name}"), tuple(rows)
 
 
 def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Picture:

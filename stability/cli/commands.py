@@ -128,7 +128,7 @@ def _atlas(options: argparse.Namespace) -> None:
     from ..atlas.build import atlas
     from ..atlas.page import summary
 
-    with _bar("diagrams") as progress:
+    with _bar("figures") as progress:
         page = atlas(
             options.out, resolution=options.resolution, overwrite=options.force, progress=progress
         )

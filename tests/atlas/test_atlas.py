@@ -38,7 +38,9 @@ def folder(bodies: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) ->
         patch.setattr("stability.atlas.build.LOCUS_FRICTION", frictions(bodies))
         page = atlas(out, resolution=16, workers=1, progress=lambda *pair: told.append(pair))
     assert page == out / "index.html"
-    assert told[-1] == (3 * len(bodies), 3 * len(bodies))
+    figures = 3 * len(bodies) * (1 + len(frictions(bodies)))
+    assert told[0] == (0, figures)
+    assert told[-1] == (figures, figures)
     return out
 
 

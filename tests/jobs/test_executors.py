@@ -190,7 +190,7 @@ def test_the_atlas_is_the_same_by_an_executor(tmp_path: Path) -> None:
     with Distributed() as pool:
         atlas(tmp_path / "a", resolution=8, executor=pool, workers=2, progress=told)
     atlas(tmp_path / "b", resolution=8, workers=1)
-    assert told.rises_to(2)
+    assert told.rises_to(6)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b"]
     one, other = ({p.name for p in (tmp_path / n).iterdir()} for n in "ab")
     assert one == other
