@@ -57,9 +57,9 @@ body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; m
 h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { margin: 2.4rem 0 .3rem; font-size: 1.3rem; }
 h3 { margin: 1.4rem 0 .2rem; font-size: 1rem; }
 p, ul { max-width: 48rem; } nav a { margin-right: 1rem; }
-.figures { display: grid; gap: 1.5rem 2.5rem; align-items: start;
-  grid-template-columns: repeat(auto-fit, minmax(min(100%, 25rem), 1fr)); }
-figure { margin: 0; min-width: 0; } figure img { width: 100%; height: auto; display: block; }
+.figures { columns: 25rem 2; column-gap: 2.5rem; }
+figure { margin: 0 0 1.5rem; break-inside: avoid; }
+figure img { width: 100%; height: auto; display: block; }
 figure.wide .scroll img { min-width: 33rem; }
 figcaption { font-size: .85rem; color: #333; max-width: 34rem; margin-top: .4rem; }
 dl { font-size: .85rem; margin: .5rem 0; max-width: 48rem; } dd { margin: 0 0 .25rem 1rem; }
