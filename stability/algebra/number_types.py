@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from math import prod
 from types import ModuleType
@@ -32,6 +33,8 @@ class Algebra:
     """sin, cos, tan, sqrt, exp, log, … by name."""
 
 
+TESTED = ("7.13.2",)
+"""Versions of heyoka whose import needs SymPy for its functions `to_sympy` and `from_sympy` alone."""
 MOST_FACTORS = 64
 """Largest whole exponent for which a power is a product."""
 
@@ -244,12 +247,20 @@ class _FunctionsLater:
         return self.table()[key]
 
 
+def _known() -> bool:
+    """Whether this heyoka was tested with the stand-in; another one may use SymPy on import."""
+    try:
+        return version("heyoka") in TESTED
+    except PackageNotFoundError:
+        return False
+
+
 def heyoka() -> Any:
     """The library heyoka, whose import does not wait for SymPy.
 
     heyoka imports the whole of SymPy, for `heyoka.to_sympy` and `heyoka.from_sympy` alone.  A first
     motion would wait for SymPy as long as for everything else.  Here both functions import SymPy
-    when they are first called.
+    when they are first called.  So it is for the versions in `TESTED`; others are imported plainly.
 
     Returns
     -------
@@ -264,7 +275,7 @@ def heyoka() -> Any:
     # a thread that imports SymPy meanwhile would find the stand-in; that of a progress bar does not
     alone = all(type(t).__module__.startswith("tqdm") for t in others)
     ready = {"heyoka", "sympy"} & sys.modules.keys()
-    found = find_spec("sympy") if alone and not ready else None
+    found = find_spec("sympy") if alone and not ready and _known() else None
     if found is None:
         return import_module("heyoka")
     later = sys.modules["sympy"] = _SymPyLater("sympy")
