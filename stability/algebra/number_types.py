@@ -260,7 +260,7 @@ def heyoka() -> Any:
 
     heyoka imports the whole of SymPy, for `heyoka.to_sympy` and `heyoka.from_sympy` alone.  A first
     motion would wait for SymPy as long as for everything else.  Here both functions import SymPy
-    when they are first called.  So it is for the versions in `TESTED`; others are imported plainly.
+    when they are first called.  Versions that are not in `TESTED` are imported plainly.
 
     Returns
     -------
