@@ -34,7 +34,7 @@ class Algebra:
 
 
 TESTED = ("7.13.2",)
-"""Versions of heyoka whose import needs SymPy for its functions `to_sympy` and `from_sympy` alone."""
+"""Versions of heyoka whose import needs SymPy for `to_sympy` and `from_sympy` alone."""
 MOST_FACTORS = 64
 """Largest whole exponent for which a power is a product."""
 
