@@ -196,9 +196,12 @@ def _sentence(problem: Problem, found: Climbed, until: float) -> str:
     short = "has no bound" if math.isinf(found.share) else f"is {found.share:.3g} times that"
     who = found.model if found.alone else "No rung"
     verb = "misses" if found.alone else "keeps"
+    kept = f"the answer holds until {until:.4g}{unit}"
+    if end is None and until >= problem.last * float(problem.launches.scales["time"]):
+        kept = "the two finest runs agree to the horizon, but runs from starts beside it part"
     return (
         f"{who} {verb} the tolerance {problem.tolerance:g}: the error of {found.model} {short} at "
-        f"the horizon{why}; the answer holds until {until:.4g}{unit}."
+        f"the horizon{why}; {kept}."
     )
 
 

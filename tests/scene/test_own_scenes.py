@@ -1,0 +1,65 @@
+"""Scenes of a user's own system: a towed castor with a tyre that relaxes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import stability as st
+
+GIVEN = {"v": 3.0, "e": 0.1, "sigma": 0.3, "c": 1.0, "I": 0.5, "K": 3e4, "z0": 0.02}
+START = {"psi": 0.05, "r": 0.0, "z": 0.0}
+UNITS = {
+    "psi": "rad", "r": "rad/s", "z": "m", "v": "m/s", "e": "m", "sigma": "m", "c": "N m s",
+    "I": "kg m2", "K": "N/m", "z0": "m",
+}  # fmt: skip
+
+
+def rates(x: Any, p: Any, m: Any) -> tuple[Any, Any, Any]:
+    """Yaw, its rate, and the deflection of the contact patch; `m` has sin, cos and sqrt."""
+    (psi, r, z), (v, e, sigma, c, inertia, k, z0) = x, p
+    force = k * z / m.sqrt(1 + (z / z0) ** 2)
+    slide = v * m.sin(psi) + e * r - v * m.cos(psi) * z / sigma
+    return r, (-c * r - e * force) / inertia, slide
+
+
+def castor() -> st.System:
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 7)
+    right = ca.vertcat(*rates(ca.vertsplit(x), ca.vertsplit(p), ca))
+    return st.System("castor", x, p, right, states=tuple(START), parameters=tuple(GIVEN),
+                     units=UNITS)  # fmt: skip
+
+
+def scene(horizon: float, tolerance: float, **more: Any) -> st.Scene:
+    """The castor beyond its border: it grows from the start to a large swing."""
+    return st.Scene(castor(), GIVEN, START, horizon=horizon, tolerance=tolerance, **more)
+
+
+def truth(horizon: float) -> Any:
+    """The final states by SciPy, for a motion that grows e^34 times from its start."""
+    found = solve_ivp(lambda _, x: rates(x, GIVEN.values(), np), [0, horizon], list(START.values()),
+                      method="DOP853", rtol=3e-14, atol=1e-15)  # fmt: skip
+    return found.y[:, -1]
+
+
+@pytest.mark.parametrize(("horizon", "tolerance"), [(7.0, 1e-2), (7.0, 1e-3), (10.0, 0.1)])
+def test_the_integrator_tightens_where_its_loose_neighbours_part(
+    horizon: float, tolerance: float
+) -> None:
+    answer = scene(horizon, tolerance).answer()
+    true = truth(horizon)
+    far = np.abs(np.array(list(answer.value.values())) - true) / np.maximum(1, np.abs(true))
+    assert far.max() <= answer.estimate <= tolerance
+    assert answer.sentence.startswith("castor answers")
+
+
+def test_where_no_tightening_helps_the_answer_holds_for_less_than_the_horizon() -> None:
+    answer = scene(15.0, 1e-2).answer()
+    assert math.isinf(answer.estimate)
+    assert 10 < answer.until < 15
+    assert f"the answer holds until {answer.until:.4g} s" in answer.sentence
