@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -63,3 +65,30 @@ def test_where_no_tightening_helps_the_answer_holds_for_less_than_the_horizon() 
     assert math.isinf(answer.estimate)
     assert 10 < answer.until < 15
     assert f"the answer holds until {answer.until:.4g} s" in answer.sentence
+
+
+def test_the_report_begins_with_the_question_and_shows_the_digits_that_are_known() -> None:
+    answer = scene(4.0, 1e-2).answer()
+    head, told, *_ = answer.report().split("\n\n")
+    assert head == (
+        "system castor: v = 3 m/s, e = 0.1 m, sigma = 0.3 m, c = 1 N m s, I = 0.5 kg m2, "
+        "K = 30000 N/m, z0 = 0.02 m\n"
+        "start: psi = 0.05 rad, all others 0; horizon 4 s; tolerance 0.01"
+    )
+    for name, value in answer.value.items():
+        [text] = re.findall(rf"\b{name} = (\S+) {UNITS[name]}", told)
+        error = answer.estimate * max(1.0, abs(value))
+        digits = len(text.split(".")[1]) if "." in text else 0
+        assert 10.0 ** (1 - digits) > error  # the last digit is the first that the error reaches
+        assert abs(float(text) - value) <= 10.0**-digits
+
+
+def test_a_small_number_shows_no_digit_below_its_error() -> None:
+    """The tolerance is over 1 or the size: a state far below 1 is known to few digits."""
+    answer = scene(1.0, 1e-2).answer()
+    small = replace(answer, estimate=2.2e-4, value={"psi": 0.5, "r": 0.0, "z": 0.000252})
+    assert "z = 0.0003 m" in small.report()
+    scaled = replace(small, estimate=2.2e-9)
+    assert "z = 0.000252 m" in scaled.report()
+    lost = replace(small, estimate=math.inf, value={"psi": 0.512, "r": 0.0, "z": 0.000252})
+    assert "psi = 0.51 rad" in lost.report()

@@ -99,10 +99,12 @@ def test_the_errors_of_the_chart_are_those_of_the_page(monkeypatch: pytest.Monke
 
 
 def test_the_report_of_the_page_is_that_of_today() -> None:
-    block = re.search(r"```text\n(creep-1 answers.*?)```", PAGE, re.DOTALL)
+    block = re.search(r"```text\n(disk: .*?creep-1 answers.*?)```", PAGE, re.DOTALL)
     assert block
     shown = lines_of(block[1])
     answer = scene().answer()
+    # the question, the sentence and the states are the same up to the ladder
+    assert block[1].split("\n\n")[:2] == answer.report().split("\n\n")[:2]
     told = [(r.chosen, r.name, r.dimension, r.estimate) for r in answer.rungs]
     assert len(shown) == 4
     assert [row[:3] for row in shown] == [row[:3] for row in told]
