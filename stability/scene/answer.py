@@ -159,6 +159,8 @@ class Answer(Record):
                 before = r.indicators
                 told = ", ".join(f"{n} {v:.3g}" for n, v in r.indicators.items())
                 lines.append(f"{'':<{wide + 31}} {told}")
+        once = [f"{1e3 * r.built:.0f} ms for {r.name}" for r in self.rungs if r.built > 1e-3]
+        lines += [f"  built once, not in the costs: {', '.join(once)}"] if once else []
         lines += [f"  {note}" for note in self.notes]
         if self.spread is not None:
             lines += ["", *self.spread.lines()]

@@ -276,7 +276,7 @@ class Scene(Record):
             return Answer(None, "none", math.inf, (), 0.0, said, self.tolerance)
         if self.quantities[0] in LINEAR:
             return self._linear(problem, law, only)
-        found = climb(problem, self.quantities, tuple(self.models), only)
+        found = climb(problem, self.quantities, tuple(self.models), only, measured=True)
         told = tell(problem, found, self.horizon)
         if self.uncertain and found.track is not None:
             moved = self._spread(law, found, problem, only)
