@@ -283,12 +283,12 @@ def _cells(
     cells = {}
     if name == "final":
         for state, number in value.items():
-            cells[f"{state} [{units[state]}]"] = f"{number:.{digits}g}"
+            cells[f"{state} [{units[state]}]"] = answer.number(state, number, name, digits)
     elif name == "path":
         cells["path"] = f"{value.sizes['time']} samples"
     elif isinstance(value, float):
         unit = f" [{units[name]}]" if name in units else ""
-        cells[f"{name}{unit}"] = f"{value:.{digits}g}"
+        cells[f"{name}{unit}"] = answer.number(name, value, name, digits)
     else:
         cells[name] = value or NONE.get(name, "none")
     for label, errors in (("error", answer.estimate), ("true error", answer.true_error)):

@@ -103,9 +103,9 @@ class Answer(Record):
         for name, value in asked.items():
             label = f"{name}: " if name else ""
             if isinstance(value, dict):
-                told = ", ".join(f"{n} = {self._number(n, v, name)}" for n, v in value.items())
+                told = ", ".join(f"{n} = {self._with_unit(n, v, name)}" for n, v in value.items())
             elif isinstance(value, float):
-                told = self._number(name or next(iter(self.measures), ""), value, name)
+                told = self._with_unit(name or next(iter(self.measures), ""), value, name)
             elif value is None or isinstance(value, str):
                 told = value or "none"
             else:
@@ -113,14 +113,27 @@ class Answer(Record):
             found.append(f"  {label}{told}")
         return found
 
-    def _number(self, name: str, value: float, quantity: str) -> str:
-        """A number with its unit, to the digits that its estimate supports."""
-        several = isinstance(self.estimate, dict)
-        size = self.estimate.get(quantity or name, math.nan) if several else self.estimate
+    def _with_unit(self, name: str, value: float, quantity: str) -> str:
+        """A number with its unit."""
+        return f"{self.number(name, value, quantity)} {self.measures.get(name, ('',))[0]}".strip()
+
+    def number(self, name: str, value: float, quantity: str, most: int = 9) -> str:
+        """A number of the answer, to the first digit that its error reaches.
+
+        Parameters
+        ----------
+        name, value
+            A state or quantity, and its value in the user's unit.
+        quantity
+            Name of the quantity that it belongs to.
+        most
+            Most digits.
+        """
         if name not in self.measures:
-            return f"{value:.9g}"
-        unit, one = self.measures[name]
-        return f"{supported(value, size * max(one, abs(value)))} {unit}".strip()
+            return f"{value:.{most}g}"
+        several = isinstance(self.estimate, dict)
+        size = self.estimate[quantity] if several else self.estimate
+        return supported(value, size * max(self.measures[name][1], abs(value)), most)
 
     def report(self) -> str:
         """The answer in words and numbers, and its ladder.
