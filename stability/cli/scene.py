@@ -248,7 +248,7 @@ def _units(names: tuple[str, ...], *, plain: bool) -> dict[str, str]:
 
 def _lines(title: str, scene: Scene, answer: Answer, names: tuple[str, ...]) -> Iterator[str]:
     """The title, the answer in words, a table of the values, and every ladder."""
-    yield from (title, "", answer.sentence)
+    yield from (title, *answer.setting, "", answer.sentence)
     columns = _parts(answer)
     if all(one.model == "none" for one in columns.values()):
         return
@@ -283,20 +283,28 @@ def _cells(
     cells = {}
     if name == "final":
         for state, number in value.items():
-            cells[f"{state} [{units[state]}]"] = f"{number:.{digits}g}"
+            cells[f"{state} [{units[state]}]"] = answer.number(state, number, name, digits)
     elif name == "path":
         cells["path"] = f"{value.sizes['time']} samples"
     elif isinstance(value, float):
         unit = f" [{units[name]}]" if name in units else ""
-        cells[f"{name}{unit}"] = f"{value:.{digits}g}"
+        cells[f"{name}{unit}"] = answer.number(name, value, name, digits)
     else:
         cells[name] = value or NONE.get(name, "none")
     for label, errors in (("error", answer.estimate), ("true error", answer.true_error)):
         if errors is not None:
             size = _by_name(errors, every)[name]
-            told = f"{size:.1e}" if size else "none"  # a word is right or not known to be
+            told = f"{size:.1e}"
+            if not size and not isinstance(value, float):  # a word is right or not known to be
+                told = _sure(answer) if errors is answer.estimate else "0"
             cells[f"  {label} of {name}"] = told if math.isfinite(size) else "not known"
     return cells
+
+
+def _sure(answer: Answer) -> str:
+    """How a word without error is called."""
+    spread = answer.spread
+    return "certain, for the inputs as given" if spread and spread.contrary else "certain"
 
 
 def _table(rows: Mapping[str, list[str]]) -> Iterator[str]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.quantities import Kind
 from ..base.types import Floats, Record, content
 from ..base.version import __version__
 from ..motion.result import Outcome
@@ -17,6 +18,7 @@ from ..motion.result import Outcome
 if TYPE_CHECKING:
     import xarray
 
+from .inputs import label
 from .ladder import Climbed, Rung
 from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.full import kept_until
@@ -65,6 +67,10 @@ class Answer(Record):
     """Largest difference of two laws at the end of the time that they share; None for one law."""
     parts: Mapping[str, Answer] = field(default_factory=dict)
     """The answer under each law, where the scene has several."""
+    setting: tuple[str, ...] = ()
+    """The question in words: the body and its law, the start, the horizon, with units."""
+    measures: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    """Unit of each state and number, and the value at which its error begins to be relative."""
     motion: tuple[Problem, Track] | None = field(default=None, repr=False, compare=False)
     """The dimensionless problem and its track; None where there is no motion."""
 
@@ -97,13 +103,37 @@ class Answer(Record):
         for name, value in asked.items():
             label = f"{name}: " if name else ""
             if isinstance(value, dict):
-                told = ", ".join(f"{n} = {v:.9g}" for n, v in value.items())
-            elif value is None or isinstance(value, (str, float)):
-                told = "none" if value is None else f"{value:.9g}" if value != str(value) else value
+                told = ", ".join(f"{n} = {self._with_unit(n, v, name)}" for n, v in value.items())
+            elif isinstance(value, float):
+                told = self._with_unit(name or next(iter(self.measures), ""), value, name)
+            elif value is None or isinstance(value, str):
+                told = value or "none"
             else:
                 continue  # a path
             found.append(f"  {label}{told}")
         return found
+
+    def _with_unit(self, name: str, value: float, quantity: str) -> str:
+        """A number with its unit."""
+        return f"{self.number(name, value, quantity)} {self.measures.get(name, ('',))[0]}".strip()
+
+    def number(self, name: str, value: float, quantity: str, most: int = 9) -> str:
+        """A number of the answer, to the first digit that its error reaches.
+
+        Parameters
+        ----------
+        name, value
+            A state or quantity, and its value in the user's unit.
+        quantity
+            Name of the quantity that it belongs to.
+        most
+            Most digits.
+        """
+        if name not in self.measures:
+            return f"{value:.{most}g}"
+        several = isinstance(self.estimate, dict)
+        size = self.estimate[quantity] if several else self.estimate
+        return supported(value, size * max(self.measures[name][1], abs(value)), most)
 
     def report(self) -> str:
         """The answer in words and numbers, and its ladder.
@@ -112,8 +142,12 @@ class Answer(Record):
         -------
         str
         """
+        return "\n".join([*self.setting, *([""] if self.setting else []), self._body()])
+
+    def _body(self) -> str:
+        """The report without the question."""
         if self.parts:
-            told = [f"{name}: {part.report()}" for name, part in self.parts.items()]
+            told = [f"{name}: {part._body()}" for name, part in self.parts.items()]
             return "\n\n".join([self.sentence, *told])
         ladder = self.ladder()
         return "\n".join([self.sentence, *self._values(), *([f"\n{ladder}"] if ladder else [])])
@@ -138,10 +172,53 @@ class Answer(Record):
                 before = r.indicators
                 told = ", ".join(f"{n} {v:.3g}" for n, v in r.indicators.items())
                 lines.append(f"{'':<{wide + 31}} {told}")
+        once = [f"{1e3 * r.built:.0f} ms for {r.name}" for r in self.rungs if r.built > 1e-3]
+        lines += [f"  built once, not in the costs: {', '.join(once)}"] if once else []
         lines += [f"  {note}" for note in self.notes]
         if self.spread is not None:
             lines += ["", *self.spread.lines()]
         return "\n".join(lines)
+
+
+def supported(value: float, error: float, most: int = 9) -> str:
+    """A number to the first digit that its error reaches.
+
+    Parameters
+    ----------
+    value, error
+        The number and its error; two digits are shown where that has no bound.
+    most
+        Most digits.
+
+    Examples
+    --------
+    >>> supported(0.000252, 2.2e-4), supported(1.23456, 2e-3), supported(2.0, 0.0)
+    ('0.0003', '1.235', '2')
+    """
+    if not math.isfinite(error):
+        return f"{value:.2g}"
+    if value == 0 or error == 0:
+        return f"{value:.{most}g}"
+    place = math.floor(math.log10(error))
+    count = math.floor(math.log10(abs(value))) - place + 1
+    return f"{value:.{min(count, most)}g}" if count > 0 else f"{value:.{max(0, -place)}f}"
+
+
+def _measures(problem: Problem, names: Iterable[str]) -> dict[str, tuple[str, float]]:
+    """The unit and the size of 1 of each state, and of each number that was asked for."""
+    launches, found = problem.launches, {}
+    kinds = {n: QUESTIONS[n].kind for n in names}
+    states = launches.model.states if {"final", "path"} & set(names) else ()
+    sizes = states_in_units(problem, np.ones((1, len(launches.model.states))))[0]
+    for name, size in zip(states, sizes.tolist(), strict=False):
+        found[name] = label(launches.model, name, dimensionless=launches.dimensionless), size
+    for name, kind in kinds.items():
+        if kind is Kind.TIME:
+            unit = label(launches.model, "time", dimensionless=launches.dimensionless)
+            found[name] = unit, float(launches.scales["time"])
+        elif kind is not None:
+            found[name] = kind.si, 1.0
+    return found
 
 
 def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
@@ -178,7 +255,7 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
         next(iter(values.values())) if one else values, found.model,
         next(iter(errors.values())) if one else errors, found.rungs, until,
         _sentence(problem, found, until), problem.tolerance, notes=track.notes,
-        motion=(problem, track),
+        measures=_measures(problem, found.found), motion=(problem, track),
     )  # fmt: skip
 
 
@@ -196,9 +273,12 @@ def _sentence(problem: Problem, found: Climbed, until: float) -> str:
     short = "has no bound" if math.isinf(found.share) else f"is {found.share:.3g} times that"
     who = found.model if found.alone else "No rung"
     verb = "misses" if found.alone else "keeps"
+    kept = f"the answer holds until {until:.4g}{unit}"
+    if end is None and until >= problem.last * float(problem.launches.scales["time"]):
+        kept = "the two finest runs agree to the horizon, but runs from starts near it part"
     return (
         f"{who} {verb} the tolerance {problem.tolerance:g}: the error of {found.model} {short} at "
-        f"the horizon{why}; the answer holds until {until:.4g}{unit}."
+        f"the horizon{why}; {kept}."
     )
 
 
@@ -298,17 +378,17 @@ def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
     launches = problem.launches
     clock = float(launches.scales["time"])
 
-    def label(name: str) -> dict[str, str]:
+    def about(name: str) -> dict[str, str]:
         return launches.model.attributes(name, dimensionless=launches.dimensionless)
 
     states = states_in_units(problem, track.states)
     names = launches.model.states
-    variables: dict[str, Any] = {n: ("time", states[:, i], label(n)) for i, n in enumerate(names)}
+    variables: dict[str, Any] = {n: ("time", states[:, i], about(n)) for i, n in enumerate(names)}
     variables["error"] = ("time", track.errors, {
         "long_name": "estimated error of the states, the largest, each over 1 or its own size",
         "units": "1"})  # fmt: skip
     return xarray.Dataset(
-        variables, {"time": ("time", track.times * clock, label("time"))},
+        variables, {"time": ("time", track.times * clock, about("time"))},
         {"title": f"{launches.model.title}, by the model {model}", "model": model,
          "tolerance": problem.tolerance, "source": launches.model.source,
          "stability_version": __version__, "Conventions": "CF-1.11"},

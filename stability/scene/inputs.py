@@ -11,9 +11,12 @@ import numpy as np
 
 from ..base.checks import one_number
 from ..base.errors import ParameterError, shown
+from ..base.quantities import Kind
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.model import Model, system_model
 from ..bodies.thin_disk.disk_equations import STATES
+from ..bodies.thin_disk.disk_model import disk_model
 from ..motion.starts import Starts, gather
 from ..motion.system_starts import gather_system
 from ..systems.sources.numeric import NumericSystem
@@ -143,6 +146,76 @@ def in_words(name: str, width: float, launches: Starts) -> str:
     return f"{name} ± {width:g}" + ("" if unit == "1" else f" {unit}")
 
 
+def label(model: Model, name: str, *, dimensionless: bool) -> str:
+    """The unit of a state, a parameter or the time, for a reader; empty for a number without one.
+
+    Parameters
+    ----------
+    model
+        The model.
+    name
+        Name of the state or parameter, or `time`.
+    dimensionless
+        Whether the body's units are all 1.
+    """
+    found = model.attributes(name, dimensionless=dimensionless)
+    unit = found.get("unit_in_words", found["units"])
+    return "" if unit == "1" else unit
+
+
+def setting(disk: Any, laws: Mapping[str, Any], start: Any, *asked: float) -> tuple[str, ...]:
+    """The question of a scene in three lines, with units: the body and its law, start, horizon.
+
+    Parameters
+    ----------
+    disk, start
+        As for `Scene`.
+    laws
+        The laws by name, or the parameters of a system under an empty name.
+    *asked
+        Horizon and tolerance.
+    """
+    if isinstance(disk, System):
+        model, plain = system_model(disk), True
+        p = _named({} if laws[""] is None else laws[""], disk.parameters)
+        told = [f"{n} = {_told(v)} {label(model, n, dimensionless=True)}" for n, v in p.items()]
+        body = [f"system {disk.name}: {_listed(told)}"]
+    else:
+        model, plain = disk_model(type(next(iter(laws.values())))), disk.dimensionless
+        sizes = (("mass", Kind.MASS), ("radius", Kind.LENGTH), ("gravity", Kind.ACCELERATION))
+        told = [f"{n} = {_told(getattr(disk, n))} {kind.si}" for n, kind in sizes]
+        about = "m = R = g = 1, without units" if plain else _listed(told)
+        body = [f"disk: {about}, k = {_told(disk.k)}"]
+        body += ["; ".join(_of_law(name, law, plain=plain) for name, law in laws.items())]
+    states = _named(start, model.states)
+    moved = [f"{n} = {_told(v)} {label(model, n, dimensionless=plain)}"
+             for n, v in states.items() if np.any(v)]  # fmt: skip
+    rest = [] if len(moved) == len(model.states) else ["all others 0" if moved else "all states 0"]
+    unit = label(model, "time", dimensionless=plain)
+    last = f"horizon {asked[0]:.9g} {unit}".strip()
+    return *body, f"start: {_listed([*moved, *rest])}; {last}; tolerance {asked[1]:g}"
+
+
+def _of_law(name: str, law: Contact, *, plain: bool) -> str:
+    """A law with its parameters."""
+    words = {k.si: k.label(dimensionless=plain) for k in Kind}
+    units = {q.name: words.get(q.unit, q.unit) for q in law.parameters}
+    told = [f"{n} = {_told(v)} {'' if units.get(n) == '1' else units.get(n, '')}"
+            for n, v in law.given.items()]  # fmt: skip
+    own = f"law {name}: {law.name}" if name and name != law.name else f"law {law.name}"
+    return ", ".join([own, *(t.strip() for t in told)])
+
+
+def _listed(told: Sequence[str]) -> str:
+    return ", ".join(t.strip() for t in told)
+
+
+def _told(value: Any) -> str:
+    """A number, also one in an array."""
+    known = np.ravel(value)
+    return f"{float(known[0]):.9g}" if known.size == 1 else shown(value)
+
+
 def launched(
     disk: Any, contact: Any, start: Any, horizon: float, families: Any,
     moved: Mapping[str, float],
@@ -193,7 +266,7 @@ def _named(given: Any, names: Sequence[str]) -> dict[str, Any]:
     """Numbers by name, from a mapping or a sequence."""
     if isinstance(given, Mapping):
         return dict(given)
-    return dict(zip(names, np.asarray(given, dtype=float).tolist(), strict=False))
+    return dict(zip(names, np.ravel(np.asarray(given, dtype=float)).tolist(), strict=False))
 
 
 def _moved(start: Any, names: Sequence[str], moved: Mapping[str, float]) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
 from .answer import Answer, held_against, tell
-from .inputs import in_words, known_to, launched, laws_of, names_of, weights_of
+from .inputs import in_words, known_to, launched, laws_of, names_of, setting, weights_of
 from .ladder import Climbed, climb
 from .laws import compare
 from .linear import LINEAR, Member
@@ -58,8 +58,9 @@ class Scene(Record):
     horizon
         Last time of interest [s, or √(R/g)].
     tolerance
-        Error allowed: in each state over 1 or its size, in a time over 1 or its size, from 1e-13 to
-        0.1.
+        Error allowed, from 1e-13 to 0.1: in each state and time over 1 or its size, for a disk
+        where m = R = g = 1, for a system in its own units.  Where its states are far below 1, write
+        them in units in which they are near 1, or divide the tolerance by the size that counts.
     quantities
         Names: `final`, `path`, `outcome`, `settling_time`, `lift_off_time`, `largest_tilt`; or, of
         the steady motion nearest to the start, `verdict`, `growth_rate` and `boundary` (the nearest
@@ -249,7 +250,10 @@ class Scene(Record):
             found = self._compared(laws, only, verify=False)
         else:
             found = self._answered(next(iter(laws.values())), only)
-        return replace(found, cost=time.perf_counter() - began)
+        return replace(found, setting=self._setting(laws), cost=time.perf_counter() - began)
+
+    def _setting(self, laws: Mapping[str, Any]) -> tuple[str, ...]:
+        return setting(self.disk, laws, self.start, self.horizon, self.tolerance)
 
     def _compared(self, laws: Mapping[str, Any], only: str | None, *, verify: bool) -> Answer:
         """The answers under several laws."""
@@ -272,13 +276,14 @@ class Scene(Record):
             return Answer(None, "none", math.inf, (), 0.0, said, self.tolerance)
         if self.quantities[0] in LINEAR:
             return self._linear(problem, law, only)
-        found = climb(problem, self.quantities, tuple(self.models), only)
+        found = climb(problem, self.quantities, tuple(self.models), only, measured=True)
         told = tell(problem, found, self.horizon)
         if self.uncertain and found.track is not None:
-            told = replace(told, spread=self._spread(law, found, problem, only))
-            assert told.spread is not None
-            if self.raise_tolerance and told.spread.wasted and only is None:
-                enough = min(LOOSEST, WASTED * told.spread.size)
+            moved = self._spread(law, found, problem, only)
+            doubt = f" But {moved.doubt}." if moved.contrary else ""
+            told = replace(told, spread=moved, sentence=told.sentence + doubt)
+            if self.raise_tolerance and moved.wasted and only is None:
+                enough = min(LOOSEST, WASTED * moved.size)
                 coarse = replace(self, tolerance=enough, raise_tolerance=False)
                 again = coarse._answered(law, only)
                 why = f"the tolerance is raised from {self.tolerance:g} to {enough:.2g}"
@@ -326,7 +331,8 @@ class Scene(Record):
         if len(laws) > 1:
             told = self._compared(laws, None, verify=True)
             errors: Any = {n: part.true_error for n, part in told.parts.items()}
-            return replace(told, true_error=errors, cost=time.perf_counter() - began)
+            seconds = time.perf_counter() - began
+            return replace(told, true_error=errors, setting=self._setting(laws), cost=seconds)
         told = self.answer()
         if told.motion is None:
             return told

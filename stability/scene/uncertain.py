@@ -65,6 +65,14 @@ class Spread:
         """Whether the tolerance is finer than a tenth of what the inputs allow to know."""
         return self.tolerance < VAIN * WASTED * self.size
 
+    @property
+    def doubt(self) -> str:
+        """Within which uncertainties the outcome changes, in words."""
+        return (
+            "the outcome is not determined by what is known: it changes within the uncertainty of "
+            f"{' and of '.join(self.contrary)}"
+        )
+
     def lines(self) -> list[str]:
         """The spread in words, one line for each fact."""
         found = [
@@ -82,10 +90,7 @@ class Spread:
                     label = self.labels[given].replace("±", sign)
                     found.append(f"  {label} gives {word} in place of {self.outcome}")
         if self.contrary:
-            found.append(
-                "  the outcome is not determined by what is known: it changes within the "
-                f"uncertainty of {' and of '.join(self.contrary)}"
-            )
+            found.append(f"  {self.doubt}")
         elif self.wasted:
             found.append(
                 f"  a tolerance of {self.tolerance:g} is wasted: the inputs alone move the answer "

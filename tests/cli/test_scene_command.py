@@ -88,7 +88,8 @@ def test_an_example_prints_the_answer_of_python_in_both_forms(
     rungs = [(r["name"], r["chosen"], r["why"]) for r in found["rungs"]]
     assert rungs == [(r.name, r.chosen, r.why) for r in answer.rungs]
     text = output(capsys, "scene", str(path))
-    assert text.startswith(f"{found['title']}\n\n{answer.sentence}\n")
+    head = "\n".join([found["title"], *answer.setting])
+    assert text.startswith(f"{head}\n\n{answer.sentence}\n")
     for name, part in (answer.parts or {"": answer}).items():
         assert part.ladder().strip() in text
         if answer.parts:
@@ -213,7 +214,32 @@ def test_a_start_that_no_rung_can_take_is_answered_so(
     found = ask(capsys, path)
     assert (found["model"], found["value"], found["estimate"]) == ("none", None, None)
     assert found["sentence"].startswith("No rung can answer")
-    assert output(capsys, "scene", path) == f"small\n\n{found['sentence']}\n"
+    head, _, said = output(capsys, "scene", path).partition("\n\n")
+    assert (head.split("\n")[0], said) == ("small", f"{found['sentence']}\n")
+    assert "theta_dot = 5 √(g/R)" in head
+
+
+def test_the_page_begins_with_the_question(capsys: pytest.CaptureFixture[str]) -> None:
+    head = output(capsys, "scene", str(FOLDER / "rolled-coin.toml")).split("\n")[1:4]
+    assert head == [
+        "disk: mass = 0.00567 kg, radius = 0.01213 m, gravity = 9.81 m/s2, k = 0.25",
+        "law viscous, mu = 20 s/m; law linear: linear-viscous, mu = 20 s/m; law dry: coulomb, "
+        "mu = 0.3; law rough; law smooth",
+        "start: theta = 1.56079633 rad, omega3 = 30 rad/s, all others 0; horizon 0.5 s; "
+        "tolerance 0.001",
+    ]  # fmt: skip
+
+
+def test_a_word_is_certain_or_doubted_from_the_first_line_on(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    near = output(capsys, "scene", str(FOLDER / "near-threshold-roll.toml"))
+    told = next(line for line in near.split("\n") if "answers" in line)
+    assert "lift-off" in told
+    assert "But the outcome is not determined" in told
+    assert re.search(r"error of outcome +certain, for the inputs as given\n", near)
+    stiff = output(capsys, "scene", str(FOLDER / "stiff-launch.toml"))
+    assert re.search(r"error of outcome +certain\n", stiff)
 
 
 # --- files ---

@@ -99,10 +99,15 @@ def test_the_errors_of_the_chart_are_those_of_the_page(monkeypatch: pytest.Monke
 
 
 def test_the_report_of_the_page_is_that_of_today() -> None:
-    block = re.search(r"```text\n(creep-1 answers.*?)```", PAGE, re.DOTALL)
+    block = re.search(r"```text\n(disk: .*?creep-1 answers.*?)```", PAGE, re.DOTALL)
     assert block
     shown = lines_of(block[1])
     answer = scene().answer()
+    assert block[1].split("\n\n")[0].split("\n") == list(answer.setting)
+    for name, value in answer.value.items():
+        [printed] = re.findall(rf"\b{name} = (\S+) (?:rad|√\(g/R\)|√\(gR\))[,\n]",
+                               block[1].split("\n\n")[1] + "\n")  # fmt: skip
+        assert float(printed) == pytest.approx(value, abs=scene().tolerance)
     told = [(r.chosen, r.name, r.dimension, r.estimate) for r in answer.rungs]
     assert len(shown) == 4
     assert [row[:3] for row in shown] == [row[:3] for row in told]

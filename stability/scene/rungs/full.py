@@ -64,9 +64,17 @@ def full(
         if best is None or track.errors[-1] <= best.errors[-1]:
             best = track
         hope = track.errors[-1] * (FINEST / asked) ** FALL
+        if _parted(track, carried):
+            hope = 0.0
         if track.errors[-1] <= problem.tolerance or asked <= FINEST or hope > problem.tolerance:
             return best
         asked = decade(asked * SHARPER, FINEST)
+
+
+def _parted(track: Track, carried: Floats | None) -> bool:
+    """Whether only the neighbours have parted: these are looser, and finer ones may stay close."""
+    known = carried is None or bool(np.isfinite(carried).all())
+    return known and track.finish is None and bool(np.isinf(track.errors[-1]))
 
 
 def truth_of(problem: Problem) -> tuple[Problem, Track]:
