@@ -40,6 +40,7 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_polynomials import exact_polynomial
+from ..spectra.arguments import refuse_system
 from ..spectra.disk_problem import disk_problem
 from ..spectra.problem import Problem
 from ..systems.family import Family
@@ -143,6 +144,7 @@ def hopf(
     >>> point.kind.word, point.coefficient, point.crossing
     ('soft', -0.25, 0.5)
     """
+    refuse_system(family)
     if isinstance(family, Family):
         given = {"contact": contact, "disk": disk}
         for name, value in given.items():

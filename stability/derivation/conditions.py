@@ -24,6 +24,7 @@ from ..base.checks import positive as above_zero
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Record, fields_of
 from ..base.verdict import Verdict, best
+from ..spectra.arguments import refuse_system
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .general.deduction import Deduction, closed_forms, domain_of
@@ -330,6 +331,7 @@ def conditions(
     >>> conditions(rest).rule
     'Stable where c > 0; unstable where it is negative.'
     """
+    refuse_system(family)
     instance("family", family, Family, "give a stability.Family")
     reads = Numbers(flag("decimals", decimals))
     intervals = reads.intervals(family, positive, between or {})

@@ -245,7 +245,9 @@ def _pinched(one: Result, others: Sequence[Result]) -> ErrorEstimate:
     size = MEASURED * max(final, apart if apart > CLOSE else 0.0)
     size += PER_STEP * one.path.steps * _growth(others[-2], others[-1])
     time = max(float(MEASURED * late), _in_time(one, float(size), others))
-    return ErrorEstimate(float(size if size < NOTHING else np.inf), time, contrary)
+    if size < NOTHING:
+        return ErrorEstimate(float(size), time, contrary)
+    return ErrorEstimate(np.inf, time, contrary, _together(others[-2], others[-1]))
 
 
 def _close(one: Result, pair: Pair) -> bool:
@@ -310,6 +312,12 @@ def _gaps(one: Result, other: Result) -> Floats:
 def _spread(one: Result, other: Result) -> float:
     """Half the largest distance of two neighbours on the way."""
     return float(_gaps(one, other).max()) / 2
+
+
+def _together(one: Result, other: Result) -> float:
+    """Part of the time up to which two neighbours stay close."""
+    close = np.logical_and.accumulate(_gaps(one, other) / 2 <= CLOSE)
+    return float(max(int(close.sum()) - 1, 0) / (COMPARED - 1))
 
 
 def _growth(one: Result, other: Result) -> float:

@@ -204,3 +204,5 @@ class ErrorEstimate:
     """Estimated error of the end's time, dimensionless; 0 where the run lasted to the last time."""
     contrary: str = ""
     """End of a neighbour that ends differently, in words; the outcome is then undetermined."""
+    together: float = 1.0
+    """Part of the run's time up to which its neighbours stay together."""

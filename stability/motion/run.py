@@ -120,8 +120,21 @@ def _shadow(leg: Leg, states: Floats, tolerance: float, off: float, seconds: flo
 
 def _doubted(result: Result, doubt: ErrorEstimate | None) -> Result:
     if doubt is None or not doubt.contrary:
-        return replace(result, doubt=doubt)
+        said = (
+            "" if doubt is None or math.isfinite(doubt.final_error) else _unbounded(result, doubt)
+        )
+        return replace(result, doubt=doubt, evidence=result.evidence + said)
     return replace(result, doubt=doubt, outcome=Outcome.UNDETERMINED, evidence=doubt.contrary)
+
+
+def _unbounded(result: Result, doubt: ErrorEstimate) -> str:
+    """What is known of a final state whose error has no bound, and what to ask instead."""
+    finer = result.tolerance > FINEST[result.choice.method]
+    return (
+        "; the error of the final state has no bound: runs within the tolerance "
+        f"{result.tolerance:g} of it part after {doubt.together:.0%} of its time; ask for an "
+        "earlier last time" + " or a smaller tolerance" * finer
+    )
 
 
 def _run(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.errors import ParameterError, shown
+from ..base.errors import ParameterError, StabilityWarning, shown
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_given
 from ..integrators.flow import CASADI, flow_of
@@ -130,6 +131,11 @@ def simulate(
         In one sentence, if something is not accepted: a flat or detached start, D ≤ 0, a condition
         that fails, numbers that are not finite, shapes that do not fit, times that do not rise.
 
+    Warns
+    -----
+    StabilityWarning
+        If the error of a final state has no bound, such as late in a chaotic motion.
+
     Source: Przybylska & Rauch-Wojciechowski 2016, Sections 2 and 5; tests/motion/test_motion.py
     compares it with an inertial-frame formulation and closed forms;
     tests/motion/test_system_motion.py compares systems with closed forms.
@@ -196,7 +202,24 @@ def simulate(
         found = results(launches, settings, progress)
         if isinstance(launches.settling, SystemSettling):
             found = _departed(launches, settings, found, launches.settling)
-        return assemble(launches, settings, found)
+        dataset = assemble(launches, settings, found)
+    _warn(found)
+    return dataset
+
+
+def _warn(found: list[Result]) -> None:
+    """Warn of final states without a bound of their error; other outcomes say so by their name."""
+    silent = (Outcome.UNRESOLVED, Outcome.UNDETERMINED)
+    open_ = [
+        i
+        for i, r in enumerate(found)
+        if r.doubt and not np.isfinite(r.doubt.final_error) and r.outcome not in silent
+    ]
+    if open_:
+        which = f"launch {open_[0]}: " if len(found) > 1 else ""
+        more = f" ({len(open_)} of {len(found)} launches)" if len(open_) > 1 else ""
+        said = found[open_[0]].evidence.rpartition("; the error")
+        warnings.warn(f"{which}the error{said[2]}{more}.", StabilityWarning, stacklevel=3)
 
 
 def _departed(

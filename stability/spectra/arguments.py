@@ -18,6 +18,7 @@ from ..bodies.disk import Disk
 from ..bodies.law_names import class_named, law_given
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import PHYSICAL
+from ..systems.equations import Equations
 from ..systems.family import Family
 from .disk_problem import check_axis, disk_problem, disk_roundings
 from .problem import Problem, system_problem
@@ -45,6 +46,7 @@ def axis_of(family: Any, axis: Any, which: str, most: int = MOST_POINTS) -> Axis
     >>> axis_of("rolling", ("omega3", 1, 2, 3), "x").name
     'at'
     """
+    refuse_system(family)
     grid = Axis.of(axis, which, most)
     if isinstance(family, Family):
         own, name = "at", family.at[0]
@@ -54,6 +56,21 @@ def axis_of(family: Any, axis: Any, which: str, most: int = MOST_POINTS) -> Axis
         single = record is not None and len(record.at) == 1
         own, name = (record.at[0] if record else ""), "at"
     return replace(grid, name=name) if single and grid.name == own else grid
+
+
+def refuse_system(family: Any) -> None:
+    """Refuse equations of motion where one of their families of steady motions is needed.
+
+    Parameters
+    ----------
+    family
+        What the user gave as a family.
+    """
+    if isinstance(family, Equations):
+        raise ParameterError(
+            f"family is the system {shown(family.name)}; give a family of its steady motions: "
+            "system.steady(at, guess={…}) finds one, stability.Family names one."
+        )
 
 
 def check_names(family: Any, names: Sequence[str], contact: Any) -> None:
@@ -311,6 +328,7 @@ def problem_of(
     StabilityError
         If the arguments do not fit together.
     """
+    refuse_system(family)
     if isinstance(family, Family):
         words = {"lean": lean, "disk": disk, "contact": contact}
         for word in (w for w, v in words.items() if v is not None and w in family.parameters):

@@ -157,10 +157,12 @@ def mechanics(
     graph = graph.shared()
     table = dict(zip((*model.coordinates, *model.velocities), ca.vertsplit(ca.vertcat(q, u)),
                      strict=True))  # fmt: skip
+    gone_too = [s for s in table if s not in states and s not in graph.seen]
+    given = {n: unit for n, unit in mapping("units", units or {}).items() if n not in gone_too}
     return System(
         name, ca.vertcat(*[table[s] for s in states]), model.p,
         ca.vertcat(*[graph.rates[s] for s in states]), tuple(states), model.parameters,
-        graph.seen, graph.conditions, {} if units is None else units, graph.mass, graph.forcing,
+        graph.seen, graph.conditions, given, graph.mass, graph.forcing,
         unknowns(model),
     )  # fmt: skip
 

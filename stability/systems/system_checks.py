@@ -132,6 +132,7 @@ def check_names(name: Any, states: Any, parameters: Any, units: Any) -> dict[str
     found: dict[str, Any] = {"name": title("the system", name), "units": mapping("units", units)}
     found |= {"states": names("states", states), "parameters": names("parameters", parameters)}
     _apart(found["states"], found["parameters"])
+    _check_units(found["units"], (*found["states"], *found["parameters"]))
     if not found["states"]:
         raise ParameterError("states is empty; give the name of each state.")
     return found
@@ -141,6 +142,15 @@ def _apart(states: tuple[str, ...], parameters: tuple[str, ...]) -> None:
     both = set(states) & set(parameters)
     if both:
         raise ParameterError(f"{shown(min(both))} is a state and a parameter; give two names.")
+
+
+def _check_units(units: Mapping[str, str], named: tuple[str, ...]) -> None:
+    """Refuse a unit of nothing; `time` is no quantity of a system, and has a unit all the same."""
+    for name in units:
+        if name not in (*named, "time"):
+            raise NameUnknownError(
+                f"units names {shown(name)}; known are {', '.join([*named, 'time'])}."
+            )
 
 
 def check_system(system: Any) -> None:
@@ -166,6 +176,7 @@ def check_system(system: Any) -> None:
     _check_symbols("x", system.x, system.states)
     _check_symbols("p", system.p, system.parameters)
     _apart(system.states, system.parameters)
+    _check_units(system.units, (*system.states, *system.parameters, *system.observables))
     if system.rhs.numel() != system.x.numel():
         raise ParameterError(
             f"rhs has {system.rhs.numel()} entries for {system.x.numel()} states; give one each."

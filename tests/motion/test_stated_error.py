@@ -9,9 +9,11 @@ import json
 import os
 import shutil
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 from reference import trajectories
@@ -60,6 +62,7 @@ def test_hard_launches_state_an_error_that_is_not_too_small(case: Any) -> None:
     assert word(run) != "unresolved"
 
 
+@pytest.mark.filterwarnings("ignore::stability.StabilityWarning")  # the coarsest has no bound
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
 def test_a_stiff_launch_at_every_tolerance(tolerance: float) -> None:
     for case in STORED[:2]:
@@ -146,3 +149,23 @@ def test_random_launches_state_no_error_that_is_too_small(tmp_path: Path) -> Non
     assert verdicts.count("wrong") == 0
     assert verdicts.count("below") == 0
     assert verdicts.count("right") > 0.8 * count
+
+
+def test_a_final_state_without_a_bound_of_its_error_is_told_with_a_remedy() -> None:
+    """Lorenz's system at r = 28: nearby motions part like exp(0.9 t), so no double knows t = 60."""
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("r")
+    rates = ca.vertcat(10 * (x[1] - x[0]), x[0] * (p - x[2]) - x[1], x[0] * x[1] - 8 * x[2] / 3)
+    lorenz = st.System("lorenz", x, p, rates, states=("a", "b", "c"), parameters=("r",))
+    start, said = {"a": 1.0, "b": 1.0, "c": 1.0}, "the error of the final state has no bound"
+    with pytest.warns(st.StabilityWarning, match=f"^{said}: .*a smaller tolerance"):
+        run = st.simulate(lorenz, {"r": 28.0}, start, 60.0)
+    assert run.final_error == np.inf
+    assert f"; {said}" in run.attrs["evidence"]
+    part = float(run.attrs["evidence"].split("part after ")[1].split("%")[0]) / 100
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        short = st.simulate(lorenz, {"r": 28.0}, start, 60.0 * part / 2)
+    assert short.final_error < 1
+    assert said not in short.attrs["evidence"]
+    with pytest.warns(st.StabilityWarning, match=r"^launch 1: .* \(2 of 3 launches\)\.$"):
+        st.simulate(lorenz, {"r": [0.5, 28.0, 29.0]}, start, 60.0)

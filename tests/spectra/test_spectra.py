@@ -1,5 +1,6 @@
 """Spectra agree with independent 25-digit values, and their error discs hold the truth."""
 
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
@@ -10,6 +11,7 @@ import reference
 from spectrum_oracle import random_points, truth_matrix
 
 import stability as st
+from stability.base.errors import ParameterError
 from stability.base.verdict import CODES, Verdict
 from stability.spectra.deflation import deflate
 from stability.spectra.eigenvalues import decide, eigenvalues
@@ -434,3 +436,26 @@ def test_a_map_has_steady_members_only() -> None:
         st.stability_map(rest, **axes)
     with pytest.raises(st.StabilityError, match="not finite|overflow"):
         st.spectrum(rest, at=0.5, q=1.0)
+
+
+ASKED_OF_A_FAMILY: tuple[Callable[[Any], Any], ...] = (
+    lambda system: st.spectrum(system, at=3.0, e=0.1),
+    lambda system: st.boundaries(system, axis=("c", 0, 1, 3)),
+    lambda system: st.stability_map(system, x=("c", 0, 1, 3), y=("k", 1, 2, 3)),
+    lambda system: st.hopf(system, axis=("c", 0, 1, 3), k=1.0),
+    lambda system: st.hopf(system, c=1.0),
+    lambda system: st.codimension_two(system, x=("c", 0, 1, 3), y=("k", 1, 2, 3)),
+    lambda system: st.conditions(system),
+    lambda system: st.stream_map(system, x=("c", 0, 1, 3), y=("k", 1, 2, 3), out="map.nc"),
+)
+
+
+@pytest.mark.parametrize("ask", ASKED_OF_A_FAMILY)
+def test_a_system_in_place_of_a_family_is_refused_with_the_way_to_a_family(
+    ask: Callable[[Any], Any],
+) -> None:
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    rates = ca.vertcat(x[1], -p[1] * x[0] - p[0] * x[1])
+    system = st.System("swing", x, p, rates, states=("q", "v"), parameters=("c", "k"))
+    with pytest.raises(ParameterError, match=r"'swing'; give .*system\.steady\(.*Family"):
+        ask(system)

@@ -65,8 +65,23 @@ def test_the_unit_of_time_is_that_of_the_units_given(
     units: dict[str, str], time: str, rate: str
 ) -> None:
     assert (time_unit(units), rate_unit(units)) == (time, rate)
-    spectrum = st.spectrum(decay(units=units), at=-1.0)
+    others = dict.fromkeys((n for n in units if n != "time"), 0.0)
+    spectrum = st.spectrum(decay(("rate", *others), units), at=-1.0, **others)
     assert spectrum.rate_unit == rate
+
+
+def test_a_unit_of_a_name_that_the_system_does_not_have_is_refused() -> None:
+    with pytest.raises(NameUnknownError, match="units names 'c'; known are level, rate, time"):
+        decay(units={"c": "m"})
+    with pytest.raises(NameUnknownError, match="units names 'c'; known are q, time"):
+        st.System.from_function(lambda x, p: [-x[0]], states=("q",), units={"c": "m"})
+    q, u = ca.SX.sym("q", 2), ca.SX.sym("u", 2)
+    energy = (u[0] ** 2 + u[1] ** 2 + q[0] ** 2) / 2
+    units = {"q_1": "m", "u_1": "m/s"}  # a coordinate that is left out has a unit all the same
+    left = st.mechanics(q, u, kinetic=energy, ignorable=("q_1",), units=units)
+    assert dict(left.units) == {"u_1": "m/s"}
+    with pytest.raises(NameUnknownError, match="units names 'c'; known are q_0"):
+        st.mechanics(q, u, kinetic=energy, ignorable=("q_1",), units={"c": "m"})
 
 
 def test_rates_of_a_map_have_the_unit_of_the_system() -> None:

@@ -8,10 +8,11 @@ import stability as st
 def pendulum(*, observed: bool = True) -> st.System:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     seen = {"energy": x[1] ** 2 / 2 - p[0] * ca.cos(x[0]), "power": p[1] * x[1] ** 2}
+    units = {"angle": "rad", "rate": "rad/s", "g": "1/s2", "c": "1/s"}
     return st.System(
         "pendulum", x, p, ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] * x[1]),
         states=("angle", "rate"), parameters=("g", "c"), observables=seen if observed else {},
-        units={"angle": "rad", "rate": "rad/s", "g": "1/s2", "c": "1/s", "energy": "J/kg"},
+        units=units | ({"energy": "J/kg"} if observed else {}),
     )  # fmt: skip
 
 

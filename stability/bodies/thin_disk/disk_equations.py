@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -97,13 +98,15 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
     p = ca.vertcat(*named.values())
     slip = _creeping(contact, x, p) if issubclass(contact, Creep) else None
     body = DiskBody(x, k, contact, coefficient, slips, slip)
-    return System.from_mass_matrix(
+    system = System.from_mass_matrix(
         SYSTEM + law, x, p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
         observables=body.observables, conditions=_conditions(x, p, contact),
-        states=names, parameters=tuple(named), 
-        units={n: q.kind.si for n, q in disk_quantities(contact).items()},
+        states=names, parameters=tuple(named),
     )  # fmt: skip
+    own = (*system.states, *system.parameters, *system.observables)
+    quantities = disk_quantities(contact)
+    return replace(system, units={n: quantities[n].kind.si for n in own if n in quantities})
 
 
 def _creeping(law: type[Creep], x: ca.SX, p: ca.SX) -> list[ca.SX]:
