@@ -24,8 +24,8 @@ from ..base.checks import positive as above_zero
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Record, fields_of
 from ..base.verdict import Verdict, best
-from ..spectra.arguments import refuse_system
 from ..systems.family import Family
+from ..systems.steady import refuse_system
 from ..systems.structure.structural_zeros import structure
 from .general.deduction import Deduction, closed_forms, domain_of
 from .general.elimination import Reading, whole
@@ -106,9 +106,8 @@ class Conditions(Record):
     @property
     def boundaries(self) -> tuple[SignCondition, ...]:
         """Conditions at whose zeros the verdict may change: static, then flutter."""
-        order = {"static": 0, "flutter": 1}
-        found = [c for c in self.deciding if c.kind in order]
-        return tuple(sorted(found, key=lambda c: order[c.kind]))
+        rank = {"static": 0, "flutter": 1}
+        return tuple(sorted((c for c in self.deciding if c.kind in rank), key=lambda c: rank[c.kind]))
 
     @property
     def rule(self) -> str:
@@ -372,8 +371,7 @@ def conditions(
 def _record(
     deduction: Deduction, budget: Budget, family: Family, said: str, read: tuple[Numbers, Any]
 ) -> Conditions:
-    found, reading = deduction.whole, deduction.reading
-    shown_ = deduction.polynomial
+    found, reading, shown_ = deduction.whole, deduction.reading, deduction.polynomial
     rows_ = deduction.conditions(budget)
     for row in rows_:
         row["witnesses"] = tuple(Witness(*w) for w in row["witnesses"])
