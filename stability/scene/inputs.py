@@ -179,7 +179,7 @@ def setting(disk: Any, laws: Mapping[str, Any], start: Any, *asked: float) -> tu
         model, plain = system_model(disk), True
         p = _named({} if laws[""] is None else laws[""], disk.parameters)
         told = [f"{n} = {_told(v)} {label(model, n, dimensionless=True)}" for n, v in p.items()]
-        body = [f"system {disk.name}: {_listed(told)}"]
+        body = [f"system {disk.name}" + (f": {_listed(told)}" if told else "")]
     else:
         model, plain = disk_model(type(next(iter(laws.values())))), disk.dimensionless
         sizes = (("mass", Kind.MASS), ("radius", Kind.LENGTH), ("gravity", Kind.ACCELERATION))
