@@ -123,10 +123,18 @@ class Conditions(Record):
             return "Never stable: a condition is zero at every member of the domain."
         if not asked:
             return f"{word.capitalize()} at every member of the domain."
-        if len(asked) == 1:
-            return f"{word.capitalize()} where {asked[0]}; unstable where it is negative."
-        joined = " and ".join(asked)
-        return f"{word.capitalize()} where {joined}; unstable where one of these is negative."
+        joined, one = " and ".join(asked), len(asked) == 1
+        below = "it is negative" if one else "one of these is negative"
+        return f"{word.capitalize()} where {joined}; unstable where {below}.{self._open}"
+
+    @property
+    def _open(self) -> str:
+        """A sentence on each sign that may be the same everywhere, with a space before it."""
+        said = ""
+        for c in (c for c in self.deciding if c.status == "open"):
+            where = "anywhere" if any(w.sign < 0 for w in c.witnesses) else "everywhere"
+            said += f" It is open whether {c.polynomial} > 0 {where}."
+        return said
 
     @property
     def _extra_zeros(self) -> int:

@@ -220,3 +220,36 @@ def test_random_families_have_the_verdicts_of_certified_spectra() -> None:
 @pytest.mark.long
 def test_many_random_families_have_the_verdicts_of_certified_spectra() -> None:
     assert compare(range(100, 200)) >= {"stable", "unstable"}
+
+
+def free_domain() -> Domain:
+    return Domain(RING, ["x", "y", "z"])
+
+
+def test_squares_outweigh_negative_terms_exactly_up_to_their_product() -> None:
+    """a x⁴ - b x² y + c y² + 1 is positive everywhere where b² ≤ 4 a c; else it is -∞ somewhere."""
+    one = RING.constant(1)
+    for a, b, c in ((1, 2, 1), (3, 5, 4), (1, 2, 2), (2, -3, 5)):
+        poly = a * X**4 - b * X**2 * Y + c * Y**2 + one
+        why = free_domain().positive(poly)
+        assert why is not None
+        assert "2*a*b <= a**2 + b**2" in why
+    assert free_domain().positive(X**4 - 3 * X**2 * Y + 2 * Y**2 + one) is None
+    assert free_domain().positive((X**2 - Y) ** 2) is None  # vanishes where y = x²
+    assert free_domain().positive((X - Y) ** 2 + (Y - Z) ** 2 + one) is None  # needs shares of y²
+
+
+def test_a_proof_by_squares_is_never_wrong_at_random_points() -> None:
+    chance, proved = random.Random(5), 0
+    for _ in range(4000):
+        a, b = (X ** chance.randrange(3) * Y ** chance.randrange(3) for _ in "ab")
+        p, q, c = (fmpq(chance.randrange(1, 9)) for _ in range(3))
+        poly = p * a**2 - c * a * b + q * b**2 + random_poly(chance) ** 2
+        why = free_domain().positive(poly)
+        if why is None or "2*a*b" not in why:
+            continue
+        proved += 1
+        for _ in range(20):
+            point = [fmpq(chance.randrange(-20, 21), chance.randrange(1, 9)) for _ in range(3)]
+            assert evaluate(poly, point) > 0, (poly, point)
+    assert proved > 100

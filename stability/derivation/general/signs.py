@@ -17,6 +17,7 @@ from ...algebra.exact.hurwitz_forms import by_power, factors
 from ...algebra.exact.triangular import occurring
 from .bounds import Bounds, number_of, real_roots, univariate
 from .elimination import text
+from .squares import outweighed
 
 Poly = Any
 """An `fmpq_mpoly`."""
@@ -195,7 +196,8 @@ class Domain:
             ratio = _ratio(poly, fact)
             if ratio is not None and ratio > 0:
                 return reason
-        return self._inside(poly) or self._termwise(poly) or self._rootless(poly)
+        found = self._inside(poly) or self._termwise(poly) or self._rootless(poly)
+        return found or self._as_squares(poly)
 
     def _inside(self, poly: Poly) -> str | None:
         """A bound of one variable says it."""
@@ -259,6 +261,20 @@ class Domain:
             c > 0 and all(int(e) % 2 == 0 or even(i) for i, e in enumerate(exponents))
             for exponents, c in poly.to_dict().items()
         )
+
+    def _as_squares(self, poly: Poly) -> str | None:
+        """Squares outweigh every negative term, and what is left is positive."""
+
+        def never_negative(exponents: tuple[int, ...]) -> bool:
+            return self._squares(self.ring.from_dict({exponents: 1}))
+
+        terms = {tuple(map(int, e)): c for e, c in poly.to_dict().items()}
+        left = outweighed(terms, never_negative)
+        rest = self.ring.from_dict(left) if left else None
+        why = None if rest is None else self._termwise(rest)
+        if rest is None or why is None:
+            return None
+        return f"2*a*b <= a**2 + b**2 leaves at least {self.text(rest)} > 0: {why}"
 
     def _termwise(self, poly: Poly) -> str | None:
         """Every coefficient is positive: as it is, or with positive variables."""
