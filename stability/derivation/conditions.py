@@ -107,7 +107,8 @@ class Conditions(Record):
     def boundaries(self) -> tuple[SignCondition, ...]:
         """Conditions at whose zeros the verdict may change: static, then flutter."""
         rank = {"static": 0, "flutter": 1}
-        return tuple(sorted((c for c in self.deciding if c.kind in rank), key=lambda c: rank[c.kind]))
+        found = [c for c in self.deciding if c.kind in rank]
+        return tuple(sorted(found, key=lambda c: rank[c.kind]))
 
     @property
     def rule(self) -> str:
@@ -123,18 +124,9 @@ class Conditions(Record):
             return "Never stable: a condition is zero at every member of the domain."
         if not asked:
             return f"{word.capitalize()} at every member of the domain."
-        joined, one = " and ".join(asked), len(asked) == 1
-        below = "it is negative" if one else "one of these is negative"
-        return f"{word.capitalize()} where {joined}; unstable where {below}.{self._open}"
-
-    @property
-    def _open(self) -> str:
-        """A sentence on each sign that may be the same everywhere, with a space before it."""
-        said = ""
-        for c in (c for c in self.deciding if c.status == "open"):
-            where = "anywhere" if any(w.sign < 0 for w in c.witnesses) else "everywhere"
-            said += f" It is open whether {c.polynomial} > 0 {where}."
-        return said
+        joined, below = " and ".join(asked), "it" if len(asked) == 1 else "one of these"
+        said = "".join(f" {c.doubt}" for c in self.deciding if c.status == "open")
+        return f"{word.capitalize()} where {joined}; unstable where {below} is negative.{said}"
 
     @property
     def _extra_zeros(self) -> int:

@@ -75,3 +75,9 @@ class SignCondition:
     def decides(self) -> bool:
         """Whether the verdict depends on its sign."""
         return self.status in ("changes", "open", "zero", "negative")
+
+    @property
+    def doubt(self) -> str:
+        """A sentence on a sign that is open: what would have to be proved."""
+        where = "anywhere" if any(w.sign < 0 for w in self.witnesses) else "everywhere"
+        return f"It is open whether {self.polynomial} > 0 {where}."
