@@ -40,11 +40,11 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_polynomials import exact_polynomial
-from ..spectra.arguments import refuse_system
 from ..spectra.disk_problem import disk_problem
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.enclosure import ball_unknowns
+from ..systems.system import refuse_system
 from .beyond_linear.births import births
 from .beyond_linear.records import CycleBirth
 from .beyond_linear.records import HopfKind as HopfKind

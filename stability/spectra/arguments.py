@@ -18,8 +18,8 @@ from ..bodies.disk import Disk
 from ..bodies.law_names import class_named, law_given
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import PHYSICAL
-from ..systems.equations import Equations
 from ..systems.family import Family
+from ..systems.system import refuse_system
 from .disk_problem import check_axis, disk_problem, disk_roundings
 from .problem import Problem, system_problem
 
@@ -56,21 +56,6 @@ def axis_of(family: Any, axis: Any, which: str, most: int = MOST_POINTS) -> Axis
         single = record is not None and len(record.at) == 1
         own, name = (record.at[0] if record else ""), "at"
     return replace(grid, name=name) if single and grid.name == own else grid
-
-
-def refuse_system(family: Any) -> None:
-    """Refuse equations of motion where one of their families of steady motions is needed.
-
-    Parameters
-    ----------
-    family
-        What the user gave as a family.
-    """
-    if isinstance(family, Equations):
-        raise ParameterError(
-            f"family is the system {shown(family.name)}; give a family of its steady motions: "
-            "system.steady(at, guess={…}) finds one, stability.Family names one."
-        )
 
 
 def check_names(family: Any, names: Sequence[str], contact: Any) -> None:

@@ -73,7 +73,7 @@ def test_a_unit_of_a_name_that_the_system_does_not_have_is_refused() -> None:
     with pytest.raises(NameUnknownError, match="units names 'c'; known are level, rate, time"):
         decay(units={"c": "m"})
     with pytest.raises(NameUnknownError, match="units names 'c'; known are q, time"):
-        st.System.from_function(lambda x, p: [-x[0]], states=("q",), units={"c": "m"})
+        st.System.from_function(lambda x, _: [-x[0]], states=("q",), units={"c": "m"})
     q, u = ca.SX.sym("q", 2), ca.SX.sym("u", 2)
     energy = (u[0] ** 2 + u[1] ** 2 + q[0] ** 2) / 2
     units = {"q_1": "m", "u_1": "m/s"}  # a coordinate that is left out has a unit all the same
