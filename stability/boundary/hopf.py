@@ -43,8 +43,8 @@ from ..bodies.thin_disk.disk_polynomials import exact_polynomial
 from ..spectra.disk_problem import disk_problem
 from ..spectra.problem import Problem
 from ..systems.family import Family
-from ..systems.steady import refuse_system
 from ..systems.structure.enclosure import ball_unknowns
+from ..systems.system import refuse_system
 from .beyond_linear.births import births
 from .beyond_linear.records import CycleBirth
 from .beyond_linear.records import HopfKind as HopfKind

@@ -13,7 +13,7 @@ from ..base.errors import StabilityError, StabilityWarning
 from ..base.version import __version__
 from ..storage.json_text import HELP, json_text
 from .compare import add_arguments as add_compare
-from .map import _map
+from .map import _boundaries, _map
 from .options import _bar, _disk, _family, _member, _Parser, _physics, overwriting
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
@@ -214,6 +214,19 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--checkpoint", metavar="DIR",
                      help="keep finished cells there, to go on after an interruption")  # fmt: skip
     overwriting(sub, "replace existing files")
+
+    sub = command("boundaries", _boundaries,
+                  "Every change of verdict along one axis, proved, and whether these are all",
+                  "stability boundaries spinning --axis at:0.1:5:9 --mu 0.97",
+                  "stability boundaries --system examples/bicycle.py:upright --axis v:0.1:10:50 "
+                  "--parameter g=9.81 --json")  # fmt: skip
+    _family(sub)
+    add_system(sub)
+    sub.add_argument("--axis", required=True, metavar="NAME:LO:HI:N[:log]",
+                     help="axis, both ends included; N points are scanned where pieces of it stay "
+                     "without proof")  # fmt: skip
+    sub.add_argument("--at", default=None, help="what names the member, where it is no axis")
+    _physics(sub)
 
     sub = command("atlas", _atlas, "The families' diagrams for disk, annulus and hoop",
                   "stability atlas --out atlas")  # fmt: skip

@@ -1,4 +1,4 @@
-"""The command `map`."""
+"""The commands `map`, over two parameters, and `boundaries`, along one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from ..base.errors import ParameterError, shown
 from ..storage.json_text import json_text
 from .options import _at, _axis, _bar, _disk, _picture, contact_of
-from .system_option import doubles, own_family, with_at
+from .system_option import doubles, own_family, place, with_at
 
 
 def _map(options: argparse.Namespace) -> None:
@@ -25,7 +25,7 @@ def _map(options: argparse.Namespace) -> None:
     swept = {x[0], y[0]}
     if options.levels is not None and not options.certify:
         raise ParameterError("--levels belongs to --certify; leave it out or certify.")
-    family, given = _given(options, swept)
+    family, given = given_beyond(options, swept)
     out = check_suffix(options.out, NETCDF if options.verdict_only else DATASETS, "--out")
     targets = [check_target(out, overwrite=options.force)]
     if options.plot is not None:
@@ -81,8 +81,20 @@ def _map(options: argparse.Namespace) -> None:
         print(point_text(str(dataset.attrs["family"]), found))
 
 
-def _given(options: argparse.Namespace, swept: set[str]) -> tuple[Any, dict[str, Any]]:
-    """The family, and its numbers as arguments of a map."""
+def given_beyond(
+    options: argparse.Namespace, swept: set[str], *, exact: bool = False
+) -> tuple[Any, dict[str, Any]]:
+    """The family, and its numbers beyond the axes as arguments of a map or of boundaries.
+
+    Parameters
+    ----------
+    options
+        Parsed options.
+    swept
+        Names of the axes.
+    exact
+        Whether numbers of a family of one's own stay exactly what was written.
+    """
     from ..spectra.arguments import check_names
 
     family = own_family(options)
@@ -97,7 +109,7 @@ def _given(options: argparse.Namespace, swept: set[str]) -> tuple[Any, dict[str,
         both = sorted(swept & set(numbers))
         if both:
             raise ParameterError(f"{both[0]} is given as a number and as an axis; give it once.")
-        return family, {"parameters": doubles(numbers)}
+        return family, {"parameters": dict(numbers) if exact else doubles(numbers)}
     for name in ("at", "k", "mu", "mass", "radius", "gravity"):
         if name in swept and getattr(options, name) is not None:
             raise ParameterError(f"{name} is given as --{name} and as an axis; give it once.")
@@ -137,3 +149,45 @@ def _draw(dataset: Any, target: Any) -> None:
 
     figure = plot_map(dataset, title=str(dataset.attrs["title"]).split(":")[0])
     save_figure(figure, target)
+
+
+def _boundaries(options: argparse.Namespace) -> None:
+    from ..boundary.changes import boundaries
+    from ..tables.beyond_linear import to_bound
+
+    axis = _axis(options.axis, "--axis")
+    if options.certify:
+        raise ParameterError("every boundary here is proved; leave --certify out.")
+    family, given = given_beyond(options, {axis[0]}, exact=True)
+    found = boundaries(family, axis=axis, **given)
+    own = not isinstance(family, str)
+    name = family.name if own else family
+    record: dict[str, Any] = {
+        "family": name,
+        "axis": axis[0],
+        "low": axis[1],
+        "high": axis[2],
+        "boundaries": [
+            {"value": b.value, "error": b.error, "crossing": b.crossing.word,
+             "frequency": b.frequency, "stable_below": b.stable_below}
+            for b in found
+        ],
+        "touching": list(found.touching),
+        "complete": found.complete,
+        "unresolved": [u._asdict() for u in found.unresolved],
+        "statement": found.statement(axis[0]),
+    }  # fmt: skip
+    if options.json:
+        print(json_text(record))
+        return
+    where = place(family, given["parameters"]) if own else ""
+    print(
+        f"{name} along {axis[0]} from {axis[1]:g} to {axis[2]:g}" + (f", at {where}" * bool(where))
+    )
+    for b in found:
+        side = "below" if b.stable_below else "above"
+        pair = f", frequency {b.frequency:.12g}" if b.frequency else ""
+        print(
+            f"  {axis[0]} = {to_bound(b.value, b.error)}   {b.crossing.word}, stable {side}{pair}"
+        )
+    print(record["statement"])

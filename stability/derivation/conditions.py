@@ -25,8 +25,8 @@ from ..base.errors import ParameterError, StabilityError
 from ..base.types import Record, fields_of
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
-from ..systems.steady import refuse_system
 from ..systems.structure.structural_zeros import structure
+from ..systems.system import refuse_system
 from .general.deduction import Deduction, closed_forms, domain_of
 from .general.elimination import Reading, whole
 from .general.members import sloped_somewhere

@@ -19,7 +19,7 @@ from ..bodies.law_names import class_named, law_given
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import PHYSICAL
 from ..systems.family import Family
-from ..systems.steady import refuse_system
+from ..systems.system import refuse_system
 from .disk_problem import check_axis, disk_problem, disk_roundings
 from .problem import Problem, system_problem
 

@@ -290,18 +290,3 @@ def _different(found: Floats) -> Iterable[Floats]:
         if not any(np.allclose(u, v, rtol=1e-8, atol=1e-10) for v in seen):
             seen.append(u)
             yield u
-
-
-def refuse_system(family: Any) -> None:
-    """Refuse equations of motion where one of their families of steady motions is needed.
-
-    Parameters
-    ----------
-    family
-        What the user gave as a family.
-    """
-    if isinstance(family, Equations):
-        raise ParameterError(
-            f"family is the system {shown(family.name)}; give a family of its steady motions: "
-            "system.steady(at, guess={…}) finds one, stability.Family names one."
-        )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from ..algebra.upright import Upright
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, shown
 from .condition import Condition
 from .equations import Equations
 from .family import Family
@@ -281,3 +281,18 @@ class System(Equations):
             self, at, held=held, guess=guess, equations=equations, positive=positive, name=name,
             **parameters,
         )  # fmt: skip
+
+
+def refuse_system(family: Any) -> None:
+    """Refuse equations of motion where one of their families of steady motions is needed.
+
+    Parameters
+    ----------
+    family
+        What the user gave as a family.
+    """
+    if isinstance(family, Equations):
+        raise ParameterError(
+            f"family is the system {shown(family.name)}; give a family of its steady motions: "
+            "system.steady(at, guess={…}) finds one, stability.Family names one."
+        )

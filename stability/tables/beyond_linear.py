@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
+from decimal import ROUND_CEILING, Decimal, localcontext
+from fractions import Fraction
 from typing import Any
 
 from ..base.quantities import rate_unit
@@ -19,6 +22,30 @@ BIRTH_NOTES = (
     "crossing: d Re λ / d axis; l1: first Lyapunov coefficient for the mode of unit length over",
     "the states, whose sign alone depends on no unit; each ± is a proved bound.",
 )
+
+
+def to_bound(value: float, error: float) -> str:
+    """A number with its proved bound: digits up to the bound, which holds for what is printed.
+
+    Parameters
+    ----------
+    value, error
+        The number, and a bound of its error.
+
+    Examples
+    --------
+    >>> to_bound(24.535893446115182, 3.5e-6), to_bound(24.535893446115182, 3.5e-18)
+    ('24.5358934 ± 3.6e-06', '24.535893446115182 ± 1.5e-16')
+    """
+    small = 0 < error < abs(value)
+    digits = min(math.ceil(math.log10(abs(value) / error)) + 2, 17) if small else 17
+    said = f"{value:.{digits}g}"
+    off = Fraction(error) + abs(Fraction(said) - Fraction(value))
+    if not off:
+        return said
+    with localcontext(rounding=ROUND_CEILING):  # a bound is rounded up
+        bound = f"{Decimal(math.nextafter(float(off), math.inf)):.1e}"
+    return f"{said} ± {float(bound):.1e}"
 
 
 def birth_records(
@@ -68,13 +95,13 @@ def birth_text(
     for point in found:
         side = "below" if point.stable_below else "above"
         lines.append(f"{axis} = {point.at:.15g}{unit}: {point.kind.word}, stable {side}")
-        lines.append(f"    frequency {point.frequency:.12g}")
         if isinstance(point, CycleBirth):
-            lines[-1] += f" ± {point.frequency_error:.1e}"
-            lines.append(f"    crossing {point.crossing:.12g} ± {point.crossing_error:.1e}")
-            lines.append(f"    l1 {point.coefficient:.12g} ± {point.coefficient_error:.1e}")
+            lines.append(f"    frequency {to_bound(point.frequency, point.frequency_error)}")
+            lines.append(f"    crossing {to_bound(point.crossing, point.crossing_error)}")
+            lines.append(f"    l1 {to_bound(point.coefficient, point.coefficient_error)}")
             lines += [f"    {point.reason}"] if point.reason else []
         else:
+            lines.append(f"    frequency {point.frequency:.12g}")
             lines.append(f"    crossing {point.crossing:.12g}, push {point.push:.12g}")
     if not found:
         lines.append("none")
@@ -123,7 +150,7 @@ def point_text(name: str, found: CodimensionTwo) -> str:
     for p in found:
         pairs = ", ".join(f"{w:.10g}" for w in p.frequencies)
         lines.append(
-            f"{p.kind.word}: {x} = {p.x:.15g} ± {p.x_error:.1e}, {y} = {p.y:.15g} ± {p.y_error:.1e}"
+            f"{p.kind.word}: {x} = {to_bound(p.x, p.x_error)}, {y} = {to_bound(p.y, p.y_error)}"
         )
         said = [f"frequency {pairs}"] if pairs else []
         lines.append(f"    {'; '.join([*said, f'other eigenvalues: {p.others}'])}")

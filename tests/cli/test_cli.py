@@ -14,7 +14,7 @@ from command_line import output, refused
 
 from stability.cli import main
 
-COMMANDS = ("spectrum", "map", "atlas", "table", "scene")
+COMMANDS = ("spectrum", "map", "boundaries", "atlas", "table", "scene")
 MAP = ["map", "rolling", "--x", "at:1:2:6", "--y", "mu:0.1:1:5"]
 
 
@@ -119,7 +119,7 @@ def test_every_command_has_help_with_an_example_that_parses(
     assert stop.value.code == 0
     text = " ".join(capsys.readouterr().out.split())
     examples = text.split("example: stability ")[1:]
-    assert len(examples) >= (2 if command in ("spectrum", "map", "table") else 1)
+    assert len(examples) >= (2 if command in ("spectrum", "map", "boundaries", "table") else 1)
     from stability.cli.commands import _parser
 
     for example in examples:
@@ -445,3 +445,28 @@ def test_an_interruption_leaves_nothing_behind(tmp_path: Path, words: list[str])
     assert "interrupted; nothing was written" in errors
     assert "Traceback" not in errors
     assert list(out.parent.iterdir()) == []
+
+
+def test_boundaries_of_a_system_are_printed_with_the_statement_that_they_are_all(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """λ² + (c - 1/10) λ + 1: the only change is at c = 1/10."""
+    (tmp_path / "swing.py").write_text(
+        "import casadi as ca, stability as st\n"
+        "x, p = ca.SX.sym('x', 2), ca.SX.sym('p', 2)\n"
+        "f = ca.vertcat(x[1], -x[0] - (p[0] - p[1]) * x[1])\n"
+        "s = st.System('swing', x, p, f, states=('q', 'v'), parameters=('c', 'd'))\n"
+        "rest = st.Family(s, 'rest', at=('c',), held={'q': 0, 'v': 0})\n"
+    )
+    words = ["boundaries", "--system", f"{tmp_path / 'swing.py'}:rest", "--axis", "c:-1:2:9"]
+    found = json.loads(output(capsys, *words, "--parameter", "d=0.1", "--json"))
+    [one] = found["boundaries"]
+    assert abs(one["value"] - 0.1) <= one["error"] < 1e-15
+    assert (one["crossing"], one["stable_below"]) == ("flutter", False)
+    assert found["complete"]
+    assert found["statement"].startswith("every change of verdict along c was found")
+    text = output(capsys, *words, "--parameter", "d=0.1")
+    assert "c = 0.1" in text
+    assert found["statement"] in text
+    assert main(words) == 2
+    assert "'d' is missing" in capsys.readouterr().err

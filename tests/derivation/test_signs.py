@@ -227,7 +227,7 @@ def free_domain() -> Domain:
 
 
 def test_squares_outweigh_negative_terms_exactly_up_to_their_product() -> None:
-    """a x⁴ - b x² y + c y² + 1 is positive everywhere where b² ≤ 4 a c; else it is -∞ somewhere."""
+    """The polynomial a x⁴ - b x² y + c y² + 1 is positive where b² ≤ 4 a c, else -∞ somewhere."""
     one = RING.constant(1)
     for a, b, c in ((1, 2, 1), (3, 5, 4), (1, 2, 2), (2, -3, 5)):
         poly = a * X**4 - b * X**2 * Y + c * Y**2 + one

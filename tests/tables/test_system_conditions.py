@@ -257,7 +257,7 @@ def whirled(beyond: Callable[..., ca.SX]) -> st.Conditions:
     """λ² + c λ + (a² - b)² + beyond: stable where the constant term is positive."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
     a, b, c = ca.vertsplit(p)
-    stiffness = (a**2 - b) ** 2 + beyond(a, b, c)
+    stiffness = (a**2 - b) ** 2 + beyond(b, c)
     system = st.System("whirled", x, p, ca.vertcat(x[1], -stiffness * x[0] - c * x[1]),
                        states=("q", "v"), parameters=("a", "b", "c"))  # fmt: skip
     rest = st.Family(system, "rest", at=("a",), held={"q": 0, "v": 0})
@@ -265,14 +265,14 @@ def whirled(beyond: Callable[..., ca.SX]) -> st.Conditions:
 
 
 def test_a_condition_that_is_a_sum_of_squares_is_proved_and_decides_nothing() -> None:
-    found = whirled(lambda a, b, c: c**2)
+    found = whirled(lambda _, c: c**2)
     assert found.rule == "Stable at every member of the domain."
     assert not any("decides" in line for line in lines(found))
 
 
 def test_a_condition_whose_sign_is_open_is_marked_so_in_rule_text_and_latex() -> None:
     # (a² - b)² + (b - c)² + c is positive; the proof would need shares of b²
-    found = whirled(lambda a, b, c: (b - c) ** 2 + c)
+    found = whirled(lambda b, c: (b - c) ** 2 + c)
     [condition] = found.deciding
     assert condition.status == "open"
     said = f"It is open whether {condition.polynomial} > 0 everywhere."
