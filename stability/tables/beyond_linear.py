@@ -37,12 +37,14 @@ def to_bound(value: float, error: float) -> str:
     >>> to_bound(24.535893446115182, 3.5e-6), to_bound(24.535893446115182, 3.5e-18)
     ('24.5358934 ± 3.6e-06', '24.535893446115182 ± 1.5e-16')
     """
+    if not math.isfinite(error + value):
+        return f"{value:.12g} ± {error:.1e}"
     small = 0 < error < abs(value)
-    digits = min(math.ceil(math.log10(abs(value) / error)) + 2, 17) if small else 17
+    digits = min(math.ceil(math.log10(abs(value)) - math.log10(error)) + 2, 17) if small else 17
     said = f"{value:.{digits}g}"
     off = Fraction(error) + abs(Fraction(said) - Fraction(value))
     if not off:
-        return said
+        return f"{said} ± {0:.1e}"
     with localcontext(rounding=ROUND_CEILING):  # a bound is rounded up
         bound = f"{Decimal(math.nextafter(float(off), math.inf)):.1e}"
     return f"{said} ± {float(bound):.1e}"

@@ -40,7 +40,10 @@ TOUCH = (
     "an eigenvalue may touch the imaginary axis here without crossing it, or several may meet it "
     "too near to each other"
 )
-NO_MEMBER = "no unique steady motion is proved here: there is none, or two of them meet"
+NO_MEMBER = (
+    "no unique steady motion is proved here: there is none, two of them meet, or the enclosures of "
+    "a regular one are still too wide"
+)
 NO_VALUE = "the linearisation has no value, or no finite enclosure, somewhere here"
 BRANCH = "the root-finder passes to another steady motion here, so the members are not one family"
 ALONG = "an eigenvalue stays on the imaginary axis along all of it, as far as {bits} bits show"
