@@ -7,7 +7,7 @@ READY := .venv/.ready
 
 # The main job: the stability diagrams of three bodies, in atlas/index.html.
 atlas: $(READY)
-	$(BIN)/stability atlas --out atlas --force
+	$(BIN)/stability atlas --out atlas --overwrite
 
 # Cost against error by every route, and where methods fail, measured on this machine, in
 # report/index.html; what was finished before an interruption is kept.
