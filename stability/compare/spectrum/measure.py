@@ -77,7 +77,7 @@ def route(name: str) -> Route:
     Examples
     --------
     >>> route("complex-step").title
-    'complex step, h = 1e-30; LAPACK'
+    'Jacobian by complex steps of 1e-30; LAPACK'
     """
     if name not in ROUTES:
         raise NameUnknownError(f"route is {shown(name)}; known are {', '.join(ROUTES)}.")
