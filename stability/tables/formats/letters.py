@@ -6,6 +6,8 @@ import re
 import unicodedata
 from collections.abc import Collection
 
+from ...bodies.thin_disk.disk_quantities import QUANTITIES
+
 GREEK = frozenset(
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau phi "
     "chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega".split()
@@ -19,8 +21,10 @@ GREEK_LETTERS = {
 } | {"µ": "mu", "ϕ": "phi", "ϑ": "theta", "ϵ": "epsilon"}  # fmt: skip
 """Names that LaTeX writes as Greek letters."""
 SYMBOLS = {
-    "lam": r"\lambda", "mu": r"\mu", "phi_dot": r"\dot\varphi", "theta_dot": r"\dot\theta",
-    "omega3": r"\omega_{3}", "omega3_c": r"\omega_{3,c}", "theta": r"\theta", "gn": "g_{n}",
+    name: re.sub(r"_(\w)$", r"_{\1}", QUANTITIES[name].latex)
+    for name in ("mu", "phi_dot", "theta_dot", "omega3", "theta")
+} | {
+    "lam": r"\lambda", "omega3_c": r"\omega_{3,c}", "gn": "g_{n}",
     "vA": "v_{A}", "vx": "v_{x}", "bx": "b_{x}", "by": "b_{y}", "bz": "b_{z}", "Fx": "F_{x}",
     "Fy": "F_{y}", "oo": r"\infty", "tilt0": r"\mathrm{tilt}_{0}", "det": r"\det ", "pi": r"\pi",
 }  # fmt: skip
