@@ -83,29 +83,22 @@ def factored(expression: Expr) -> Expr:
     return sympy.Mul(content, product, evaluate=not apart)
 
 
-def determinants(polynomial: sympy.Poly) -> list[Expr]:
-    """Hurwitz determinants of order 1 … n, factored.
+def determinant(polynomial: sympy.Poly, order: int) -> Expr:
+    """Hurwitz determinant of one order, factored.
 
     Parameters
     ----------
     polynomial
         Polynomial in one variable, with symbolic coefficients.
-
-    Returns
-    -------
-    list of Expr
+    order
+        1 to the degree.
 
     Examples
     --------
     >>> x, a = sympy.symbols("x a")
-    >>> determinants(sympy.Poly(x**3 + a * x**2 + x + 1, x))
+    >>> [determinant(sympy.Poly(x**3 + a * x**2 + x + 1, x), i) for i in (1, 2, 3)]
     [a, a - 1, a - 1]
     """
-    return [_determinant(polynomial, i) for i in range(1, polynomial.degree() + 1)]
-
-
-def _determinant(polynomial: sympy.Poly, order: int) -> Expr:
-    """Hurwitz determinant of one order, factored."""
     a = polynomial.all_coeffs()
 
     def entry(i: int, j: int) -> Expr:
@@ -149,7 +142,7 @@ def conditions(derived: Derived) -> tuple[tuple[str, Expr], ...]:
             ("constant term" if i == n else f"coefficient of λ^{n - i}", a[i])
             for i in range(n, 0, -2)
         ]
-        out += [(f"Hurwitz determinant {i}", _determinant(poly, i)) for i in range(n - 1, 0, -2)]
+        out += [(f"Hurwitz determinant {i}", determinant(poly, i)) for i in range(n - 1, 0, -2)]
     return tuple((name, factored(value)) for name, value in out)
 
 

@@ -41,29 +41,6 @@ class Letter:
     """Colour of the text."""
 
 
-def lettered(own: Sequence[bool]) -> list[str]:
-    """Capitals for the package's, small letters for people's.
-
-    Parameters
-    ----------
-    own
-        Whether each is the package's.
-
-    Returns
-    -------
-    list of str
-
-    Examples
-    --------
-    >>> lettered([False, True, False])
-    ['a', 'A', 'b']
-    """
-    return [
-        chr(ord("A" if mine else "a") + sum(o == mine for o in own[:i]))
-        for i, mine in enumerate(own)
-    ]
-
-
 def letters(axes: Axes, marks: Sequence[Letter], size: float = MARK) -> None:
     """Write letters next to their markers; a thin line leads back from a letter that moved far.
 

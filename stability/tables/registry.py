@@ -61,23 +61,6 @@ def definition(name: str) -> Definition:
     return found
 
 
-def records(name: str, **options: Any) -> list[dict[str, Any]]:
-    """Rows of a table as plain records.
-
-    Parameters
-    ----------
-    name
-        A key of `PLACES`.
-    **options
-        Arguments of the function of its rows.
-
-    Returns
-    -------
-    list of dict
-    """
-    return definition(name).rows(**options)
-
-
 def table(
     name: str,
     family: Family | str | None = None,

@@ -19,7 +19,7 @@ from stability.algebra.polynomial import Polynomial
 from stability.bodies.thin_disk.disk_polynomials import exact_polynomial
 from stability.derivation.characteristic import LAM, derive
 from stability.derivation.formulas import expression
-from stability.derivation.hurwitz import catalogue, conditions, determinants, positive
+from stability.derivation.hurwitz import catalogue, conditions, determinant, positive
 
 CASES = [
     (f, law)
@@ -128,7 +128,7 @@ def test_hurwitz_determinants_are_orlandos_product() -> None:
     roots = [sympy.Integer(r) for r in (-1, -2, 3, -5)]
     poly = sympy.Poly(sympy.expand(sympy.prod(x - r for r in roots)), x)
     product = sympy.prod(roots[i] + roots[j] for i in range(4) for j in range(i))
-    assert determinants(poly)[2] == product
+    assert determinant(poly, 3) == product
 
 
 def test_a_proof_of_positivity_is_not_given_where_it_is_false() -> None:

@@ -15,7 +15,7 @@ from stability.tables.benchmarks import catalogue
 from stability.tables.benchmarks.catalogue import CASES, benchmark_lines, benchmark_rows
 from stability.tables.benchmarks.linear_bicycle import EIGENVALUES, ENTRIES, EXACT, SPEEDS
 from stability.tables.benchmarks.row import AGREES, CLOSED, BenchmarkRow, Source, compared
-from stability.tables.registry import records
+from stability.tables.registry import definition
 
 LATER = {"nonlinear bicycle"}
 """Systems that take some seconds: they are asked in the long tests."""
@@ -442,7 +442,7 @@ def test_the_command_prints_rows_and_writes_json(
 
 def test_progress_counts_systems_and_unknown_ones_are_refused() -> None:
     seen: list[tuple[int, int]] = []
-    records("benchmarks", systems=["Jeffcott rotor", "rotating saddle"],
+    definition("benchmarks").rows(systems=["Jeffcott rotor", "rotating saddle"],
             progress=lambda done, of: seen.append((done, of)))  # fmt: skip
     assert seen == [(1, 2), (2, 2)]
     with pytest.raises(NameUnknownError, match="'pendulum'"):

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
+from ...algebra.exact.number_fields import rational
 from ...base.checks import known, one_number
 from ...base.errors import ParameterError, shown
 from ...base.exact_numbers import decimal_of, double, exact_ratio, written
@@ -78,8 +79,7 @@ class Numbers:
         (981/100, 3/8)
         """
         short = decimal_of(value) if self.decimals else None
-        found = Fraction(value) if short is None else short
-        return fmpq(found.numerator, found.denominator)
+        return rational(value) if short is None else fmpq(short.numerator, short.denominator)
 
     def rational(self, name: str, value: Any) -> Any:
         """A number that a user gives as a rational, or a refusal.
