@@ -24,7 +24,7 @@ from stability.algebra.upright import UPRIGHT
 from stability.bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from stability.cli import main
 from stability.tables.launches import launch_rows
-from stability.tables.registry import records
+from stability.tables.registry import definition
 
 EDGE_ON = DiskFamily(
     "edge-on", ("phi_dot",), held={"theta": UPRIGHT}, unknown={"omega3": 0.0},
@@ -174,7 +174,7 @@ def test_the_command_line_takes_it(family: str, capsys: pytest.CaptureFixture[st
 
 
 def test_tables_hold_it(family: str) -> None:
-    [row] = [r for r in records("families") if r["family"] == family]
+    [row] = [r for r in definition("families").rows() if r["family"] == family]
     assert (row["at"], row["motion"]) == ("phi_dot", FAMILIES[family].motion)
     if family == "coning":
         assert row["condition"] == "theta = asin(1/(k*phi_dot**2))"
