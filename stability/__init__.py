@@ -18,6 +18,8 @@ old_paths.install()
 
 _HOME = {
     "bodies.disk": ("Disk", "REAL_DISKS"),
+    "bodies.round_body.body": ("Body",),
+    "bodies.round_body.named": ("Torus", "Spheroid", "EccentricSphere", "ThickDisk"),
     "bodies.contact": ("Contact", "Parameter"),
     "bodies.contact_laws": (
         "Smooth",
@@ -103,6 +105,11 @@ if TYPE_CHECKING:
     from .bodies.contact_laws import Viscous as Viscous
     from .bodies.disk import REAL_DISKS as REAL_DISKS
     from .bodies.disk import Disk as Disk
+    from .bodies.round_body.body import Body as Body
+    from .bodies.round_body.named import EccentricSphere as EccentricSphere
+    from .bodies.round_body.named import Spheroid as Spheroid
+    from .bodies.round_body.named import ThickDisk as ThickDisk
+    from .bodies.round_body.named import Torus as Torus
     from .bodies.thin_disk.disk_equations import disk_system as disk_system
     from .bodies.thin_disk.disk_families import disk_family as disk_family
     from .bodies.thin_disk.disk_polynomials import exact_polynomial as exact_polynomial

@@ -18,6 +18,8 @@ from ..base.errors import ParameterError, StabilityError
 from ..base.verdict import Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.by_name import of_body
 from ..spectra.arguments import axis_of, prepare
 from ..spectra.certificate import verdict as certified
 from ..spectra.problem import Problem
@@ -41,6 +43,7 @@ def boundaries(
     *,
     axis: AxisLike,
     disk: Disk | None = None,
+    body: Body | Disk | None = None,
     contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
     **parameters: ArrayLike,
@@ -58,7 +61,7 @@ def boundaries(
 
     Parameters
     ----------
-    family, disk, contact, at, **parameters
+    family, disk, body, contact, at, **parameters
         As for `stability_map`, with one number for every quantity but the axis.  Where the axis is
         circling's theta or phi_dot, `at` is the other of the two.
     axis
@@ -93,8 +96,9 @@ def boundaries(
     >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
     ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
     """
+    family, disk, contact, given = of_body(family, body, disk, contact, parameters, [axis])
     grid = axis_of(family, axis, "axis", MOST_SCAN)
-    problem = prepare(family, (grid,), disk, contact, at, dict(parameters), exact=True)
+    problem = prepare(family, (grid,), disk, contact, at, given, exact=True)
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     found = replace(found, searched=(grid.name, grid.low, grid.high))
     found.warn(grid.name)

@@ -13,6 +13,7 @@ from ..base.checks import flag, whole_number
 from ..base.errors import ParameterError
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
 from ..boundary.curves import trace
 from ..jobs.checkpoint import Checkpoint
 from ..systems.family import Family
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     import xarray
 
 from ..base.types import Progress
+from ..bodies.round_body.by_name import of_body
 from ..jobs.pipeline import check_run
 from ..spectra.arguments import axis_of, prepare
 
@@ -36,6 +38,7 @@ def stability_map(
     x: AxisLike,
     y: AxisLike,
     disk: Disk | None = None,
+    body: Body | Disk | None = None,
     contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
     certify: bool = False,
@@ -60,7 +63,7 @@ def stability_map(
         (or its own name: `omega3`, `phi_dot`, `theta`), `k`, `mu`,
         `mass`, `radius`, `gravity`; `lean` for tumbling, `theta`, `phi_dot` for circling and
         precession; for a `Family`, its own names.
-    disk, contact, at
+    disk, body, contact, at
         Fixed values, as for `spectrum`.  An axis replaces a value in disk or contact; any other
         quantity that is an axis must not be given as a number too.  Where `mu` is an axis, contact
         may be left out (viscous) or be a law's class or name.
@@ -127,6 +130,7 @@ def stability_map(
     if levels is not None:
         levels = whole_number("levels", levels, 0, MOST_LEVELS)
     check_run(workers, progress, executor)
+    family, disk, contact, parameters = of_body(family, body, disk, contact, parameters, (x, y))
     axes = axis_of(family, x, "x"), axis_of(family, y, "y")
     if (total := axes[0].count * axes[1].count) > MOST_CELLS:
         raise ParameterError(

@@ -23,6 +23,8 @@ from ..base.types import Floats, Progress
 from ..base.verdict import CODES
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.by_name import of_body
 from ..jobs.pipeline import Counted, check_run, ordered
 from ..jobs.shared import shared
 from ..spectra.arguments import axis_of, prepare
@@ -59,6 +61,7 @@ def stream_map(
     y: AxisLike,
     out: str | os.PathLike[str],
     disk: Disk | None = None,
+    body: Body | Disk | None = None,
     contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
     workers: int | None = None,
@@ -77,7 +80,7 @@ def stream_map(
         Axes, as for `stability_map`.
     out
         NetCDF file to write; `read_map(out, lazy=True)` opens it without loading it.
-    disk, contact, at
+    disk, body, contact, at
         As for `stability_map`.
     workers
         Threads in addition to the one that writes; one when left out, since bands are short.
@@ -113,6 +116,7 @@ def stream_map(
     (40, 50)
     """
     check_run(workers, progress, executor)
+    family, disk, contact, parameters = of_body(family, body, disk, contact, parameters, (x, y))
     axes = axis_of(family, x, "x"), axis_of(family, y, "y")
     own = isinstance(family, Family)
     problem = prepare(family if own else str(family), axes, disk, contact, at, parameters)

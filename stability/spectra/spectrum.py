@@ -16,6 +16,8 @@ from ..base.quantities import Kind
 from ..base.verdict import CODES, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.by_name import of_body
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
@@ -35,6 +37,7 @@ def spectrum(
     at: ArrayLike | None = None,
     lean: ArrayLike | None = None,
     disk: Disk | None = None,
+    body: Body | Disk | None = None,
     contact: Contact | type[Contact] | str | None = None,
     certify: bool = False,
     escalate: bool = True,
@@ -55,7 +58,11 @@ def spectrum(
         Angle π/2 - theta [rad] instead of `at`, for tumbling.  0 is exactly upright; no double
         theta is.
     disk
-        The body; the uniform disk with m = R = g = 1 when left out.
+        The disk; the uniform one with m = R = g = 1 when left out.
+    body
+        Any other body of revolution in place of the disk: a `Body`.  Its families are `rolling`,
+        `spinning`, `tumbling`, `circling` and `precession`, with the same `at`.  Where it rolls at
+        several inclinations, `theta=` chooses one.
     contact
         The contact law; or its name or class, with its parameters by name: `contact="viscous",
         mu=0.3`.
@@ -95,7 +102,8 @@ def spectrum(
         own = f", here {' and '.join(family.at)}" if isinstance(family, Family) else ""
         raise ParameterError(f"at is missing; it names the member of the family{own}.")
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
-    problem = problem_of(family, at, disk, contact, dict(parameters), lean)
+    family, disk, contact, given = of_body(family, body, disk, contact, parameters)
+    problem = problem_of(family, at, disk, contact, given, lean)
     if isinstance(problem.family.system, NumericSystem):
         return numeric_spectrum(problem, problem.family.system, certify=certify)
     rows = Rows(problem, exact=certify or escalate)

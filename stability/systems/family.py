@@ -58,7 +58,7 @@ class Family(Record):
     unknown
         First guesses of the states that are solved for.
     equations
-        States whose rates must vanish, as many as there are unknowns.
+        States whose rates must vanish, or observables that must, as many as there are unknowns.
     positive
         Unknowns that must be positive.
     typical
@@ -104,7 +104,7 @@ class Family(Record):
     unknown: Mapping[str, float] = field(default_factory=dict)
     """First guesses of the states solved for."""
     equations: tuple[str, ...] = ()
-    """States whose rates must vanish."""
+    """States whose rates must vanish, and observables that must vanish."""
     positive: tuple[str, ...] = ()
     """Unknowns that must be positive."""
     typical: Mapping[str, float] = field(default_factory=dict)
@@ -137,7 +137,9 @@ class Family(Record):
         if self.anchor is not None:
             instance("anchor", self.anchor, Anchor, "take the family from System.steady")
         for name in (*self.held, *self.unknown, *self.equations):
-            self.system.index(name)
+            seen = self.system.observables.get(name) if name in self.equations else None
+            if seen is None or seen.shape != (1, 1):
+                self.system.index(name)
         for name in self.at:
             if name not in (*self.system.states, *self.system.parameters):
                 raise NameUnknownError(

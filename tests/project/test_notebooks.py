@@ -49,6 +49,10 @@ def _run(page: str) -> dict[str, Any]:
     return space
 
 
+def test_the_page_of_bodies_runs() -> None:
+    _run("docs/bodies.md")
+
+
 def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

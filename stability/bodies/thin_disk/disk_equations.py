@@ -9,7 +9,6 @@ compares these equations with two derivations that share nothing with them.
 from __future__ import annotations
 
 import math
-from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -17,11 +16,13 @@ from typing import Any
 import casadi as ca
 
 from ...base.checks import flag
-from ...base.errors import ParameterError, shown
+from ...base.errors import ParameterError
 from ...systems.condition import Condition
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import CREEP, Coulomb, Creep, Smooth, law_class
+from ..newton_euler import STATES as STATES
+from ..newton_euler import NewtonEuler
 from .disk_quantities import SYSTEM, disk_quantities
 
 LEAST_RELAXATION = 5.0
@@ -32,8 +33,6 @@ CREEPS = (
     "Viscous(mu) there"
 )
 """Reason to refuse a state under creep."""
-STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
-"""State names in their order; laws without slip in the state keep the first four."""
 
 
 def disk_system(
@@ -172,63 +171,22 @@ def _conditions(x: ca.SX, p: ca.SX, contact: type[Contact]):  # type: ignore[no-
     return build
 
 
-class DiskBody:
-    """Newton-Euler for one law: residuals that are linear in accelerations and contact force."""
+class DiskBody(NewtonEuler):
+    """The disk: its contact point is fixed in the plane of the frame, a = 1̂; m = R = g = 1."""
 
     def __init__(  # noqa: PLR0913
         self, x: ca.SX, k: ca.SX, contact: type[Contact], mu: Any, slips: bool,
         slip: list[ca.SX] | None = None,
     ) -> None:  # fmt: skip
-        self.x, self.k, self.mu, self.slips = x, k, mu, slips
-        self.law = contact.__new__(contact)  # only its formulas are used, never its coefficient
-        self.holds = holds = contact.holds
-        self.sine, self.cosine = ca.sin(x[0]), ca.cos(x[0])
-        if slips:
-            self.slip = [x[4], x[5]]
-        elif holds:
-            self.slip = [ca.SX(0), ca.SX(0)] if slip is None else slip
-        else:  # smooth, centre without horizontal velocity: slip = (ω×a), horizontal part
-            self.slip = [-x[1] * self.sine, x[3]]
-        self.d_theta_dot, self.d_phi_dot, self.d_omega3 = (
-            ca.SX.sym("d_" + name) for name in STATES[1:4]
-        )
-        self.normal = ca.SX.sym("normal")
-        self.extra = [ca.SX.sym("e1"), ca.SX.sym("e2")] if slips or holds else []
-        self.force = self.extra if holds else self._stated(mu)
-        acc = ["d_theta_dot", "d_phi_dot", "d_omega3", "normal"]
-        more = ["force_x", "force_y"] if holds else ["d_slip_x", "d_slip_y"]
-        self.unknown_names = tuple(acc + (more if self.extra else []))
-        # gn from the vertical, φ̈ from 1̂ (pivot k sinθ), θ̈ from 2̂ (pivot D), ω̇₃ from 3̂, the rest
-        # from the horizontal: these pivots vanish only where sinθ = 0 or D = 0.  A force that holds
-        # the slip is eliminated first, so that D of the rough disk is k + 1.
-        order = [(2, 3), (3, 1), (4, 0), (5, 2), (0, 4), (1, 5)]
-        if holds:
-            order = [(0, 4), (1, 5), *order[:4]]
-        if not self.extra:
-            order = [(r - 2, c) for r, c in order[:4]]
-        self.pivots = order
-        self.pivot_d = order.index((4, 0) if self.extra else (2, 0))
+        self.k = k
+        super().__init__(x, contact, mu, slips, slip)
 
-    def _stated(self, mu: Any) -> list[Any]:
-        """The force that the law states, which must be two expressions."""
-        found = self.law.force(self.slip, self.normal, mu)
-        if isinstance(found, (list, tuple)) and len(found) == 2:
-            with suppress(NotImplementedError, TypeError):  # CasADi's errors for another type
-                return [ca.SX(f) for f in found]
-        raise ParameterError(
-            f"the force of the {self.law.name} law is {shown(found)}; give a list of two "
-            "expressions."
-        )
-
-    def rate(self, expression: ca.SX) -> ca.SX:
-        """d/dt along the motion by the chain rule, with the accelerations as symbols."""
-        rates = [self.x[1], self.d_theta_dot, self.d_phi_dot, self.d_omega3]
-        if self.slips:
-            rates += self.extra
-        return ca.jtimes(expression, self.x, ca.vertcat(*rates))
+    def own_slip(self) -> list[ca.SX]:
+        """(ω×a)ₓ and (ω×a)ᵧ, where ω×a = ω₃2̂ - θ̇3̂."""
+        return [-self.x[1] * self.sine, self.x[3]]
 
     def velocity(self) -> ca.SX:
-        """ṡ = vA - ω×a along (x̂, ŷ, ẑ), where ω×a = ω₃2̂ - θ̇3̂ (eq. 2.2)."""
+        """ṡ = vA - ω×a along (x̂, ŷ, ẑ) (eq. 2.2)."""
         theta_dot, omega3 = self.x[1], self.x[3]
         horizontal_x = self.slip[0] + theta_dot * self.sine
         horizontal_y = self.slip[1] - omega3
@@ -240,50 +198,15 @@ class DiskBody:
         spin = ca.vertcat(-phi_dot * self.sine, theta_dot, 2 * omega3)
         return self.k * spin
 
-    def implicit_form(self) -> tuple[ca.SX, ca.SX]:
-        """The mass matrix and forcing of m s̈ = -mgẑ + force, L̇ = a × force."""
-        theta_dot, phi_dot = self.x[1], self.x[2]
-        fx, fy = self.force
-        velocity, momentum = self.velocity(), self.momentum()
-        turn_k = ca.vertcat(0, 0, phi_dot)
-        newton = (
-            self.rate(velocity) + ca.cross(turn_k, velocity) - ca.vertcat(fx, fy, self.normal - 1)
-        )
-        turn_body = ca.vertcat(-phi_dot * self.sine, theta_dot, phi_dot * self.cosine)
-        # force along (1̂, 2̂, 3̂): x̂ = cosθ 1̂ + sinθ 3̂, ẑ = -sinθ 1̂ + cosθ 3̂; a = 1̂
-        axial = fx * self.sine + self.normal * self.cosine
-        torque = ca.vertcat(0, -axial, fy)
-        euler = self.rate(momentum) + ca.cross(turn_body, momentum) - torque
-        residual = ca.vertcat(newton, euler) if self.extra else ca.vertcat(newton[2], euler)
-        unknowns = ca.vertcat(
-            self.d_theta_dot, self.d_phi_dot, self.d_omega3, self.normal, *self.extra
-        )
-        mass = ca.jacobian(residual, unknowns)
-        if ca.depends_on(mass, unknowns):
-            raise ParameterError(
-                f"the force of the {self.law.name} law is not linear in the normal force; give one "
-                "that is."
-            )
-        forcing = -ca.substitute(residual, unknowns, ca.SX.zeros(unknowns.numel()))
-        return mass, forcing
+    def spin(self, momentum: ca.SX) -> ca.SX:
+        """ω along (1̂, 2̂, 3̂), from L."""
+        return ca.vertcat(momentum[0], momentum[1], momentum[2] / 2) / self.k
 
-    def observables(self, solved: dict[str, ca.SX], pivots: list[ca.SX]) -> dict[str, ca.SX]:
-        """Energy, forces, slip, D and the dissipated power."""
-        velocity, momentum = self.velocity(), self.momentum()
-        spin = ca.vertcat(momentum[0], momentum[1], momentum[2] / 2) / self.k
-        kinetic = (ca.sumsqr(velocity) + ca.dot(spin, momentum)) / 2
-        normal = solved["normal"]
-        if self.holds:
-            force = [solved["force_x"], solved["force_y"]]
-            power = -(force[0] * self.slip[0] + force[1] * self.slip[1])
-        else:
-            force = self.law.force(self.slip, normal, self.mu)
-            power = self.law.power(self.slip, normal, self.mu)
-        return {
-            "energy": kinetic + self.sine,
-            "normal_force": normal,
-            "contact_force": ca.SX(ca.vertcat(*force)),
-            "slip": ca.SX(ca.vertcat(*self.slip)),
-            "determinant": pivots[self.pivot_d],
-            "power": ca.SX(power),
-        }
+    def torque(self, fx: Any, fy: Any) -> ca.SX:
+        """Torque a × force, where x̂ = cosθ 1̂ + sinθ 3̂, ẑ = -sinθ 1̂ + cosθ 3̂, a = 1̂."""
+        axial = fx * self.sine + self.normal * self.cosine
+        return ca.SX(ca.vertcat(0, -axial, fy))
+
+    def potential(self) -> ca.SX:
+        """Height of the centre."""
+        return self.sine

@@ -17,7 +17,7 @@ from flint import arb
 from ...algebra.number_types import balls
 from ...algebra.program import Program
 from ...algebra.upright import Upright
-from ...base.errors import StabilityError
+from ...base.errors import ParameterError, StabilityError
 from ...systems.equations import Equations
 from ...systems.family import Family
 from ...systems.graph.constants import Constants, exact_numbers
@@ -90,6 +90,12 @@ class Line:
     def __init__(self, family: Family, axis: str, fixed: dict[str, Any]) -> None:
         self.family, self.axis, self.fixed = family, axis, fixed
         system = family.system
+        for name in family.equations:
+            if name not in system.states:
+                raise ParameterError(
+                    f"{family.name} is solved for by {name} = 0, an observable; what happens "
+                    "beyond the linearisation is found only where rates of states are solved."
+                )
         self.d = derivatives(system)
         self.solved = [] if family.closed else [system.index(n) for n in family.unknown]
         self.rows = [] if family.closed else [system.index(n) for n in family.equations]

@@ -37,7 +37,7 @@ class Frame:
     unknown: Mapping[str, float]
     """First guesses of the states solved for."""
     equations: Sequence[str]
-    """States whose rates must vanish."""
+    """States whose rates must vanish, and observables that must vanish."""
     zero: Sequence[tuple[int, int]] = ()
     """Entries of the linearisation that are proved zero, for any entry of the graph."""
     decimals: bool = False
@@ -67,19 +67,21 @@ class FamilyGraph:
                   for n, v in frame.held.items()}  # fmt: skip
         guessed = known | {n: self._constants(v) for n, v in frame.unknown.items()}
         table = known | dict(zip(frame.unknown, u, strict=True))
-        rows = [system.index(n) for n in frame.equations]
+        self._seen = [n for n in frame.equations if n not in system.states]
+        table_of_rows = [*system.states, *self._seen]
+        rows = [table_of_rows.index(n) for n in frame.equations]
         if self._solvable():
             self._solved_for(frame, table, guessed, rows, others)
             self._conditions(table)
             return
-        rates, slopes = self._read(table)
-        residual = ca.vertcat(*[rates[i] for i in rows]) if rows else ca.SX(0, 1)
-        at_guess = self._read(guessed) if u else (rates, slopes)
+        values, slopes = self._read(table)
+        residual = ca.vertcat(*[values[i] for i in rows]) if rows else ca.SX(0, 1)
+        at_guess = self._read(guessed) if u else (values, slopes)
         self.closed = bool(u) and all(at_guess[0][i].is_zero() for i in rows)
         """Whether the first guess solves the equations identically."""
         if self.closed:
-            rates, slopes = at_guess
-        self.rates = self._program("rates", rates)
+            values, slopes = at_guess
+        self.rates = self._program("rates", values[: len(system.states)])
         self.matrix = self._program("matrix", slopes)
         self._equations(residual, self._numbers(guessed if self.closed else table, system.states))
         self._conditions(table)
@@ -103,20 +105,24 @@ class FamilyGraph:
     @cached_property
     def _bare(self) -> Program:
         system = self._system
-        return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
+        values = ca.vertcat(system.rhs, *[system.observables[n] for n in self._seen])
+        return Program(ca.Function("rates", [system.x, system.p], [ca.densify(values)]))
 
     @cached_property
     def _opened(self) -> tuple[ca.SX, ca.SX, list[tuple[str, Any]]]:
-        """Rates and Jacobian with numbers as symbols, and the functions with their arguments."""
+        """Rates (then observables), Jacobian of the rates, functions with their arguments.
+
+        Numbers are symbols.
+        """
         system, bare = self._system, self._bare
         entries = [ca.vertsplit(s) if s.numel() else [] for s in (system.x, system.p)]
         met: list[tuple[str, Any]] = []
         rhs = ca.vertcat(*bare.run(self._constants.algebra(met), entries)[0])
         # constants are symbols, so nothing is rounded
-        return rhs, ca.jacobian(rhs, system.x), met
+        return rhs, ca.jacobian(rhs[: len(system.states)], system.x), met
 
     def _read(self, values: Mapping[str, Any]) -> tuple[ca.SX, ca.SX]:
-        """Rates and Jacobian with these values in place of the symbols, zeros folded."""
+        """Rates (then observables) and Jacobian with these values for the symbols, zeros folded."""
         system = self._system
         if self._large:
             return self._read_large(values)
@@ -146,7 +152,7 @@ class FamilyGraph:
         """Rates and Jacobian by an algebra of CasADi's expressions."""
         rates, slopes = graph.run(algebra, arguments)
         n = len(self._system.states)
-        f, jac = ca.SX(n, 1), ca.SX(n, n)
+        f, jac = ca.SX(n + len(self._seen), 1), ca.SX(n, n)
         for (i, _), value in zip(graph.places[0], rates, strict=True):
             f[i] = value
         for (i, j), value in zip(graph.places[1], slopes, strict=True):
@@ -163,7 +169,7 @@ class FamilyGraph:
             algebra = self._constants.algebra(strict=strict)
             rates, slopes = rates_and_slopes(self._bare, algebra, *given)
             jac = ca.SX(n, n)
-            for i, row in enumerate(slopes):
+            for i, row in enumerate(slopes[:n]):
                 for j, value in row.items():
                     jac[i, j] = value
             f = ca.vertcat(*map(ca.SX, rates))
@@ -175,7 +181,7 @@ class FamilyGraph:
 
     def _solvable(self) -> bool:
         system = self._system
-        if not self._large or system.mass is None or system.forcing is None:
+        if self._seen or not self._large or system.mass is None or system.forcing is None:
             return False
         # a mass matrix with a rounded third is not that of the rates, which keep thirds exact
         return exact_numbers(system.mass, system.forcing) and solvable(system)

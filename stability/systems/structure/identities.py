@@ -241,7 +241,8 @@ def _fixed_directions(
     the branch, and the chain rule gives A·∂x/∂at = 0.  Ignorable states stand apart: the block of
     the other states has these tangents, and each ignorable state one zero of its own.
     """
-    solved = set() if family.closed else {family.system.index(n) for n in family.equations}
+    states = family.system.states
+    solved = set() if family.closed else {states.index(n) for n in family.equations if n in states}
     with suppress(ArithmeticError):
         rates = family.graph.rates.dense(EXACT, parts)
         if all(i in solved or zero(rates[i][0]) for i in family.resting):

@@ -14,6 +14,8 @@ from ....base.axis import Axis, AxisLike
 from ....base.errors import ParameterError
 from ....bodies.contact import Contact
 from ....bodies.disk import Disk
+from ....bodies.round_body.body import Body
+from ....bodies.round_body.by_name import of_body
 from ....spectra.arguments import axis_of, prepare
 from ....spectra.problem import Problem
 from ....systems.family import Family
@@ -57,6 +59,7 @@ def codimension_two(
     x: AxisLike,
     y: AxisLike,
     disk: Disk | None = None,
+    body: Body | Disk | None = None,
     contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
     **parameters: ArrayLike,
@@ -73,7 +76,7 @@ def codimension_two(
 
     Parameters
     ----------
-    family, disk, contact, at, **parameters
+    family, disk, body, contact, at, **parameters
         As for `stability_map`, with one number for every quantity but the axes.
     x, y
         (name, low, high, n) or (name, low, high, n, "log").  n is the number of lines on which
@@ -110,8 +113,9 @@ def codimension_two(
     >>> [(p.kind.word, p.x, p.y) for p in found], found.complete
     ([('double zero', 0.0, 0.0)], True)
     """
+    family, disk, contact, given = of_body(family, body, disk, contact, parameters, (x, y))
     axes = (axis_of(family, x, "x", MOST_LINES), axis_of(family, y, "y", MOST_LINES))
-    problem = prepare(family, axes, disk, contact, at, dict(parameters))
+    problem = prepare(family, axes, disk, contact, at, given)
     result = in_plane(problem, axes)
     result.warn()
     return result

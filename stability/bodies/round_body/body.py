@@ -1,0 +1,225 @@
+"""Convex bodies of revolution: a height as a function of the inclination, and two moments."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ...base.checks import Number, broadcast, checked, positive
+from ...base.errors import ParameterError, shown
+from ...base.types import Record
+from ..newton_euler import STATES
+from .expression import Expression, expression
+
+SCALES = ("mass", "gravity", "length")
+"""Dimensional quantities of a body."""
+MOMENTS = ("axial", "transverse")
+"""Names of the moments of inertia that are given as numbers, as axes of maps."""
+SAMPLES = 721
+"""Inclinations at which convexity is checked."""
+TAKEN = (*SCALES, *MOMENTS, *STATES, "at", "x", "y", "axis", "body", "contact", "disk", "pole")
+"""Names that no number of a body's shape can have."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body(Record):
+    """A convex body of revolution that rolls and slides on a plane, by its support function.
+
+    θ is the angle between the symmetry axis 3̂ and the vertical.  The height h(θ) of the centre of
+    mass over the plane gives the whole surface: the contact point lies at a distance h'(θ) from the
+    foot of the centre, and the meridian has the radius of curvature h + h''.  Lengths are over
+    `length`, moments over mass times `length`².  With the defaults m = g = length = 1 every number
+    is dimensionless (time in √(length/g), speed in √(g·length)).  With SI values every number is
+    SI.
+
+    Parameters
+    ----------
+    height
+        Function of θ, then of the numbers in `shape` by name, made of CasADi's functions, over
+        `length` [-].
+    axial, transverse
+        Moments of inertia about the symmetry axis, and about any axis through the centre of mass
+        across it, over mass times length² [-]: positive numbers, or functions of the numbers in
+        `shape` by name.
+    mass, gravity, length
+        Mass, acceleration of free fall, and the length in which `height` is given, positive
+        [kg, m/s², m].
+    shape
+        Numbers of the shape by name, any of which may be an axis of a map [-].
+    name
+        Name in messages and files.
+    between
+        Open interval of θ in which the height holds, within (0, π) [rad].
+
+    Raises
+    ------
+    ParameterError
+        If a number is not in its range, or the height is that of no convex body.
+
+    Source: the equations and the meaning of h are derived in docs/bodies.md and compared with an
+    inertial formulation that knows the surface alone (tests/bodies/test_round_bodies.py).
+
+    Examples
+    --------
+    >>> ball = Body(lambda theta: 1.0, axial=0.4, transverse=0.4)
+    >>> coin = Body(lambda theta, rim: ca.sin(theta) + rim, axial=0.5, transverse=0.25,
+    ...             shape={"rim": 0.02}, name="coin")
+    >>> round(float(coin.height_at(math.pi / 2)), 12)
+    1.02
+    """
+
+    height: Callable[..., Any]
+    """Height of the centre over `length`, as a function of θ and the numbers in `shape` [-]."""
+    axial: Any
+    """Moment of inertia about the symmetry axis over m·length², or a function for it [-]."""
+    transverse: Any
+    """Moment of inertia across the symmetry axis over m·length², or a function for it [-]."""
+    mass: Number = 1.0
+    """Mass m [kg]."""
+    gravity: Number = 1.0
+    """Acceleration of free fall g [m/s²]."""
+    length: Number = 1.0
+    """Length in which the height is given [m]."""
+    shape: Mapping[str, Any] = field(default_factory=dict)
+    """Numbers of the shape by name [-]."""
+    name: str = "body"
+    """Name in messages and files."""
+    between: tuple[float, float] = (0.0, math.pi)
+    """Open interval of θ in which the height holds [rad]."""
+
+    def __post_init__(self) -> None:
+        for name in SCALES:
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        if not isinstance(self.shape, Mapping):
+            raise ParameterError(f"shape is {shown(self.shape)}; give numbers by name.")
+        for name in self.shape:
+            if not isinstance(name, str) or not name.isidentifier() or name in TAKEN:
+                raise ParameterError(
+                    f"shape names {shown(name)}; give a word that is none of {', '.join(TAKEN)}."
+                )
+        numbers = {n: checked(n, v) for n, v in self.shape.items()}
+        object.__setattr__(self, "shape", numbers)
+        object.__setattr__(
+            self, "height", expression("height", self.height, ["theta", *numbers], 1)
+        )
+        for name in MOMENTS:
+            value = getattr(self, name)
+            own = callable(value)
+            value = expression(name, value, list(numbers)) if own else positive(name, value)
+            object.__setattr__(self, name, value)
+        self._check_range()
+        broadcast(**{n: np.shape(v) for n, v in self.given.items()})
+        self._check_moments()
+        self._check_convex()
+
+    # --- numbers ---
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """Every number of the body by name: scales, shape, and moments that are numbers."""
+        moments = {n: getattr(self, n) for n in MOMENTS}
+        moments = {n: v for n, v in moments.items() if not isinstance(v, Expression)}
+        return {n: getattr(self, n) for n in SCALES} | dict(self.shape) | moments
+
+    @property
+    def dimensionless(self) -> bool:
+        """Whether m = g = length = 1, so that numbers have no unit."""
+        return all(np.all(np.asarray(getattr(self, n)) == 1) for n in SCALES)
+
+    def moments(self) -> tuple[Any, Any]:
+        """Axial and transverse moment of inertia over m·length² [-]."""
+        found = []
+        for name in MOMENTS:
+            value = getattr(self, name)
+            if isinstance(value, Expression):
+                value = self._array(value.function, *self.shape.values())
+            found.append(value)
+        return found[0], found[1]
+
+    def height_at(self, theta: Any, slope: int = 0) -> Any:
+        """Height over `length` at inclinations, or a slope of it.
+
+        Parameters
+        ----------
+        theta
+            Inclinations, any shape that broadcasts with the numbers of the shape [rad].
+        slope
+            0 for h, 1 for h', 2 for h''.
+        """
+        return self._array(self._slopes()[slope], theta, *self.shape.values())
+
+    @staticmethod
+    def _array(function: ca.Function, *values: Any) -> Any:
+        """Values of a function at arrays that broadcast."""
+        arrays = (
+            np.broadcast_arrays(*[np.asarray(v, dtype=float) for v in values]) if values else []
+        )
+        if not arrays:
+            return float(function.call([])[0])
+        found = function(*[a.reshape(1, -1) for a in arrays]).full()
+        return found.reshape(arrays[0].shape) if arrays[0].ndim else float(found[0, 0])
+
+    def _slopes(self) -> list[ca.Function]:
+        """h, h' and h'' as functions of θ and the numbers of the shape."""
+        theta, *own = (ca.SX.sym(n) for n in ("theta", *self.shape))
+        values = [ca.SX(self.height(theta, *own))]
+        for _ in range(2):
+            values.append(ca.jacobian(values[-1], theta))
+        return [ca.Function("h", [theta, *own], [ca.densify(v)]) for v in values]
+
+    # --- checks ---
+
+    def _check_range(self) -> None:
+        low, high = (float(checked("between", v)) for v in self.between)
+        if not 0 <= low < high <= math.pi:
+            raise ParameterError(
+                f"between is {shown(self.between)}; give two angles in rising order between 0 "
+                "and π."
+            )
+        object.__setattr__(self, "between", (low, high))
+
+    def _check_moments(self) -> None:
+        axial, transverse = (np.asarray(v) for v in self.moments())
+        for name, value in (("axial", axial), ("transverse", transverse)):
+            if not (np.isfinite(value) & (value > 0)).all():
+                raise ParameterError(
+                    f"{name} is {value.flat[0]:g}; a moment of inertia is a positive number."
+                )
+        bad = axial > 2 * transverse * (1 + 1e-12)
+        if bad.any():
+            pair = np.broadcast_arrays(axial, transverse)
+            raise ParameterError(
+                f"axial is {pair[0][bad].flat[0]:g} and transverse "
+                f"{pair[1][bad].flat[0]:g}; no body has axial above twice transverse."
+            )
+
+    def _check_convex(self) -> None:
+        """Refuse a height that no convex body over the plane has, at samples of θ."""
+        low, high = self.between
+        theta = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
+        count = max(np.size(v) for v in self.shape.values()) if self.shape else 1
+        theta = theta.reshape(-1, *[1] * max((np.ndim(v) for v in self.shape.values()), default=0))
+        with np.errstate(all="ignore"):
+            h, bend = self.height_at(theta), self.height_at(theta, 2)
+        if not (np.isfinite(h).all() and np.isfinite(bend).all()):
+            raise ParameterError("height has no finite value and curvature at every theta between.")
+        where = np.broadcast_to(theta, np.shape(h)) if count else theta
+        if (h <= 0).any():
+            at = int(np.argmin(h))
+            raise ParameterError(
+                f"height is {h.flat[at]:.3g} at theta = {where.flat[at]:.3g}; the centre of mass "
+                "must lie above the plane."
+            )
+        radius = h + bend
+        if (radius < -1e-9 * np.abs(h).max()).any():
+            at = int(np.argmin(radius))
+            raise ParameterError(
+                f"height + height'' is {radius.flat[at]:.3g} at theta = {where.flat[at]:.3g}; it "
+                "is the radius of curvature of the meridian, which is nowhere negative for a "
+                "convex body."
+            )
