@@ -85,6 +85,7 @@ def _resolved(
     family: str, body: Body, law: Contact, given: dict[str, Any], swept: Collection[str]
 ) -> tuple[Family, None, None, dict[str, Any]]:
     theta = given.pop("theta", None) if FAMILIES[family].level else None
+    pole = given.pop("pole", None)
     physical = not body.dimensionless or any(n in SCALES for n in swept)
     coefficients = dict(law.given)
     for name in swept:  # an axis takes the place of its alternatives
@@ -92,7 +93,7 @@ def _resolved(
         if others:
             coefficients = {n: v for n, v in coefficients.items() if n not in others} | {name: 1.0}
     found = round_family(
-        body, family, type(law), tuple(coefficients), physical=physical, theta=theta
+        body, family, type(law), tuple(coefficients), physical=physical, theta=theta, pole=pole
     )
     numbers = body.given | coefficients
     for name in given:

@@ -18,12 +18,12 @@ from ...base.errors import ParameterError
 from ...base.quantities import Kind
 from ...systems.condition import Condition
 from ...systems.system import System
-from ..contact import Contact, Scales
-from ..contact_laws import MOTION_LAWS, Creep, LinearViscous, stored
+from ..contact import Contact
+from ..contact_laws import Creep
 from ..newton_euler import STATES, NewtonEuler
 from ..thin_disk.disk_quantities import disk_quantities
-from .body import MOMENTS, SCALES, Body
-from .expression import Expression
+from .body import Body
+from .si_law import Law, Numbers, Shape, shape_of
 
 OWN = {"length": Kind.LENGTH, "rim_speed": Kind.VELOCITY}
 """Kinds of the quantities that the disk does not have; every other one has its kind there."""
@@ -63,33 +63,21 @@ def round_system(
         raise ParameterError(
             f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
         )
-    moments = tuple(getattr(body, n) if isinstance(getattr(body, n), Expression) else None
-                    for n in MOMENTS)  # fmt: skip
-    shape = body.name, body.height, moments, tuple(body.shape), body.between
-    return _system(*shape, law, given, physical)  # type: ignore[arg-type]  # a class is hashable
+    return _system(shape_of(body), law, given, physical)  # type: ignore[arg-type]  # a class is hashable
 
 
 @lru_cache(maxsize=64)
-def _system(  # noqa: PLR0913
-    name: str, height: Expression, moments: tuple[Expression | None, ...], shape: tuple[str, ...],
-    between: tuple[float, float], law: type[Contact], given: tuple[str, ...], physical: bool,  # noqa: FBT001
-) -> System:  # fmt: skip
-    free = tuple(n for n, known in zip(MOMENTS, moments, strict=True) if known is None)
-    names = (*shape, *free, *(SCALES if physical else ()), *given)
-    symbols = {n: ca.SX.sym(n) for n in names}
-    table: dict[str, Any] = dict.fromkeys(SCALES, 1) | symbols
-    own = [symbols[n] for n in shape]
-    for word, known in zip(MOMENTS, moments, strict=True):
-        table[word] = symbols[word] if known is None else ca.SX(known(*own))
+def _system(shape: Shape, law: type[Contact], given: tuple[str, ...], physical: bool) -> System:  # noqa: FBT001
+    name, height, _, _, between = shape
+    numbers = Numbers.of(shape, given, physical=physical)
     states = STATES if law.slips else STATES[:4]
     x = ca.SX.sym("x", len(states))
-    body = RoundBody(x, ca.SX(height(x[0], *own)), table, law, given)
-    p = ca.vertcat(*symbols.values()) if symbols else ca.SX(0, 1)
+    body = RoundBody(x, ca.SX(height(x[0], *numbers.own)), numbers.table, law, given)
     system = System.from_mass_matrix(
-        f"{name}, {law.name}", x, p, *body.implicit_form(),
+        f"{name}, {law.name}", x, numbers.p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
         observables=body.observables, conditions=_conditions(x, between),
-        states=states, parameters=names,
+        states=states, parameters=numbers.names,
     )  # fmt: skip
     quantities = disk_quantities(law)
     kinds = {n: q.kind for n, q in quantities.items()} | OWN
@@ -127,45 +115,22 @@ class RoundBody(NewtonEuler):
         given: tuple[str, ...],
     ) -> None:  # fmt: skip
         length = table["length"]
-        self.mass, self.weight = table["mass"], table["mass"] * table["gravity"]
+        self.si = Law(contact, table, given)
+        self.mass, self.weight = self.si.mass, self.si.weight
         self.h = length * height
         self.slope = ca.jacobian(self.h, x[0])
-        square = self.mass * length * length
-        self.axial, self.transverse = square * table["axial"], square * table["transverse"]
-        self.square = square
-        self.scales = Scales(
-            {"mass": self.mass, "radius": length, "gravity": table["gravity"]}, ca.sqrt
-        )
-        self.direct = stored(contact) or contact in MOTION_LAWS.values()
-        super().__init__(x, contact, self._coefficient(contact, table, given), contact.slips)
+        self.square = self.mass * length * length
+        self.axial = self.square * table["axial"]
+        self.transverse = self.square * table["transverse"]
+        super().__init__(x, contact, self.si.coefficient, contact.slips)
 
-    def _coefficient(
-        self, law: type[Contact], table: dict[str, Any], given: tuple[str, ...]
-    ) -> Any:
-        """The coefficients as the law's force takes them: in SI for a stored law."""
-        if law is LinearViscous:
-            return table["c"] if "c" in given else table["mu"] * self.weight
-        if self.direct:
-            found = [table[n] for n in given]
-        else:
-            found = [*law.arguments({n: table[n] for n in given}, self.scales).values()]
-        return found[0] if len(found) == 1 else tuple(found)
+    def law_force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """The force in the units of the equations."""
+        return self.si.force(slip, normal)
 
-    def law_force(self, slip: Any, normal: Any, mu: Any) -> Any:
-        """The force in SI; a law of a user is given numbers over the units of the body."""
-        if self.direct:
-            return self.law.force(slip, normal, mu)
-        speed = self.scales.speed
-        found = self.law.force([v / speed for v in slip], normal / self.weight, mu)
-        return [self.weight * f for f in found] if isinstance(found, (list, tuple)) else found
-
-    def law_power(self, slip: Any, normal: Any, mu: Any) -> Any:
-        """The dissipated power in SI."""
-        if self.direct:
-            return self.law.power(slip, normal, mu)
-        speed = self.scales.speed
-        scaled = self.law.power([v / speed for v in slip], normal / self.weight, mu)
-        return self.weight * speed * scaled
+    def law_power(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """The dissipated power in the units of the equations."""
+        return self.si.power(slip, normal)
 
     def turn(self) -> list[ca.SX]:
         """Angular velocity along (x̂, ŷ, ẑ)."""

@@ -22,12 +22,13 @@ from scipy.optimize import brentq
 
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.checks import known, one_number
-from ...base.errors import NoMemberError, ParameterError, listed
+from ...base.errors import NoMemberError, ParameterError, listed, shown
 from ...systems.family import Family
 from ...systems.system import System
 from ..contact import Contact
 from .body import SAMPLES, Body
 from .equations import round_system
+from .pole_equations import AXIS, SLIP, TURN, pole_system
 
 CLOSE = 1e-12
 """Largest slope of the height, over the height, that counts as zero at π/2 before the proof."""
@@ -57,6 +58,8 @@ class RoundFamily:
     """Unknowns that come out positive; the mirror image has the same spectrum."""
     law: str = ""
     """The one contact law under which the family exists; empty for every law."""
+    pole: bool = False
+    """Whether the axis is vertical: the family lives in the chart around a pole."""
 
 
 _RECORDS = (
@@ -82,6 +85,10 @@ _RECORDS = (
         "inclined, its centre at rest or in uniform straight motion, without friction",
         {}, {"omega3": 0.0}, law="smooth",
     ),
+    RoundFamily(
+        "vertical", ("omega_Z",), "its axis vertical, turning about it on the spot",
+        dict.fromkeys((*AXIS[:2], *TURN[:2]), 0.0), {}, pole=True,
+    ),
 )  # fmt: skip
 FAMILIES = {family.name: family for family in _RECORDS}
 """Every family of a body of revolution by name."""
@@ -89,7 +96,7 @@ FAMILIES = {family.name: family for family in _RECORDS}
 
 def round_family(
     body: Body, name: str, law: type[Contact], given: tuple[str, ...], *, physical: bool,
-    theta: float | None = None,
+    theta: float | None = None, pole: Any = None,
 ) -> Family:  # fmt: skip
     """A family of steady motions of a body under a contact law; built once.
 
@@ -107,6 +114,8 @@ def round_family(
         Whether mass, gravity and length are parameters of the system.
     theta
         Inclination near that of rolling, where the body rolls at several [rad].
+    pole
+        0 or "pi": the inclination of vertical spin; 0 when left out.
 
     Returns
     -------
@@ -128,6 +137,13 @@ def round_family(
         )
     if theta is not None and not record.level:
         raise ParameterError(f"theta chooses where a body rolls; leave it out for {name}.")
+    if pole is not None and not record.pole:
+        raise ParameterError(f"pole belongs to vertical spin; leave it out for {name}.")
+    if record.pole:
+        near = _near(pole)
+        system = pole_system(body, law, given, physical=physical, near=near)
+        still = dict(record.held) | {n: 0.0 for n in SLIP if n in system.states}
+        return _family(system, record, _pairs(still), (), (), law)  # type: ignore[arg-type]  # a class is hashable
     system = round_system(body, law, given, physical=physical)
     held: dict[str, Any] = {"theta_dot": 0.0} | dict(record.held)
     held |= {n: 0.0 for n in ("slip_x", "slip_y") if n in system.states}
@@ -161,8 +177,17 @@ def _family(  # noqa: PLR0913
     return Family(
         system, record.name, record.at, held=dict(held), unknown=dict(unknown),
         equations=equations, positive=record.positive, typical=typical,
-        integrals=law.conservative,
+        integrals=law.conservative and not record.pole,
     )  # fmt: skip
+
+
+def _near(pole: Any) -> int:
+    """1 for θ = 0, -1 for θ = π."""
+    if pole is None or (isinstance(pole, (int, float)) and pole == 0):
+        return 1
+    if pole == "pi" or (isinstance(pole, float) and abs(pole - math.pi) < 1e-9):
+        return -1
+    raise ParameterError(f"pole is {shown(pole)}; give 0 or 'pi'.")
 
 
 def _slope(body: Body, theta: float) -> float:
