@@ -19,6 +19,7 @@ old_paths.install()
 _HOME = {
     "bodies.disk": ("Disk", "REAL_DISKS"),
     "bodies.round_body.body": ("Body",),
+    "bodies.round_body.shapes.profile": ("Egg", "from_profile"),
     "bodies.round_body.named": ("Torus", "Spheroid", "EccentricSphere", "ThickDisk"),
     "bodies.contact": ("Contact", "Parameter"),
     "bodies.contact_laws": (
@@ -110,6 +111,8 @@ if TYPE_CHECKING:
     from .bodies.round_body.named import Spheroid as Spheroid
     from .bodies.round_body.named import ThickDisk as ThickDisk
     from .bodies.round_body.named import Torus as Torus
+    from .bodies.round_body.shapes.profile import Egg as Egg
+    from .bodies.round_body.shapes.profile import from_profile as from_profile
     from .bodies.thin_disk.disk_equations import disk_system as disk_system
     from .bodies.thin_disk.disk_families import disk_family as disk_family
     from .bodies.thin_disk.disk_polynomials import exact_polynomial as exact_polynomial

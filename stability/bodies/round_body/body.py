@@ -55,6 +55,8 @@ class Body(Record):
         Name in messages and files.
     between
         Open interval of θ in which the height holds, within (0, π) [rad].
+    error
+        Relative error of height and moments where they come from a quadrature [-].
 
     Raises
     ------
@@ -91,6 +93,8 @@ class Body(Record):
     """Name in messages and files."""
     between: tuple[float, float] = (0.0, math.pi)
     """Open interval of θ in which the height holds [rad]."""
+    error: float = 0.0
+    """Relative error of height and moments where they come from a quadrature; 0 for formulas."""
 
     def __post_init__(self) -> None:
         for name in SCALES:

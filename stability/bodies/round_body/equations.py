@@ -23,6 +23,7 @@ from ..contact_laws import Creep
 from ..newton_euler import STATES, NewtonEuler
 from ..thin_disk.disk_quantities import disk_quantities
 from .body import Body
+from .pole_height import height_of_angle
 from .si_law import Law, Numbers, Shape, shape_of
 
 OWN = {"length": Kind.LENGTH, "rim_speed": Kind.VELOCITY}
@@ -72,7 +73,7 @@ def _system(shape: Shape, law: type[Contact], given: tuple[str, ...], physical: 
     numbers = Numbers.of(shape, given, physical=physical)
     states = STATES if law.slips else STATES[:4]
     x = ca.SX.sym("x", len(states))
-    body = RoundBody(x, ca.SX(height(x[0], *numbers.own)), numbers.table, law, given)
+    body = RoundBody(x, height_of_angle(height, x[0], numbers.own), numbers.table, law, given)
     system = System.from_mass_matrix(
         f"{name}, {law.name}", x, numbers.p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,

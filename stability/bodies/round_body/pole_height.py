@@ -1,4 +1,4 @@
-"""The height as a function of cos θ, where the body is smooth at a pole of its axis.
+"""The height by cos θ and sin θ, and by cos θ alone where the body is smooth at a pole.
 
 A height is smooth at θ = 0 and π if it is a smooth function of c = cos θ.  Its graph is read over
 numbers p + q sinθ, where p and q are functions of c and sin²θ is 1 - c².  The height is one of c
@@ -128,6 +128,28 @@ class InCosine:
         return self.even
 
 
+def _read(height: Expression, cosine: ca.SX, own: list[ca.SX]) -> InCosine:
+    """The height as p + q sinθ; a `NotSmoothError` if its graph is none."""
+    zero = ca.SX(0)
+
+    def apply(name: str, *values: Any) -> Any:
+        if name in ("sin", "cos") and isinstance(values[0], Inclination):
+            return values[0].wave()[name == "sin"]
+        if any(isinstance(v, Inclination) for v in values):
+            raise NotSmoothError("theta stands outside sines and cosines of its whole multiples")
+        plain = [v.plain() if isinstance(v, InCosine) else v for v in values]
+        function: Callable[..., Any] = getattr(ca, {"pow": "power"}.get(name, name))
+        return InCosine(cosine, function(*plain), zero)
+
+    names = (*UNARY, *MORE, "pow", "atan2", "hypot")
+    table: dict[str, Callable[..., Any]] = {name: partial(apply, name) for name in names}
+    algebra = Algebra("cosine", lambda v: InCosine(cosine, ca.SX(v), zero), table)
+    numbers = [InCosine(cosine, v, zero) for v in own]
+    given: list[list[Any]] = [[Inclination(cosine)], *([n] for n in numbers)]
+    [[found]] = Program(height.function).run(algebra, given)
+    return found if isinstance(found, InCosine) else InCosine(cosine, ca.SX(found), zero)
+
+
 def height_of_cosine(height: Expression, cosine: ca.SX, own: list[ca.SX]) -> ca.SX:
     """The height as an expression in cos θ and the numbers of the shape.
 
@@ -157,21 +179,39 @@ def height_of_cosine(height: Expression, cosine: ca.SX, own: list[ca.SX]) -> ca.
     >>> ca.Function("f", [c], [height_of_cosine(egg, c, [])])(0.5)
     DM(0.9375)
     """
-    zero = ca.SX(0)
+    return _read(height, cosine, own).plain()
 
-    def apply(name: str, *values: Any) -> Any:
-        if name in ("sin", "cos") and isinstance(values[0], Inclination):
-            return values[0].wave()[name == "sin"]
-        if any(isinstance(v, Inclination) for v in values):
-            raise NotSmoothError("theta stands outside sines and cosines of its whole multiples")
-        plain = [v.plain() if isinstance(v, InCosine) else v for v in values]
-        function: Callable[..., Any] = getattr(ca, {"pow": "power"}.get(name, name))
-        return InCosine(cosine, function(*plain), zero)
 
-    names = (*UNARY, *MORE, "pow", "atan2", "hypot")
-    table: dict[str, Callable[..., Any]] = {name: partial(apply, name) for name in names}
-    algebra = Algebra("cosine", lambda v: InCosine(cosine, ca.SX(v), zero), table)
-    numbers = [InCosine(cosine, v, zero) for v in own]
-    given: list[list[Any]] = [[Inclination(cosine)], *([n] for n in numbers)]
-    [[found]] = Program(height.function).run(algebra, given)
-    return found.plain() if isinstance(found, InCosine) else ca.SX(found)
+def height_of_angle(height: Expression, theta: ca.SX, own: list[ca.SX]) -> ca.SX:
+    """The height at a symbol θ, with sines and cosines of multiples of θ by those of θ itself.
+
+    So the graph is rational in sin θ and cos θ wherever the height is, and has a value at the exact
+    right angle.
+
+    Parameters
+    ----------
+    height, own
+        As for `height_of_cosine`.
+    theta
+        Symbol of θ.
+
+    Returns
+    -------
+    SX
+
+    Examples
+    --------
+    >>> from .expression import expression
+    >>> t = ca.SX.sym("t")
+    >>> egg = expression("height", lambda theta: 1 + ca.cos(2 * theta) / 8, ["theta"], 1)
+    >>> f = ca.Function("f", [t], [height_of_angle(egg, t, [])])
+    >>> round(float(f(0.3) - ca.cos(0.6) / 8), 15)
+    1.0
+    """
+    cosine = ca.SX.sym("c")
+    try:
+        found = _read(height, cosine, own)
+    except NotSmoothError:
+        return ca.SX(height(theta, *own))
+    even, odd = ca.substitute([found.even, found.odd], [cosine], [ca.cos(theta)])
+    return even if odd.is_zero() else even + odd * ca.sin(theta)
