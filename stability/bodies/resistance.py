@@ -1,4 +1,4 @@
-"""Resistance to rolling and turning: moments on a rolling or turning body, which add to a contact law."""
+"""Resistance to rolling and turning: moments that add to a contact law."""
 
 from __future__ import annotations
 
