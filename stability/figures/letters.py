@@ -110,8 +110,9 @@ def _apart(
     off = np.full(at.shape, np.inf)
     for _ in range(4):
         for i in range(len(at)):
-            # a wide text starts next to its marker instead of over it
-            here = tries + np.sign(np.round(tries, 1)) * np.array([half[i, 0] - 2.5, 0.0])
+            # a wide text starts next to its marker, or stands above or below it
+            aside = np.sign(tries) * (np.abs(tries) > 0.6)
+            here = tries + aside * np.array([half[i, 0] - 2.5, 0.0])
             spots = at[i] + here
             struck = (np.abs(spots[:, None] - lines) < half[i] + 0.2).all(axis=-1).sum(axis=-1)
             cost = np.hypot(*tries.T) + np.minimum(4.0 * (struck > 0) + 0.8 * struck, 14.0)
@@ -123,6 +124,8 @@ def _apart(
                 gap = np.abs(spots[:, None] - centre) - half[i] - extent
                 cost = cost + price * (gap < 0).all(axis=-1).sum(axis=-1)
             cost = cost + 12.0 * _crossings(at[i], spots, at[others], (at + off)[others])
+            cost = cost + 25.0 * _struck((at[i], spots, half[i]),
+                                         (at[others], (at + off)[others], half[others]))  # fmt: skip
             off[i] = here[int(cost.argmin())]
     return off
 
@@ -137,3 +140,26 @@ def _crossings(start: Any, ends: Any, starts: Any, stops: Any) -> Any:
     a, b, c, d = start, ends[:, None], starts[known], stops[known]
     apart = side(a, b, c) * side(a, b, d) < 0
     return (apart & (side(c, d, a + 0 * b) * side(c, d, b) < 0)).sum(axis=-1)
+
+
+def _struck(mine: tuple[Any, Any, Any], other: tuple[Any, Any, Any]) -> NDArray[Any]:
+    """How many texts each new leading line strikes, and how many leading lines each new text.
+
+    Both are given as marks, centres of texts, and halves of their widths and heights.
+    """
+    known = np.isfinite(other[1]).all(axis=-1)
+    starts, spots, halves = (part[known] for part in other)
+    start, tried, half = mine
+    ours, theirs = _leading(start, tried, half), _leading(starts, spots, halves)
+    over = (np.abs(ours[:, :, None] - spots) < halves).all(axis=-1).any(axis=1).sum(axis=-1)
+    under = (np.abs(tried[:, None, None] - theirs) < half).all(axis=-1).any(axis=-1).sum(axis=-1)
+    return np.asarray(over + under)
+
+
+def _leading(start: Any, spots: Any, half: Any) -> NDArray[Any]:
+    """Points along each line from a mark to the near end of its text."""
+    shift = spots - start
+    ends = spots - np.where(np.abs(shift) > 9, np.sign(shift) * half, 0.0) * [1.0, 0.0]
+    # a mark beside another text is judged by the distance of texts from marks
+    along = np.linspace(0.25, 0.95, 12)[:, None]
+    return np.asarray(np.expand_dims(start, -2) + along * (ends - start)[:, None])
