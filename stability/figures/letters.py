@@ -119,13 +119,17 @@ def _apart(
             outside = (spots - half[i] < room[0] + 1) | (spots + half[i] > room[1] - 1)
             cost = cost + 500.0 * outside.any(axis=-1)
             others = np.arange(len(at)) != i
+            # nearer to another marker than to its own, a text seems to name that one
+            gaps = [np.hypot(*np.maximum(np.abs(spots[:, None] - m) - half[i], 0).T)
+                    for m in (at[i : i + 1], at[others])]  # fmt: skip
+            cost = cost + 10.0 * (gaps[1] < gaps[0] - 0.1).any(axis=0)
             for centre, extent, price in (((at + off)[others], half[others], 300.0),
                                         (at, np.full_like(at, size), 40.0)):  # fmt: skip
                 gap = np.abs(spots[:, None] - centre) - half[i] - extent
                 cost = cost + price * (gap < 0).all(axis=-1).sum(axis=-1)
             cost = cost + 12.0 * _crossings(at[i], spots, at[others], (at + off)[others])
-            cost = cost + 25.0 * _struck((at[i], spots, half[i]),
-                                         (at[others], (at + off)[others], half[others]))  # fmt: skip
+            theirs = at[others], (at + off)[others], half[others]
+            cost = cost + 25.0 * _struck((at[i], spots, half[i]), theirs)
             off[i] = here[int(cost.argmin())]
     return off
 

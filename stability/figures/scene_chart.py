@@ -157,8 +157,8 @@ def _note(dataset: xarray.Dataset) -> list[str]:
     given = fixed(json.loads(told["parameters"]), known, {}, dimensionless=plain,
                   law=law if known else "")  # fmt: skip
     moving = fixed({n: v for n, v in start.items() if v}, known, {}, dimensionless=plain)
-    _, _, horizon = fixed({"time": told["horizon"]}, known, {}, dimensionless=plain).partition(" = ")
-    lines = [given or law, f"start: {moving or 'rest'}, horizon {horizon}"]
+    last = fixed({"time": told["horizon"]}, known, {"time": told["time_unit"]}, dimensionless=plain)
+    lines = [given or law, f"start: {moving or 'rest'}, horizon {last.partition(' = ')[2]}"]
     for words, where in (("end in another way", np.isinf), ("no answer", np.isnan)):
         if names := _named(dataset, where(dataset.true_error.values)):
             lines.append(f"{words}: {', '.join(names)}")

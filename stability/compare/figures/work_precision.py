@@ -108,7 +108,7 @@ def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
         told = {which: _told(chart, which, metric) for which in scenes}
         everywhere = [n for n in LOOKS if any(n in names for names in told.values())]
         handles = _handles(everywhere)
-        figure, panels = page(len(scenes), 1.15, 0.3 + 0.13 * -(-len(handles) // 3))
+        figure, panels = page(len(scenes), 1.0, 0.3 + 0.13 * -(-len(handles) // 3))
         for axes, which in zip(panels, scenes, strict=True):
             log_axis(axes.xaxis, low, high, 1)
             log_axis(axes.yaxis, LOWEST, HIGHEST, 4)
@@ -227,11 +227,11 @@ OPEN: dict[str, Any] = SOLID | {"mec": OWN, "mfc": "white"}
 
 
 def _repeats(chart: xarray.Dataset) -> NDArray[Any]:
-    """Median repeat at the middle tolerance, shape (scenes, drivers); NaN without an answer."""
+    """Least repeat at the middle tolerance, shape (scenes, drivers); NaN without an answer."""
     found = np.full((chart.sizes["scene"], chart.sizes["driver"]), np.nan)
     for place in np.ndindex(found.shape):
         times = chart.seconds.values[place]
         times = times[np.isfinite(times).any(axis=-1)]
         if len(times):
-            found[place] = np.nanmedian(times[len(times) // 2])
+            found[place] = np.nanmin(times[len(times) // 2])
     return found
