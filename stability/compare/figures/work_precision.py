@@ -58,10 +58,10 @@ LOOKS: dict[str, dict[str, Any]] = {
     "lsoda": {"color": "#000000", "marker": "v"}, "radau": {"color": "#CC79A7", "marker": "p"},
     "bdf": {"color": "#882255", "marker": "h"}, "cvodes": {"color": "#56B4E9", "marker": "<"},
     "idas": {"color": "#332288", "marker": ">"},
-    "rk45": {"color": "#6a6a6a", "marker": "o", "mfc": "white"},
+    "rk45": {"color": "#6a6a6a", "marker": "X", "ms": 3.2},
     "rk4": {"color": "#6a6a6a", "marker": "s", "mfc": "white"},
     "rough-model": {"color": "#7f4f24", "marker": "D"},
-    "smooth-model": {"color": "#c08a3e", "marker": "D"},
+    "smooth-model": {"color": "#9c6b24", "marker": "d"},
     "regularised": {"color": "#4d3b1f", "marker": "D", "mfc": "white"},
 }  # fmt: skip
 """Line and marker of every driver."""
