@@ -10,14 +10,14 @@ import casadi as ca
 import matplotlib
 import numpy as np
 import pytest
-from figure_audit import DEFICIENT, drawn, faults, lab, linear, seen
+from figure_audit import DEFICIENT, drawn, faults, lab, linear
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import stability as st
 from stability.atlas.build import atlas
 from stability.base.errors import ParameterError
-from stability.figures.canvas import save_figure
+from stability.figures.canvas import COLUMN, save_figure
 from stability.figures.diagram import Strip
 from stability.figures.shading import DIVERGING, linear_part
 from stability.figures.styled_figure import signed_ticks
@@ -82,6 +82,15 @@ def coin() -> Any:
 def test_no_text_of_a_motion_overlaps_or_is_too_small(run: Any, coin: Any, show: Any) -> None:
     assert faults(st.plot_motion(run, show=show)) == []
     assert faults(st.plot_motion(coin, show=show)) == []
+
+
+def test_a_whole_motion_is_readable_in_a_column(run: Any) -> None:
+    figure = st.plot_motion(run, width=COLUMN)
+    assert faults(figure, COLUMN) == []
+    left = {round(a.get_position().x0, 2) for a in figure.axes}
+    assert len(figure.axes) == 8 and max(left) < 0.9
+    # the parts stand one below the other, so that no panel is half as wide as the column
+    assert min(a.bbox.width for a in figure.axes[:5]) > 0.5 * figure.bbox.width
 
 
 @pytest.fixture(scope="module")
@@ -256,6 +265,7 @@ def test_a_pdf_holds_fonts_of_type_42_alone(quarter: Any, run: Any, tmp_path: Pa
 
 
 # --- colours ---
+
 
 @pytest.mark.parametrize("kind", DEFICIENT)
 def test_growth_and_decay_have_two_colours_for_every_reader(kind: str) -> None:

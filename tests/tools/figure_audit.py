@@ -83,7 +83,7 @@ def faults(figure: Figure, printed: float | None = None) -> list[str]:
     A figure wider than `printed` [in] is scaled down to it.
     """
     texts = drawn(figure)
-    assert len(texts) > 3
+    assert len(texts) > 2
     scale = min(1.0, (printed or np.inf) / figure.get_figwidth())
     said = [f"{t.get_text()!r} has {size:.3g} pt"
             for t, _ in texts if (size := scale * t.get_fontsize()) < SMALLEST - 1e-9]  # fmt: skip

@@ -175,7 +175,8 @@ def _pages(figure: Figure, heights: list[float], *, stacked: bool) -> list[Any]:
     if count == 1:
         return [figure]
     if stacked:
-        return np.ravel(figure.subfigures(count, 1, height_ratios=heights)).tolist()
+        rows: Any = figure.subfigures(count, 1, height_ratios=heights)
+        return list(rows)
     halves: Any = figure.subfigures(1, 2)
     left, right = halves
     return [left, *(np.ravel(right.subfigures(2, 1)).tolist() if count > 2 else [right])]
