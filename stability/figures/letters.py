@@ -164,6 +164,6 @@ def _leading(start: Any, spots: Any, half: Any) -> NDArray[Any]:
     """Points along each line from a mark to the near end of its text."""
     shift = spots - start
     ends = spots - np.where(np.abs(shift) > 9, np.sign(shift) * half, 0.0) * [1.0, 0.0]
-    # a mark beside another text is judged by the distance of texts from marks
+    # a mark next to another text is judged by the distance of texts from marks
     along = np.linspace(0.25, 0.95, 12)[:, None]
     return np.asarray(np.expand_dims(start, -2) + along * (ends - start)[:, None])
