@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
@@ -69,8 +70,13 @@ def letters(axes: Axes, marks: Sequence[Letter], size: float = MARK) -> None:
         arrow = {"arrowstyle": "-", "linewidth": 0.35, "color": mark.colour, "shrinkA": 0.5,
                  "shrinkB": size - 0.2, "relpos": start} if far else None  # fmt: skip
         axes.annotate(mark.text, (mark.x, mark.y), tuple(shift), textcoords="offset points",
-                      fontsize=SMALL, color=mark.colour, ha="center", va="center",
+                      fontsize=SMALL, color=_dark(mark.colour), ha="center", va="center",
                       path_effects=HALO, arrowprops=arrow, zorder=6)  # fmt: skip
+
+
+def _dark(colour: str) -> tuple[float, ...]:
+    """A colour for small text, which needs more contrast than a mark."""
+    return tuple(0.8 * part for part in to_rgb(colour))
 
 
 def _half(text: str) -> tuple[float, float]:

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+from figure_audit import faults
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import Collection
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from stability.base.errors import ParameterError
-from stability.figures.canvas import save_figure
+from stability.figures.canvas import COLUMN, save_figure
 from stability.figures.scene_chart import LOOKS, scene_caption, scene_figure
 
 ROWS: list[tuple[str, str, float, float]] = [
@@ -121,6 +122,7 @@ def test_without_uncertain_inputs_there_is_no_band() -> None:
 @pytest.mark.parametrize("spread", [np.nan, 8e-4, 1.1e-4, 0.9e-4])
 def test_no_label_hides_another_and_none_leaves_the_figure(spread: float) -> None:
     figure = scene_figure(made(ROWS, spread=spread))
+    assert faults(figure, COLUMN) == []  # small and pale texts too
     texts = [*figure.axes[0].texts, *figure.texts, figure.axes[0].xaxis.label,
              *figure.legends[0].get_texts()]  # fmt: skip
     found = boxes(texts, figure)

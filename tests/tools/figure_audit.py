@@ -12,8 +12,9 @@ from matplotlib.text import Text
 
 SMALLEST = 6.0
 """Size of the smallest text [pt]; exponents and indices are smaller, as in any journal."""
-PALEST = 3.0
-"""Least contrast of a text with white, by the Web Content Accessibility Guidelines."""
+PALEST, PALEST_WORD = 3.0, 4.5
+"""Least contrast with white, by the Web Content Accessibility Guidelines: of a number that may have
+the colour of its curve, and of a word."""
 # Machado, Oliveira & Fernandes, IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291-1298, severity 1
 DEFICIENT = {
     "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
@@ -87,7 +88,8 @@ def faults(figure: Figure, printed: float | None = None) -> list[str]:
     scale = min(1.0, (printed or np.inf) / figure.get_figwidth())
     said = [f"{t.get_text()!r} has {size:.3g} pt"
             for t, _ in texts if (size := scale * t.get_fontsize()) < SMALLEST - 1e-9]  # fmt: skip
-    said += [f"{t.get_text()!r} is pale" for t, _ in texts if contrast(t.get_color()) < PALEST]
+    said += [f"{t.get_text()!r} is pale" for t, _ in texts if contrast(t.get_color()) <
+             (PALEST if t.get_text().isdigit() else PALEST_WORD)]  # fmt: skip
     for (a, one), (b, other) in combinations(texts, 2):
         wide = min(one.x1, other.x1) - max(one.x0, other.x0)
         tall = min(one.y1, other.y1) - max(one.y0, other.y0)
