@@ -27,7 +27,7 @@ WIDTH, BODY = COLUMN, 2.3
 """Width of the figure, a journal column, and height of its panel [in]."""
 LEFT, RIGHT, TOP, UNDER = 0.5, 0.49, 0.06, 0.4
 """Margins of the panel [in]."""
-LINE, KEY_LINE, COLUMNS = 0.108, 0.118, 2
+LINE, KEY_LINE, COLUMNS = 0.122, 0.118, 2
 """Height of a line of the note and of the key [in]; columns of the key."""
 LOWEST = 1e-16
 """Smallest error that is drawn."""
@@ -94,7 +94,7 @@ def scene_figure(dataset: xarray.Dataset) -> Figure:
             columnspacing=1.4, handletextpad=0.6, labelspacing=0.3,
         )  # fmt: skip
         figure.text(0.5, 0.04 / height, text, fontsize=SMALL, va="bottom", ha="center",
-                    linespacing=1.2)  # fmt: skip
+                    linespacing=1.4)  # fmt: skip
     return figure
 
 
