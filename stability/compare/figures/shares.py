@@ -8,10 +8,13 @@ from collections.abc import Sequence
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.patches import Patch, Rectangle
+from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 from ...figures.letters import SMALL
@@ -49,7 +52,7 @@ def _figure(
     blanks = bool((np.nan_to_num(counts).sum(axis=-1) < 1 - 1e-9).any())
     tall = y[-1] + 1.0
     foot = 0.2 + (0.28 if label else 0.0) + 0.14 * (len(seen) + blanks > 4)
-    left, right = 0.05 + 0.052 * max(map(len, methods)), 0.42 if notes else 0.05
+    left, right = 0.08 + max(map(_wide, methods)), 0.42 if notes else 0.05
     with figure_style(STYLE | {"hatch.linewidth": 0.5, "hatch.color": "black"}):
         height = LINE * tall + top + foot
         figure = Figure(figsize=(WIDTH, height))
@@ -65,6 +68,12 @@ def _figure(
                           fontsize=SMALL, ha="right", va="center_baseline")  # fmt: skip
         _key(figure, seen, blank if blanks else "", 0.02 / height)
     return figure
+
+
+def _wide(name: str) -> float:
+    """Width of the name of a method, as if it were bold [in]."""
+    bold = FontProperties(family=matplotlib.rcParamsDefault["font.sans-serif"][0], weight="bold")
+    return float(TextPath((0, 0), name, size=SMALL, prop=bold).get_extents().width) / 72
 
 
 def _label(
