@@ -55,6 +55,8 @@ class Body(Record):
         Name in messages and files.
     between
         Open interval of θ in which the height holds, within (0, π) [rad].
+    limits
+        Range (low, high] of numbers of the shape, for formulas that do not hold elsewhere.
     error
         Relative error of height and moments where they come from a quadrature [-].
 
@@ -93,6 +95,8 @@ class Body(Record):
     """Name in messages and files."""
     between: tuple[float, float] = (0.0, math.pi)
     """Open interval of θ in which the height holds [rad]."""
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Range (low, high] of numbers of the shape by name, beyond which the formulas do not hold."""
     error: float = 0.0
     """Relative error of height and moments where they come from a quadrature; 0 for formulas."""
 
@@ -107,6 +111,14 @@ class Body(Record):
                     f"shape names {shown(name)}; give a word that is none of {', '.join(TAKEN)}."
                 )
         numbers = {n: checked(n, v) for n, v in self.shape.items()}
+        for name, (low, high) in self.limits.items():
+            bad = np.asarray(numbers[name])
+            bad = bad[(bad <= low) | (bad > high)]
+            if bad.size:
+                end = f", {high:g}]" if math.isfinite(high) else ", ∞)"
+                raise ParameterError(
+                    f"{name} of a {self.name} is {bad.flat[0]:g}; it must lie in ({low:g}{end}."
+                )
         object.__setattr__(self, "shape", numbers)
         object.__setattr__(
             self, "height", expression("height", self.height, ["theta", *numbers], 1)

@@ -12,7 +12,7 @@ from typing import Any
 import casadi as ca
 from numpy.typing import ArrayLike
 
-from ...base.checks import Number, flag, known, positive, real_numbers
+from ...base.checks import flag, known
 from ...base.errors import ParameterError
 from ..disk import Disk
 from .body import MOMENTS, SCALES, Body
@@ -45,7 +45,8 @@ def Torus(tube: ArrayLike, *, solid: bool = True, **scales: Any) -> Body:  # noq
         lambda theta, tube: ca.sin(theta) + tube,
         axial=lambda tube: 1 + 3 * share * tube**2 / 4,
         transverse=lambda tube: (4 + 5 * share * tube**2) / 8,
-        shape={"tube": _within("tube", tube, 1)}, name="torus" if share == 1 else "hollow torus",
+        shape={"tube": tube}, limits={"tube": (0.0, 1.0)},
+        name="torus" if share == 1 else "hollow torus",
         **_scales(scales),
     )  # fmt: skip
 
@@ -73,7 +74,7 @@ def Spheroid(aspect: ArrayLike, **scales: Any) -> Body:  # noqa: N802
         lambda theta, aspect: ca.sqrt(ca.sin(theta) ** 2 + (aspect * ca.cos(theta)) ** 2),
         axial=lambda aspect: ca.SX(2) / 5 + 0 * aspect,
         transverse=lambda aspect: (1 + aspect**2) / 5,
-        shape={"aspect": positive("aspect", aspect)}, name="spheroid", **_scales(scales),
+        shape={"aspect": aspect}, limits={"aspect": (0.0, math.inf)}, name="spheroid", **_scales(scales),
     )  # fmt: skip
 
 
@@ -118,7 +119,7 @@ def EccentricSphere(  # noqa: N802
         }
     return Body(
         lambda theta, offset: 1 - offset * ca.cos(theta),
-        shape={"offset": _within("offset", offset, 1)},
+        shape={"offset": offset}, limits={"offset": (0.0, 1.0)},
         name="eccentric sphere", **moments, **_scales(scales),
     )  # fmt: skip
 
@@ -150,7 +151,7 @@ def ThickDisk(thickness: ArrayLike, **scales: Any) -> Body:  # noqa: N802
         lambda theta, thickness: ca.sin(theta) + thickness * ca.cos(theta) / 2,
         axial=lambda thickness: ca.SX(1) / 2 + 0 * thickness,
         transverse=lambda thickness: (3 + thickness**2) / 12,
-        shape={"thickness": positive("thickness", thickness)}, name="thick disk",
+        shape={"thickness": thickness}, limits={"thickness": (0.0, math.inf)}, name="thick disk",
         between=(0.0, math.pi / 2), **_scales(scales),
     )  # fmt: skip
 
@@ -176,16 +177,6 @@ def of_disk(disk: Disk) -> Body:
         lambda theta, k: ca.sin(theta) + 0 * k, axial=lambda k: 2 * k, transverse=lambda k: k,
         mass=disk.mass, gravity=disk.gravity, length=disk.radius, shape={"k": disk.k}, name="disk",
     )  # fmt: skip
-
-
-def _within(name: str, value: ArrayLike, most: float) -> Number:
-    found = positive(name, value)
-    bad = real_numbers(name, value)
-    if (bad > most).any() or (most == 1 and name == "offset" and (bad >= 1).any()):
-        worst = bad[bad >= most].flat[0]
-        end = ")" if name == "offset" else "]"
-        raise ParameterError(f"{name} is {worst:g}; it must lie in (0, {most:g}{end}.")
-    return found
 
 
 def _scales(scales: dict[str, Any]) -> dict[str, Any]:

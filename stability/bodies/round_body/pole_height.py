@@ -146,7 +146,10 @@ def _read(height: Expression, cosine: ca.SX, own: list[ca.SX]) -> InCosine:
     algebra = Algebra("cosine", lambda v: InCosine(cosine, ca.SX(v), zero), table)
     numbers = [InCosine(cosine, v, zero) for v in own]
     given: list[list[Any]] = [[Inclination(cosine)], *([n] for n in numbers)]
-    [[found]] = Program(height.function).run(algebra, given)
+    try:
+        [[found]] = Program(height.function).run(algebra, given)
+    except KeyError as function:  # such as the absolute value
+        raise NotSmoothError(f"the height uses {function}") from None
     return found if isinstance(found, InCosine) else InCosine(cosine, ca.SX(found), zero)
 
 
