@@ -137,7 +137,7 @@ class Body(Record):
         for name in MOMENTS:
             value = getattr(self, name)
             if isinstance(value, Expression):
-                value = self._array(value.function, *self.shape.values())
+                value = self.array(value.function, *self.shape.values())
             found.append(value)
         return found[0], found[1]
 
@@ -151,11 +151,11 @@ class Body(Record):
         slope
             0 for h, 1 for h', 2 for h''.
         """
-        return self._array(self._slopes()[slope], theta, *self.shape.values())
+        return self.array(self.slopes()[slope], theta, *self.shape.values())
 
     @staticmethod
-    def _array(function: ca.Function, *values: Any) -> Any:
-        """Values of a function at arrays that broadcast."""
+    def array(function: ca.Function, *values: Any) -> Any:
+        """Values of a CasADi function at arrays that broadcast; a float where none is an array."""
         arrays = (
             np.broadcast_arrays(*[np.asarray(v, dtype=float) for v in values]) if values else []
         )
@@ -164,7 +164,7 @@ class Body(Record):
         found = function(*[a.reshape(1, -1) for a in arrays]).full()
         return found.reshape(arrays[0].shape) if arrays[0].ndim else float(found[0, 0])
 
-    def _slopes(self) -> list[ca.Function]:
+    def slopes(self) -> list[ca.Function]:
         """h, h' and h'' as functions of θ and the numbers of the shape."""
         theta, *own = (ca.SX.sym(n) for n in ("theta", *self.shape))
         values = [ca.SX(self.height(theta, *own))]

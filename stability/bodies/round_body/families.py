@@ -12,17 +12,19 @@ sides vanish upright.  At a pole there is *vertical* spin alone.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.checks import known, one_number
 from ...base.errors import NoMemberError, ParameterError, listed
+from ...base.types import Floats
 from ...systems.family import Family
 from ...systems.system import System
 from ..contact import Contact
@@ -138,7 +140,7 @@ def round_family(
     if record.upright and not _upright(body):
         raise NoMemberError(
             f"{body.name} has no {name}: the slope of its height at theta = π/2 is "
-            f"{_slope(body, math.pi / 2):.3g}, and must vanish there."
+            f"{float(_slope(body)(math.pi / 2)):.3g}, and must vanish there."
         )
     if record.level:
         at = level(body, theta)
@@ -165,9 +167,11 @@ def _family(  # noqa: PLR0913
     )  # fmt: skip
 
 
-def _slope(body: Body, theta: float) -> float:
-    """Slope of the height at an inclination, for the first of the body's shapes."""
-    return float(np.asarray(body.height_at(theta, 1)).flat[0])
+def _slope(body: Body) -> Callable[[ArrayLike], Floats]:
+    """Slope of the height at inclinations, for the first of the body's shapes."""
+    first = [np.asarray(v, dtype=float).flat[0] for v in body.shape.values()]
+    function = body.slopes()[1]
+    return lambda theta: np.asarray(body.array(function, theta, *first))
 
 
 def _upright(body: Body) -> bool:
@@ -176,7 +180,7 @@ def _upright(body: Body) -> bool:
     if not low < math.pi / 2 < high:
         return False
     scale = float(np.asarray(body.height_at(math.pi / 2)).flat[0])
-    return abs(_slope(body, math.pi / 2)) <= CLOSE * scale
+    return abs(float(_slope(body)(math.pi / 2))) <= CLOSE * scale
 
 
 def level(body: Body, theta: float | None = None) -> float | None:
@@ -196,11 +200,12 @@ def level(body: Body, theta: float | None = None) -> float | None:
     """
     low, high = body.between
     grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
-    slopes = [_slope(body, float(t)) for t in grid]
+    slope = _slope(body)
+    slopes = slope(grid)
     found = [math.pi / 2] * _upright(body)
     for a, b, f, g in zip(grid[:-1], grid[1:], slopes[:-1], slopes[1:], strict=True):
         if f * g < 0 and not (found and a < math.pi / 2 < b):
-            found.append(float(brentq(lambda t: _slope(body, t), a, b, xtol=1e-15)))
+            found.append(float(brentq(slope, a, b, xtol=1e-15)))
     if not found:
         raise NoMemberError(
             f"{body.name} rolls nowhere: the slope of its height has no zero between "
