@@ -331,7 +331,8 @@ def conditions(
     'Stable where c > 0; unstable where it is negative.'
     """
     refuse_system(family)
-    instance("family", family, Family, "give a stability.Family")
+    instance("family", family, Family, "give a stability.Family, such as disk_family(name, "
+             "contact) or body.family(name, contact)")  # fmt: skip
     reads = Numbers(flag("decimals", decimals))
     intervals = reads.intervals(family, positive, between or {})
     values = {known("parameter", n, family.parameters): reads.rational(n, v)

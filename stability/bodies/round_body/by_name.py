@@ -10,9 +10,9 @@ from ...systems.family import Family
 from ..contact import Contact
 from ..contact_laws import LAWS, law_class, spelled
 from ..disk import Disk
-from ..law_names import law_given
-from .body import SCALES, Body
+from ..law_names import class_named, law_given
 from .families import FAMILIES, round_family
+from .shape import SCALES, RoundShape
 
 
 def of_body(
@@ -45,6 +45,7 @@ def of_body(
     Examples
     --------
     >>> import casadi as ca
+    >>> from stability.bodies.round_body.body import Body
     >>> ball = Body(lambda theta: 1.0, axial=0.4, transverse=0.4, name="ball")
     >>> of_body("spinning", ball, None, "rough", {})[0].system.name
     'ball, rough'
@@ -56,7 +57,7 @@ def of_body(
         raise ParameterError("body and disk are both given; give one of them.")
     if isinstance(body, Disk):
         return family, body, contact, given
-    if not isinstance(body, Body):
+    if not isinstance(body, RoundShape):
         raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
     if isinstance(family, Family):
         raise ParameterError(
@@ -64,9 +65,7 @@ def of_body(
             f"{family.system.name}, which has its own equations."
         )
     if not isinstance(family, str) or family not in FAMILIES:
-        raise NameUnknownError(
-            f"family is {shown(family)}; known for {body.name} are {', '.join(FAMILIES)}."
-        )
+        raise _unknown(family, body)
     swept = [a[0] for a in axes if isinstance(a, (tuple, list)) and a and isinstance(a[0], str)]
     return _resolved(family, body, _law(contact, given, swept), given, swept)
 
@@ -82,7 +81,7 @@ def _law(contact: Any, given: dict[str, Any], swept: Collection[str]) -> Contact
 
 
 def _resolved(
-    family: str, body: Body, law: Contact, given: dict[str, Any], swept: Collection[str]
+    family: str, body: RoundShape, law: Contact, given: dict[str, Any], swept: Collection[str]
 ) -> tuple[Family, None, None, dict[str, Any]]:
     theta = given.pop("theta", None) if FAMILIES[family].level else None
     physical = not body.dimensionless or any(n in SCALES for n in swept)
@@ -100,3 +99,31 @@ def _resolved(
             raise ParameterError(f"{name} is {body.name}'s own number; give it there alone.")
     own = {n: numbers[n] for n in found.system.parameters if n not in swept}
     return found, None, None, own | given
+
+
+def body_family(body: RoundShape, name: str, contact: Any, theta: float | None) -> Family:
+    """A family of a body under a law, its class or its name, as `Body.family` describes.
+
+    Parameters
+    ----------
+    body, name, contact, theta
+        As for `Body.family`.
+    """
+    if not isinstance(name, str) or name not in FAMILIES:
+        raise _unknown(name, body)
+    law: Any = class_named(contact, motion=False) if isinstance(contact, str) else contact
+    kind = law_class(type(law) if isinstance(law, Contact) else law, motion=False)
+    given: Collection[str] = (
+        law.given
+        if isinstance(law, Contact)
+        else {kind.alternatives(p.name)[0]: None for p in kind.parameters}
+    )  # one name a coefficient
+    return round_family(
+        body, name, kind, tuple(given), physical=not body.dimensionless, theta=theta
+    )
+
+
+def _unknown(family: Any, body: RoundShape) -> NameUnknownError:
+    return NameUnknownError(
+        f"family is {shown(family)}; known for {body.name} are {', '.join(FAMILIES)}."
+    )

@@ -22,15 +22,15 @@ from ..contact import Contact, Scales
 from ..contact_laws import MOTION_LAWS, Creep, LinearViscous, stored
 from ..newton_euler import STATES, NewtonEuler
 from ..thin_disk.disk_quantities import disk_quantities
-from .body import MOMENTS, SCALES, Body
 from .expression import Expression
+from .shape import MOMENTS, SCALES, RoundShape
 
 OWN = {"length": Kind.LENGTH, "rim_speed": Kind.VELOCITY}
 """Kinds of the quantities that the disk does not have; every other one has its kind there."""
 
 
 def round_system(
-    body: Body, law: type[Contact], given: tuple[str, ...], *, physical: bool
+    body: RoundShape, law: type[Contact], given: tuple[str, ...], *, physical: bool
 ) -> System:
     """A body under a contact law as a `System`, built once for each.
 

@@ -28,8 +28,8 @@ from ...base.types import Floats
 from ...systems.family import Family
 from ...systems.system import System
 from ..contact import Contact
-from .body import SAMPLES, Body
 from .equations import round_system
+from .shape import SAMPLES, RoundShape
 
 CLOSE = 1e-12
 """Largest slope of the height, over the height, that counts as zero at π/2 before the proof."""
@@ -90,7 +90,7 @@ FAMILIES = {family.name: family for family in _RECORDS}
 
 
 def round_family(
-    body: Body, name: str, law: type[Contact], given: tuple[str, ...], *, physical: bool,
+    body: RoundShape, name: str, law: type[Contact], given: tuple[str, ...], *, physical: bool,
     theta: float | None = None,
 ) -> Family:  # fmt: skip
     """A family of steady motions of a body under a contact law; built once.
@@ -167,14 +167,14 @@ def _family(  # noqa: PLR0913
     )  # fmt: skip
 
 
-def _slope(body: Body) -> Callable[[ArrayLike], Floats]:
+def _slope(body: RoundShape) -> Callable[[ArrayLike], Floats]:
     """Slope of the height at inclinations, for the first of the body's shapes."""
     first = [np.asarray(v, dtype=float).flat[0] for v in body.shape.values()]
     function = body.slopes()[1]
     return lambda theta: np.asarray(body.array(function, theta, *first))
 
 
-def _upright(body: Body) -> bool:
+def _upright(body: RoundShape) -> bool:
     """Whether the slope of the height vanishes at π/2, to double precision."""
     low, high = body.between
     if not low < math.pi / 2 < high:
@@ -183,7 +183,7 @@ def _upright(body: Body) -> bool:
     return abs(float(_slope(body)(math.pi / 2))) <= CLOSE * scale
 
 
-def level(body: Body, theta: float | None = None) -> float | None:
+def level(body: RoundShape, theta: float | None = None) -> float | None:
     """Inclination at which the slope of the height vanishes; None for exactly upright.
 
     Parameters

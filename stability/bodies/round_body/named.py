@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import Number, flag, known, positive, real_numbers
 from ...base.errors import ParameterError
-from .body import MOMENTS, SCALES, Body
+from .body import Body
+from .shape import MOMENTS, SCALES
 
 
 def Torus(tube: ArrayLike, *, solid: bool = True, **scales: Any) -> Body:  # noqa: N802
