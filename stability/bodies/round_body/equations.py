@@ -15,18 +15,14 @@ from typing import Any
 import casadi as ca
 
 from ...base.errors import ParameterError
-from ...base.quantities import Kind
 from ...systems.condition import Condition
 from ...systems.system import System
 from ..contact import Contact, Scales
 from ..contact_laws import MOTION_LAWS, Creep, LinearViscous, stored
 from ..newton_euler import STATES, NewtonEuler
-from ..thin_disk.disk_quantities import disk_quantities
 from .expression import Expression
+from .quantities import round_quantities
 from .shape import MOMENTS, SCALES, RoundShape
-
-OWN = {"length": Kind.LENGTH, "rim_speed": Kind.VELOCITY}
-"""Kinds of the quantities that the disk does not have; every other one has its kind there."""
 
 
 def round_system(
@@ -91,11 +87,10 @@ def _system(  # noqa: PLR0913
         observables=body.observables, conditions=_conditions(x, between),
         states=states, parameters=names,
     )  # fmt: skip
-    quantities = disk_quantities(law)
-    kinds = {n: q.kind for n, q in quantities.items()} | OWN
-    known_names = (*system.states, *system.parameters, *system.observables)
-    found = {n: kinds.get(n, Kind.NUMBER) for n in known_names}
-    return replace(system, units={n: k.unit(dimensionless=not physical) for n, k in found.items()})
+    every = (*system.states, *system.parameters, *system.observables)
+    quantities = round_quantities(name, law, shape, every)
+    units = {n: q.kind.unit(dimensionless=not physical) for n, q in quantities.items()}
+    return replace(system, units=units, quantities=quantities)
 
 
 def _conditions(x: ca.SX, between: tuple[float, float]):  # type: ignore[no-untyped-def]
