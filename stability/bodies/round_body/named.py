@@ -7,6 +7,7 @@ numerically, from their surfaces.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
@@ -173,6 +174,10 @@ def _scales(scales: dict[str, Any]) -> dict[str, Any]:
     return scales
 
 
-NAMED = {"torus": Torus, "spheroid": Spheroid, "eccentric-sphere": EccentricSphere,
-         "thick-disk": ThickDisk}  # fmt: skip
+NAMED: dict[str, Callable[..., Body]] = {
+    "torus": Torus,
+    "spheroid": Spheroid,
+    "eccentric-sphere": EccentricSphere,
+    "thick-disk": ThickDisk,
+}
 """Named bodies, for the command line."""
