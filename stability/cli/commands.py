@@ -104,7 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: Sequence[str] | None) -> None:
     try:
         words = sys.argv[1:] if arguments is None else arguments
-        parser = _parser(whole=of_own_body(words))
+        parser = _parser(words)
         if not words:
             parser.print_help()
             return
@@ -170,8 +170,8 @@ def _compare(options: argparse.Namespace) -> None:
 # --- arguments ---
 
 
-def _parser(*, whole: bool = False) -> argparse.ArgumentParser:
-    """The parser of all commands; whether options must be whole words, since a user adds some."""
+def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
+    """The parser of all commands, for a command line."""
     parser = _Parser(
         prog="stability",
         description="Which steady motions of a thin disk on a plane can be seen?",
@@ -184,7 +184,7 @@ def _parser(*, whole: bool = False) -> argparse.ArgumentParser:
     def command(name: str, run: Any, what: str, *examples: str) -> argparse.ArgumentParser:
         shown = "; ".join(f"example: {one}" for one in examples)
         sub = commands.add_parser(name, help=what, description=f"{what}.", epilog=shown,
-                                  allow_abbrev=not whole)  # fmt: skip
+                                  allow_abbrev=not of_own_body(words or ()))  # fmt: skip
         sub.set_defaults(run=run)
         sub.add_argument("--json", action="store_true", help=HELP)
         return sub
@@ -196,7 +196,7 @@ def _parser(*, whole: bool = False) -> argparse.ArgumentParser:
                   "g=9.81 --certify")  # fmt: skip
     _family(sub)
     add_system(sub)
-    add_body(sub)
+    add_body(sub, words)
     _member(sub)
     sub.add_argument("--no-escalate", action="store_true",
                      help="leave undecided what double precision does not decide")  # fmt: skip
@@ -211,7 +211,7 @@ def _parser(*, whole: bool = False) -> argparse.ArgumentParser:
                   "--y g:1:20:100 --out bicycle.nc --plot bicycle.png")  # fmt: skip
     _family(sub)
     add_system(sub)
-    add_body(sub)
+    add_body(sub, words)
     for axis in ("--x", "--y"):
         sub.add_argument(axis, required=True, metavar="NAME:LO:HI:N[:log]",
                          help="axis: at, lean, k, mu, mass, radius or gravity; with --body or "
@@ -242,7 +242,7 @@ def _parser(*, whole: bool = False) -> argparse.ArgumentParser:
                   "--parameter g=9.81 --json")  # fmt: skip
     _family(sub)
     add_system(sub)
-    add_body(sub)
+    add_body(sub, words)
     sub.add_argument("--axis", required=True, metavar="NAME:LO:HI:N[:log]",
                      help="axis, both ends included; N points are scanned where pieces of it stay "
                      "without proof")  # fmt: skip

@@ -7,7 +7,6 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 from ..base.errors import ParameterError, shown
-from ..bodies.contact import Contact
 from ..storage.json_text import json_text
 from .options import (
     _at,
@@ -150,7 +149,7 @@ def _told(given: Mapping[str, Any], swept: Collection[str]) -> dict[str, Any]:
     body, law = given.get("body"), given.get("contact")
     if body is None:
         return {}
-    numbers = numbers_of_body(body, law if isinstance(law, Contact) else None)
+    numbers = numbers_of_body(body, None if isinstance(law, type) else law)
     if set(swept) & set(body.shape):  # on which the moments depend
         numbers = {n: v for n, v in numbers.items() if n in body.given}
     numbers = {n: v for n, v in numbers.items() if n not in swept}

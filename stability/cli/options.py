@@ -28,7 +28,7 @@ PARAMETER_HELP = "a number of a law of your own, or of --system, by name; once f
 
 def of_own_body(words: Sequence[str]) -> bool:
     """Whether a command line names a user's body, whose numbers are options too."""
-    joined = zip(words, [*words[1:], ""], strict=True)
+    joined = zip(words, [*words, ""][1:], strict=True)
     return any(":" in (w if w.startswith("--body=") else n if w == "--body" else "")
                for w, n in joined)  # fmt: skip
 
@@ -216,14 +216,20 @@ def _numbers_of(make: Callable[..., Any]) -> dict[str, Parameter]:
     return {n: p for n, p in every.items() if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)}
 
 
-def add_body(parser: argparse.ArgumentParser) -> None:
+def add_body(parser: argparse.ArgumentParser, words: Sequence[str] | None) -> None:
     """Add the option for a body of revolution, and those for its numbers.
 
     Parameters
     ----------
     parser
         Parser of a command.
+    words
+        The command line; where it names no body nor asks for help, the options are left out, since
+        their signatures load CasADi.  They are added where it is not known.
     """
+    parser.set_defaults(body=None)
+    if words is not None and not any(w.startswith(("--b", "-h", "--h")) for w in words):
+        return
     from ..bodies.round_body.named import NAMED
 
     bodies = ", ".join(
@@ -234,8 +240,7 @@ def add_body(parser: argparse.ArgumentParser) -> None:
     )
     group = parser.add_argument_group(
         "bodies of revolution",
-        "in place of the disk; example: stability spectrum spinning --body torus --tube 0.2 "
-        "--at 2 --mu 0.3",
+        "in place of the disk, such as --body torus --tube 0.2",
     )
     group.add_argument("--body", metavar="NAME", help=f"{bodies}; or module:name or file.py:name "
                        "of a body of your own, or of a function that returns one, each of whose "
@@ -261,23 +266,18 @@ def body_of(options: argparse.Namespace, swept: Mapping[str, Any]) -> Any | None
     swept
         Axes by name, (name, low, high, …); a number of the shape on one of them needs no value.
     """
+    if options.body is None:
+        return None
     from ..bodies.round_body.families import FAMILIES as KNOWN
     from ..bodies.round_body.named import NAMED
     from ..bodies.round_body.shape import SCALES
 
-    names = (*_shape_options(), "length", "theta")
-    if options.body is None:
-        for name in names:
-            if getattr(options, name) is not None:
-                more = "; --at takes theta of a steady motion" * (name == "theta")
-                raise ParameterError(f"--{name} belongs to --body NAME; leave it out{more}.")
-        return None
     for key in ("system", "disk", "k", "radius", "lean"):
         if getattr(options, key, None) is not None:
             raise ParameterError(f"--{key} does not go with --body; leave one of them out.")
     if options.family is None:
         raise ParameterError(f"FAMILY is missing; name one of {', '.join(KNOWN)}.")
-    given = {n: getattr(options, n) for n in names if n not in ("length", "theta")}
+    given = {n: getattr(options, n) for n in _shape_options()}
     given = {n: v for n, v in given.items() if v is not None} | _pairs(options.rest)
     scales = {n: getattr(options, n) for n in SCALES if getattr(options, n) is not None}
     for name in sorted({*given, *scales} & set(swept)):

@@ -10,7 +10,6 @@ import numpy as np
 
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Kind
-from ..bodies.round_body.families import FAMILIES as KNOWN
 from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from ..storage.json_text import json_text
 from .options import _at, _disk, body_of, contact_of, in_words, numbers_of_body
@@ -79,6 +78,7 @@ def _of_own(options: argparse.Namespace, family: Any) -> tuple[dict[str, Any], s
 
 def _of_body(options: argparse.Namespace, body: Any) -> tuple[dict[str, Any], str, Any]:
     """As `_of_own`, for a body of revolution."""
+    from ..bodies.round_body.families import FAMILIES as KNOWN
     from ..spectra.spectrum import spectrum
 
     contact = contact_of(options)
