@@ -29,7 +29,7 @@ from ...systems.family import Family
 from ...systems.system import System
 from ..contact import Contact
 from .equations import round_system
-from .shape import SAMPLES, RoundShape
+from .shape import SAMPLES, SCALES, RoundShape
 
 CLOSE = 1e-12
 """Largest slope of the height, over the height, that counts as zero at π/2 before the proof."""
@@ -148,7 +148,8 @@ def round_family(
             held["theta"] = UPRIGHT
         else:
             unknown, equations = {"theta": at}, ["theta_dot"]
-    return _family(system, record, _pairs(held), _pairs(unknown), tuple(equations), law)  # type: ignore[arg-type]  # a class is hashable
+    parts = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
+    return _family(system, record, *parts, law)  # type: ignore[arg-type]  # a class is hashable
 
 
 def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
@@ -157,19 +158,68 @@ def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
 
 @lru_cache(maxsize=64)
 def _family(  # noqa: PLR0913
-    system: System, record: RoundFamily, held: Any, unknown: Any, equations: Any, law: Any
-) -> Family:
-    typical = {"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3, "axial": 0.5, "transverse": 0.3}
+    system: System, record: RoundFamily, held: Any, unknown: Any, equations: Any, typical: Any,
+    law: Any,
+) -> Family:  # fmt: skip
     return Family(
         system, record.name, record.at, held=dict(held), unknown=dict(unknown),
-        equations=equations, positive=record.positive, typical=typical,
+        equations=equations, positive=record.positive, typical=dict(typical),
         integrals=law.conservative,
     )  # fmt: skip
 
 
+def _typical(body: RoundShape, record: RoundFamily) -> dict[str, float]:
+    """Sizes near which the family has members: the body's own numbers, and an inclination."""
+    own = {n: float(v) for n, v in first_numbers(body).items() if n not in SCALES}
+    found = {"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3} | own
+    if record.rests:
+        ranges = tumbling_ranges(body)
+        low, high = max(ranges, key=lambda r: r[1] - r[0], default=(1.0, 1.0))
+        found["theta"] = (low + high) / 2
+    return found
+
+
+def first_numbers(body: RoundShape) -> dict[str, float]:
+    """Every number of the body by name, of arrays the first."""
+    return {n: float(np.asarray(v, dtype=float).flat[0]) for n, v in body.given.items()}
+
+
+def tumbling_ranges(body: RoundShape) -> list[tuple[float, float]]:
+    """Intervals of θ in which the body tumbles, at samples, for the first of its shapes [rad].
+
+    Parameters
+    ----------
+    body
+        The body.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> [(round(a, 2), round(b, 2)) for a, b in tumbling_ranges(st.EccentricSphere(0.3))]
+    [(0.0, 1.98)]
+    """
+    low, high = body.between
+    theta = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
+    first = first_numbers(body)
+    shape = [first[n] for n in body.shape]
+    h, slope = (np.asarray(body.array(f, theta, *shape)) for f in body.slopes()[:2])
+    axial, transverse = (float(np.asarray(m, dtype=float).flat[0]) for m in body.moments())
+    s, c = np.sin(theta), np.cos(theta)
+    r, z = h * s + slope * c, h * c - slope * s
+    with np.errstate(all="ignore"):
+        there = slope * r * s * (transverse * r * c - axial * z * s) > 0
+    if _upright(body):
+        there &= np.abs(theta - math.pi / 2) > (high - low) / SAMPLES
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
+    step = (high - low) / SAMPLES / 2
+    return [(float(theta[a] - step), float(theta[b - 1] + step))
+            for a, b in ends.reshape(-1, 2)]  # fmt: skip
+
+
 def _slope(body: RoundShape) -> Callable[[ArrayLike], Floats]:
     """Slope of the height at inclinations, for the first of the body's shapes."""
-    first = [np.asarray(v, dtype=float).flat[0] for v in body.shape.values()]
+    numbers = first_numbers(body)
+    first = [numbers[n] for n in body.shape]
     function = body.slopes()[1]
     return lambda theta: np.asarray(body.array(function, theta, *first))
 
