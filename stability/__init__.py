@@ -20,7 +20,7 @@ _HOME = {
     "bodies.disk": ("Disk", "REAL_DISKS"),
     "bodies.round_body.body": ("Body",),
     "bodies.round_body.shapes.profile": ("Egg", "from_profile"),
-    "bodies.round_body.named": ("Torus", "Spheroid", "EccentricSphere", "ThickDisk"),
+    "bodies.round_body.shapes.named": ("Torus", "Spheroid", "EccentricSphere", "ThickDisk"),
     "bodies.resistance": ("AirTorque", "PivotingResistance", "RollingResistance", "Resistance"),
     "bodies.contact": ("Contact", "Parameter"),
     "bodies.contact_laws": (
@@ -113,10 +113,10 @@ if TYPE_CHECKING:
     from .bodies.resistance import Resistance as Resistance
     from .bodies.resistance import RollingResistance as RollingResistance
     from .bodies.round_body.body import Body as Body
-    from .bodies.round_body.named import EccentricSphere as EccentricSphere
-    from .bodies.round_body.named import Spheroid as Spheroid
-    from .bodies.round_body.named import ThickDisk as ThickDisk
-    from .bodies.round_body.named import Torus as Torus
+    from .bodies.round_body.shapes.named import EccentricSphere as EccentricSphere
+    from .bodies.round_body.shapes.named import Spheroid as Spheroid
+    from .bodies.round_body.shapes.named import ThickDisk as ThickDisk
+    from .bodies.round_body.shapes.named import Torus as Torus
     from .bodies.round_body.shapes.profile import Egg as Egg
     from .bodies.round_body.shapes.profile import from_profile as from_profile
     from .bodies.thin_disk.disk_equations import disk_system as disk_system

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import Enum
 from typing import Any
 
@@ -70,6 +71,20 @@ class Quantity:
         """The symbol as a figure shows it."""
         return f"${self.latex or self.symbol}$" if self.symbol else ""
 
+    def value(self, number: float, *, dimensionless: bool) -> str:
+        """A number with symbol and unit, as plain text.
+
+        Examples
+        --------
+        >>> Quantity("mass", "m", "mass", Kind.MASS).value(0.5, dimensionless=False)
+        'm = 0.5 kg'
+        """
+        unit = self.kind.label(dimensionless=dimensionless).replace("2", "²")
+        ending = (
+            "" if unit in ("", "1") else unit.removeprefix("1") if unit[:2] == "1/" else f" {unit}"
+        )
+        return f"{self.symbol or self.name} = {number:.6g}{ending}"
+
     def attributes(self, *, dimensionless: bool) -> dict[str, str]:
         """Long name and units of a labelled array."""
         return {"long_name": self.long_name, **self.kind.attributes(dimensionless=dimensionless)}
@@ -115,13 +130,28 @@ def time_unit(units: Mapping[str, str]) -> str:
     return found.pop() if len(found) == 1 else "1"
 
 
-def rate_unit(units: Mapping[str, str]) -> str:
+def without_dimension(known: Mapping[str, Quantity], units: Mapping[str, str]) -> bool:
+    """Whether the numbers of a system have no unit, by choice of the units of its quantities.
+
+    Parameters
+    ----------
+    known
+        Quantities by name; none of a user's system.
+    units
+        Unit by name.
+    """
+    return any(q.kind.words and units.get(n) == "1" for n, q in known.items())
+
+
+def rate_unit(units: Mapping[str, str], known: Mapping[str, Quantity] | None = None) -> str:
     """The unit of eigenvalues of a system, from the units of its quantities.
 
     Parameters
     ----------
     units
         As for `time_unit`.
+    known
+        Quantities of a body by name; none of a user's system.
 
     Returns
     -------
@@ -133,8 +163,28 @@ def rate_unit(units: Mapping[str, str]) -> str:
     >>> rate_unit({"v": "m/s"}), rate_unit({"time": "beat"}), rate_unit({})
     ('1/s', '1/beat', '1')
     """
+    if known:
+        return Kind.GROWTH_RATE.label(dimensionless=without_dimension(known, units))
     time = time_unit(units)
     return "1" if time == "1" else f"1/{time}" if time.isalnum() else f"1/({time})"
+
+
+def written(known: Mapping[str, Quantity]) -> str:
+    """Quantities as a text for a file.
+
+    Examples
+    --------
+    >>> mass = Quantity("mass", "m", "mass", Kind.MASS)
+    >>> read(written({"mass": mass})) == {"mass": mass}
+    True
+    """
+    return json.dumps([asdict(q) | {"kind": q.kind.name} for q in known.values()])
+
+
+def read(text: str) -> dict[str, Quantity]:
+    """Quantities by name from the text of `written`."""
+    found = [dict(one) for one in json.loads(text)]
+    return {q["name"]: Quantity(**q | {"kind": Kind[q["kind"]]}) for q in found}
 
 
 def plain_text(name: str) -> str:

@@ -38,6 +38,8 @@ from ..base.checks import instance, whole_number
 from ..base.errors import ParameterError, StabilityError, StabilityWarning, listed, shown
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.by_name import of_body
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_polynomials import exact_polynomial
 from ..spectra.disk_problem import disk_problem
@@ -69,6 +71,10 @@ def hopf(
 ) -> list[HopfPoint]: ...
 @overload
 def hopf(
+    family: str, *, body: Body, contact: Contact | str, axis: AxisLike, **parameters: float
+) -> list[CycleBirth] | list[HopfPoint]: ...
+@overload
+def hopf(
     family: Family, *, axis: AxisLike, **parameters: float
 ) -> list[CycleBirth] | list[HopfPoint]: ...
 def hopf(
@@ -76,6 +82,7 @@ def hopf(
     *,
     contact: Any = None,
     disk: Any = None,
+    body: Any = None,
     points: Any = 400,
     axis: Any = None,
     **parameters: Any,
@@ -101,10 +108,12 @@ def hopf(
         For the disk: a law with friction; each parameter is one number.
     disk
         The body, one number each; the uniform disk with m = R = g = 1 when left out.
+    body
+        A `Body` in place of the disk; its families by name need an axis.
     points
         For the disk: number of points of the scan, where one is needed.
     axis
-        For a user's family: (name, low, high, n) or (name, low, high, n, "log"), as for
+        For a body and a user's family: (name, low, high, n) or (name, low, high, n, "log"), as for
         `boundaries`.
     **parameters
         For a user's family: every other quantity, one number each, or `at` as for `boundaries`.
@@ -145,6 +154,8 @@ def hopf(
     ('soft', -0.25, 0.5)
     """
     refuse_system(family)
+    if body is not None:
+        family, disk, contact, parameters = of_body(family, body, disk, contact, parameters, [axis])
     if isinstance(family, Family):
         given = {"contact": contact, "disk": disk}
         for name, value in given.items():

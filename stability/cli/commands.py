@@ -14,7 +14,17 @@ from ..base.version import __version__
 from ..storage.json_text import HELP, json_text
 from .compare import add_arguments as add_compare
 from .map import _boundaries, _map
-from .options import _bar, _disk, _family, _member, _Parser, _physics, overwriting
+from .options import (
+    _bar,
+    _disk,
+    _family,
+    _member,
+    _Parser,
+    _physics,
+    add_body,
+    of_own_body,
+    overwriting,
+)
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
@@ -93,8 +103,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> None:
     try:
-        parser = _parser()
-        if not (sys.argv[1:] if arguments is None else arguments):
+        words = sys.argv[1:] if arguments is None else arguments
+        parser = _parser(words)
+        if not words:
             parser.print_help()
             return
         options = parser.parse_args(arguments)
@@ -159,7 +170,8 @@ def _compare(options: argparse.Namespace) -> None:
 # --- arguments ---
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
+    """The parser of all commands, for a command line."""
     parser = _Parser(
         prog="stability",
         description="Which steady motions of a thin disk on a plane can be seen?",
@@ -171,17 +183,20 @@ def _parser() -> argparse.ArgumentParser:
 
     def command(name: str, run: Any, what: str, *examples: str) -> argparse.ArgumentParser:
         shown = "; ".join(f"example: {one}" for one in examples)
-        sub = commands.add_parser(name, help=what, description=f"{what}.", epilog=shown)
+        sub = commands.add_parser(name, help=what, description=f"{what}.", epilog=shown,
+                                  allow_abbrev=not of_own_body(words or ()))  # fmt: skip
         sub.set_defaults(run=run)
         sub.add_argument("--json", action="store_true", help=HELP)
         return sub
 
     sub = command("spectrum", _spectrum, "Eigenvalues and verdict of one steady motion",
                   "stability spectrum tumbling --at 0.5 --mu 0.3 --json",
+                  "stability spectrum spinning --body torus --tube 0.2 --at 2 --mu 0.3",
                   "stability spectrum --system examples/bicycle.py:upright --at 5 --parameter "
                   "g=9.81 --certify")  # fmt: skip
     _family(sub)
     add_system(sub)
+    add_body(sub, words)
     _member(sub)
     sub.add_argument("--no-escalate", action="store_true",
                      help="leave undecided what double precision does not decide")  # fmt: skip
@@ -190,14 +205,17 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("map", _map, "Verdict and growth rate over two parameters",
                   "stability map spinning --x at:0.5:5:400 --y mu:0.01:10:300:log "
                   "--out spinning.nc --plot spinning.png",
+                  "stability map spinning --body torus --x at:0.5:5:80 --y tube:0.05:0.5:60 "
+                  "--mu 0.3 --out torus.nc",
                   "stability map --system examples/bicycle.py:upright --x v:0.1:10:200 "
                   "--y g:1:20:100 --out bicycle.nc --plot bicycle.png")  # fmt: skip
     _family(sub)
     add_system(sub)
+    add_body(sub, words)
     for axis in ("--x", "--y"):
         sub.add_argument(axis, required=True, metavar="NAME:LO:HI:N[:log]",
-                         help="axis: at, lean, k, mu, mass, radius or gravity; with --system "
-                         "one of the family's own quantities")  # fmt: skip
+                         help="axis: at, lean, k, mu, mass, radius or gravity; with --body or "
+                         "--system one of the family's own quantities, such as tube")  # fmt: skip
     sub.add_argument("--at", default=None, help="what names the member, where it is no axis")
     _physics(sub)
     sub.add_argument("--out", required=True, metavar="F.nc", help="NetCDF file to write")
@@ -218,10 +236,13 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("boundaries", _boundaries,
                   "Every change of verdict along one axis, proved, and whether these are all",
                   "stability boundaries spinning --axis at:0.1:5:9 --mu 0.97",
+                  "stability boundaries rolling --body spheroid --aspect 0.5 --axis omega3:0.1:3:9 "
+                  "--contact rough",
                   "stability boundaries --system examples/bicycle.py:upright --axis v:0.1:10:50 "
                   "--parameter g=9.81 --json")  # fmt: skip
     _family(sub)
     add_system(sub)
+    add_body(sub, words)
     sub.add_argument("--axis", required=True, metavar="NAME:LO:HI:N[:log]",
                      help="axis, both ends included; N points are scanned where pieces of it stay "
                      "without proof")  # fmt: skip

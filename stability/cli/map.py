@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from ..base.errors import ParameterError, shown
 from ..storage.json_text import json_text
-from .options import _at, _axis, _bar, _disk, _picture, contact_of
+from .options import (
+    _at,
+    _axis,
+    _bar,
+    _disk,
+    _picture,
+    body_of,
+    contact_of,
+    in_words,
+    numbers_of_body,
+    on_axes,
+)
 from .system_option import doubles, own_family, place, with_at
 
 
@@ -22,10 +34,9 @@ def _map(options: argparse.Namespace) -> None:
     from ..tables.beyond_linear import point_records, point_text
 
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
-    swept = {x[0], y[0]}
     if options.levels is not None and not options.certify:
         raise ParameterError("--levels belongs to --certify; leave it out or certify.")
-    family, given = given_beyond(options, swept)
+    family, given = given_beyond(options, on_axes(x, y))
     out = check_suffix(options.out, NETCDF if options.verdict_only else DATASETS, "--out")
     targets = [check_target(out, overwrite=options.force)]
     if options.plot is not None:
@@ -60,6 +71,7 @@ def _map(options: argparse.Namespace) -> None:
     record: dict[str, Any] = {
         "out": str(targets[0]),
         "plot": str(targets[1]) if options.plot else None,
+        **_told(given, (x[0], y[0])),
         "verdicts": counts,
         "boundary_points": dataset.sizes["boundary_point"],
         "boundary_unresolved": int(dataset.attrs["boundary_unresolved"]),
@@ -82,7 +94,7 @@ def _map(options: argparse.Namespace) -> None:
 
 
 def given_beyond(
-    options: argparse.Namespace, swept: set[str], *, exact: bool = False
+    options: argparse.Namespace, axes: Mapping[str, Any], *, exact: bool = False
 ) -> tuple[Any, dict[str, Any]]:
     """The family, and its numbers beyond the axes as arguments of a map or of boundaries.
 
@@ -90,13 +102,17 @@ def given_beyond(
     ----------
     options
         Parsed options.
-    swept
-        Names of the axes.
+    axes
+        The axes by name.
     exact
         Whether numbers of a family of one's own stay exactly what was written.
     """
     from ..spectra.arguments import check_names
 
+    swept = set(axes)
+    body = body_of(options, axes)
+    if body is not None:
+        return options.family, _of_body(options, body, swept)
     family = own_family(options)
     if family is not None:
         alone = options.at is not None and len(family.at) > 1
@@ -117,6 +133,27 @@ def given_beyond(
     check_names(options.family, sorted(swept), options.contact)
     contact = contact_of(options, swept=swept)
     return options.family, {"disk": _disk(options), "contact": contact, "at": at}
+
+
+def _of_body(options: argparse.Namespace, body: Any, swept: set[str]) -> dict[str, Any]:
+    """Arguments of a map or of boundaries for a body."""
+    if "mu" in swept and options.mu is not None:
+        raise ParameterError("mu is given as --mu and as an axis; give it once.")
+    where = {} if options.theta is None else {"theta": options.theta}
+    at = None if options.at is None else _at(options.at)
+    return {"body": body, "contact": contact_of(options, swept=swept), "at": at} | where
+
+
+def _told(given: Mapping[str, Any], swept: Collection[str]) -> dict[str, Any]:
+    """The body of a map or of boundaries and its numbers, for the record; nothing for others."""
+    body, law = given.get("body"), given.get("contact")
+    if body is None:
+        return {}
+    numbers = numbers_of_body(body, None if isinstance(law, type) else law)
+    if set(swept) & set(body.shape):  # on which the moments depend
+        numbers = {n: v for n, v in numbers.items() if n in body.given}
+    numbers = {n: v for n, v in numbers.items() if n not in swept}
+    return {"body": body.name, "parameters": numbers}
 
 
 def _stream(
@@ -158,12 +195,13 @@ def _boundaries(options: argparse.Namespace) -> None:
     axis = _axis(options.axis, "--axis")
     if options.certify:
         raise ParameterError("every boundary here is proved; leave --certify out.")
-    family, given = given_beyond(options, {axis[0]}, exact=True)
+    family, given = given_beyond(options, on_axes(axis), exact=True)
     found = boundaries(family, axis=axis, **given)
     own = not isinstance(family, str)
     name = family.name if own else family
     record: dict[str, Any] = {
         "family": name,
+        **_told(given, (axis[0],)),
         "axis": axis[0],
         "low": axis[1],
         "high": axis[2],
@@ -181,6 +219,9 @@ def _boundaries(options: argparse.Namespace) -> None:
         print(json_text(record))
         return
     where = place(family, given["parameters"]) if own else ""
+    if "body" in record:
+        name = f"{name} of {record['body']}, {given['contact'].name} contact,"
+        where = in_words(given["body"], record["parameters"])
     print(
         f"{name} along {axis[0]} from {axis[1]:g} to {axis[2]:g}" + (f", at {where}" * bool(where))
     )

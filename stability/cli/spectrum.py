@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Kind
 from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from ..storage.json_text import json_text
-from .options import _at, _disk, contact_of
+from .options import _at, _disk, body_of, contact_of, in_words, numbers_of_body
 from .system_option import own_family, place, with_at
 
 
 def _spectrum(options: argparse.Namespace) -> None:
-    family = own_family(options)
-    record, head, result = _of_disk(options) if family is None else _of_own(options, family)
+    body = body_of(options, {})
+    family = own_family(options) if body is None else None
+    if body is not None:
+        record, head, result = _of_body(options, body)
+    else:
+        record, head, result = _of_disk(options) if family is None else _of_own(options, family)
     record |= {
         "eigenvalues": [[float(v.real) + 0.0, float(v.imag) + 0.0] for v in result.eigenvalues],
         "structural_zeros": result.structural_zeros,
@@ -69,6 +76,42 @@ def _of_own(options: argparse.Namespace, family: Any) -> tuple[dict[str, Any], s
     return record, f"{family.system.name}, {family.name}, at {place(family, ordered)}", result
 
 
+def _of_body(options: argparse.Namespace, body: Any) -> tuple[dict[str, Any], str, Any]:
+    """As `_of_own`, for a body of revolution."""
+    from ..bodies.round_body.families import FAMILIES as KNOWN
+    from ..spectra.spectrum import spectrum
+
+    contact = contact_of(options)
+    where = {} if options.theta is None else {"theta": options.theta}
+    at = None if options.at is None else _at(options.at)
+    _check_count(options, at, KNOWN[options.family].at if options.family in KNOWN else ())
+    result = spectrum(
+        options.family, at=at, body=body, contact=contact, certify=options.certify,
+        escalate=not options.no_escalate, **where,
+    )  # fmt: skip
+    parameters = numbers_of_body(body, contact)
+    record = {
+        "body": body.name,
+        "family": options.family,
+        "contact": contact.name,
+        "parameters": parameters,
+        "at": at,
+        "unit": result.rate_unit,
+    } | where
+    member = zip(result.family.at, np.ravel(result.at), strict=True)
+    told = ", ".join([*(f"{n} = {v:g}" for n, v in member), in_words(body, parameters)])
+    return record, f"{options.family} of {body.name}, {contact.name} contact, at {told}", result
+
+
+def _check_count(options: argparse.Namespace, at: Any, parts: Sequence[str]) -> None:
+    """Refuse more or fewer numbers than name a member."""
+    if parts and isinstance(at, list) and len(at) != len(parts):
+        raise ParameterError(
+            f"at is {shown(options.at)}; {options.family} takes {' and '.join(parts)}, "
+            f"{len(parts)} number{'s' * (len(parts) > 1)}."
+        )
+
+
 def _of_disk(options: argparse.Namespace) -> tuple[dict[str, Any], str, Any]:
     """As `_of_own`, for the disk."""
     from ..spectra.spectrum import spectrum
@@ -79,11 +122,7 @@ def _of_disk(options: argparse.Namespace) -> tuple[dict[str, Any], str, Any]:
     contact = contact_of(options)
     at = None if options.at is None else _at(options.at)
     parts = FAMILIES[options.family].at if options.family in FAMILIES else ("at",)
-    if isinstance(at, list) and len(at) != len(parts):
-        raise ParameterError(
-            f"at is {shown(options.at)}; {options.family} takes {' and '.join(parts)}, "
-            f"{len(parts)} number{'s' * (len(parts) > 1)}."
-        )
+    _check_count(options, at, parts)
     result = spectrum(
         options.family, at=at, lean=options.lean, disk=disk, contact=contact,
         certify=options.certify, escalate=not options.no_escalate,

@@ -36,11 +36,36 @@ def family_named(place: str) -> Any:
     """
     from ..systems.family import Family
 
+    module, name, table = contents("system", "family", place)
+    if not isinstance(table.get(name), Family):
+        names = sorted(n for n, v in table.items() if isinstance(v, Family)) or ["none"]
+        raise NameUnknownError(
+            f"{shown(name)} is no family of {module}; its families are {', '.join(names)}."
+        )
+    found: Any = table[name]
+    return found
+
+
+def contents(option: str, what: str, place: str) -> tuple[str, str, dict[str, Any]]:
+    """Module, name, and all names of the module, from `module:name` or `file.py:name`.
+
+    Parameters
+    ----------
+    option, what
+        The option and what it names, for the messages.
+    place
+        The text.
+
+    Raises
+    ------
+    NameUnknownError
+        If the text is none of the two, or the module cannot be imported.
+    """
     module, colon, name = place.rpartition(":")
     dotted = all(part.isidentifier() for part in module.split("."))
     if not colon or not name.isidentifier() or not (dotted or module.endswith(".py")):
         raise NameUnknownError(
-            f"system is {shown(place)}; give `module:family` or `file.py:family`."
+            f"{option} is {shown(place)}; give `module:{what}` or `file.py:{what}`."
         )
     folder = os.path.dirname(module) if module.endswith(".py") else os.getcwd()
 
@@ -51,15 +76,10 @@ def family_named(place: str) -> Any:
             return vars(import_module(module))
 
     table = imported(
-        "system", place, names_of, folder or os.getcwd(),
-        "give a module on Python's path or a file, and a family in it",
+        option, place, names_of, folder or os.getcwd(),
+        f"give a module on Python's path or a file, and a {what} in it",
     )  # fmt: skip
-    if not isinstance(table.get(name), Family):
-        names = sorted(n for n, v in table.items() if isinstance(v, Family)) or ["none"]
-        raise NameUnknownError(
-            f"{shown(name)} is no family of {module}; its families are {', '.join(names)}."
-        )
-    return table[name]
+    return module, name, table
 
 
 DISK = ("mu", "contact", "disk", "k", "mass", "radius", "gravity", "lean", "tilt", "time")

@@ -331,7 +331,7 @@ def conditions(
     'Stable where c > 0; unstable where it is negative.'
     """
     refuse_system(family)
-    instance("family", family, Family, "give a stability.Family")
+    instance("family", family, Family, "give a stability.Family: disk_family(…), body.family(…)")
     reads = Numbers(flag("decimals", decimals))
     intervals = reads.intervals(family, positive, between or {})
     values = {known("parameter", n, family.parameters): reads.rational(n, v)

@@ -20,7 +20,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
-from ..base.quantities import Quantity, axis_label, in_latex, unit_of
+from ..base.quantities import Quantity, axis_label, in_latex, read, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.thin_disk.disk_quantities import quantities_of
 from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
@@ -139,12 +139,27 @@ def _bar(
 def _fixed(dataset: xarray.Dataset) -> str:
     """The parameters that the axes do not show."""
     told, known = dataset.attrs, _quantities(dataset)
-    at = {"at": str(told["at"])} if known else {}
+    at = {"at": str(told["at"])} if told.get("contact") else {}
     values, units = (json.loads(told.get(n, "{}")) for n in ("parameters", "parameter_units"))
     return fixed(
         {at.get(n, n): v for n, v in values.items()}, known, units,
-        law=str(told.get("contact", "")), dimensionless=bool(told.get("dimensionless", 0)),
+        law=str(told.get("contact", _body(dataset))),
+        dimensionless=bool(told.get("dimensionless", 0)),
     )  # fmt: skip
+
+
+def _body(dataset: xarray.Dataset) -> str:
+    """Body and law of a map; empty for the disk's, which names its law, and for a user's."""
+    return str(dataset.attrs["system"]) if "quantities" in dataset.attrs else ""
+
+
+def _numbers(dataset: xarray.Dataset) -> str:
+    """The numbers of a body that the axes do not show, as text."""
+    told = dataset.attrs
+    known = _quantities(dataset) if _body(dataset) else {}
+    values = {n: v for n, v in json.loads(told.get("parameters", "{}")).items() if n in known}
+    plain = bool(told.get("dimensionless", 0))
+    return "".join(f", {known[n].value(v, dimensionless=plain)}" for n, v in values.items())
 
 
 def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> str:
@@ -183,7 +198,8 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
         missing
     )
     return (
-        f"{title[:1].upper()}{title[1:]} of {dataset.attrs['system']}.  Colour: largest growth "
+        f"{title[:1].upper()}{title[1:]} of {dataset.attrs['system']}{_numbers(dataset)}.  Colour: "
+        f"largest growth "
         f"rate, grey within {_linear(dataset)[0]:g} of zero{texture}.{blank}  Cells: {cells}{none}."
         f"{counted(points) if points is not None else ''}"
     )
@@ -297,7 +313,9 @@ def _label(dataset: xarray.Dataset, name: str) -> str:
 
 
 def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
-    """The disk's quantities; none of a user's map, which has no contact law."""
+    """The quantities of the disk or of a body; none of a user's map."""
+    if "quantities" in dataset.attrs:
+        return read(str(dataset.attrs["quantities"]))
     if not dataset.attrs.get("contact"):
         return {}
     return quantities_of(str(dataset.attrs.get("system", "")))

@@ -17,7 +17,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from ..base.errors import ParameterError
-from ..base.quantities import axis_label, in_latex
+from ..base.quantities import axis_label, in_latex, without_dimension
 from ..base.types import Complexes, Floats
 from ..bodies.thin_disk.disk_quantities import disk_quantities
 from ..spectra.result import Spectrum
@@ -139,7 +139,10 @@ def _fixed(spectrum: Spectrum, name: str) -> str:
     family, law = spectrum.family, spectrum.law
     held = {n: v for n, v in spectrum.values.items() if n != name and np.size(v) == 1}
     if law is None:
-        return fixed(held, {}, family.system.units)
+        system = family.system
+        body = system.name if system.quantities else ""
+        plain = without_dimension(system.quantities, system.units)
+        return fixed(held, system.quantities, system.units, law=body, dimensionless=plain)
     return fixed(
         {family.at[0] if n == "at" else n: v for n, v in held.items()},
         disk_quantities(type(law)), {}, law=law.name, dimensionless=spectrum.dimensionless,
@@ -150,7 +153,11 @@ def _axis(spectrum: Spectrum, name: str) -> str:
     """Label of the swept quantity, with the unit of its system."""
     family = spectrum.family
     if spectrum.law is None:
-        return axis_label(None, name, family.system.units.get(name, "1"))
+        system = family.system
+        known, unit = system.quantities.get(name), system.units.get(name, "1")
+        plain = without_dimension(system.quantities, system.units)
+        unit = known.kind.label(dimensionless=plain) if known else unit
+        return axis_label(known, name, unit or "1")
     meaning = family.at[0] if name == "at" else name
     known = disk_quantities(type(spectrum.law)).get(meaning)
     unit = known.kind.label(dimensionless=spectrum.dimensionless) if known else "1"

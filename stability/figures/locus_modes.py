@@ -143,7 +143,7 @@ def mode_names(spectrum: Spectrum, groups: Sequence[tuple[int, ...]]) -> list[st
         found = names()
         twice = [i for i, name in enumerate(found) if found.count(name) > 1]
         count = [n + (i in twice and n < len(states)) for i, n in enumerate(count)]
-    known = disk_quantities() if spectrum.law is not None else {}
+    known = spectrum.family.system.quantities if spectrum.law is None else disk_quantities()
     return [
         ", ".join(known[s].typeset if s in known else plain_text(s) for s in states if s in name)
         for name in names()

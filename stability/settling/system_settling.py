@@ -68,7 +68,7 @@ class SystemSettling:
         limit = ""
         if along:  # the limit is one of many members, known within an error
             limit = f" at {in_words(family, along, proof.limit)} within {proof.error:.2g}"
-        unit = rate_unit(family.system.units)
+        unit = rate_unit(family.system.units, family.system.quantities)
         where = (
             f"{distance:.3g} from {family.name} at {at}; proved in ball arithmetic: from there on "
             f"the motion converges to {family.name}{limit}, its deviation falling at the rate "

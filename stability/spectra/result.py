@@ -187,7 +187,7 @@ class Spectrum(Record):
 
     @property
     def rate_unit(self) -> str:
-        """Unit of the eigenvalues: 1/s or √(g/R) of a disk, from the units of a user's system.
+        """Unit of the eigenvalues: 1/s or √(g/R) of a body, from the units of a user's system.
 
         Examples
         --------
@@ -196,7 +196,8 @@ class Spectrum(Record):
         '√(g/R)'
         """
         if self.law is None:
-            return rate_unit(self.family.system.units)
+            system = self.family.system
+            return rate_unit(system.units, system.quantities)
         return Kind.GROWTH_RATE.label(dimensionless=self.dimensionless)
 
     @property

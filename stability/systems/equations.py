@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..algebra.program import Program
 from ..base.checks import broadcast, known, rows
 from ..base.errors import DomainError, ParameterError, shown
+from ..base.quantities import Quantity
 from ..base.types import Record, content
 from .condition import Condition
 from .serialisation import Portable
@@ -51,6 +52,8 @@ class Equations(Portable, Record):
     """Right-hand side of the implicit form, or None."""
     unknowns: tuple[str, ...] = ()
     """Names of the implicit form's unknowns: accelerations and contact forces."""
+    quantities: Mapping[str, Quantity] = field(default_factory=dict)
+    """Names in words, symbols and kinds of a body's numbers, by name; empty for a user's system."""
 
     def __repr__(self) -> str:
         said = [_counted("state", self.states), _counted("parameter", self.parameters)]
@@ -169,7 +172,7 @@ class Equations(Portable, Record):
     def _content(self) -> tuple[Any, ...]:
         words = [c.sentence for c in self.conditions]
         own = (self.name, self.states, self.parameters, tuple(self.observables), words, self.units,
-               self.unknowns, self.mass is None)  # fmt: skip
+               self.unknowns, self.quantities, self.mass is None)  # fmt: skip
         return (type(self), content(own), self._graph)
 
     def __hash__(self) -> int:  # the graph is read only where names are the same

@@ -215,7 +215,10 @@ def _of_family(
         raise ParameterError(f"{next(iter(exact))} belongs to `table conditions`; leave it out.")
     if isinstance(family, str):
         if name != "codimension":
-            raise ParameterError("a family by name belongs to `table codimension`; give a Family.")
+            raise ParameterError(
+                "a family by name belongs to `table codimension`; give a Family, such as "
+                "disk_family(name, contact) or body.family(name, contact)."
+            )
         return _points(family, axes, _of_disk(given, axes, parameters))
     names = (*family.at, *family.parameters)
     for key, value in given.items():

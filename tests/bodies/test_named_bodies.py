@@ -117,11 +117,11 @@ def test_limits_are_the_disk_and_the_ball() -> None:
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: st.Torus(0.0), "tube is 0"),
-        (lambda: st.Torus(1.5), r"tube is 1.5; it must lie in \(0, 1\]"),
-        (lambda: st.EccentricSphere(1.0), r"offset is 1; it must lie in \(0, 1\)"),
+        (lambda: st.Torus(0.0), "tube of the torus is 0"),
+        (lambda: st.Torus(1.5), r"tube of the torus is 1.5; it must lie in \(0, 1\]"),
+        (lambda: st.EccentricSphere(1.0), "axial is 0"),
         (lambda: st.EccentricSphere(0.1, axial=0.4), "give both or none"),
-        (lambda: st.Spheroid(-1), "aspect is -1"),
+        (lambda: st.Spheroid(-1), "aspect of the spheroid is -1"),
         (lambda: st.ThickDisk(0.1, radius=2.0), "'radius'.*mass, gravity, length"),
         (lambda: st.Torus(0.1, axial=0.5), "axial is given, but the body has its own"),
         (lambda: st.Body(lambda _: 1.0, axial=0.9, transverse=0.4), "axial above twice"),

@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 import stability as st
 from stability.bodies.contact_laws import LAWS
 from stability.bodies.round_body.equations import round_system
-from stability.bodies.round_body.families import level, round_family
+from stability.bodies.round_body.families import level, round_family, tumbling_ranges
 
 EGG = st.Body(
     lambda theta, a, b: 1 + a * ca.cos(theta) + b * ca.cos(2 * theta) + 0.01 * ca.cos(3 * theta),
@@ -54,6 +54,30 @@ def test_tumbling_has_the_closed_form_and_is_steady(body: st.Body, law: str) -> 
         assert np.abs(family.system.rates(state, p)).max() < 1e-9
         met += 1
     assert met or body.name == "eccentric sphere"
+
+
+@pytest.mark.parametrize(("thickness", "theta"), [(0.2, 1.0), (0.2, 0.3), (0.8, 0.5), (0.8, 1.3)])
+def test_a_thick_disk_tumbles_whatever_its_thickness(thickness: float, theta: float) -> None:
+    """Sizes at which structure is sampled are those of the body: at thickness 1 there is none."""
+    body = st.ThickDisk(thickness)
+    assert _tumbles(body, theta) is not None
+    found = st.spectrum("tumbling", at=theta, body=body, contact=st.Viscous(0.3))
+    assert found.structural_zeros == 1
+    assert found.states[2:4] == pytest.approx(_tumbles(body, theta), rel=1e-9)
+
+
+def test_a_body_tumbles_in_the_ranges_of_the_closed_form() -> None:
+    for body in (st.Torus(0.3), st.Spheroid(1.7), st.EccentricSphere(0.2), st.ThickDisk(0.8)):
+        ranges = tumbling_ranges(body)
+        assert ranges
+        low, high = body.between
+        for theta in np.linspace(low, high, 40)[1:-1]:
+            if min(abs(theta - end) for pair in ranges for end in pair) < 0.01:
+                continue
+            inside = any(a < theta < b for a, b in ranges)
+            assert inside == (_tumbles(body, float(theta)) is not None), (body.name, theta)
+    ball = st.Body(lambda _: 1.0, axial=0.4, transverse=0.4, name="ball")
+    assert tumbling_ranges(ball) == []
 
 
 def test_rolling_leans_where_the_height_has_its_flat_points() -> None:

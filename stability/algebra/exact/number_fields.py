@@ -10,12 +10,14 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from math import prod
 from typing import Any
 
 from flint import arb, arb_poly, fmpq, fmpq_poly
 
 from ..number_types import Algebra
+from ..upright import Upright
 
 
 class NotExact(ArithmeticError):  # noqa: N818  (internal: never reaches a user)
@@ -123,6 +125,20 @@ EXACT = Algebra(
     {name: _function(name) for name in RATIONAL_AT} | {"sqrt": _sqrt, "fabs": _fabs, "pow": _power},
 )  # fmt: skip
 """Rationals and elements of the fields below: one algebra, since all fields contain Q."""
+
+
+def exact_upright() -> Algebra:
+    """Exact numbers and the right angle."""
+
+    def known(name: str) -> Any:
+        plain = EXACT.functions[name]
+        return lambda x: EXACT.constant(getattr(x, name)()) if isinstance(x, Upright) else plain(x)
+
+    return replace(
+        EXACT,
+        name="exact, upright",
+        functions=EXACT.functions | {n: known(n) for n in ("sin", "cos")},
+    )
 
 
 class Element(ABC):

@@ -7,27 +7,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from ...base.checks import Number, broadcast, checked, positive
 from ...base.errors import ParameterError, shown
-from ...base.types import Record
-from ..newton_euler import STATES
-from .expression import Expression, expression
-
-SCALES = ("mass", "gravity", "length")
-"""Dimensional quantities of a body."""
-MOMENTS = ("axial", "transverse")
-"""Names of the moments of inertia that are given as numbers, as axes of maps."""
-SAMPLES = 721
-"""Inclinations at which convexity is checked."""
-TAKEN = (*SCALES, *MOMENTS, *STATES, "at", "x", "y", "axis", "body", "contact", "disk", "pole")
-"""Names that no number of a body's shape can have."""
+from ...systems.family import Family
+from .height.expression import expression
+from .shape import MOMENTS, SAMPLES, SCALES, TAKEN, RoundShape
 
 
 @dataclass(frozen=True, eq=False)
-class Body(Record):
+class Body(RoundShape):
     """A convex body of revolution that rolls and slides on a plane, by its support function.
 
     θ is the angle between the symmetry axis 3̂ and the vertical.  The height h(θ) of the centre of
@@ -70,6 +60,7 @@ class Body(Record):
 
     Examples
     --------
+    >>> import casadi as ca
     >>> ball = Body(lambda theta: 1.0, axial=0.4, transverse=0.4)
     >>> coin = Body(lambda theta, rim: ca.sin(theta) + rim, axial=0.5, transverse=0.25,
     ...             shape={"rim": 0.02}, name="coin")
@@ -117,7 +108,7 @@ class Body(Record):
             if bad.size:
                 end = f", {high:g}]" if math.isfinite(high) else ", ∞)"
                 raise ParameterError(
-                    f"{name} of a {self.name} is {bad.flat[0]:g}; it must lie in ({low:g}{end}."
+                    f"{name} of the {self.name} is {bad.flat[0]:g}; it must lie in ({low:g}{end}."
                 )
         object.__setattr__(self, "shape", numbers)
         object.__setattr__(
@@ -133,60 +124,50 @@ class Body(Record):
         self._check_moments()
         self._check_convex()
 
-    # --- numbers ---
+    # --- families ---
 
-    @property
-    def given(self) -> dict[str, Any]:
-        """Every number of the body by name: scales, shape, and moments that are numbers."""
-        moments = {n: getattr(self, n) for n in MOMENTS}
-        moments = {n: v for n, v in moments.items() if not isinstance(v, Expression)}
-        return {n: getattr(self, n) for n in SCALES} | dict(self.shape) | moments
+    def family(
+        self, name: str, contact: Any, *, theta: float | None = None, pole: Any = None
+    ) -> Family:
+        """A family of the body's steady motions, for everything that takes a `Family`.
 
-    @property
-    def dimensionless(self) -> bool:
-        """Whether m = g = length = 1, so that numbers have no unit."""
-        return all(np.all(np.asarray(getattr(self, n)) == 1) for n in SCALES)
-
-    def moments(self) -> tuple[Any, Any]:
-        """Axial and transverse moment of inertia over m·length² [-]."""
-        found = []
-        for name in MOMENTS:
-            value = getattr(self, name)
-            if isinstance(value, Expression):
-                value = self._array(value.function, *self.shape.values())
-            found.append(value)
-        return found[0], found[1]
-
-    def height_at(self, theta: Any, slope: int = 0) -> Any:
-        """Height over `length` at inclinations, or a slope of it.
+        The numbers of the body and of the law are parameters of the family, by name.
 
         Parameters
         ----------
+        name
+            `rolling`, `spinning`, `tumbling`, `vertical`, `circling` (rough) or `precession`
+            (smooth).
+        contact
+            A contact law, its name or its class; its numbers do not matter.
         theta
-            Inclinations, any shape that broadcasts with the numbers of the shape [rad].
-        slope
-            0 for h, 1 for h', 2 for h''.
+            Inclination near that of rolling, where the body rolls at several [rad].
+        pole
+            0 or "pi", the inclination of vertical spin.
+
+        Returns
+        -------
+        Family
+
+        Raises
+        ------
+        StabilityError
+            If the body has no such family under this law.
+
+        Source: tests/bodies/test_round_families.py.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> upright = st.Torus(0.2).family("spinning", "rough")
+        >>> upright.at, upright.parameters
+        (('phi_dot',), ('tube',))
+        >>> print(st.conditions(upright, positive=["tube"], tube=1).rule)
+        Neutral where 41*phi_dot**2 - 8 > 0; unstable where it is negative.
         """
-        return self._array(self._slopes()[slope], theta, *self.shape.values())
+        from .families import body_family
 
-    @staticmethod
-    def _array(function: ca.Function, *values: Any) -> Any:
-        """Values of a function at arrays that broadcast."""
-        arrays = (
-            np.broadcast_arrays(*[np.asarray(v, dtype=float) for v in values]) if values else []
-        )
-        if not arrays:
-            return float(function.call([])[0])
-        found = function(*[a.reshape(1, -1) for a in arrays]).full()
-        return found.reshape(arrays[0].shape) if arrays[0].ndim else float(found[0, 0])
-
-    def _slopes(self) -> list[ca.Function]:
-        """h, h' and h'' as functions of θ and the numbers of the shape."""
-        theta, *own = (ca.SX.sym(n) for n in ("theta", *self.shape))
-        values = [ca.SX(self.height(theta, *own))]
-        for _ in range(2):
-            values.append(ca.jacobian(values[-1], theta))
-        return [ca.Function("h", [theta, *own], [ca.densify(v)]) for v in values]
+        return body_family(self, name, contact, theta, pole)
 
     # --- checks ---
 

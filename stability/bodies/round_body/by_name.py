@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,9 @@ from ..contact_laws import LAWS, law_class, spelled
 from ..disk import Disk
 from ..law_names import law_given
 from ..resistance import Resistance, resistances
-from .body import SCALES, Body
-from .families import FAMILIES, level, round_family
-from .named import of_disk
+from .families import FAMILIES, level, round_family, unknown_family
+from .shape import SCALES, RoundShape
+from .shapes.named import of_disk
 
 
 def of_body(
@@ -49,6 +50,7 @@ def of_body(
     Examples
     --------
     >>> import casadi as ca
+    >>> from stability.bodies.round_body.body import Body
     >>> ball = Body(lambda theta: 1.0, axial=0.4, transverse=0.4, name="ball")
     >>> of_body("spinning", ball, None, "rough", {})[0].system.name
     'ball, rough'
@@ -64,7 +66,7 @@ def of_body(
         body = of_disk(body)
     if isinstance(body, Disk):
         return family, body, contact, {n: v for n, v in given.items() if n != "resistance"}
-    if not isinstance(body, Body):
+    if not isinstance(body, RoundShape):
         raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
     if isinstance(family, Family):
         raise ParameterError(
@@ -72,11 +74,27 @@ def of_body(
             f"{family.system.name}, which has its own equations."
         )
     if not isinstance(family, str) or family not in FAMILIES:
-        raise NameUnknownError(
-            f"family is {shown(family)}; known for {body.name} are {', '.join(FAMILIES)}."
-        )
+        raise unknown_family(family, body)
     swept = [a[0] for a in axes if isinstance(a, (tuple, list)) and a and isinstance(a[0], str)]
-    return _resolved(family, body, _law(contact, given, swept), given, swept)
+    law = _law(contact, given, swept)
+    for axis in axes:
+        _check_axis(body, law, axis)
+    return _resolved(family, body, law, given, swept)
+
+
+def _check_axis(body: RoundShape, law: Contact, axis: Any) -> None:
+    """Refuse an axis with values that the body or the law does not accept."""
+    if not (isinstance(axis, (tuple, list)) and len(axis) > 2 and isinstance(axis[0], str)):
+        return
+    name, low, high = axis[:3]
+    if type(law).alternatives(name):
+        type(law).accepted(name, [low, high])
+    own = {n: v for n, v in body.given.items() if n not in body.shape}
+    if name in body.shape or name in own:
+        between = np.linspace(float(low), float(high), 17)
+        single = {n: float(np.asarray(v).flat[0]) for n, v in body.shape.items()}
+        change = {"shape": single | {name: between}} if name in body.shape else {name: between}
+        replace(body, **change)  # type: ignore[type-var]  # a body checks its numbers
 
 
 def _law(contact: Any, given: dict[str, Any], swept: Collection[str]) -> Contact:
@@ -90,7 +108,7 @@ def _law(contact: Any, given: dict[str, Any], swept: Collection[str]) -> Contact
 
 
 def _resolved(
-    family: str, body: Body, law: Contact, given: dict[str, Any], swept: Collection[str]
+    family: str, body: RoundShape, law: Contact, given: dict[str, Any], swept: Collection[str]
 ) -> tuple[Family, None, None, dict[str, Any]]:
     theta = given.pop("theta", None) if FAMILIES[family].level else None
     pole, against = given.pop("pole", None), resistances(given.pop("resistance", None))
@@ -115,7 +133,7 @@ def _resolved(
     return found, None, None, own | given
 
 
-def _survives(family: str, body: Body, resistance: Resistance, theta: float | None) -> None:
+def _survives(family: str, body: RoundShape, resistance: Resistance, theta: float | None) -> None:
     """Refuse a family whose members lose energy to a resistance, so that none is steady."""
     record = FAMILIES[family]
     turns = record.turns

@@ -15,25 +15,22 @@ from typing import Any
 import casadi as ca
 
 from ...base.errors import ParameterError
-from ...base.quantities import Kind
 from ...systems.condition import Condition
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep
 from ..newton_euler import STATES, NewtonEuler
 from ..resistance import Resistance
-from ..thin_disk.disk_quantities import disk_quantities
-from .body import Body
-from .pole_height import height_of_angle
+from .height.pole_height import height_of_angle
+from .quantities import round_quantities
+from .shape import RoundShape
 from .si_law import Law, Numbers, Shape, shape_of
 
 Resistances = tuple[type[Resistance], ...]
-OWN = {"length": Kind.LENGTH, "rim_speed": Kind.VELOCITY}
-"""Kinds of the quantities that the disk does not have; every other one has its kind there."""
 
 
 def round_system(
-    body: Body, law: type[Contact], given: tuple[str, ...], *, physical: bool,
+    body: RoundShape, law: type[Contact], given: tuple[str, ...], *, physical: bool,
     resistance: Resistances = (),
 ) -> System:  # fmt: skip
     """A body under a contact law as a `System`, built once for each.
@@ -89,13 +86,11 @@ def _system(  # noqa: PLR0913
         observables=body.observables, conditions=_conditions(x, between),
         states=states, parameters=numbers.names,
     )  # fmt: skip
-    quantities = disk_quantities(law)
-    kinds = {n: q.kind for n, q in quantities.items()} | OWN
-    known_names = (*system.states, *system.parameters, *system.observables)
-    found = {n: kinds.get(n, Kind.NUMBER) for n in known_names}
-    units = {n: k.unit(dimensionless=not physical) for n, k in found.items()}
+    every = (*system.states, *system.parameters, *system.observables)
+    quantities = round_quantities(name, law, shape[3], every)
+    units = {n: q.kind.unit(dimensionless=not physical) for n, q in quantities.items()}
     units |= {r.coefficient: r.unit if physical else "1" for r in resistance}
-    return replace(system, units=units)
+    return replace(system, units=units, quantities=quantities)
 
 
 def _conditions(x: ca.SX, between: tuple[float, float]):  # type: ignore[no-untyped-def]

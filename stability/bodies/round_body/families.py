@@ -12,23 +12,27 @@ sides vanish upright.  At a pole there is *vertical* spin alone.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.checks import known, one_number
-from ...base.errors import NoMemberError, ParameterError, listed, shown
+from ...base.errors import NameUnknownError, NoMemberError, ParameterError, listed, shown
+from ...base.types import Floats
 from ...systems.family import Family
 from ...systems.system import System
 from ..contact import Contact
-from .body import SAMPLES, Body
+from ..contact_laws import law_class
+from ..law_names import class_named
 from .equations import Resistances, round_system
 from .pole_equations import AXIS, SLIP, TURN, pole_system
+from .shape import SAMPLES, SCALES, RoundShape
 
 CLOSE = 1e-12
 """Largest slope of the height, over the height, that counts as zero at π/2 before the proof."""
@@ -97,7 +101,7 @@ FAMILIES = {family.name: family for family in _RECORDS}
 
 
 def round_family(
-    body: Body, name: str, law: type[Contact], given: tuple[str, ...], *, physical: bool,
+    body: RoundShape, name: str, law: type[Contact], given: tuple[str, ...], *, physical: bool,
     theta: float | None = None, pole: Any = None, resistance: Resistances = (),
 ) -> Family:  # fmt: skip
     """A family of steady motions of a body under a contact law; built once.
@@ -147,7 +151,8 @@ def round_family(
         near = _near(pole)
         system = pole_system(body, law, given, physical=physical, near=near, resistance=resistance)
         still = dict(record.held) | {n: 0.0 for n in SLIP if n in system.states}
-        return _family(system, record, _pairs(still), (), (), law)  # type: ignore[arg-type]  # a class is hashable
+        near_numbers = _pairs(_typical(body, record))
+        return _family(system, record, _pairs(still), (), (), near_numbers, law)  # type: ignore[arg-type]  # a class is hashable
     system = round_system(body, law, given, physical=physical, resistance=resistance)
     held: dict[str, Any] = {"theta_dot": 0.0} | dict(record.held)
     held |= {n: 0.0 for n in ("slip_x", "slip_y") if n in system.states}
@@ -158,7 +163,7 @@ def round_family(
     if record.upright and not _upright(body):
         raise NoMemberError(
             f"{body.name} has no {name}: the slope of its height at theta = π/2 is "
-            f"{_slope(body, math.pi / 2):.3g}, and must vanish there."
+            f"{float(_slope(body)(math.pi / 2)):.3g}, and must vanish there."
         )
     if record.level:
         at = level(body, theta)
@@ -166,7 +171,8 @@ def round_family(
             held["theta"] = UPRIGHT
         else:
             unknown, equations = {"theta": at}, ["theta_dot"]
-    return _family(system, record, _pairs(held), _pairs(unknown), tuple(equations), law)  # type: ignore[arg-type]  # a class is hashable
+    parts = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
+    return _family(system, record, *parts, law)  # type: ignore[arg-type]  # a class is hashable
 
 
 def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
@@ -175,12 +181,12 @@ def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
 
 @lru_cache(maxsize=64)
 def _family(  # noqa: PLR0913
-    system: System, record: RoundFamily, held: Any, unknown: Any, equations: Any, law: Any
-) -> Family:
-    typical = {"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3, "axial": 0.5, "transverse": 0.3}
+    system: System, record: RoundFamily, held: Any, unknown: Any, equations: Any, typical: Any,
+    law: Any,
+) -> Family:  # fmt: skip
     return Family(
         system, record.name, record.at, held=dict(held), unknown=dict(unknown),
-        equations=equations, positive=record.positive, typical=typical,
+        equations=equations, positive=record.positive, typical=dict(typical),
         integrals=law.conservative and not record.pole,
     )  # fmt: skip
 
@@ -194,21 +200,72 @@ def _near(pole: Any) -> int:
     raise ParameterError(f"pole is {shown(pole)}; give 0 or 'pi'.")
 
 
-def _slope(body: Body, theta: float) -> float:
-    """Slope of the height at an inclination, for the first of the body's shapes."""
-    return float(np.asarray(body.height_at(theta, 1)).flat[0])
+def _typical(body: RoundShape, record: RoundFamily) -> dict[str, float]:
+    """Sizes near which the family has members: the body's own numbers, and an inclination."""
+    own = {n: float(v) for n, v in first_numbers(body).items() if n not in SCALES}
+    found = {"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3} | own
+    if record.rests:
+        ranges = tumbling_ranges(body)
+        low, high = max(ranges, key=lambda r: r[1] - r[0], default=(1.0, 1.0))
+        found["theta"] = (low + high) / 2
+    return found
 
 
-def _upright(body: Body) -> bool:
+def first_numbers(body: RoundShape) -> dict[str, float]:
+    """Every number of the body by name, of arrays the first."""
+    return {n: float(np.asarray(v, dtype=float).flat[0]) for n, v in body.given.items()}
+
+
+def tumbling_ranges(body: RoundShape) -> list[tuple[float, float]]:
+    """Intervals of θ in which the body tumbles, at samples, for the first of its shapes [rad].
+
+    Parameters
+    ----------
+    body
+        The body.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> [(round(a, 2), round(b, 2)) for a, b in tumbling_ranges(st.EccentricSphere(0.3))]
+    [(0.0, 1.98)]
+    """
+    low, high = body.between
+    theta = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
+    first = first_numbers(body)
+    shape = [first[n] for n in body.shape]
+    h, slope = (np.asarray(body.array(f, theta, *shape)) for f in body.slopes()[:2])
+    axial, transverse = (float(np.asarray(m, dtype=float).flat[0]) for m in body.moments())
+    s, c = np.sin(theta), np.cos(theta)
+    r, z = h * s + slope * c, h * c - slope * s
+    with np.errstate(all="ignore"):
+        there = slope * r * s * (transverse * r * c - axial * z * s) > 0
+    if _upright(body):
+        there &= np.abs(theta - math.pi / 2) > (high - low) / SAMPLES
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
+    step = (high - low) / SAMPLES / 2
+    return [(float(theta[a] - step), float(theta[b - 1] + step))
+            for a, b in ends.reshape(-1, 2)]  # fmt: skip
+
+
+def _slope(body: RoundShape) -> Callable[[ArrayLike], Floats]:
+    """Slope of the height at inclinations, for the first of the body's shapes."""
+    numbers = first_numbers(body)
+    first = [numbers[n] for n in body.shape]
+    function = body.slopes()[1]
+    return lambda theta: np.asarray(body.array(function, theta, *first))
+
+
+def _upright(body: RoundShape) -> bool:
     """Whether the slope of the height vanishes at π/2, to double precision."""
     low, high = body.between
     if not low < math.pi / 2 < high:
         return False
     scale = float(np.asarray(body.height_at(math.pi / 2)).flat[0])
-    return abs(_slope(body, math.pi / 2)) <= CLOSE * scale
+    return abs(float(_slope(body)(math.pi / 2))) <= CLOSE * scale
 
 
-def level(body: Body, theta: float | None = None) -> float | None:
+def level(body: RoundShape, theta: float | None = None) -> float | None:
     """Inclination at which the slope of the height vanishes; None for exactly upright.
 
     Parameters
@@ -225,11 +282,14 @@ def level(body: Body, theta: float | None = None) -> float | None:
     """
     low, high = body.between
     grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
-    slopes = [_slope(body, float(t)) for t in grid]
+    slope = _slope(body)
+    slopes = slope(grid)
     found = [math.pi / 2] * _upright(body)
     for a, b, f, g in zip(grid[:-1], grid[1:], slopes[:-1], slopes[1:], strict=True):
         if f * g < 0 and not (found and a < math.pi / 2 < b):
-            found.append(float(brentq(lambda t: _slope(body, t), a, b, xtol=1e-15)))
+            root = float(brentq(slope, a, b, xtol=1e-15))
+            if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
+                found.append(root)
     if not found:
         raise NoMemberError(
             f"{body.name} rolls nowhere: the slope of its height has no zero between "
@@ -246,3 +306,42 @@ def level(body: Body, theta: float | None = None) -> float | None:
             f"{body.name} rolls at theta = {angles}; give theta=, a number near one of them."
         )
     return None if best == math.pi / 2 and _upright(body) else best
+
+
+def body_family(
+    body: RoundShape, name: str, contact: Any, theta: float | None, pole: Any = None
+) -> Family:
+    """A family of a body under a law, its class or its name, as `Body.family` describes.
+
+    Parameters
+    ----------
+    body, name, contact, theta, pole
+        As for `Body.family`.
+    """
+    if not isinstance(name, str) or name not in FAMILIES:
+        raise unknown_family(name, body)
+    law: Any = class_named(contact, motion=False) if isinstance(contact, str) else contact
+    kind = law_class(type(law) if isinstance(law, Contact) else law, motion=False)
+    given: Collection[str] = (
+        law.given
+        if isinstance(law, Contact)
+        else {kind.alternatives(p.name)[0]: None for p in kind.parameters}
+    )  # one name a coefficient
+    return round_family(
+        body, name, kind, tuple(given), physical=not body.dimensionless, theta=theta, pole=pole
+    )
+
+
+def unknown_family(family: Any, body: RoundShape) -> NameUnknownError:
+    """The refusal of a family by a name that no body has.
+
+    Parameters
+    ----------
+    family
+        What was given.
+    body
+        The body.
+    """
+    return NameUnknownError(
+        f"family is {shown(family)}; known for {body.name} are {', '.join(FAMILIES)}."
+    )

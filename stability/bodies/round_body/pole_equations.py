@@ -17,17 +17,16 @@ import casadi as ca
 import numpy as np
 
 from ...base.errors import NoMemberError, ParameterError
-from ...base.quantities import Kind
 from ...systems.condition import Condition
 from ...systems.equations import eliminate
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep
 from ..resistance import Resistance
-from ..thin_disk.disk_quantities import disk_quantities
-from .body import Body
 from .equations import Resistances
-from .pole_height import NotSmoothError, height_of_cosine
+from .height.pole_height import NotSmoothError, height_of_cosine
+from .quantities import round_quantities
+from .shape import RoundShape
 from .si_law import Law, Numbers, Shape, shape_of
 
 AXIS = ("axis_X", "axis_Y", "axis_Z")
@@ -41,7 +40,7 @@ STRAIN = 1e-9
 
 
 def pole_system(
-    body: Body, law: type[Contact], given: tuple[str, ...], *, physical: bool, near: int = 0,
+    body: RoundShape, law: type[Contact], given: tuple[str, ...], *, physical: bool, near: int = 0,
     resistance: Resistances = (),
 ) -> System:  # fmt: skip
     """A body under a contact law along fixed axes, built once for each.
@@ -83,7 +82,7 @@ def pole_system(
     return _system(shape_of(body), law, given, physical, near, resistance)  # type: ignore[arg-type]  # a class is hashable
 
 
-def smooth_at(body: Body, pole: int) -> bool:
+def smooth_at(body: RoundShape, pole: int) -> bool:
     """Whether the height is a smooth function of cos θ at a pole, within the range of the body.
 
     Parameters
@@ -161,13 +160,11 @@ def _system(  # noqa: PLR0913
         f"{name}, {law.name}", x, numbers.p, ca.vertcat(turning[: len(axis)], rhs), states=states,
         parameters=numbers.names, observables=seen, conditions=tuple(conditions),
     )  # fmt: skip
-    kinds = {n: q.kind for n, q in disk_quantities(law).items()} | {"length": Kind.LENGTH}
-    kinds |= dict.fromkeys(TURN, Kind.ANGULAR_VELOCITY) | dict.fromkeys(SLIP, Kind.VELOCITY)
-    known = (*states, *numbers.names, *seen)
-    found = {n: kinds.get(n, Kind.NUMBER) for n in known}
-    units = {n: k.unit(dimensionless=not physical) for n, k in found.items()}
+    quantities = round_quantities(name, law, shape[3], (*states, *numbers.names, *seen))
+    units = {n: q.kind.unit(dimensionless=not physical) for n, q in quantities.items()}
     units |= {r.coefficient: r.unit if physical else "1" for r in resistance}
-    return replace(system, units=units)
+    units["jellett"] = "kg m2/s" if physical else "1"
+    return replace(system, units=units, quantities=quantities)
 
 
 class PoleBody:

@@ -10,14 +10,14 @@ import casadi as ca
 
 from ..contact import Contact, Scales
 from ..contact_laws import MOTION_LAWS, LinearViscous
-from .body import MOMENTS, SCALES, Body
-from .expression import Expression
+from .height.expression import Expression
+from .shape import MOMENTS, SCALES, RoundShape
 
 Shape = tuple[str, Expression, tuple[Expression | None, ...], tuple[str, ...], tuple[float, float]]
 """Name, height, moments (None for a number), names of the shape's numbers, range of θ."""
 
 
-def shape_of(body: Body) -> Shape:
+def shape_of(body: RoundShape) -> Shape:
     """What equations depend on, and no number of the body.
 
     Parameters

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import Any
 
+import casadi as ca
 from flint import arb
 
 from ...algebra.balls import precision
@@ -22,10 +23,17 @@ from ...algebra.exact.hurwitz_forms import (
     hurwitz_determinants,
     subdiscriminants,
 )
-from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
+from ...algebra.exact.number_fields import (
+    EXACT,
+    NotExact,
+    characteristic,
+    exact_upright,
+    rational,
+)
 from ...algebra.exact.rational_functions import common_multiple, primitive
 from ...algebra.exact.triangular import RecordingField, occurring
 from ...algebra.number_types import balls
+from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ...base.errors import StabilityError
 from ...derivation.general.elimination import evaluate
@@ -158,15 +166,17 @@ class _Reading:
         if any(self._element(r).num != 0 for r in rates):
             raise NotExact("a rate that does not vanish identically")
         table = dict(known) | dict(zip(family.unknown, self.u, strict=True))
-        for name, value in family.held.items() if family.system.conditions else ():
-            if isinstance(value, Upright):
-                raise NotExact("a condition at the right angle")
-            table[name] = self.field.number(rational(value))
+        table |= {n: v if isinstance(v, Upright) else self.field.number(rational(v))
+                  for n, v in family.held.items()}  # fmt: skip
         values = [table[n] for n in family.positive]
         system = family.system
-        if system.conditions:
-            place = [[table[n] for n in names] for names in (system.states, system.parameters)]
-            values += [v[0] for v in system.condition_program.run(EXACT, place)]
+        place = [[table[n] for n in names] for names in (system.states, system.parameters)]
+        asked = _asked(family)
+        if asked is not None:
+            try:
+                values += [v[0] for v in asked.run(exact_upright(), place)]
+            except TypeError:  # of the right angle only sine and cosine are exact
+                raise NotExact("a condition at the right angle") from None
         for found in map(self._element, values):
             self.required.append(found.num * found.den)
 
@@ -282,6 +292,25 @@ class _Reading:
             total = total + c * lam**k
         self.budget.watch(total)
         return total
+
+
+def _asked(family: Family) -> Program | None:
+    """The conditions that depend on more than a right angle; the others are proved here."""
+    system = family.system
+    right = [i for i, n in enumerate(system.states) if isinstance(family.held.get(n), Upright)]
+    others = ca.vertcat(*[s for i, s in enumerate(ca.vertsplit(system.x)) if i not in right],
+                        system.p)  # fmt: skip
+    asked = [c.value for c in system.conditions if ca.depends_on(c.value, others)]
+    if len(asked) == len(system.conditions):
+        return system.condition_program if asked else None
+    alone = [c.value for c in system.conditions if not ca.depends_on(c.value, others)]
+    with precision(BITS):
+        place = [arb.pi() / 2 if i in right else arb(0) for i in range(len(system.states))]
+        program = Program(ca.Function("alone", [system.x, system.p], alone))
+        numbers = program.run(balls(), [place, [arb(0)] * len(system.parameters)])
+    if not all(v[0] > 0 for v in numbers):
+        raise NotExact("a condition at the right angle")
+    return Program(ca.Function("conditions", [system.x, system.p], asked)) if asked else None
 
 
 def _coefficients(poly: Poly) -> tuple[Poly, ...]:

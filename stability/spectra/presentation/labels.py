@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.quantities import Kind, rate_unit
+from ...base.quantities import Kind, rate_unit, without_dimension, written
 from ...base.verdict import CODES
 from ...base.version import __version__
 from ...bodies.thin_disk.disk_quantities import disk_quantities
@@ -24,7 +24,12 @@ LIBRARIES = ("casadi", "numpy", "scipy", "python-flint", "xarray")
 def axis_attributes(asked: Any, name: str) -> dict[str, str]:
     """Long name, unit and quantity of a parameter of a `Problem` or a `Spectrum`."""
     if asked.law is None:
-        unit = asked.family.system.units.get(name, "1")
+        system = asked.family.system
+        if name in system.quantities:
+            plain = without_dimension(system.quantities, system.units)
+            own: dict[str, str] = system.quantities[name].attributes(dimensionless=plain)
+            return own | {"quantity": name}
+        unit = system.units.get(name, "1")
         return {"units": unit, "long_name": name, "quantity": name}
     meaning = asked.family.at[0] if name == "at" else name
     known = disk_quantities(type(asked.law)).get(meaning)
@@ -36,7 +41,11 @@ def axis_attributes(asked: Any, name: str) -> dict[str, str]:
 def rate_attributes(asked: Any) -> dict[str, str]:
     """Unit of rates of a `Problem` or a `Spectrum`: the disk's, or from a user's units."""
     if asked.law is None:
-        return {"units": rate_unit(asked.family.system.units)}
+        system = asked.family.system
+        if not system.quantities:
+            return {"units": rate_unit(system.units)}
+        plain = without_dimension(system.quantities, system.units)
+        return Kind.GROWTH_RATE.attributes(dimensionless=plain)
     return Kind.GROWTH_RATE.attributes(dimensionless=asked.dimensionless)
 
 
@@ -50,10 +59,16 @@ def verdict_attributes() -> dict[str, Any]:
     }
 
 
-def _units(family: Any, fixed: Mapping[str, Any]) -> dict[str, str]:
-    """Units of the fixed numbers of a user's system, where it has units."""
-    known = {n: family.system.units[n] for n in sorted(fixed) if n in family.system.units}
-    return {"parameter_units": json.dumps(known)} if known else {}
+def _units(asked: Any, fixed: Mapping[str, Any]) -> dict[str, Any]:
+    """Units of the fixed numbers of a user's system, where it has units; quantities of a body."""
+    system = asked.family.system
+    known = {n: system.units[n] for n in sorted(fixed) if n in system.units}
+    units: dict[str, Any] = {"parameter_units": json.dumps(known)} if known else {}
+    if system.quantities:
+        units["dimensionless"] = int(without_dimension(system.quantities, system.units))
+        units["quantities"] = written({n: q for n, q in system.quantities.items()
+                                       if n in asked.values})  # fmt: skip
+    return units
 
 
 def origin(asked: Any, fixed: Mapping[str, Any], **more: Any) -> dict[str, Any]:
@@ -82,10 +97,11 @@ def origin(asked: Any, fixed: Mapping[str, Any], **more: Any) -> dict[str, Any]:
         **({"contact": asked.law.name} if asked.law else {}),
         "at": ", ".join(family.at),
         "parameters": json.dumps({n: float(v) for n, v in fixed.items()}, sort_keys=True),
-        **({"dimensionless": int(asked.dimensionless)} if asked.law else _units(family, fixed)),
+        **({"dimensionless": int(asked.dimensionless)} if asked.law else _units(asked, fixed)),
         **more,
         "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
-        "204-231, linearisation recomputed" if asked.law else "user's system",
+        "204-231, linearisation recomputed" if asked.law else "equations of a body of revolution "
+        "by its height, linearised" if family.system.quantities else "user's system",
         "software": f"stability {__version__}",
         "versions": ", ".join(f"{n} {version(n)}" for n in LIBRARIES)
         + f", python {platform.python_version()}",

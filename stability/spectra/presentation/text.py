@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...base.errors import StabilityError
+from ...base.quantities import without_dimension
 from ...base.types import Complexes
 
 MOST = 8
@@ -48,6 +49,15 @@ def member(spectrum: Any) -> str:
     """Family parameters of a single spectrum by name."""
     given = zip(spectrum.family.at, np.asarray(spectrum.at), strict=True)
     return ", ".join(f"{n} = {v:.6g}" for n, v in given)
+
+
+def of_body(spectrum: Any) -> str:
+    """Every number of a spectrum of a body that is no array, with symbol and unit."""
+    system = spectrum.family.system
+    plain = without_dimension(system.quantities, system.units)
+    single = {n: float(v) for n, v in spectrum.values.items() if np.ndim(v) == 0}
+    single = {n: single[n] for n in (*spectrum.family.at, *single) if n in single}
+    return ", ".join(system.quantities[n].value(v, dimensionless=plain) for n, v in single.items())
 
 
 def line(spectrum: Any) -> str:
@@ -89,14 +99,20 @@ def page(spectrum: Any) -> str:
     title = f"<b>{escape(family.name)}</b> of {escape(family.system.name)}{law}"
     if spectrum.law is not None:
         title = f"<b>{escape(family.name)}</b>{law}"
+    names = list(family.at)
+    where = "" if spectrum.codes.ndim else member(spectrum)
+    if family.system.quantities:
+        names, where = [family.system.quantities[n].symbol for n in names], of_body(spectrum)
+        title += " contact"
     if not spectrum.codes.ndim:
-        head = f"{title}, {escape(member(spectrum))}: {escape(spectrum.verdict.value)}"
+        head = f"{title}, {escape(where)}: {escape(spectrum.verdict.value)}"
         rows = zip(spectrum.eigenvalues, spectrum.radius, _labels(spectrum), strict=True)
         cells = [(f"{v.real + 0.0:+.6g}", f"{v.imag + 0.0:+.6g}", f"{r:.1g}", m)
                  for v, r, m in rows]  # fmt: skip
-        names = [f"Re λ{units}", f"Im λ{units}", "error", "mode"]
-        return _table(head, names, cells, f"<i>{escape(spectrum.reason)}</i>")
-    head = f"{title}: {counted(spectrum)}"
+        columns = [f"Re λ{units}", f"Im λ{units}", "error", "mode"]
+        return _table(head, columns, cells, f"<i>{escape(spectrum.reason)}</i>")
+    fixed = f", {escape(where)}" * bool(where)
+    head = f"{title}{fixed}: {counted(spectrum)}"
     shape = spectrum.codes.shape
     picked = list(np.ndindex(shape))[:LONGEST]
     cells = [
@@ -104,9 +120,9 @@ def page(spectrum: Any) -> str:
          f"{spectrum.abscissa[i]:+.6g}", f"{spectrum.abscissa_error[i]:.1g}")
         for i in picked
     ]  # fmt: skip
-    names = [*map(escape, family.at), "verdict", f"largest Re λ{units}", "error"]
+    columns = [*map(escape, names), "verdict", f"largest Re λ{units}", "error"]
     left = spectrum.codes.size - len(picked)
-    return _table(head, names, cells, f"and {left} more points" if left else "")
+    return _table(head, columns, cells, f"and {left} more points" if left else "")
 
 
 def _labels(spectrum: Any) -> list[str]:

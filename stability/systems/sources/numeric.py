@@ -61,7 +61,8 @@ class NumericSystem(Equations):
         checked = check_names(name, states, parameters, units or {})
         for what, value in (checked | {"_call": function}).items():
             object.__setattr__(self, what, value)
-        object.__setattr__(self, "observables", {})
+        for what in ("observables", "quantities"):
+            object.__setattr__(self, what, {})
 
     def __getstate__(self) -> dict[str, Any]:
         return dict(self.__dict__)

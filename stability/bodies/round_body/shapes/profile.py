@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 from ....base.checks import known, one_number
 from ....base.errors import ParameterError, shown
 from ....base.types import Floats
-from ..body import SCALES, Body
+from ..body import Body
+from ..shape import SCALES
 
 Curve = Callable[[Any], tuple[Any, Any]]
 MOST_NODES = 1024

@@ -12,15 +12,14 @@ Source: Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, § 5.4; as `fi
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement
 from typing import Any
 
 from ....algebra.exact.hurwitz_forms import by_power, factors
-from ....algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
+from ....algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
 from ....algebra.exact.triangular import remainder
-from ....algebra.number_types import Algebra
 from ....algebra.upright import UPRIGHT, Upright
 from ....derivation.general.elimination import Reading
 from ..derivatives import Derivatives, derivatives
@@ -317,17 +316,3 @@ def _orders(places: Sequence[int]) -> set[tuple[int, ...]]:
 
 def _nothing(value: Any) -> bool:
     return bool(value == 0)
-
-
-def exact_upright() -> Algebra:
-    """Exact numbers and the right angle."""
-
-    def known(name: str) -> Any:
-        plain = EXACT.functions[name]
-        return lambda x: EXACT.constant(getattr(x, name)()) if isinstance(x, Upright) else plain(x)
-
-    return replace(
-        EXACT,
-        name="exact, upright",
-        functions=EXACT.functions | {n: known(n) for n in ("sin", "cos")},
-    )

@@ -9,8 +9,8 @@ from typing import Any
 
 import casadi as ca
 
-from ...base.errors import ParameterError, shown
-from ...base.types import Record, fields_of
+from ....base.errors import ParameterError, shown
+from ....base.types import Record, fields_of
 
 
 @dataclass(frozen=True, eq=False)

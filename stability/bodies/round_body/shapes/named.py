@@ -7,15 +7,17 @@ numerically, from their surfaces.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
 from numpy.typing import ArrayLike
 
-from ...base.checks import flag, known
-from ...base.errors import ParameterError
-from ..disk import Disk
-from .body import MOMENTS, SCALES, Body
+from ....base.checks import flag, known
+from ....base.errors import ParameterError
+from ...disk import Disk
+from ..body import Body
+from ..shape import MOMENTS, SCALES
 
 
 def Torus(tube: ArrayLike, *, solid: bool = True, **scales: Any) -> Body:  # noqa: N802
@@ -74,7 +76,8 @@ def Spheroid(aspect: ArrayLike, **scales: Any) -> Body:  # noqa: N802
         lambda theta, aspect: ca.sqrt(ca.sin(theta) ** 2 + (aspect * ca.cos(theta)) ** 2),
         axial=lambda aspect: ca.SX(2) / 5 + 0 * aspect,
         transverse=lambda aspect: (1 + aspect**2) / 5,
-        shape={"aspect": aspect}, limits={"aspect": (0.0, math.inf)}, name="spheroid", **_scales(scales),
+        shape={"aspect": aspect}, limits={"aspect": (0.0, math.inf)}, name="spheroid",
+        **_scales(scales),
     )  # fmt: skip
 
 
@@ -187,6 +190,10 @@ def _scales(scales: dict[str, Any]) -> dict[str, Any]:
     return scales
 
 
-NAMED = {"torus": Torus, "spheroid": Spheroid, "eccentric-sphere": EccentricSphere,
-         "thick-disk": ThickDisk}  # fmt: skip
+NAMED: dict[str, Callable[..., Body]] = {
+    "torus": Torus,
+    "spheroid": Spheroid,
+    "eccentric-sphere": EccentricSphere,
+    "thick-disk": ThickDisk,
+}
 """Named bodies, for the command line."""

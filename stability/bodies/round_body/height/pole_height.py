@@ -13,9 +13,9 @@ from typing import Any
 
 import casadi as ca
 
-from ...algebra.number_types import MORE, UNARY, Algebra
-from ...algebra.program import Program
-from ...base.errors import StabilityError
+from ....algebra.number_types import MORE, UNARY, Algebra
+from ....algebra.program import Program
+from ....base.errors import StabilityError
 from .expression import Expression
 
 

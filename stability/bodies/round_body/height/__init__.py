@@ -1,0 +1,4 @@
+"""Heights as graphs: kept as text, and read by cos θ and sin θ.
+
+May import what `bodies` may, and nothing else of `round_body`.
+"""

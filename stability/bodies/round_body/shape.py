@@ -1,0 +1,86 @@
+"""The numbers of a body of revolution, as its equations and families read them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ...base.types import Record
+from ..newton_euler import STATES
+from .height.expression import Expression
+
+SCALES = ("mass", "gravity", "length")
+"""Dimensional quantities of a body."""
+MOMENTS = ("axial", "transverse")
+"""Names of the moments of inertia that are given as numbers, as axes of maps."""
+SAMPLES = 721
+"""Inclinations at which convexity is checked."""
+TAKEN = (*SCALES, *MOMENTS, *STATES, "at", "x", "y", "axis", "body", "contact", "disk", "pole")
+"""Names that no number of a body's shape can have."""
+
+
+class RoundShape(Record):
+    """A body's numbers; `Body` adds their meaning, checks, and families."""
+
+    height: Callable[..., Any]
+    axial: Any
+    transverse: Any
+    shape: Mapping[str, Any]
+    name: str
+    between: tuple[float, float]
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """Every number of the body by name: scales, shape, and moments that are numbers."""
+        moments = {n: getattr(self, n) for n in MOMENTS}
+        moments = {n: v for n, v in moments.items() if not isinstance(v, Expression)}
+        return {n: getattr(self, n) for n in SCALES} | dict(self.shape) | moments
+
+    @property
+    def dimensionless(self) -> bool:
+        """Whether m = g = length = 1, so that numbers have no unit."""
+        return all(np.all(np.asarray(getattr(self, n)) == 1) for n in SCALES)
+
+    def moments(self) -> tuple[Any, Any]:
+        """Axial and transverse moment of inertia over m·length² [-]."""
+        found = []
+        for name in MOMENTS:
+            value = getattr(self, name)
+            if isinstance(value, Expression):
+                value = self.array(value.function, *self.shape.values())
+            found.append(value)
+        return found[0], found[1]
+
+    def height_at(self, theta: Any, slope: int = 0) -> Any:
+        """Height over `length` at inclinations, or a slope of it.
+
+        Parameters
+        ----------
+        theta
+            Inclinations, any shape that broadcasts with the numbers of the shape [rad].
+        slope
+            0 for h, 1 for h', 2 for h''.
+        """
+        return self.array(self.slopes()[slope], theta, *self.shape.values())
+
+    @staticmethod
+    def array(function: ca.Function, *values: Any) -> Any:
+        """Values of a CasADi function at arrays that broadcast; a float where none is an array."""
+        arrays = (
+            np.broadcast_arrays(*[np.asarray(v, dtype=float) for v in values]) if values else []
+        )
+        if not arrays:
+            return float(function.call([])[0])
+        found = function(*[a.reshape(1, -1) for a in arrays]).full()
+        return found.reshape(arrays[0].shape) if arrays[0].ndim else float(found[0, 0])
+
+    def slopes(self) -> list[ca.Function]:
+        """h, h' and h'' as functions of θ and the numbers of the shape."""
+        theta, *own = (ca.SX.sym(n) for n in ("theta", *self.shape))
+        values = [ca.SX(self.height(theta, *own))]
+        for _ in range(2):
+            values.append(ca.jacobian(values[-1], theta))
+        return [ca.Function("h", [theta, *own], [ca.densify(v)]) for v in values]

@@ -1,0 +1,196 @@
+"""Bodies of revolution on the command line: the numbers are those of the library."""
+
+import json
+from pathlib import Path
+
+import pytest
+from command_line import output, refused
+
+import stability as st
+from stability.bodies.round_body.shapes.named import NAMED
+from stability.cli import main
+from stability.cli.commands import _parser
+
+FILE = """
+import casadi as ca
+import stability as st
+
+def egg(a, sharp=0.08):
+    return st.Body(lambda t, a, sharp: 1 + a * ca.cos(t) + sharp * ca.cos(2 * t), axial=0.3,
+                   transverse=0.4, shape={"a": a, "sharp": sharp}, name="egg")
+
+coin = st.Body(lambda t, rim: rim + ca.sin(t), axial=0.5, transverse=0.25, shape={"rim": 0.02},
+               name="coin")
+seven = 7
+
+def fails():
+    raise RuntimeError("no egg today")
+
+def nothing():
+    return 3
+"""
+NUMBERS = {
+    "torus": ["--tube", "0.2"],
+    "spheroid": ["--aspect", "0.6"],
+    "eccentric-sphere": ["--offset", "0.2"],
+    "thick-disk": ["--thickness", "0.3"],
+}
+ASK = ["--at", "1", "--mu", "0.3"]
+TORUS = ["--body", "torus", "--tube", "0.2"]
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "egg.py").write_text(FILE)
+    monkeypatch.chdir(tmp_path)
+
+
+def spectrum(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
+    found: dict[str, object] = json.loads(output(capsys, "spectrum", *words, "--json"))
+    return found
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_every_named_body_has_the_spectrum_of_the_library(
+    capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    body = NAMED[name](float(NUMBERS[name][1]))
+    family, at = ("tumbling", "1") if name == "eccentric-sphere" else ("rolling", "2")
+    found = spectrum(capsys, family, "--body", name, *NUMBERS[name], "--at", at, "--mu", "0.3")
+    own = st.spectrum(family, at=float(at), body=body, contact=st.Viscous(0.3))
+    assert found["body"] == body.name
+    assert found["abscissa"] == own.abscissa
+    assert found["verdict"] == own.verdict.word
+    told = found["parameters"]
+    assert isinstance(told, dict)
+    assert (told["axial"], told["transverse"]) == body.moments()
+    assert {n: told[n] for n in body.shape} == dict(body.shape)
+
+
+def test_units_hollowness_and_moments_reach_the_body(capsys: pytest.CaptureFixture[str]) -> None:
+    si = ["--mass", "0.5", "--gravity", "9.81", "--length", "0.3"]
+    text = output(capsys, "spectrum", "rolling", *TORUS, "--hollow", *si, "--at", "9", "--mu", ".2")
+    own = st.spectrum(
+        "rolling", at=9.0, contact=st.Viscous(0.2),
+        body=st.Torus(0.2, solid=False, mass=0.5, gravity=9.81, length=0.3),
+    )  # fmt: skip
+    assert "rolling of hollow torus, viscous contact, at omega3 = 9, mass = 0.5" in text
+    assert "[1/s]" in text
+    assert f"{own.eigenvalues[-1].real:+.12e}" in text
+    ball = [
+        "--body",
+        "eccentric-sphere",
+        "--offset",
+        "0.2",
+        "--axial",
+        "0.3",
+        "--transverse",
+        "0.4",
+    ]
+    found = spectrum(capsys, "tumbling", *ball, "--at", "1.0", "--contact", "smooth")
+    assert found["parameters"] == {
+        "mass": 1, "gravity": 1, "length": 1, "offset": 0.2, "axial": 0.3, "transverse": 0.4,
+    }  # fmt: skip
+
+
+@pytest.mark.usefixtures("file")
+def test_a_users_body_takes_the_numbers_of_its_function_or_shape(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    text = output(capsys, "spectrum", "rolling", "--body", "egg.py:egg", "--a", "0.1", *ASK)
+    assert "rolling of egg, viscous contact, at omega3 = 1, a = 0.1, sharp = 0.08," in text
+    other = output(capsys, "spectrum", "rolling", "--body=egg.py:egg", "--a=0.1", *ASK)
+    assert other == text
+    found = spectrum(capsys, "rolling", "--body", "egg:coin", "--rim", "0.1", *ASK)
+    same = spectrum(capsys, "rolling", "--body", "egg:coin", *ASK)
+    told = found["parameters"], same["parameters"]
+    assert [p["rim"] for p in told if isinstance(p, dict)] == [0.1, 0.02]
+
+
+def test_boundaries_and_maps_are_those_of_the_library(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    words = ["--body", "spheroid", "--axis", "aspect:0.1:3:9", "--at", "0.5", "--contact", "rough"]
+    found = json.loads(output(capsys, "boundaries", "rolling", *words, "--json"))
+    # at rest on its side an oblate body falls over; spin holds it up above the threshold
+    own = st.boundaries("rolling", axis=("aspect", 0.1, 3, 9), at=0.5, body=st.Spheroid(1.0),
+                        contact=st.Rough())  # fmt: skip
+    assert [b["value"] for b in found["boundaries"]] == [b.value for b in own]
+    assert found["body"] == "spheroid"
+    assert found["parameters"] == {"mass": 1, "gravity": 1, "length": 1}  # aspect is the axis
+    text = output(capsys, "boundaries", "rolling", "--body", "spheroid", "--aspect", "0.5",
+                  "--axis", "omega3:0.1:3:9", "--contact", "rough")  # fmt: skip
+    assert "rolling of spheroid, rough contact, along omega3" in text
+    assert "aspect = 0.5, axial = 0.4, transverse = 0.25" in text
+
+    target = tmp_path / "torus.nc"
+    told = output(capsys, "map", "spinning", "--body", "torus", "--x", "at:0.5:5:20", "--y",
+                  "tube:0.05:0.5:10", "--mu", "0.3", "--out", str(target), "--json")  # fmt: skip
+    assert json.loads(told)["body"] == "torus"
+    chart = st.stability_map("spinning", x=("at", 0.5, 5, 20), y=("tube", 0.05, 0.5, 10),
+                             body=st.Torus(0.1), contact=st.Viscous(0.3))  # fmt: skip
+    assert (st.read_map(target).verdict == chart.verdict).all()
+
+
+def test_help_lists_the_bodies_with_an_example(capsys: pytest.CaptureFixture[str]) -> None:
+    for command in ("spectrum", "map", "boundaries"):
+        with pytest.raises(SystemExit):
+            main([command, "--help"])
+        text = " ".join(capsys.readouterr().out.split())
+        assert all(name in text for name in NAMED)
+        assert "--body torus --tube 0.2" in text
+        assert "--offset X" in text
+    assert _parser().parse_args(["spectrum", "rolling", *TORUS]).tube == 0.2
+
+
+@pytest.mark.usefixtures("file")
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["rolling", "--body", "tori", *ASK], "known are torus, spheroid, eccentric-sphere"),
+        (["rolling", "--body", "torus", *ASK], "--tube is missing; torus needs it"),
+        (["rolling", "--body", "torus", "--tube", "2", *ASK], "tube of the torus is 2; it must lie in (0, 1]"),
+        (["rolling", *TORUS, "--aspect", "2", *ASK], "it takes --tube or --solid or --hollow"),
+        (["rolling", *TORUS, "--k", "0.2", *ASK], "--k does not go with --body"),
+        (["rolling", *TORUS, "--lean", "0.2", *ASK], "--lean does not go with --body"),
+        (["rolling", *TORUS, "--at", "1,2", "--mu", "1"], "rolling takes omega3, 1 number"),
+        ([*TORUS, *ASK], "FAMILY is missing; name one of rolling"),
+        (["tipping", *TORUS, *ASK], "known for torus are rolling"),
+        (["rolling", *TORUS, "--mu", "1"], "at is missing"),
+        (["rolling", *TORUS, "--at", "1"], "mu is missing"),
+        (["rolling", "--tube", "0.2", *ASK], "unrecognized arguments: --tube"),
+        (["rolling", *TORUS, "--bulge", "0.2", *ASK], "unrecognized arguments: --bulge"),
+        (["spinning", "--body", "thick-disk", "--thickness", "0.2", *ASK], "has no spinning"),
+        (["rolling", "--body", "egg.py:seven", *ASK], "its bodies are coin"),
+        (["rolling", "--body", "egg.py:ovo", *ASK], "its bodies are coin"),
+        (["rolling", "--body", "ovo.py:egg", *ASK], "cannot be imported"),
+        (["rolling", "--body", "egg.py:egg", *ASK], "--a is missing; egg.py:egg needs it"),
+        (["rolling", "--body", "egg.py:egg", "--c", "1", *ASK], "it takes --a or --sharp"),
+        (["rolling", "--body", "egg.py:egg", "--a", "x", *ASK], "a is 'x'; a number is needed"),
+        (["rolling", "--body", "egg.py:egg", "--a", "3", *ASK], "must lie above the plane"),
+        (["rolling", "--body", "egg.py:coin", "--a", "3", *ASK], "it takes --rim"),
+        (["rolling", "--body", "egg.py:egg", "3", *ASK], "no list of --NAME X"),
+        (["rolling", "--body", "egg.py:fails", *ASK], "RuntimeError: no egg today"),
+        (["rolling", "--body", "egg.py:nothing", *ASK], "returns 3; a stability.Body is needed"),
+    ],
+)  # fmt: skip
+def test_bad_input_gets_one_sentence(
+    capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    assert said in refused(capsys, "spectrum", *words)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--tube", ".2", "--axis", "tube:.1:.5:9", "--at", "1"], "given as --tube and as an axis"),
+        (["--tube", ".2", "--axis", "mu:.1:.5:9", "--at", "1"], "given as --mu and as an axis"),
+        (["--tube", ".2", "--axis", "k:.1:.5:9", "--at", "1"], "known for rolling are omega3"),
+        (["--axis", "omega3:.1:.5:9"], "--tube is missing"),
+    ],
+)  # fmt: skip
+def test_bad_axes_get_one_sentence(
+    capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    found = refused(capsys, "boundaries", "rolling", "--body", "torus", "--mu", "1", *words)
+    assert said in found
