@@ -34,8 +34,10 @@ MOST_BITS = 1024
 """Precision at which a sign that is still open counts as zero."""
 FINE_BITS = 8192
 """Precision at which a bracket is halved further."""
-HALVINGS = 64
-"""Most halvings of a bracket in which a zero eigenvalue is not excluded."""
+HALVINGS = 256
+"""Most halvings of a bracket in which a zero eigenvalue is not excluded.
+
+At the double next to an exact angle a term may be the fourth power of 2⁻⁵²."""
 
 
 class AxisScan:

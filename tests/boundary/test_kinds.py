@@ -79,3 +79,17 @@ def test_a_search_and_a_map_name_the_same_kind_and_it_is_what_was_planted(seed: 
             assert codes[int(code)] is true[round(4 * float(value)) / 4], (kinds, value)
             seen += 1
     assert seen
+
+
+def test_a_pair_that_crosses_upright_is_no_static_boundary() -> None:
+    """At the double next to π/2 the constant term is its distance squared: small, but not zero.
+
+    Oracle: at θ = π/2 the disk flutters at mu = 1 with frequency √3, for k = 1/4.
+    """
+    drawn = st.stability_map("tumbling", x=("at", 1.4, np.pi - 1.4, 3), y=("mu", 0.9, 1.05, 3))
+    upright = np.flatnonzero(np.abs(drawn.boundary_at.values - np.pi / 2) < 1e-12)
+    assert len(upright)
+    for i in upright:
+        assert float(drawn.boundary_mu[i]) == pytest.approx(1, rel=1e-12)
+        assert int(drawn.boundary_kind[i]) == KINDS[Crossing.FLUTTER]
+        assert float(drawn.boundary_frequency[i]) == pytest.approx(3**0.5, rel=1e-9)
