@@ -291,6 +291,18 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     return _bracket(line, root, Crossing.TOUCHING)
 
 
+def zeros(line: AxisScan, low: float, high: float) -> list[float]:
+    """A zero between two points of each determinant that changes its sign, as proved in balls.
+
+    Parameters
+    ----------
+    line, low, high
+        As for `refine`.
+    """
+    functions = [line.function(c) for c in (Crossing.STATIC, Crossing.FLUTTER)]
+    return [_zero(f, low, high) for f in functions if f(low) * f(high) < 0]
+
+
 def _crossing(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     """A change of verdict at a zero of one of the two determinants, if one changes sign."""
     for crossing in (Crossing.STATIC, Crossing.FLUTTER):

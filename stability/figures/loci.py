@@ -56,7 +56,7 @@ def plot_locus(
         Spectrum along one axis, of one quantity given as an array; eigenvalues of shape
         (points, n).
     thresholds
-        Values of the swept quantity at which the verdict changes.
+        Values of the swept quantity at which the verdict changes; circles lie exactly on them.
     title
         Title of the figure.
     unit
@@ -108,7 +108,7 @@ def plot_locus(
             top.tick_params(labelbottom=False)
             figure.align_ylabels(panels)
         settle(figure)
-        _growth(top, at, values, radius, groups, names)
+        _growth(top, at, values, radius, groups, names, thresholds)
         if len(panels) > 1:
             _frequencies(lowest, at, values, groups)
         for panel in panels:
@@ -158,8 +158,9 @@ def _axis(spectrum: Spectrum, name: str) -> str:
 
 
 def _growth(
-    axes: Axes, at: Floats, values: Complexes, radius: Floats, groups: Groups, names: Sequence[str]
-) -> None:
+    axes: Axes, at: Floats, values: Complexes, radius: Floats, groups: Groups,
+    names: Sequence[str], known: Sequence[float],
+) -> None:  # fmt: skip
     """Draw the real parts; growth is shaded, crossings are marked, a number is on each mode."""
     axes.axhline(0, color="0.3", linewidth=0.6)
     for index, columns in enumerate(groups):
@@ -174,7 +175,7 @@ def _growth(
                                  ("decay", zero / 2, "#08306b")):  # fmt: skip
         axes.text(1.015, height, word, transform=axes.transAxes, rotation=90, ha="left",
                   va="center", fontsize=small(), color=colour)  # fmt: skip
-    found = crossings(at, values.real, radius)
+    found = crossings(at, values.real, radius, known)
     if found:
         axes.plot(found, np.zeros(len(found)), "o", markersize=4, markerfacecolor="white",
                   markeredgecolor="black", markeredgewidth=0.9, zorder=5, clip_on=False,

@@ -65,9 +65,7 @@ def departures(
         if not isinstance(there, np.ndarray):
             continue
         off = end - there[0]
-        if np.isfinite(off).all() and length(off) - errors[i] > max(
-            within, GROWTH * near.distance
-        ):
+        if np.isfinite(off).all() and length(off) - errors[i] > max(within, GROWTH * near.distance):
             gone.setdefault(near.family, []).append((i, near, off))
     for name, mine in gone.items():
         family, rows = families[name], [i for i, _, _ in mine]

@@ -74,6 +74,13 @@ def test_a_locus_is_drawn_against_what_was_swept() -> None:
     assert figure.axes[1].get_xlabel() == r"friction coefficient $\mu$  [$1/\sqrt{gR}$]"
 
 
+def test_a_circle_lies_on_the_threshold_that_is_given() -> None:
+    found = st.spectrum("rolling", at=np.linspace(1, 2, 4), contact=st.Viscous(0.3))
+    figure = locus(found, thresholds=[2**0.5])
+    [ring] = [n for n in figure.axes[0].get_lines() if n.get_label() == r"Re $\lambda$ = 0"]
+    assert list(ring.get_xdata()) == [2**0.5]
+
+
 def test_a_spectrum_that_is_no_sweep_is_refused() -> None:
     family, other = pendulum(), {"x y": 0.0}
     for at, c, said in (
