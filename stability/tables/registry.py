@@ -28,6 +28,8 @@ PLACES = {
 """Module of each table, by name; its `TABLE` is the `Definition`."""
 OF_FAMILY = ("conditions", "hopf", "codimension")
 """Tables of a family of the user's own."""
+OF_POINTS = ("k", "mu", "contact", "disk", "at")
+"""Options of the table of codimension two of a disk's family."""
 LISTS = ("k", "mu", "tilt", "at")
 """Options that are lists of numbers."""
 
@@ -165,6 +167,7 @@ def table(
 def _takers(key: str) -> str:
     """The tables that take an option, in words."""
     names = [f"`{name}`" for name in PLACES if key in definition(name).takes]
+    names += ["`codimension`"] * (key in OF_POINTS)
     return listed([f"`table {names[0][1:]}", *names[1:]]) if names else "other tables"
 
 
@@ -274,8 +277,8 @@ def _of_disk(
     """Arguments of a disk's family, one number each."""
     from ..bodies.law_names import class_named
 
-    for key in ("tilt", "time", *parameters):
-        if key in given or key in parameters:
+    for key in (*given, *parameters):
+        if key not in OF_POINTS:
             raise ParameterError(f"{key} is no option of `table codimension`; leave it out.")
     swept = [axis[0] for axis in axes.values()]
     one = {}
