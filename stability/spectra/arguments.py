@@ -55,7 +55,7 @@ def axis_of(family: Any, axis: Any, which: str, most: int = MOST_POINTS) -> Axis
         record = FAMILIES.get(family) if isinstance(family, str) else None
         single = record is not None and len(record.at) == 1
         own, name = (record.at[0] if record else ""), "at"
-    return replace(grid, name=name) if single and grid.name == own else grid
+    return replace(grid, name=name, alias=own) if single and grid.name == own else grid
 
 
 def check_names(family: Any, names: Sequence[str], contact: Any) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
@@ -292,7 +293,7 @@ def _of_disk(
             raise ParameterError(f"{key} is given as a number and as an axis; give it once.")
         one[key] = float(values[0])
     base = given.get("disk") or Disk()
-    body = Disk(base.mass, base.radius, one.get("k", base.k), base.gravity)
+    body = replace(base, k=one.get("k", base.k))
     name = given.get("contact", "viscous")
     law = class_named(name) if "mu" in swept else law_named(name, one.get("mu"))
     return {"disk": body, "contact": law, "at": one.get("at")}
