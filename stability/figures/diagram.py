@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .styled_figure import drawing, fixed, key, note, settle, small  # isort: skip
+from .styled_figure import drawing, fixed, key, note, settle, small, ticks_along  # isort: skip
 
 import json
 import re
@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
@@ -66,7 +65,8 @@ def plot_map(
     title
         Title of the figure.
     ax
-        Axes to draw on, without strips; a figure of its own when left out.
+        Axes to draw on, without strips; a figure of its own when left out.  Give their figure a
+        layout (`constrained` or `tight`), which finds room for labels and the colour bar.
     width
         Width of a figure of its own [in]; a journal column, 3.39, when left out.
     fontsize
@@ -309,7 +309,7 @@ def _axis_labels(main: Axes, rows: list[Axes], dataset: xarray.Dataset) -> None:
     main.set_ylabel(_label(dataset, _y(dataset)))
     main.set_xlim(float(dataset[_x(dataset)][0]), float(dataset[_x(dataset)][-1]))
     if not _is_log(dataset, _x(dataset)):
-        main.xaxis.set_major_locator(MaxNLocator(6))
+        main.xaxis.set_major_locator(ticks_along(main))
     for panel in rows[:-1]:
         panel.tick_params(axis="x", labelbottom=False)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .styled_figure import (  # isort: skip
-    drawing, fixed, key, note, settle, signed_ticks, small,
+    drawing, fixed, key, note, settle, signed_ticks, small, ticks_along,
 )  # fmt: skip
 
 from collections.abc import Sequence
@@ -14,7 +14,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import MaxNLocator
 
 from ..base.errors import ParameterError
 from ..base.quantities import axis_label, in_latex
@@ -100,7 +99,7 @@ def plot_locus(
         units = "" if word in ("1", "") else f"  [{in_latex(word)}]"
         top.set_ylabel("growth rate\nRe $\\lambda$" + units)
         lowest.set_xlabel(_axis(spectrum, name))
-        lowest.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
+        lowest.xaxis.set_major_locator(ticks_along(lowest))
         top.set_xlim(float(at.min()), float(at.max()))
         lowest.set_xlim(top.get_xlim())
         if len(panels) > 1:
