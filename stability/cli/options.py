@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
-from ..base.errors import ParameterError, listed, shown
+from ..base.errors import ParameterError, listed, meant, shown
 from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from .terminal import check, say
 
@@ -31,13 +31,31 @@ class _Parser(argparse.ArgumentParser):
         # argparse reads -1e-3, -inf and -1,2 as options; here they are numbers, checked later
         self._negative_number_matcher = re.compile(r"^-(\d|\.\d|inf|nan).*$")
 
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse does; a command refuses an option that it does not know by itself."""
+        found, extra = super().parse_known_args(args, namespace)
+        if extra:
+            self.error(f"unrecognized arguments: {' '.join(extra)}")
+        return found, extra
+
     def error(self, message: str) -> NoReturn:
         member = re.search(r"unrecognized arguments: .*?--(omega3|phi[-_]dot|theta)\b", message)
         if member:
             typed, name = member[1], member[1].replace("-", "_")
             message = f"--{typed} is not an option here; --at takes {name} of the steady motion"
+        wrong = re.match(r"unrecognized arguments: (--[\w-]+)", message)
+        if wrong and not member and self._instead(wrong[1]):
+            message = f"{wrong[1]} is not an option here{self._instead(wrong[1])}"
         say(f"{message.rstrip('.')}; see `{self.prog} --help`.")
         raise SystemExit(2)
+
+    def _instead(self, wrong: str) -> str:
+        """What to give in place of an option that does not exist."""
+        if wrong == "--lean":
+            axis = ", or --x lean:LO:HI:N" * ("--x" in self._option_string_actions)
+            return f"; give --at, for {leaning()} π/2 less the lean{axis}"
+        near = meant(wrong, [n for n in self._option_string_actions if n.startswith("--")])
+        return f"; {near} is" if near else ""
 
 
 def _family(parser: argparse.ArgumentParser) -> None:

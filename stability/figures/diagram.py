@@ -26,6 +26,7 @@ from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
 from ..maps.points import points_of
+from ..spectra.result import Spectrum
 from .point_marks import counted, mark
 from .shading import DIVERGING, TEXTURES, colour_bar, hatch, linear_part, norm_of, patch
 from .strip import Strip as Strip
@@ -90,6 +91,14 @@ def plot_map(
     >>> round(float(figure.get_figwidth()), 2)
     3.39
     """
+    if not {"abscissa", "verdict"} <= set(getattr(dataset, "data_vars", ())) or (
+        dataset.abscissa.ndim != 2
+    ):
+        what = "a spectrum" if isinstance(dataset, Spectrum) else type(dataset).__name__
+        raise ParameterError(
+            f"dataset is {what}; give what stability_map or read_map returns (plot_locus draws a "
+            "spectrum)."
+        )
     if ax is not None and (above or below):
         raise ParameterError("above and below need a figure of their own; leave out ax.")
     with drawing(ax, width, fontsize, lambda wide: min(0.98 * wide, 2.05 + 0.38 * wide)) as figure:

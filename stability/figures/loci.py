@@ -15,12 +15,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from ..base.checks import instance
 from ..base.errors import ParameterError
 from ..base.quantities import axis_label, in_latex
 from ..base.types import Complexes, Floats
 from ..bodies.thin_disk.disk_quantities import disk_quantities
 from ..spectra.result import Spectrum
-from .locus_modes import crossings, linear_width, mode_groups, mode_names, tracked
+from .locus_modes import (
+    crossings,
+    even_in_logarithm,
+    linear_width,
+    mode_groups,
+    mode_names,
+    tracked,
+)
 from .locus_modes import swept as swept
 
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
@@ -86,6 +94,7 @@ def plot_locus(
     >>> st.plot_locus(s).axes[0].get_ylabel()
     'growth rate\nRe $\\lambda$  [$\\sqrt{g/R}$]'
     """
+    instance("spectrum", spectrum, Spectrum, "give what spectrum returns, or plot_map for a map")
     name, at = swept(spectrum)
     if ax is not None and np.size(ax) not in (1, 2):
         raise ParameterError(f"ax holds {np.size(ax)} axes; give one or two.")
@@ -99,7 +108,11 @@ def plot_locus(
         units = "" if word in ("1", "") else f"  [{in_latex(word)}]"
         top.set_ylabel("growth rate\nRe $\\lambda$" + units)
         lowest.set_xlabel(_axis(spectrum, name))
-        lowest.xaxis.set_major_locator(ticks_along(lowest))
+        if even_in_logarithm(at):
+            for panel in panels:
+                panel.set_xscale("log")
+        else:
+            lowest.xaxis.set_major_locator(ticks_along(lowest))
         top.set_xlim(float(at.min()), float(at.max()))
         lowest.set_xlim(top.get_xlim())
         if len(panels) > 1:

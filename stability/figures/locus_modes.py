@@ -52,6 +52,20 @@ def swept(spectrum: Spectrum) -> tuple[str, Floats]:
     return next(iter(moved.items()))
 
 
+def even_in_logarithm(at: Floats) -> bool:
+    """Whether three points or more have equal ratios, and not equal steps.
+
+    Examples
+    --------
+    >>> even_in_logarithm(np.geomspace(0.1, 50, 9)), even_in_logarithm(np.linspace(0.1, 50, 9))
+    (True, False)
+    """
+    if len(at) < 3 or not (at > 0).all():
+        return False
+    steps = np.diff(np.log(at))
+    return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0)) and abs(steps[0]) > 1e-3
+
+
 def tracked(spectrum: Spectrum) -> tuple[Complexes, Floats]:
     """Eigenvalues followed along a spectrum, and the radii of their error discs, (points, n)."""
     order = spectrum.tracked()
