@@ -13,6 +13,8 @@ from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.types import Progress
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_named
+from ..bodies.thin_disk.disk_families import FAMILIES
+from ..bodies.thin_disk.disk_quantities import PHYSICAL, disk_quantities
 from ..systems.family import Family
 from .formats.table import Definition, Table
 
@@ -261,14 +263,19 @@ def _points(family: Family | str, axes: Mapping[str, Any], given: Mapping[str, A
 
     x, y = tuple(axes["x"]), tuple(axes["y"])
     found = codimension_two(family, x=x, y=y, **given)
-    units: Mapping[str, str] = {}
-    name = family
-    if isinstance(family, Family):
-        units, name = family.system.units, family.name
     more = point_records(found)
     rows = more.pop("rows")
-    columns = point_columns((x[0], y[0]), units)
-    return Table("codimension", POINTS.heading.format(name=name), columns, rows,
+    dimensionless = True
+    if isinstance(family, Family):
+        name, columns = family.name, point_columns((x[0], y[0]), family.system.units)
+    else:
+        name, law = family, given["contact"]
+        own = FAMILIES[family].at[0]
+        axes_ = [own if axis[0] == "at" else axis[0] for axis in (x, y)]
+        known = disk_quantities(law if isinstance(law, type) else type(law))
+        columns = point_columns(axes_, {}, known)
+        dimensionless = given["disk"].dimensionless and not set(axes_) & set(PHYSICAL)
+    return Table("codimension", POINTS.heading.format(name=name), columns, rows, dimensionless,
                  more=more, definition=POINTS, found=found)  # fmt: skip
 
 

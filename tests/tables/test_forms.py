@@ -84,7 +84,8 @@ def test_csv_is_read_back_by_pandas(case: str) -> None:
         values = [row[column.name] for row in table.rows]
         if any(isinstance(v, dict) for v in values):
             continue
-        found = frame[f"{column.name} [{unit}]" if unit else column.name]
+        name = column.title or column.name
+        found = frame[f"{name} [{unit}]" if unit else name]
         for value, read in zip(values, found, strict=True):
             if value is None or value in ("", [], ()):
                 assert pd.isna(read)
@@ -200,6 +201,17 @@ def test_sentences_keep_their_words() -> None:
     assert prose("a root of a_1 at J. P. LaSalle's 5 m/s") == (
         "a root of $a_{1}$ at J. P. LaSalle's 5 m/s"
     )
+
+
+def test_points_have_names_units_and_bounds_that_one_reads() -> None:
+    head = made("codimension").to_csv().splitlines()[0].split(",")
+    assert head[1:5] == [
+        "phi_dot [√(g/R)]", "phi_dot error [√(g/R)]", "mu [1/√(gR)]", "mu error [1/√(gR)]"
+    ]  # fmt: skip
+    text = made("codimension").to_latex()
+    assert r"kind & $\dot\varphi$ & $\pm$ & $\mu$ & $\pm$" in text
+    powers = [int(p) for p in re.findall(r"10\^\{(-\d+)\}", text)]
+    assert powers and min(powers) >= -17
 
 
 def test_a_word_next_to_a_sign_is_a_symbol() -> None:
