@@ -24,10 +24,12 @@ from ..bodies.contact_laws import Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
+from ..boundary.brackets import AxisScan, zeros
 from ..boundary.changes import boundaries
 from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered
 from ..maps.stability_map import stability_map
+from ..spectra.disk_problem import disk_problem
 from ..spectra.spectrum import spectrum
 from ..storage.files import postponed, record
 from ..storage.litter import clear, temporary
@@ -251,7 +253,7 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
 
 def _lines(spectra: Any) -> str:
     """The caption's words on dashed lines, shared modes and circles, where these are drawn."""
-    from ..figures.locus_modes import crossings, mode_groups, swept, tracked
+    from ..figures.locus_modes import mode_groups, tracked
 
     values, radius = tracked(spectra)
     groups = [list(columns) for columns in mode_groups(values) if len(columns) > 1]
@@ -260,9 +262,34 @@ def _lines(spectra: Any) -> str:
     more = any(len(columns) > 2 for columns in groups)
     said = "; where a pair splits into two real eigenvalues, one of them is dashed" * apart
     said += "; eigenvalues that exchange partners share a mode" * more
-    places = crossings(swept(spectra)[1], values.real, radius)
-    where = ", ".join(f"{v:.4g}" for v in places)
-    return said + f"; circles: a growth rate crosses zero, at {where}" * bool(places)
+    where = ", ".join(f"{v:.10g}" for v in zeros_of_rates(spectra))
+    return said + f"; circles: a growth rate crosses zero, at {where}" * bool(where)
+
+
+def zeros_of_rates(spectra: Any) -> list[float]:
+    """Where a growth rate of a sweep of `at` passes through zero, to the last digits of a double.
+
+    Parameters
+    ----------
+    spectra
+        Spectrum of a disk along `at`, fine enough to part the zeros.
+
+    Returns
+    -------
+    list of float
+        Rising; each is a zero of the constant term or of the Hurwitz determinant, whose signs at
+        its neighbours are proved.
+    """
+    from ..figures.locus_modes import changes_of_sign, crossings, swept, tracked
+
+    values, radius = tracked(spectra)
+    _, at = swept(spectra)
+    fixed = {n: float(v) for n, v in spectra.values.items() if np.size(v) == 1}
+    line = AxisScan(disk_problem(spectra.family.name, Disk(), spectra.law), "at", fixed)
+    found = []
+    for low, high, _ in changes_of_sign(at, values.real, radius):
+        found += zeros(line, low, high)
+    return [v for v in crossings(at, values.real, radius, found) if v in found]
 
 
 def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[Any, ...]]:

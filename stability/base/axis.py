@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,8 @@ class Axis:
     """Number of values."""
     log: bool = False
     """Whether the values have even steps in the logarithm."""
+    alias: str = field(default="", compare=False, repr=False)
+    """Another name that the caller gave it; a result has it as a second coordinate."""
 
     @classmethod
     def of(cls, axis: Sequence[Any], which: str, most: int = MOST_POINTS) -> Axis:

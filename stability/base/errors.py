@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 LONGEST = 280
@@ -181,3 +181,23 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     """One or more words as a list within a sentence, such as `a, b and c`."""
     *first, end = words
     return f"{', '.join(first)} {last} {end}" if first else end
+
+
+def absent(words: Iterable[str]) -> str:
+    """One or more names that are missing, such as `a and b are missing`."""
+    names = list(words)
+    return f"{listed(names)} {'is' if len(names) == 1 else 'are'} missing"
+
+
+def meant(word: str, names: Iterable[str]) -> str:
+    """The known name that a wrong one is likely to be meant for; empty where none is near.
+
+    Examples
+    --------
+    >>> meant("mue", ["mu", "k"]), meant("speed", ["mu", "k"])
+    ('mu', '')
+    """
+    from difflib import get_close_matches
+
+    near = get_close_matches(word, list(names), 1)
+    return near[0] if near else ""

@@ -134,7 +134,8 @@ class _ByText(EnumMeta):
 class Sentences(Enum, metaclass=_ByText):
     """An enumeration whose values are sentences: it prints a word, and takes a word or a code.
 
-    An unknown one is refused with the known words.
+    A member equals its word, alone and in an array, and has its hash.  An unknown word is refused
+    with the known ones where a member is looked up.
     """
 
     @property
@@ -146,6 +147,12 @@ class Sentences(Enum, metaclass=_ByText):
     def code(self) -> int | None:
         """The flag value in files; None where no file holds one."""
         return None
+
+    def __eq__(self, other: object) -> bool:
+        return self is other or (isinstance(other, str) and other == self.word)
+
+    def __hash__(self) -> int:
+        return hash(self.word)
 
     def __str__(self) -> str:
         return self.word

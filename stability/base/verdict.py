@@ -12,8 +12,8 @@ class Verdict(Sentences):
 
     Examples
     --------
-    >>> Verdict.STABLE.word, Verdict("stable") is Verdict.STABLE, Verdict(1) is Verdict.STABLE
-    ('stable', True, True)
+    >>> Verdict.STABLE == "stable", Verdict("stable") is Verdict.STABLE, Verdict(1).word
+    (True, True, 'stable')
     >>> print(Verdict.STABLE)
     stable
     """

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Number, broadcast, checked, known, positive
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, StabilityWarning, shown
 from ..base.types import Record
 
 
@@ -33,6 +34,11 @@ class Disk(Record):
     ParameterError
         If a value is not a finite number in its range.
 
+    Warns
+    -----
+    StabilityWarning
+        If the only argument is a number without a name.
+
     Source: Przybylska & Rauch-Wojciechowski 2016, Section 2 (I₁ = I₂ = k m R², I₃ = 2 k m R²).
 
     Examples
@@ -49,6 +55,15 @@ class Disk(Record):
     """Diametral moment of inertia over m R² [-]: 1/4 uniform disk, 1/2 hoop; axial is 2k."""
     gravity: Number = 1.0
     """Acceleration of free fall g [m/s²]."""
+
+    def __new__(cls, *given: Any, **named: Any) -> Self:
+        """A disk; a single number without a name is likely to be meant as k."""
+        if len(given) == 1 and not named:
+            warnings.warn(
+                f"Disk({shown(given[0])}) sets the mass; name it, as in Disk(mass=...), or give "
+                "Disk(k=...) for the inertia factor.", StabilityWarning, stacklevel=2,
+            )  # fmt: skip
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         for name in ("mass", "radius", "gravity"):

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from importlib import import_module
 from typing import Any
 
-from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.errors import NameUnknownError, ParameterError, meant, shown
 from ..base.user_code import imported
 from .contact import Contact
 from .contact_laws import MOTION_LAWS, RegularisedCoulomb, Viscous, law_class
@@ -115,11 +115,29 @@ def law_given(
             own[p.name] = 1.0  # the axis replaces this value
     for p in law.parameters:
         if not set(law.alternatives(p.name)) & set(own):
+            refuse_misspelt(law, given)
             word = "mu" if "mu" in law.alternatives(p.name) else p.name
             named = f", or contact={law.name!r} with {word}=NUMBER" * (law in MOTION_LAWS.values())
             axis = f", or make {word} an axis" * bool(swept)
             raise ParameterError(f"{word} is missing; give {law.__name__}({word}){named}{axis}.")
     return law(**own)
+
+
+def refuse_misspelt(law: type[Contact], given: Collection[str]) -> None:
+    """Refuse a name that the law does not have, before a parameter that it has is missing.
+
+    Parameters
+    ----------
+    law
+        The law.
+    given
+        Names that the caller gave.
+    """
+    names = [n for p in law.parameters for n in (p.name, *law.alternatives(p.name))]
+    for name in given:
+        near = meant(name, names)
+        if near and near != name:
+            raise NameUnknownError(f"{shown(name)} is not an argument here; {near} is.")
 
 
 def class_named(name: str, *, motion: bool = False) -> type[Contact]:

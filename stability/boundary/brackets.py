@@ -34,8 +34,10 @@ MOST_BITS = 1024
 """Precision at which a sign that is still open counts as zero."""
 FINE_BITS = 8192
 """Precision at which a bracket is halved further."""
-HALVINGS = 64
-"""Most halvings of a bracket in which a zero eigenvalue is not excluded."""
+HALVINGS = 256
+"""Most halvings of a bracket in which a zero eigenvalue is not excluded.
+
+At the double next to an exact angle a term may be the fourth power of 2⁻⁵²."""
 
 
 class AxisScan:
@@ -287,6 +289,18 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
         if point is not None:
             return point
     return _bracket(line, root, Crossing.TOUCHING)
+
+
+def zeros(line: AxisScan, low: float, high: float) -> list[float]:
+    """A zero between two points of each determinant that changes its sign, as proved in balls.
+
+    Parameters
+    ----------
+    line, low, high
+        As for `refine`.
+    """
+    functions = [line.function(c) for c in (Crossing.STATIC, Crossing.FLUTTER)]
+    return [_zero(f, low, high) for f in functions if f(low) * f(high) < 0]
 
 
 def _crossing(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..base.axis import Axis
-from ..base.errors import NoMemberError
+from ..base.errors import NoMemberError, StabilityError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
@@ -18,6 +19,14 @@ from .crossings import BoundaryPoint, Crossing
 
 KINDS = {crossing: crossing.code for crossing in Crossing}
 """Flag value of each crossing in files."""
+WIDEST = 3
+"""Most grid points of one row round which a curve turns at a tip."""
+LEAST_STEP = 1 / 64
+"""Share of a cell in which the two sides of a wedge may meet unseen."""
+WIDER = 1.1
+"""Largest ratio of the widths of a wedge at two heights, towards its end."""
+TRIES = 9
+"""Points across a wedge at which its verdict is looked for."""
 MOST_DOUBTFUL = 20_000
 """Most undecided cells that are settled in balls; with more, by the sign of the abscissa."""
 
@@ -53,6 +62,9 @@ def trace(
 ) -> Curves:
     """Boundary curves of a map: one proved point on each grid edge whose ends differ in verdict.
 
+    Where a curve turns round a few grid points of one row, more points follow its two sides until
+    they meet.
+
     Parameters
     ----------
     problem
@@ -79,11 +91,12 @@ def trace(
     xs, ys = axes[0].values, axes[1].values
     fixed = {n: float(v) for n, v in problem.values.items()}
     found: dict[tuple[int, int, int], BoundaryPoint | None] = {}
-    rows: list[tuple[float, float, int, BoundaryPoint, int]] = []
+    rows: list[_Placed] = []
     missing = 0
     total = sum(len(line) for line in lines)
     done = 0
     for curve, line in enumerate(lines):
+        points: list[_Placed | None] = []
         for column, row in np.asarray(line):
             done += 1
             if progress and done % 64 == 0:
@@ -97,21 +110,189 @@ def trace(
                     problem, axes, fixed, axis, float(xs[j]), float(ys[i]), end, neutral=neutral
                 )
             point = found[axis, i, j]
-            if point is None:
-                missing += 1
-                continue
-            where = (point.value, float(ys[i])) if axis == 0 else (float(xs[j]), point.value)
-            rows.append((*where, axis, point, curve))
+            missing += point is None
+            where = float(xs[j]), float(ys[i])
+            placed = _Placed(point, axis, where[1 - axis], curve) if point is not None else None
+            points.append(placed)
+        tips = Tips(problem, axes, fixed, neutral=neutral)
+        rows += [p for p in tips.continued(np.asarray(line), points) if p is not None]
     if progress:
         progress(total, total)
     return Curves(
-        np.array([r[0] for r in rows]), np.array([r[1] for r in rows]),
-        np.array([r[2] for r in rows], dtype=np.int8),
-        np.array([r[3].error for r in rows]),
-        np.array([KINDS[r[3].crossing] for r in rows], dtype=np.int8),
-        np.array([r[3].frequency for r in rows]),
-        np.array([r[4] for r in rows], dtype=np.int32), missing,
+        np.array([r.place(0) for r in rows]), np.array([r.place(1) for r in rows]),
+        np.array([r.axis for r in rows], dtype=np.int8),
+        np.array([r.point.error for r in rows]),
+        np.array([KINDS[r.point.crossing] for r in rows], dtype=np.int8),
+        np.array([r.point.frequency for r in rows]),
+        np.array([r.curve for r in rows], dtype=np.int32), missing,
     )  # fmt: skip
+
+
+class _Placed(NamedTuple):
+    """A boundary point in the plane of a map."""
+
+    point: BoundaryPoint
+    axis: int
+    """Axis along which it was refined."""
+    other: float
+    """Value of the other axis."""
+    curve: int
+
+    def place(self, axis: int) -> float:
+        """Its value along one of the axes."""
+        return self.point.value if axis == self.axis else self.other
+
+
+class Tips:
+    """Wedges between two boundaries that are narrower than a cell, followed to their ends.
+
+    Near a point where two boundaries cross, the region between them falls between grid points.
+    Without its ends a map would show a corridor that does not exist.
+
+    Parameters
+    ----------
+    problem, axes
+        As for `trace`.
+    fixed
+        Value of every other quantity.
+    neutral
+        Whether neutral members are on the good side.
+    """
+
+    def __init__(
+        self, problem: Problem, axes: tuple[Axis, Axis], fixed: dict[str, float], *, neutral: bool
+    ) -> None:
+        self.problem, self.axes, self.fixed, self.neutral = problem, axes, fixed, neutral
+
+    def continued(self, line: Floats, points: list[_Placed | None]) -> list[_Placed | None]:
+        """Points of a curve, with the two sides of each tip continued as far as they are apart.
+
+        Parameters
+        ----------
+        line
+            Middles of grid edges from contourpy, (column, row).
+        points
+            The boundary point on each, or None.
+        """
+        out: list[_Placed | None] = []
+        k = 0
+        while k < len(points):
+            end = _tip(line[k : k + WIDEST + 2])
+            turn = [p for p in points[k : k + end + 1] if p is not None]
+            if end and len(turn) == end + 1:
+                out += [turn[0], *self._walls(turn[0], turn[1:-1], turn[-1])]
+                k += end
+            else:
+                out.append(points[k])
+                k += 1
+        return out
+
+    def _walls(self, first: _Placed, middle: list[_Placed], last: _Placed) -> list[_Placed]:
+        """Points between both sides of a tip: up along one side and down along the other."""
+        across, along = first.axis, 1 - first.axis
+        ends = self.axes[along].values
+        index = int(np.argmin(np.abs(ends - first.other)))
+        step = 1 if middle[0].place(along) > first.other else -1
+        height, to = first.other, float(ends[index + step])
+        whole = to - height
+        pairs = [(first, last)]
+        grid = self.axes[across].values
+        margin = float(np.diff(grid).max())
+        while abs(to - height) > abs(whole) * LEAST_STEP and ends[0] <= to <= ends[-1]:
+            pair = self._across(across, to, pairs, margin)
+            if pair is None:
+                to = (to + height) / 2
+                continue
+            pairs.append(pair)
+            height, to = to, 2 * to - height
+        up, down = [p for p, _ in pairs[1:]], [p for _, p in pairs[1:]]
+        return self._with(middle, first, up, last, down)
+
+    def _with(
+        self, middle: list[_Placed], first: _Placed, up: list[_Placed], last: _Placed,
+        down: list[_Placed],
+    ) -> list[_Placed]:  # fmt: skip
+        """Both sides, and each of the tip's own points on the side that it belongs to."""
+        axis = first.axis
+        if not up:
+            return middle
+
+        def off(side: list[_Placed], one: _Placed) -> float:
+            order = sorted(side, key=lambda p: p.place(1 - axis))
+            at = np.interp(one.place(1 - axis), [p.place(1 - axis) for p in order],
+                           [p.place(axis) for p in order])  # fmt: skip
+            return abs(float(at) - one.place(axis))
+
+        sides = [first, *up], [last, *down]
+        way = 1 if up[0].place(1 - axis) > first.place(1 - axis) else -1
+        for one in middle:
+            (up if off(sides[0], one) <= off(sides[1], one) else down).append(one)
+        up.sort(key=lambda p: way * p.place(1 - axis))
+        down.sort(key=lambda p: -way * p.place(1 - axis))
+        return [*up, *down]
+
+    def _across(
+        self, axis: int, height: float, pairs: list[tuple[_Placed, _Placed]], margin: float
+    ) -> tuple[_Placed, _Placed] | None:
+        """Both sides of the wedge at a height, looked for where straight lines meet that height."""
+        name, other = self.axes[axis].name, self.axes[1 - axis].name
+        line = AxisScan(self.problem, name, self.fixed | {other: height})
+        line.neutral = self.neutral
+        low, high = (_extended(side, axis, height) for side in zip(*pairs[-2:], strict=True))
+        before = [pair.place(axis) for pair in pairs[-1]]
+        flip = before[0] > before[1]
+        low, high = (high, low) if flip else (low, high)
+        if low > high:  # the sides have met before
+            return None
+        limits = self.axes[axis].low, self.axes[axis].high
+        outer = max(low - margin, limits[0]), min(high + margin, limits[1])
+        tries = [(low + high) / 2, *np.linspace(low, high, TRIES)]
+        tries += np.linspace(outer[0], outer[1], TRIES).tolist()
+        try:
+            ground = line.quick_sign(outer[0])
+            inside = next((float(v) for v in tries if outer[0] < v < outer[1]
+                           and line.quick_sign(float(v)) == -ground), None)  # fmt: skip
+            if not ground or inside is None or line.quick_sign(outer[1]) != ground:
+                return None
+            sides = refine(line, outer[0], inside), refine(line, inside, outer[1])
+        except StabilityError:  # no member there
+            return None
+        if sides[0] is None or sides[1] is None:
+            return None
+        if sides[1].value - sides[0].value > WIDER * abs(before[1] - before[0]):
+            return None  # it is the wedge beyond the point where they meet
+        curve = pairs[0][0].curve
+        placed = [_Placed(p, axis, height, curve) for p in sides if p is not None]
+        return (placed[1], placed[0]) if flip else (placed[0], placed[1])
+
+
+def _tip(line: Floats) -> int:
+    """Number of steps in which a curve turns round a few grid points of one row; 0 if it does not.
+
+    Parameters
+    ----------
+    line
+        Middles of grid edges from the first one on.
+    """
+    for axis in (0, 1):  # a middle of an edge along x has a whole row
+        first = line[0, 1 - axis]
+        if first != math.floor(first) or len(line) < 3:
+            continue
+        off = line[1:, 1 - axis] - first
+        back = np.flatnonzero(off == 0)
+        if len(back) and back[0] and abs(off[0]) == 0.5 and (off[: back[0]] == off[0]).all():
+            return int(back[0]) + 1
+    return 0
+
+
+def _extended(side: tuple[_Placed, ...], axis: int, height: float) -> float:
+    """Where the straight line through the last points of a side meets a height."""
+    *earlier, last = side
+    if not earlier:
+        return last.place(axis)
+    rise = last.place(1 - axis) - earlier[-1].place(1 - axis)
+    slope = (last.place(axis) - earlier[-1].place(axis)) / rise
+    return last.place(axis) + slope * (height - last.place(1 - axis))
 
 
 def _edge(

@@ -11,7 +11,7 @@ from dataclasses import replace
 from inspect import Parameter, signature
 from typing import Any, NoReturn
 
-from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
+from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, meant, shown
 from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from .system_option import contents
 from .terminal import check, say
@@ -43,19 +43,34 @@ class _Parser(argparse.ArgumentParser):
 
     def parse_args(self, *arguments: Any) -> Any:  # type: ignore[override]
         """Options; those that no parser knows are numbers of a user's body, if one is named."""
-        options, rest = self.parse_known_args(*arguments)
-        if rest and ":" not in (getattr(options, "body", None) or ""):
-            self.error(f"unrecognized arguments: {' '.join(rest)}")
-        options.rest = rest
+        options, options.rest = self.parse_known_args(*arguments)
         return options
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse does; a command refuses an option that it does not know by itself."""
+        found, extra = super().parse_known_args(args, namespace)
+        if extra and ":" not in (getattr(found, "body", None) or ""):
+            self.error(f"unrecognized arguments: {' '.join(extra)}")
+        return found, extra
 
     def error(self, message: str) -> NoReturn:
         member = re.search(r"unrecognized arguments: .*?--(omega3|phi[-_]dot|theta)\b", message)
         if member:
             typed, name = member[1], member[1].replace("-", "_")
             message = f"--{typed} is not an option here; --at takes {name} of the steady motion"
+        wrong = re.match(r"unrecognized arguments: (--[\w-]+)", message)
+        if wrong and not member and self._instead(wrong[1]):
+            message = f"{wrong[1]} is not an option here{self._instead(wrong[1])}"
         say(f"{message.rstrip('.')}; see `{self.prog} --help`.")
         raise SystemExit(2)
+
+    def _instead(self, wrong: str) -> str:
+        """What to give in place of an option that does not exist."""
+        if wrong == "--lean":
+            axis = ", or --x lean:LO:HI:N" * ("--x" in self._option_string_actions)
+            return f"; give --at, for {leaning()} π/2 less the lean{axis}"
+        near = meant(wrong, [n for n in self._option_string_actions if n.startswith("--")])
+        return f"; {near} is" if near else ""
 
 
 def _family(parser: argparse.ArgumentParser) -> None:

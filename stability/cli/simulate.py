@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..base.errors import ParameterError, shown
+from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..storage.json_text import json_text
 from .options import PARAMETER_HELP, contact_of, overwriting
@@ -84,9 +84,9 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
     from ..motion.simulate import simulate
     from ..storage.files import together
 
-    for name in ("theta", "time"):
-        if getattr(options, name) is None:
-            raise ParameterError(f"--{name} is missing; give a number.")
+    missing = [f"--{name}" for name in ("theta", "time") if getattr(options, name) is None]
+    if missing:
+        raise ParameterError(f"{absent(missing)}; give a number{' each' * (len(missing) > 1)}.")
     contact = contact_of(options, motion=True)
     targets = _targets(options)
     start = [getattr(options, name) for name in STATES]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.errors import ParameterError, shown
+from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from ..storage.json_text import json_text
@@ -58,7 +58,8 @@ def _of_own(options: argparse.Namespace, family: Any) -> tuple[dict[str, Any], s
     given = with_at(options, family)
     missing = [n for n in (*family.at, *family.parameters) if n not in given]
     if missing:
-        raise ParameterError(f"{missing[0]} is missing; give --parameter {missing[0]}=NUMBER.")
+        options_ = " ".join(f"--parameter {n}=NUMBER" for n in missing)
+        raise ParameterError(f"{absent(missing)}; give {options_}.")
     at = [given[n] for n in family.at]
     others: Any = {n: given[n] for n in family.parameters}
     result = spectrum(
@@ -138,11 +139,11 @@ def _of_disk(options: argparse.Namespace) -> tuple[dict[str, Any], str, Any]:
     }
     given = at if isinstance(at, list) else [at]
     where = (
-        [f"lean = {options.lean:g}"] if at is None
-        else [f"{n} = {v:g}" for n, v in zip(parts, given, strict=True)]
+        [f"lean = {options.lean:.15g}"] if at is None
+        else [f"{n} = {v:.15g}" for n, v in zip(parts, given, strict=True)]
     )  # fmt: skip
     rest = [
-        f"{n} = {v:g}" for n, v in parameters.items()
+        f"{n} = {v:.15g}" for n, v in parameters.items()
         if n in ("k", *contact.given) or not disk.dimensionless
     ]  # fmt: skip
     head = f"{options.family}, {options.contact} contact, at {', '.join([*where, *rest])}"

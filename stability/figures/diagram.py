@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .styled_figure import drawing, fixed, key, note, settle, small  # isort: skip
+from .styled_figure import drawing, fixed, key, note, settle, small, ticks_along  # isort: skip
 
 import json
 import re
@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
@@ -27,6 +26,7 @@ from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
 from ..maps.points import points_of
+from ..spectra.result import Spectrum
 from .point_marks import counted, mark
 from .shading import DIVERGING, TEXTURES, colour_bar, hatch, linear_part, norm_of, patch
 from .strip import Strip as Strip
@@ -66,7 +66,8 @@ def plot_map(
     title
         Title of the figure.
     ax
-        Axes to draw on, without strips; a figure of its own when left out.
+        Axes to draw on, without strips; a figure of its own when left out.  Give their figure a
+        layout (`constrained` or `tight`), which finds room for labels and the colour bar.
     width
         Width of a figure of its own [in]; a journal column, 3.39, when left out.
     fontsize
@@ -90,6 +91,14 @@ def plot_map(
     >>> round(float(figure.get_figwidth()), 2)
     3.39
     """
+    if not {"abscissa", "verdict"} <= set(getattr(dataset, "data_vars", ())) or (
+        dataset.abscissa.ndim != 2
+    ):
+        what = "a spectrum" if isinstance(dataset, Spectrum) else type(dataset).__name__
+        raise ParameterError(
+            f"dataset is {what}; give what stability_map or read_map returns (plot_locus draws a "
+            "spectrum)."
+        )
     if ax is not None and (above or below):
         raise ParameterError("above and below need a figure of their own; leave out ax.")
     with drawing(ax, width, fontsize, lambda wide: min(0.98 * wide, 2.05 + 0.38 * wide)) as figure:
@@ -327,7 +336,7 @@ def _axis_labels(main: Axes, rows: list[Axes], dataset: xarray.Dataset) -> None:
     main.set_ylabel(_label(dataset, _y(dataset)))
     main.set_xlim(float(dataset[_x(dataset)][0]), float(dataset[_x(dataset)][-1]))
     if not _is_log(dataset, _x(dataset)):
-        main.xaxis.set_major_locator(MaxNLocator(6))
+        main.xaxis.set_major_locator(ticks_along(main))
     for panel in rows[:-1]:
         panel.tick_params(axis="x", labelbottom=False)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .styled_figure import (  # isort: skip
-    drawing, fixed, key, note, settle, signed_ticks, small,
+    drawing, fixed, key, note, settle, signed_ticks, small, ticks_along,
 )  # fmt: skip
 
 from collections.abc import Sequence
@@ -14,14 +14,21 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import MaxNLocator
 
+from ..base.checks import instance
 from ..base.errors import ParameterError
 from ..base.quantities import axis_label, in_latex, without_dimension
 from ..base.types import Complexes, Floats
 from ..bodies.thin_disk.disk_quantities import disk_quantities
 from ..spectra.result import Spectrum
-from .locus_modes import crossings, linear_width, mode_groups, mode_names, tracked
+from .locus_modes import (
+    crossings,
+    even_in_logarithm,
+    linear_width,
+    mode_groups,
+    mode_names,
+    tracked,
+)
 from .locus_modes import swept as swept
 
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
@@ -56,7 +63,7 @@ def plot_locus(
         Spectrum along one axis, of one quantity given as an array; eigenvalues of shape
         (points, n).
     thresholds
-        Values of the swept quantity at which the verdict changes.
+        Values of the swept quantity at which the verdict changes; circles lie exactly on them.
     title
         Title of the figure.
     unit
@@ -87,6 +94,7 @@ def plot_locus(
     >>> st.plot_locus(s).axes[0].get_ylabel()
     'growth rate\nRe $\\lambda$  [$\\sqrt{g/R}$]'
     """
+    instance("spectrum", spectrum, Spectrum, "give what spectrum returns, or plot_map for a map")
     name, at = swept(spectrum)
     if ax is not None and np.size(ax) not in (1, 2):
         raise ParameterError(f"ax holds {np.size(ax)} axes; give one or two.")
@@ -100,7 +108,11 @@ def plot_locus(
         units = "" if word in ("1", "") else f"  [{in_latex(word)}]"
         top.set_ylabel("growth rate\nRe $\\lambda$" + units)
         lowest.set_xlabel(_axis(spectrum, name))
-        lowest.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
+        if even_in_logarithm(at):
+            for panel in panels:
+                panel.set_xscale("log")
+        else:
+            lowest.xaxis.set_major_locator(ticks_along(lowest))
         top.set_xlim(float(at.min()), float(at.max()))
         lowest.set_xlim(top.get_xlim())
         if len(panels) > 1:
@@ -108,7 +120,7 @@ def plot_locus(
             top.tick_params(labelbottom=False)
             figure.align_ylabels(panels)
         settle(figure)
-        _growth(top, at, values, radius, groups, names)
+        _growth(top, at, values, radius, groups, names, thresholds)
         if len(panels) > 1:
             _frequencies(lowest, at, values, groups)
         for panel in panels:
@@ -165,8 +177,9 @@ def _axis(spectrum: Spectrum, name: str) -> str:
 
 
 def _growth(
-    axes: Axes, at: Floats, values: Complexes, radius: Floats, groups: Groups, names: Sequence[str]
-) -> None:
+    axes: Axes, at: Floats, values: Complexes, radius: Floats, groups: Groups,
+    names: Sequence[str], known: Sequence[float],
+) -> None:  # fmt: skip
     """Draw the real parts; growth is shaded, crossings are marked, a number is on each mode."""
     axes.axhline(0, color="0.3", linewidth=0.6)
     for index, columns in enumerate(groups):
@@ -181,7 +194,7 @@ def _growth(
                                  ("decay", zero / 2, "#08306b")):  # fmt: skip
         axes.text(1.015, height, word, transform=axes.transAxes, rotation=90, ha="left",
                   va="center", fontsize=small(), color=colour)  # fmt: skip
-    found = crossings(at, values.real, radius)
+    found = crossings(at, values.real, radius, known)
     if found:
         axes.plot(found, np.zeros(len(found)), "o", markersize=4, markerfacecolor="white",
                   markeredgecolor="black", markeredgewidth=0.9, zorder=5, clip_on=False,

@@ -52,6 +52,20 @@ def swept(spectrum: Spectrum) -> tuple[str, Floats]:
     return next(iter(moved.items()))
 
 
+def even_in_logarithm(at: Floats) -> bool:
+    """Whether three points or more have equal ratios, and not equal steps.
+
+    Examples
+    --------
+    >>> even_in_logarithm(np.geomspace(0.1, 50, 9)), even_in_logarithm(np.linspace(0.1, 50, 9))
+    (True, False)
+    """
+    if len(at) < 3 or not (at > 0).all():
+        return False
+    steps = np.diff(np.log(at))
+    return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0)) and abs(steps[0]) > 1e-3
+
+
 def tracked(spectrum: Spectrum) -> tuple[Complexes, Floats]:
     """Eigenvalues followed along a spectrum, and the radii of their error discs, (points, n)."""
     order = spectrum.tracked()
@@ -155,8 +169,8 @@ def sure_signs(real: Floats, radius: Floats) -> NDArray[np.int8]:
     return np.where(np.abs(real) > radius, np.sign(real), 0).astype(np.int8)
 
 
-def crossings(at: Floats, real: Floats, radius: Floats) -> list[float]:
-    """Places where a real part changes its sign, between neighbouring points by a straight line.
+def changes_of_sign(at: Floats, real: Floats, radius: Floats) -> list[tuple[float, float, float]]:
+    """Where a real part changes its sign: two neighbouring points, and a straight line's zero.
 
     Parameters
     ----------
@@ -164,6 +178,32 @@ def crossings(at: Floats, real: Floats, radius: Floats) -> list[float]:
         Swept quantity, shape (points,).
     real, radius
         Real parts and radii of the error discs of tracked eigenvalues, shape (points, n).
+
+    Returns
+    -------
+    list of (low, high, value)
+        The two halves of a pair both give one.
+    """
+    found = []
+    for values, signs in zip(real.T, sure_signs(real, radius).T, strict=True):
+        known = np.flatnonzero(signs)
+        for i, j in zip(known[:-1], known[1:], strict=True):
+            if signs[i] != signs[j] and j - i <= 2:  # a longer stretch on the axis is no crossing
+                share = values[i] / (values[i] - values[j])
+                low, high = sorted((float(at[i]), float(at[j])))
+                found.append((low, high, float(at[i] + share * (at[j] - at[i]))))
+    return found
+
+
+def crossings(at: Floats, real: Floats, radius: Floats, known: Sequence[float] = ()) -> list[float]:
+    """Places where a real part changes its sign: known ones, others by a straight line.
+
+    Parameters
+    ----------
+    at, real, radius
+        As for `changes_of_sign`.
+    known
+        Zeros of growth rates that are known; the nearest one between the same points is taken.
 
     Returns
     -------
@@ -175,13 +215,10 @@ def crossings(at: Floats, real: Floats, radius: Floats) -> list[float]:
     >>> crossings(np.array([0.0, 1.0]), np.array([[-1.0, 2.0], [3.0, 1.0]]), np.zeros((2, 2)))
     [0.25]
     """
-    found = []
-    for values, signs in zip(real.T, sure_signs(real, radius).T, strict=True):
-        known = np.flatnonzero(signs)
-        for i, j in zip(known[:-1], known[1:], strict=True):
-            if signs[i] != signs[j] and j - i <= 2:  # a longer stretch on the axis is no crossing
-                share = values[i] / (values[i] - values[j])
-                found.append(float(at[i] + share * (at[j] - at[i])))
+    exact, found = np.asarray(known, dtype=float), []
+    for low, high, value in changes_of_sign(at, real, radius):
+        near = exact[(low <= exact) & (exact <= high)]
+        found.append(float(near[np.abs(near - value).argmin()]) if len(near) else value)
     close = 1e-6 * float(np.ptp(at))
     found.sort()
     return [v for i, v in enumerate(found) if not i or v - found[i - 1] > close]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .styled_figure import signed_ticks  # isort: skip
+from .styled_figure import StyledFigure, signed_ticks  # isort: skip
 
 import math
 from typing import Any
@@ -123,9 +123,14 @@ def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) 
         Whether unstable cells are drawn.
     """
     norm = mesh.norm
-    bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=32, fraction=0.05)
-    bar.set_label(label)
-    length: float = np.ravel(axes)[0].get_figure(root=True).get_figheight() * 72 * 0.7
+    alone = axes[0] if len(axes) == 1 else axes  # the room of one panel is known to every layout
+    bar = figure.colorbar(mesh, ax=alone, pad=0.02, aspect=32, fraction=0.05)
+    own = isinstance(figure, StyledFigure)  # a user's panel may be low
+    bar.set_label(label if own else label.replace(" max ", "\nmax "))
+    panel = np.ravel(axes)[0]
+    length: float = panel.get_figure(root=True).get_figheight() * 72 * 0.7
+    if not own:  # a layout has yet to take room from it
+        length = panel.get_window_extent().height * 72 / figure.dpi * 0.6
 
     def place(value: float) -> float:
         return float(norm(value)) * length

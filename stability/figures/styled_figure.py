@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.textpath import TextPath
+from matplotlib.ticker import MaxNLocator
 
 from ..base.checks import positive
 from ..base.errors import ParameterError, shown
@@ -89,6 +90,12 @@ def drawing(
                 text.set_fontsize(matplotlib.rcParams["axes.labelsize"])
         figure = np.ravel(ax)[0].get_figure(root=True)
         yield figure
+
+
+def ticks_along(axes: Axes) -> MaxNLocator:
+    """Ticks of an x axis: six at most, and on a user's axes as many as find their room."""
+    own = isinstance(axes.get_figure(root=True), StyledFigure)
+    return MaxNLocator(6 if own else "auto", steps=[1, 2, 2.5, 5, 10])
 
 
 def settle(figure: Figure) -> None:
@@ -176,7 +183,9 @@ def key(axes: Axes, handles: Sequence[Any], title: str = "", **options: Any) -> 
         room = axes.get_window_extent().width * 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
         # a swatch takes 2.7 sizes, and the gap between columns 1.2
         widest = max(wide(str(h.get_label())) for h in handles) + 3.9 * small()
-        columns = min(len(handles), max(1, int((1.3 * room + 1.2 * small()) / widest)))
+        # a panel of the package's figures has margins; that of a user has neighbours
+        beyond = 1.3 if isinstance(axes.get_figure(root=True), StyledFigure) else 0.9
+        columns = min(len(handles), max(1, int((beyond * room + 1.2 * small()) / widest)))
         legend = axes.legend(
             handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns,
             frameon=False, borderpad=0.2, borderaxespad=0.15, handlelength=2.2,

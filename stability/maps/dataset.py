@@ -141,7 +141,10 @@ def assemble(
     if points is not None:
         named = {g.name: axis_attributes(problem, g.name) for g in axes}
         variables |= point_variables(points, named, words)
-    coordinates = {g.name: ((g.name,), g.values, axis_attributes(problem, g.name)) for g in axes}
+    coordinates: dict[str, Any] = {}
+    for g in axes:
+        for name in filter(None, (g.name, g.alias)):
+            coordinates[name] = ((g.name,), g.values, axis_attributes(problem, g.name))
     attributes = provenance(problem, axes, cells.route)
     if missing:
         attributes["no_member"] = f"{missing} of {cells.codes.size} cells have no member"

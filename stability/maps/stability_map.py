@@ -96,7 +96,9 @@ def stability_map(
     Returns
     -------
     xarray.Dataset
-        Dimensions and coordinates named like the axes, y first.  Variables: `abscissa`,
+        Dimensions and coordinates named like the axes, y first; the disk's
+        axis omega3, phi_dot or theta has the dimension `at`, and its name is a second coordinate.
+        Variables: `abscissa`,
         `abscissa_error` (a bound), `frequency` (of the eigenvalue with the largest real part),
         `verdict` (CF flags).  A cell whose parameters have no member has the flag `no_member`, and
         its numbers are missing (NaN in memory, which xarray leaves out of its sums and extremes;

@@ -245,8 +245,10 @@ def _created(path: _Sink, problem: Any, axes: tuple[Axis, Axis]) -> tuple[Any, A
     file = h5netcdf.File(path, "w")
     file.dimensions = {g.name: g.count for g in axes}
     for grid in axes:
-        coordinate = file.create_variable(grid.name, (grid.name,), float, data=grid.values)
-        coordinate.attrs.update(axis_attributes(problem, grid.name))
+        for name in filter(None, (grid.name, grid.alias)):
+            coordinate = file.create_variable(name, (grid.name,), float, data=grid.values)
+            coordinate.attrs.update(axis_attributes(problem, grid.name))
+    second = [g.alias for g in axes if g.alias]
     rows = min(_rows(axes), axes[1].count)
     verdict = file.create_variable(
         "verdict", (axes[1].name, axes[0].name), np.int8,
@@ -256,7 +258,7 @@ def _created(path: _Sink, problem: Any, axes: tuple[Axis, Axis]) -> tuple[Any, A
         "flag_values": np.array(list(CODES.values()), dtype=np.int8),
         "flag_meanings": " ".join(v.word for v in CODES),
         "long_name": "spectral verdict",
-    })  # fmt: skip
+    } | ({"coordinates": " ".join(second)} if second else {}))  # fmt: skip
     file.attrs.update(provenance(problem, axes, METHOD))
     return file, verdict
 

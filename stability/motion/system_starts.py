@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import broadcast, checked, rows
-from ..base.errors import DomainError, NameUnknownError, ParameterError, shown
+from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..base.types import Floats
 from ..bodies.model import system_model
 from ..settling.system_settling import SystemSettling
@@ -96,8 +96,8 @@ def _table(what: str, given: Any, names: tuple[str, ...]) -> Floats:
         return np.zeros(0)
     if not isinstance(given, Mapping):
         if isinstance(given, (str, bytes)) or not np.iterable(given):
-            listed = ", ".join(names) or "none, an empty mapping"
-            raise ParameterError(f"{what} is {shown(given)}; give by name or in order: {listed}.")
+            every = ", ".join(names) or "none, an empty mapping"
+            raise ParameterError(f"{what} is {shown(given)}; give by name or in order: {every}.")
         return rows(what, given, list(names))
     for name in given:
         if name not in names:
@@ -105,7 +105,7 @@ def _table(what: str, given: Any, names: tuple[str, ...]) -> Floats:
             raise NameUnknownError(f"{what} names {shown(name)}; known are {known}.")
     missing = [n for n in names if n not in given]
     if missing:
-        raise ParameterError(f"{what} does not name {missing[0]}; give {', '.join(names)}.")
+        raise ParameterError(f"{what} does not name {listed(missing)}; give {', '.join(names)}.")
     columns = [np.asarray(checked(f"{what} {n}", given[n]), dtype=float) for n in names]
     try:
         return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)

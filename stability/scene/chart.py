@@ -18,7 +18,7 @@ from ..bodies.contact import Contact
 from ..bodies.contact_laws import Coulomb, LinearViscous, Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from .answer import states_in_units
-from .inputs import known_to, laws_of
+from .inputs import in_words, known_to, laws_of
 from .ladder import Climbed, climb, full_name
 from .linear import LINEAR
 from .rungs.creep import applies
@@ -389,7 +389,7 @@ def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
         "format": FORMAT, "title": f"models of {launches.model.title}: cost against true error",
         "law": full_name(problem), "horizon": scene.horizon, "time_unit": launches.unit("time"),
         "quantities": ", ".join(scene.quantities),
-        "uncertain": ", ".join(f"{n} ± {v:g}" for n, v in scene.uncertain.items()),
+        "uncertain": ", ".join(in_words(n, v, launches) for n, v in scene.uncertain.items()),
         "parameters": json.dumps(given),
         "start": json.dumps({n: float(v) for n, v in states}), "sentence": answer.sentence,
         "truth": "the full model at a tolerance 1000 times finer",

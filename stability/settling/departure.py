@@ -1,20 +1,29 @@
-"""Departure of a user's system from an unstable steady motion near which it began."""
+"""Departure of a user's system from an unstable steady motion near which it began.
+
+The phase of an oscillation changes the distance from a steady motion even where nothing grows.
+Growth is therefore measured in modal coordinates of the linearisation without its structural zeros,
+where the size of each mode does not depend on the phase.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
+from ..algebra.eigensolver import eigenpairs
 from ..base.errors import StabilityError
-from ..base.types import Floats
+from ..base.types import Complexes, Floats
 from ..base.verdict import CODES, Verdict
+from ..spectra.deflation import lowered
 from ..spectra.problem import system_problem
 from ..spectra.rows import Rows
 from ..systems.family import Family
 from .nearest import Nearest
-from .system_settling import SystemSettling, at_of, in_words
+from .system_settling import SystemSettling, at_of, in_words, length, members
 
 GROWTH = 10.0
-"""Ratio of the distances at the end and at the start from which a motion counts as departed."""
+"""Ratio of the sizes at the end and at the start from which a motion counts as departed."""
+WORST_CONDITION = 1e8
+"""Condition number of the modes beyond which they measure no growth."""
 
 
 def departures(
@@ -25,7 +34,7 @@ def departures(
 
     It has where that member is unstable, its verdict given by a bound, and where the distance from
     the family at the end, less its error, is larger than `within` and `GROWTH` times that at the
-    start.
+    start, and where the modes together have grown as much.
 
     Parameters
     ----------
@@ -48,37 +57,57 @@ def departures(
     Source: tests/motion/test_unresolved_and_departing.py.
     """
     said = [""] * len(starts)
-    gone: dict[str, list[tuple[int, Nearest, float]]] = {}
+    gone: dict[str, list[tuple[int, Nearest, Floats]]] = {}
+    families = {family.name: family for family in settling.families}
     for i, (start, end, own) in enumerate(zip(starts, ends, p, strict=True)):
         near = settling.closest(start, own)
-        if near.member is None:
+        there = near.member is not None and members(families[near.family], end[None], own)
+        if not isinstance(there, np.ndarray):
             continue
-        far = float(settling.distances(end[None], own, near)[0])
-        if np.isfinite(far) and far - errors[i] > max(within, GROWTH * near.distance):
-            gone.setdefault(near.family, []).append((i, near, far))
-    for family in settling.families:
-        mine = gone.get(family.name, [])
-        if not mine:
-            continue
-        rows = [i for i, _, _ in mine]
-        a, unstable = _unstable(family, starts[rows], p[rows])
-        for (i, near, far), at, sure in zip(mine, a, unstable, strict=True):
+        off = end - there[0]
+        if np.isfinite(off).all() and length(off) - errors[i] > max(within, GROWTH * near.distance):
+            gone.setdefault(near.family, []).append((i, near, off))
+    for name, mine in gone.items():
+        family, rows = families[name], [i for i, _, _ in mine]
+        before = np.array([starts[i] - near.member for i, near, _ in mine])
+        after = np.array([off for _, _, off in mine])
+        a, departed = _grown(family, starts[rows], p[rows], before, after, errors[rows])
+        for (i, near, off), at, sure in zip(mine, a, departed, strict=True):
             if sure:
                 said[i] = (
                     f"departs from {family.name}, unstable at {in_words(family, family.at, at)}: "
-                    f"{near.distance:.3g} away at the start, {far:.3g} at the end"
+                    f"{near.distance:.3g} away at the start, {length(off):.3g} at the end"
                 )
     return said
 
 
-def _unstable(family: Family, states: Floats, p: Floats) -> tuple[Floats, list[bool]]:
-    """Values of `at` nearest to states, and whether these members are unstable."""
+def _grown(
+    family: Family, states: Floats, p: Floats, before: Floats, after: Floats, errors: Floats
+) -> tuple[Floats, list[bool]]:
+    """Values of `at` nearest to states; whether these members are unstable and modes have grown."""
     parameters = family.system.parameters
     a = np.vstack([at_of(family, x[None], q) for x, q in zip(states, p, strict=True)])
     given = {n: p[:, parameters.index(n)] for n in family.parameters}
     given |= dict(zip(family.at, a.T, strict=True))
     try:
-        codes = Rows(system_problem(family, None, given), exact=False).spectra()[2]
+        rows = Rows(system_problem(family, None, given), exact=False)
+        codes = np.broadcast_to(rows.spectra()[2], len(a))
+        reduced = rows.place.reduced(family, rows.zeros)
+        modes = np.broadcast_to(eigenpairs(reduced.matrix)[1], (len(a), *reduced.matrix.shape[1:]))
     except StabilityError:
         return a, [False] * len(a)
-    return a, [bool(c == CODES[Verdict.UNSTABLE]) for c in np.broadcast_to(codes, len(a))]
+    pairs = zip(lowered(before, reduced.steps), lowered(after, reduced.steps), strict=True)
+    return a, [
+        bool(code == CODES[Verdict.UNSTABLE]) and _in_modes(*pair, x, error)
+        for code, pair, x, error in zip(codes, pairs, modes, errors, strict=True)
+    ]
+
+
+def _in_modes(before: Floats, after: Floats, modes: Complexes, error: float) -> bool:
+    """Whether the modal coordinates of a deviation have grown by more than `GROWTH`."""
+    if np.linalg.cond(modes) > WORST_CONDITION:
+        return False
+    inverse = np.linalg.inv(modes)
+    doubt = error * float(np.linalg.norm(inverse, 2))
+    first, last = (float(length(np.abs(inverse @ off))) for off in (before, after))
+    return last - doubt > GROWTH * first

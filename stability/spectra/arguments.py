@@ -15,7 +15,7 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, Viscous
 from ..bodies.disk import Disk
-from ..bodies.law_names import class_named, law_given
+from ..bodies.law_names import class_named, law_given, refuse_misspelt
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import PHYSICAL
 from ..systems.family import Family
@@ -55,7 +55,7 @@ def axis_of(family: Any, axis: Any, which: str, most: int = MOST_POINTS) -> Axis
         record = FAMILIES.get(family) if isinstance(family, str) else None
         single = record is not None and len(record.at) == 1
         own, name = (record.at[0] if record else ""), "at"
-    return replace(grid, name=name) if single and grid.name == own else grid
+    return replace(grid, name=name, alias=own) if single and grid.name == own else grid
 
 
 def check_names(family: Any, names: Sequence[str], contact: Any) -> None:
@@ -235,6 +235,7 @@ def _pair(family: Any, names: Sequence[str], at: ArrayLike | None) -> Any:
 def _law(contact: Any, axes: Sequence[Axis], parameters: dict[str, Any]) -> Contact:
     found = law_given(contact, parameters, swept=[g.name for g in axes])
     if found is None:
+        refuse_misspelt(Viscous, parameters)
         raise ParameterError(
             "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough(), or make "
             "mu an axis."
@@ -331,6 +332,7 @@ def problem_of(
         return system_problem(family, at, _opened(family, parameters))
     law: Any = law_given(contact, parameters)
     if parameters:
+        refuse_misspelt(Viscous, parameters)
         raise ParameterError(
             f"{shown(next(iter(parameters)))} is not an argument here; the disk's numbers go in "
             "disk=Disk(...), and in contact=Viscous(mu) or contact='viscous' with mu=NUMBER."

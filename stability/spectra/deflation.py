@@ -301,6 +301,24 @@ def _push(vector: Floats, doubt: Floats, steps: Sequence[Deflation]) -> tuple[Fl
     return vector, doubt
 
 
+def lowered(vectors: Floats, steps: Sequence[Deflation]) -> Floats:
+    """Deviations from members in the coordinates of their reduced linearisations.
+
+    Parameters
+    ----------
+    vectors
+        Shape (N, n).
+    steps
+        Steps of the removal, as in `Reduced`.
+
+    Returns
+    -------
+    ndarray
+        Shape (N, m).
+    """
+    return _push(vectors, np.zeros_like(vectors), steps)[0]
+
+
 def _deflate(
     matrix: Floats, error: Floats, vector: Floats, doubt: Floats, steps: list[Deflation],
     watch: bool,

@@ -24,7 +24,7 @@ from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational
 from ..algebra.routh_balls import product
 from ..base.checks import checked
-from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.errors import NameUnknownError, ParameterError, absent, shown
 from ..base.exact_numbers import double, no_double, warn_rounded
 from ..base.types import Floats
 from ..bodies.contact import Contact
@@ -309,7 +309,8 @@ def _reduce(
 ) -> tuple[list[Any], list[Any], Any]:
     missing = [n for n in (*family.at, *family.parameters) if n not in v]
     if missing:
-        raise NameUnknownError(f"{shown(missing[0])} is missing; {family.name} needs its value.")
+        needs = "its value" if len(missing) == 1 else "their values"
+        raise NameUnknownError(f"{absent(map(shown, missing))}; {family.name} needs {needs}.")
     return [v[k] for k in family.at], [v[n] for n in family.parameters], 1.0
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import checked, flag, instance, known, one_number, rows
-from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.errors import NameUnknownError, ParameterError, absent, shown
 from ..base.types import Floats
 
 
@@ -368,10 +368,11 @@ def numbers_of(
         if own and len(given):
             raise ParameterError(f"{next(iter(own))} is given by name and in {what}; give it once.")
         table = table or own
-        for name in (*table, *names) if table else ():
+        for name in table:
             known(what, name, names)
-            if name not in table:
-                raise ParameterError(f"{name} is missing; give {', '.join(names)}.")
+        missing = [n for n in names if n not in table] if table else []
+        if missing:
+            raise ParameterError(f"{absent(missing)}; give {', '.join(names)}.")
         array = rows(what, [table[n] for n in names] if table else given, names)
         if array.ndim != 1:
             raise ParameterError(f"{what} has shape {array.shape}; give one axis of numbers.")

@@ -9,7 +9,7 @@ from decimal import ROUND_CEILING, Decimal, localcontext
 from fractions import Fraction
 from typing import Any
 
-from ..base.quantities import rate_unit
+from ..base.quantities import Kind, Quantity, rate_unit
 from ..boundary.beyond_linear.records import CycleBirth, HopfPoint
 from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from .formats.column import Column, word
@@ -172,19 +172,23 @@ def _point_text(table: Table) -> str:
     return point_text(table.heading.split(" of ")[-1].removesuffix(" (recomputed)"), table.found)
 
 
+def _bound(name: str, of: str, form: str) -> Column:
+    return Column(name, "bound on its error", latex=r"\pm", form="{:.0e}", of=(of, form))
+
+
 BIRTHS = Definition(
     HOPF_HEADING,
     (
         Column("at", "quantity of the axis at the boundary", form="{:.8g}"),
-        Column("error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        _bound("error", "at", "{:.8g}"),
         word("kind", "how oscillation begins", share=0.13),
         Column("stable_below", "whether it is stable below the boundary"),
         Column("frequency", "frequency of the crossing pair", latex=r"\omega", form="{:.6g}"),
-        Column("frequency_error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        _bound("frequency_error", "frequency", "{:.6g}"),
         Column("crossing", "d Re λ by the axis", latex="c", form="{:.6g}"),
-        Column("crossing_error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        _bound("crossing_error", "crossing", "{:.6g}"),
         Column("coefficient", "first Lyapunov coefficient", latex="l_{1}", form="{:.6g}"),
-        Column("coefficient_error", "bound on its error", latex=r"\pm", form="{:.0e}"),
+        _bound("coefficient_error", "coefficient", "{:.6g}"),
         Column("push", "coefficient of the drift along a line", latex="p"),
         word("reason", "reason for an open kind", "below"),
     ),
@@ -199,9 +203,9 @@ POINTS = Definition(
     (
         word("kind", "kind of the point", share=0.2),
         Column("x", "quantity of the first axis", form="{:.12g}"),
-        Column("x_error", "bound on its error", latex=r"\pm", form="{:.1e}"),
+        _bound("x_error", "x", "{:.12g}"),
         Column("y", "quantity of the second axis", form="{:.12g}"),
-        Column("y_error", "bound on its error", latex=r"\pm", form="{:.1e}"),
+        _bound("y_error", "y", "{:.12g}"),
         Column("frequencies", "frequencies on the axis", form="{:.10g}"),
         word("others", "real parts of the other eigenvalues", "below"),
     ),
@@ -243,27 +247,39 @@ def birth_columns(
     )
 
 
-def point_columns(axes: Sequence[str], units: Mapping[str, str]) -> tuple[Column, ...]:
-    """Columns of points of codimension two.
+def point_columns(
+    axes: Sequence[str], units: Mapping[str, str], known: Mapping[str, Quantity] | None = None
+) -> tuple[Column, ...]:
+    """Columns of points of codimension two, each with the name and unit of its axis.
 
     Parameters
     ----------
     axes
-        Names of both axes.
+        Names of both axes, as a reader knows them.
     units
-        Unit by name.
+        Unit by name, for a system of the user's own.
+    known
+        Quantities of the disk by name.
 
     Returns
     -------
     tuple of Column
     """
-    named = dict(zip("xy", axes, strict=True))
-    return tuple(
-        replace(
-            c, kind=units.get(named.get(c.name[0], ""), "1") if c.name[0] in "xy" else c.kind,
-            latex=symbol(named[c.name]) if c.name in named else c.latex,
-            meaning=f"{named[c.name]}, {c.meaning.split(' of ')[1]}"
-            if c.name in named else c.meaning,
-        )
-        for c in POINTS.columns
-    )  # fmt: skip
+    known, named, out = known or {}, dict(zip("xy", axes, strict=True)), []
+    for c in POINTS.columns:
+        axis = named.get(c.name[0], "") if c.name[0] in named else ""
+        if not axis:
+            rate: Any = Kind.GROWTH_RATE if known else rate_unit(units)
+            out.append(replace(c, kind=rate) if c.name == "frequencies" else c)
+            continue
+        quantity = known.get(axis)
+        kind: Any = quantity.kind if quantity else units.get(axis, "1")
+        letter = (quantity.latex or quantity.symbol) if quantity else symbol(axis)
+        bound = c.name not in named
+        words = quantity.long_name if quantity else axis
+        out.append(replace(
+            c, kind=kind, title=f"{axis} error" if bound else axis,
+            latex=c.latex if bound else letter,
+            meaning=f"bound on the error of {axis}" if bound else words,
+        ))  # fmt: skip
+    return tuple(out)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
@@ -12,6 +13,8 @@ from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.types import Progress
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_named
+from ..bodies.thin_disk.disk_families import FAMILIES
+from ..bodies.thin_disk.disk_quantities import PHYSICAL, disk_quantities
 from ..systems.family import Family
 from .formats.table import Definition, Table
 
@@ -28,6 +31,8 @@ PLACES = {
 """Module of each table, by name; its `TABLE` is the `Definition`."""
 OF_FAMILY = ("conditions", "hopf", "codimension")
 """Tables of a family of the user's own."""
+OF_POINTS = ("k", "mu", "contact", "disk", "at")
+"""Options of the table of codimension two of a disk's family."""
 LISTS = ("k", "mu", "tilt", "at")
 """Options that are lists of numbers."""
 
@@ -165,6 +170,7 @@ def table(
 def _takers(key: str) -> str:
     """The tables that take an option, in words."""
     names = [f"`{name}`" for name in PLACES if key in definition(name).takes]
+    names += ["`codimension`"] * (key in OF_POINTS)
     return listed([f"`table {names[0][1:]}", *names[1:]]) if names else "other tables"
 
 
@@ -260,14 +266,19 @@ def _points(family: Family | str, axes: Mapping[str, Any], given: Mapping[str, A
 
     x, y = tuple(axes["x"]), tuple(axes["y"])
     found = codimension_two(family, x=x, y=y, **given)
-    units: Mapping[str, str] = {}
-    name = family
-    if isinstance(family, Family):
-        units, name = family.system.units, family.name
     more = point_records(found)
     rows = more.pop("rows")
-    columns = point_columns((x[0], y[0]), units)
-    return Table("codimension", POINTS.heading.format(name=name), columns, rows,
+    dimensionless = True
+    if isinstance(family, Family):
+        name, columns = family.name, point_columns((x[0], y[0]), family.system.units)
+    else:
+        name, law = family, given["contact"]
+        own = FAMILIES[family].at[0]
+        axes_ = [own if axis[0] == "at" else axis[0] for axis in (x, y)]
+        known = disk_quantities(law if isinstance(law, type) else type(law))
+        columns = point_columns(axes_, {}, known)
+        dimensionless = given["disk"].dimensionless and not set(axes_) & set(PHYSICAL)
+    return Table("codimension", POINTS.heading.format(name=name), columns, rows, dimensionless,
                  more=more, definition=POINTS, found=found)  # fmt: skip
 
 
@@ -277,8 +288,8 @@ def _of_disk(
     """Arguments of a disk's family, one number each."""
     from ..bodies.law_names import class_named
 
-    for key in ("tilt", "time", *parameters):
-        if key in given or key in parameters:
+    for key in (*given, *parameters):
+        if key not in OF_POINTS:
             raise ParameterError(f"{key} is no option of `table codimension`; leave it out.")
     swept = [axis[0] for axis in axes.values()]
     one = {}
@@ -292,7 +303,7 @@ def _of_disk(
             raise ParameterError(f"{key} is given as a number and as an axis; give it once.")
         one[key] = float(values[0])
     base = given.get("disk") or Disk()
-    body = Disk(base.mass, base.radius, one.get("k", base.k), base.gravity)
+    body = replace(base, k=one.get("k", base.k))
     name = given.get("contact", "viscous")
     law = class_named(name) if "mu" in swept else law_named(name, one.get("mu"))
     return {"disk": body, "contact": law, "at": one.get("at")}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.atlas.build import COLUMNS, atlas
+from stability.atlas.build import COLUMNS, atlas, zeros_of_rates
 from stability.atlas.page import BODIES, drawn
 from stability.atlas.page import LOCUS_FRICTION as EVERY_FRICTION
 
@@ -156,3 +156,11 @@ def test_figures_use_colours_that_differ_in_lightness_and_mark_growth_without_co
         figure.axes[-1].get_ylabel(),
     ]
     assert all("[" in label for label in labels)
+
+
+@pytest.mark.parametrize("mu", EVERY_FRICTION)
+def test_zeros_of_growth_rates_are_exact_however_coarse_the_sweep(mu: float) -> None:
+    """Rolling of the uniform disk: rates vanish at omega3² = 1/3 and 2 under every friction."""
+    at = np.linspace(0.2, 3.0, 31)
+    found = zeros_of_rates(st.spectrum("rolling", at=at, contact=st.Viscous(mu)))
+    assert found == pytest.approx([3**-0.5, 2**0.5], rel=1e-14)

@@ -260,6 +260,8 @@ def test_an_enumeration_prints_its_word_and_accepts_a_word_or_a_code(name: str) 
     for one in kind:
         assert str(one) == f"{one}" == one.word and kind(one.word) is kind(one.name) is one
         assert one.code is None or kind(one.code) is kind(np.int8(one.code)) is one
+        assert one == one.word and hash(one) == hash(one.word) and one != "no such word"
+        assert (np.array([one, None], dtype=object) == one.word).tolist() == [True, False]
     for wrong in ("no such word", 99, -1, True, None):
         with pytest.raises(st.StabilityError, match=next(iter(kind)).word):
             kind(wrong)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import math
+import pickle
 import re
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -170,3 +172,12 @@ def test_a_caption_gives_the_coefficient_in_the_unit_of_its_law(
     disk = st.Disk(mass=0.3, radius=0.2, gravity=9.81)
     told = caption(st.simulate(disk, law, {"theta": 1.2, "omega3": 3.0}, 0.1, check=False))
     assert given in told and "g = 9.81 m/s²" in told
+
+
+def test_a_lone_number_for_a_disk_warns_that_it_is_the_mass() -> None:
+    with pytest.warns(st.StabilityWarning, match=r"Disk\(0.5\) sets the mass"):
+        assert st.Disk(0.5).mass == 0.5
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert st.Disk(0.3, 0.45, 0.5, 9.81).k == st.Disk(k=0.5).k == 0.5
+        assert pickle.loads(pickle.dumps(st.Disk(k=0.5))) == st.Disk(k=0.5)

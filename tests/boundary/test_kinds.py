@@ -79,3 +79,54 @@ def test_a_search_and_a_map_name_the_same_kind_and_it_is_what_was_planted(seed: 
             assert codes[int(code)] is true[round(4 * float(value)) / 4], (kinds, value)
             seen += 1
     assert seen
+
+
+def test_a_pair_that_crosses_upright_is_no_static_boundary() -> None:
+    """At the double next to π/2 the constant term is its distance squared: small, but not zero.
+
+    Oracle: at θ = π/2 the disk flutters at mu = 1 with frequency √3, for k = 1/4.
+    """
+    drawn = st.stability_map("tumbling", x=("at", 1.4, np.pi - 1.4, 3), y=("mu", 0.9, 1.05, 3))
+    upright = np.flatnonzero(np.abs(drawn.boundary_at.values - np.pi / 2) < 1e-12)
+    assert len(upright)
+    for i in upright:
+        assert float(drawn.boundary_mu[i]) == pytest.approx(1, rel=1e-12)
+        assert int(drawn.boundary_kind[i]) == KINDS[Crossing.FLUTTER]
+        assert float(drawn.boundary_frequency[i]) == pytest.approx(3**0.5, rel=1e-9)
+
+
+def _crossing_lines(slopes: tuple[float, float], turned: bool) -> st.Family:
+    """A pair with the real part -(v - s u)(v - t u): unstable between two lines that cross."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    u, v = (p[1] - 0.013, p[0] - 0.017) if turned else (p[0] - 0.017, p[1] - 0.013)
+    rate = -(v - slopes[0] * u) * (v - slopes[1] * u)
+    rates = ca.vertcat(rate * x[0] - x[1], x[0] + rate * x[1])
+    system = st.System("cross", x, p, rates, states=("a", "b"), parameters=("p", "q"))
+    return st.Family(system, "rest", at=("p",), held={"a": 0, "b": 0})
+
+
+@pytest.mark.parametrize(("slopes", "turned"), [
+    ((0.75, 1.25), False), ((0.1, 0.4), True), ((-0.2, 0.2), False),
+])  # fmt: skip
+def test_no_corridor_is_drawn_where_two_boundaries_cross(
+    slopes: tuple[float, float], turned: bool
+) -> None:
+    """Where a curve goes over from one line to the other, it passes the crossing closely."""
+    family = _crossing_lines(slopes, turned)
+    drawn = st.stability_map(family, x=("p", -1, 1, 41), y=("q", -1, 1, 41))
+    u, v = drawn.boundary_p.values - 0.017, drawn.boundary_q.values - 0.013
+    if turned:
+        u, v = v, u
+    off = np.min([np.abs(v - s * u) for s in slopes], axis=0)
+    assert off.max() < 1e-12
+    over = 0
+    for curve in np.unique(drawn.boundary_curve.values):
+        mine = drawn.boundary_curve.values == curve
+        a, b = u[mine], v[mine]
+        for i in np.flatnonzero(np.diff((np.abs(b - slopes[0] * a) < 1e-12).astype(int))):
+            if np.hypot(a[i], b[i]) < 0.5:
+                length = np.hypot(a[i + 1] - a[i], b[i + 1] - b[i])
+                passed = abs(a[i] * b[i + 1] - a[i + 1] * b[i]) / length
+                assert passed < 0.05 / 4  # a quarter of a cell
+                over += 1
+    assert over >= 2

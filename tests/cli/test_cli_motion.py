@@ -117,7 +117,7 @@ def test_si_numbers_go_in_and_come_out(capsys: pytest.CaptureFixture[str]) -> No
         (["table", "launches", "--tilt", "0.1,0.2"], "takes one tilt"),
         (["table", "launches", "--contact", "rough", "--mu", "1"], "no coefficient"),
         (["table", "drift", "--time", "3"], "`table launches` only"),
-        (["table", "families", "--at", "3"], "`table launches` only"),
+        (["table", "families", "--at", "3"], "`table launches` and `codimension` only"),
     ],
 )  # fmt: skip
 def test_bad_questions_get_one_sentence_and_no_file(

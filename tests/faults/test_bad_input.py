@@ -76,6 +76,8 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("contact by name", lambda: ask(contact="viscous"), "give Viscous(mu), or contact='viscous'"),
     ("contact class", lambda: ask(contact=V), "mu is missing; give Viscous(mu)"),
     ("disk by name", lambda: ask(disk="quarter"), "give a stability.Disk"),
+    ("a name misspelt", lambda: st.spectrum("rolling", at=1, contact="viscous", mue=0.3),
+     "'mue' is not an argument here; mu is"),
     ("no contact", lambda: st.spectrum("rolling", at=1), "contact is missing"),
     ("mu twice", lambda: st.spectrum("rolling", at=1, contact=V(1), mu=2), "not an argument here"),
     ("certify", lambda: st.spectrum("rolling", at=1, contact=V(1), certify=1), "certify"),

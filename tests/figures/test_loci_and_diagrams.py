@@ -74,6 +74,30 @@ def test_a_locus_is_drawn_against_what_was_swept() -> None:
     assert figure.axes[1].get_xlabel() == r"friction coefficient $\mu$  [$1/\sqrt{gR}$]"
 
 
+def test_a_circle_lies_on_the_threshold_that_is_given() -> None:
+    found = st.spectrum("rolling", at=np.linspace(1, 2, 4), contact=st.Viscous(0.3))
+    figure = locus(found, thresholds=[2**0.5])
+    [ring] = [n for n in figure.axes[0].get_lines() if n.get_label() == r"Re $\lambda$ = 0"]
+    assert list(ring.get_xdata()) == [2**0.5]
+
+
+@pytest.mark.parametrize(("sweep", "scale"), [
+    (np.geomspace(0.1, 50, 9), "log"), (np.linspace(0.1, 50, 9), "linear"), ([0.1, 50], "linear"),
+])  # fmt: skip
+def test_a_sweep_of_equal_ratios_has_a_logarithmic_axis(sweep: Any, scale: str) -> None:
+    figure = locus(st.spectrum("spinning", at=3.0, contact=st.Viscous(np.asarray(sweep))))
+    assert [a.get_xscale() for a in figure.axes] == [scale, scale]
+
+
+def test_a_spectrum_and_a_map_are_told_apart() -> None:
+    chart = st.stability_map("spinning", x=("at", 1, 4, 3), y=("mu", 0.1, 2, 3))
+    found = st.spectrum("rolling", at=[1.2, 1.8], contact=st.Viscous(0.3))
+    with pytest.raises(ParameterError, match="dataset is a spectrum; give what stability_map"):
+        st.plot_map(found)
+    with pytest.raises(ParameterError, match="or plot_map for a map"):
+        st.plot_locus(chart)
+
+
 def test_a_spectrum_that_is_no_sweep_is_refused() -> None:
     family, other = pendulum(), {"x y": 0.0}
     for at, c, said in (

@@ -1,6 +1,7 @@
 """Every figure can be printed: no text over text or data, none too small, fonts that stay fonts."""
 
 import re
+import warnings
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -201,6 +202,17 @@ def test_a_user_gives_axes(run: Any, quarter: Any) -> None:
     lone = Figure().subplots()
     st.plot_locus(spectra, ax=lone)
     assert lone.get_xlabel().startswith("axial")
+
+
+@pytest.mark.parametrize("layout", ["tight", "constrained"])
+def test_maps_on_neighbouring_axes_leave_room_for_each_other(quarter: Any, layout: Any) -> None:
+    figure = Figure(figsize=(6.7, 3), layout=layout)
+    left, right = figure.subplots(1, 2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # Matplotlib warns of axes that a layout does not know
+        for ax in (left, right):
+            st.plot_map(quarter, ax=ax)
+        assert faults(figure) == []
 
 
 @pytest.mark.parametrize(

@@ -445,3 +445,17 @@ def test_a_motion_is_not_written_as_a_map(tmp_path: Path) -> None:
     with pytest.raises(st.StabilityError, match="give what stability_map returns"):
         st.write_map(run, tmp_path / "x.nc")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_axis_of_a_member_has_its_own_name_too(tmp_path: Path) -> None:
+    y = ("mu", 0.1, 2.0, 3)
+    plain, named = (
+        st.stability_map("spinning", x=(n, 1.0, 4.0, 5), y=y) for n in ("at", "phi_dot")
+    )
+    assert named.drop_vars("phi_dot").identical(plain)
+    for found in (named, read_map(write_map(named, tmp_path / "a.nc")),
+                  read_map(st.stream_map("spinning", x=("phi_dot", 1.0, 4.0, 5), y=y,
+                                         out=tmp_path / "b.nc"))):  # fmt: skip
+        assert found.verdict.dims == ("mu", "at") and "phi_dot" in found.coords
+        np.testing.assert_array_equal(found.phi_dot.values, np.linspace(1, 4, 5))
+        assert found.phi_dot.dims == ("at",)

@@ -32,6 +32,14 @@ def pitchfork() -> tuple[st.System, st.Family, st.Family]:
     return system, zero, side
 
 
+def oscillator() -> tuple[st.System, st.Family]:
+    """ẋ = v, v̇ = -w²x - cv: its amplitude, v²/w² + x², grows as exp(-ct) for small c."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    rate = ca.vertcat(x[1], -(p[0] ** 2) * x[0] - p[1] * x[1])
+    system = st.System("oscillator", x, p, rate, states=("q", "v"), parameters=("w", "c"))
+    return system, st.Family(system, "rest", at=("w",), held={"q": 0, "v": 0})
+
+
 def said(run: Any) -> str:
     return str(run.attrs["evidence"])
 
@@ -66,6 +74,19 @@ def test_a_motion_departs_from_one_family_and_settles_on_another() -> None:
     evidence = run.evidence.values.tolist()
     assert run.attrs["outcome"] == "3 settled"
     assert ["departs from zero, unstable at r = 1" in e for e in evidence] == [True, False, False]
+
+
+@pytest.mark.parametrize(("c", "departs"), [(-1e-6, False), (-0.4, False), (-1.0, True)])
+def test_the_phase_of_a_swing_is_no_departure(c: float, departs: bool) -> None:
+    """At the last time the distance is 20 times the first one, by the phase or by growth.
+
+    The amplitudes grow by 1.000003, 2.8 and 12.8.
+    """
+    system, rest = oscillator()
+    run = st.simulate(system, {"w": 20.0, "c": c}, {"q": 0.01, "v": 0.0}, 5.105, families=rest)
+    far = float(np.hypot(run.q[-1], run.v[-1]))
+    assert far > 0.19
+    assert ("departs from rest" in said(run)) == departs
 
 
 def test_no_departure_is_told_where_the_error_hides_it() -> None:

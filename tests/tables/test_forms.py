@@ -84,7 +84,8 @@ def test_csv_is_read_back_by_pandas(case: str) -> None:
         values = [row[column.name] for row in table.rows]
         if any(isinstance(v, dict) for v in values):
             continue
-        found = frame[f"{column.name} [{unit}]" if unit else column.name]
+        name = column.title or column.name
+        found = frame[f"{name} [{unit}]" if unit else name]
         for value, read in zip(values, found, strict=True):
             if value is None or value in ("", [], ()):
                 assert pd.isna(read)
@@ -202,6 +203,27 @@ def test_sentences_keep_their_words() -> None:
     )
 
 
+def test_points_have_names_units_and_bounds_that_one_reads() -> None:
+    head = made("codimension").to_csv().splitlines()[0].split(",")
+    assert head[1:5] == [
+        "phi_dot [√(g/R)]", "phi_dot error [√(g/R)]", "mu [1/√(gR)]", "mu error [1/√(gR)]"
+    ]  # fmt: skip
+    text = made("codimension").to_latex()
+    assert r"kind & $\dot\varphi$ & $\pm$ & $\mu$ & $\pm$" in text
+    powers = [int(p) for p in re.findall(r"10\^\{(-\d+)\}", text)]
+    assert powers and min(powers) >= -17
+
+
+def test_a_word_next_to_a_sign_is_a_symbol() -> None:
+    """The momentum b has a component b_y, and a polynomial is called A."""
+    assert prose("A = (Fx, by + (1 + k) Fy), by the chain rule") == (
+        "$A=(F_{x}$, $b_{y}+(1+k)F_{y})$, by the chain rule"
+    )
+    assert prose("A motion by a root of det(λ - A); factors of A") == (
+        r"A motion by a root of $\det (\lambda -A)$; factors of $A$"
+    )
+
+
 # --- the command and the function agree ---
 
 
@@ -259,7 +281,7 @@ def test_bad_options_end_with_one_sentence(
 
 @pytest.mark.parametrize(("name", "given", "part"), [
     ("lift", {}, "table is 'lift'; known are families"),
-    ("families", {"k": 0.25}, "k belongs to `table conditions`"),
+    ("families", {"k": 0.25}, "`launches` and `codimension` only"),
     ("drift", {"speed": 3.0}, "speed belongs to"),
     ("conditions", {"family": "rolling"}, "a family by name belongs to `table codimension`"),
     ("codimension", {"family": "rolling"}, "takes x and y"),

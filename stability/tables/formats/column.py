@@ -36,6 +36,10 @@ class Column(Record):
     """Place in LaTeX: `cell`; `group`, once above the rows that share it; `below` its row."""
     share: float = 0.0
     """Share of the line in LaTeX for a column of texts that break; 0 for a natural width."""
+    of: tuple[str, str] | None = None
+    """Of a bound: the column of its number, and the format of that; it then holds as printed."""
+    title: str = ""
+    """Name for a reader, in CSV and pandas, where it is not `name`."""
 
     def unit(self, *, dimensionless: bool) -> str:
         """The unit for a reader; empty for words, pure numbers, and units that differ by row."""
@@ -63,7 +67,8 @@ class Column(Record):
     def header(self, *, dimensionless: bool) -> str:
         """Name and unit."""
         unit = self.unit(dimensionless=dimensionless)
-        return f"{self.name} [{unit}]" if unit else self.name
+        name = self.title or self.name
+        return f"{name} [{unit}]" if unit else name
 
     def written(self, value: Any) -> str:
         """A value as text; a dash for None."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from decimal import ROUND_CEILING, Decimal, localcontext
+from fractions import Fraction
 from typing import Any
 
 from .column import Column, Content
@@ -171,8 +174,19 @@ def cell(column: Column, row: Mapping[str, Any]) -> str:
     -------
     str
     """
-    text = column.written(row[column.name])
+    value = row[column.name]
+    if column.of and isinstance(value, float) and math.isfinite(value):
+        value = _as_printed(value, row[column.of[0]], column.of[1])
+    text = column.written(value)
     return prose(text) if column.share else number(text)
+
+
+def _as_printed(bound: float, value: float, form: str) -> float:
+    """A bound that holds for the printed digits of its number, rounded up to two digits."""
+    off = abs(Fraction(form.format(value)) - Fraction(value))
+    whole = max(Fraction(bound) + off, Fraction(math.ulp(value)))
+    with localcontext(rounding=ROUND_CEILING):
+        return float(f"{Decimal(math.nextafter(float(whole), math.inf)):.0e}")
 
 
 def symbols(table: Content) -> list[str]:

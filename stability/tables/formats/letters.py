@@ -227,6 +227,11 @@ UNITS = frozenset(("rad/s", "1/s", "m/s", "s/m", "m/s2", "kg/s", "uA/cm2"))
 _SIGN = re.compile(
     rf"[*^=<>\u2060≤≥≠²³√→∞±∂∈≈′|{_SUPER}{_SUB}\u0370-\u03ff]|_|[xyz0-9][{''.join(ACCENTS)}]|\w\["
 )
+_NEXT_TO_SIGN = re.compile(
+    r"(?<![\w/])(A|by)(?= [+=<>≤≥-] )|(?<= [+=<>≤≥-] )(A|by)(?![\w/])(?! [a-z]{2})"
+    r"|(?<= of )A\b|\bA(?= has )"
+)
+"""Words of English that are symbols next to a sign."""
 _FREE = re.compile(r"[\d.,;:()+\-/=<>…·]+|->|A")
 _OPERATOR = tuple("+-=<>≤≥≠·*/→")
 _CODE = re.compile(r"[\w./-]+\.py(::\w+)?|\w+(/\w+){2,}")
@@ -267,6 +272,7 @@ def prose(text: str) -> str:
     run: list[str] = []
     joined = re.sub(r"\b(sin|cos) a\b", "\\1\u2060a", text)
     joined = re.sub(r"\ba (?==)|(?<== )a (?=\w+\^)", "\u2060a ", joined)
+    joined = _NEXT_TO_SIGN.sub("\u2060\\g<0>", joined)
     for word in joined.split():
         if _mathy(word) or _FREE.fullmatch(word):
             if run and word[0] in "([" and not run[-1].endswith(_OPERATOR):
