@@ -69,8 +69,9 @@ class _Parser(argparse.ArgumentParser):
         if wrong == "--lean":
             axis = ", or --x lean:LO:HI:N" * ("--x" in self._option_string_actions)
             return f"; give --at, for {leaning()} π/2 less the lean{axis}"
-        near = meant(wrong, [n for n in self._option_string_actions if n.startswith("--")])
-        return f"; {near} is" if near else ""
+        known = [n[2:] for n in self._option_string_actions if n.startswith("--")]
+        near = meant(wrong[2:], known)
+        return f"; --{near} is" if near else ""
 
 
 def _family(parser: argparse.ArgumentParser) -> None:

@@ -99,6 +99,12 @@ NEARBY = (0.3, 0.4)
 MAKERS: dict[str, Callable[[float], Any]] = {
     "Table": lambda v: st.table("drift", k=0.25, mu=v),
     "Disk": lambda v: st.Disk(mass=[v, 1.0], radius=2.0),
+    "Body": lambda v: st.Body(lambda t, e: 1 - e * ca.cos(t), axial=0.4, transverse=0.4,
+                              shape={"e": v}),
+    "Resistance": lambda v: st.AirTorque(v),
+    **{n: getattr(st, n) for n in ("RollingResistance", "PivotingResistance", "AirTorque")},
+    "SlowFlow": lambda v: st.slow_flow("rolling", body=st.Torus(v), contact=st.Viscous(0.3),
+                                       resistance=st.AirTorque(0.1)),
     "Contact": Weakening,
     "Smooth": lambda v: st.Smooth() if v < 0.35 else st.Rough(),
     "Rough": lambda v: st.Rough() if v < 0.35 else st.Smooth(),

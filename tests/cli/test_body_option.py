@@ -149,7 +149,7 @@ def test_help_lists_the_bodies_with_an_example(capsys: pytest.CaptureFixture[str
     [
         (["rolling", "--body", "tori", *ASK], "known are torus, spheroid, eccentric-sphere"),
         (["rolling", "--body", "torus", *ASK], "--tube is missing; torus needs it"),
-        (["rolling", "--body", "torus", "--tube", "2", *ASK], "tube of the torus is 2; it must lie in"),
+        (["rolling", "--body", "torus", "--tube", "2", *ASK], "tube of the torus is 2; it must"),
         (["rolling", *TORUS, "--aspect", "2", *ASK], "it takes --tube or --solid or --hollow"),
         (["rolling", *TORUS, "--k", "0.2", *ASK], "--k does not go with --body"),
         (["rolling", *TORUS, "--lean", "0.2", *ASK], "--lean does not go with --body"),

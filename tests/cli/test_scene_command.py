@@ -339,7 +339,7 @@ def test_the_chart_is_written_next_to_the_motion_and_shows_the_models_of_python(
     assert Path(names[1]).read_text(encoding="utf-8").startswith("<?xml")
     [drawn] = [{text.get_text() for text in figure.findobj(Text)} for figure in figures]
     assert {"steady", "linearised, chosen", "second-order", "viscous"} <= drawn
-    assert "tolerance 1e-05" in drawn
+    assert "tolerance\n1e-05" in drawn
 
 
 @pytest.mark.usefixtures("brief")

@@ -21,7 +21,7 @@ from scipy.integrate import quad
 from ...algebra.program import Program
 from ...base.checks import one_number
 from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
-from ...base.types import Floats, Record
+from ...base.types import Floats, Record, fields_of
 from ...bodies.contact import Contact
 from ...bodies.resistance import Resistance, resistances
 from ...bodies.round_body.body import Body
@@ -64,6 +64,8 @@ class SlowFlow(Record):
     """Value of the coefficient, with which the rates are multiplied."""
     numbers: dict[str, float] = field(default_factory=dict)
     """The other parameters by name."""
+
+    __getstate__ = fields_of
 
     @cached_property
     def _slope(self) -> Program:

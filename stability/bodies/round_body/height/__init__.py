@@ -1,4 +1,5 @@
 """Heights as graphs: kept as text, and read by cos θ and sin θ.
 
 May import what `bodies` may, and nothing else of `round_body`.
+To add a way to read a height: a module here.
 """
