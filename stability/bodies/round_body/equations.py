@@ -48,7 +48,8 @@ def round_system(
         of the shape, moments that are numbers, scales, and those of the law.  Observables:
         `energy`, `normal_force`, `contact_force` (x̂ and ŷ), `slip`, `determinant` (D over
         m·length²), `power` (dissipated), `rim_speed` (of the point of contact about the centre,
-        along ŷ; it vanishes where the centre rests and nothing slips).
+        along ŷ; it vanishes where the centre rests and nothing slips), `lever` (h', the distance of
+        the contact point from the foot of the centre along x̂).
 
     Raises
     ------
@@ -209,7 +210,7 @@ class RoundBody(NewtonEuler):
         return ca.SX(self.weight * self.h)
 
     def observables(self, solved: dict[str, ca.SX], pivots: list[ca.SX]) -> dict[str, ca.SX]:
-        """Those of every body, with D over m·length², and the speed of the rim."""
+        """Those of every body, with D over m·length², the speed of the rim, and h'."""
         found = super().observables(solved, pivots)
         found["determinant"] = found["determinant"] / self.square
-        return found | {"rim_speed": self.rim_speed()}
+        return found | {"rim_speed": self.rim_speed(), "lever": self.slope}

@@ -147,7 +147,8 @@ def round_family(
         if at is None:
             held["theta"] = UPRIGHT
         else:
-            unknown, equations = {"theta": at}, ["theta_dot"]
+            # not the rate of theta_dot, which falls again where the lever is long
+            unknown, equations = {"theta": at}, ["lever"]
     parts = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
     return _family(system, record, *parts, law)  # type: ignore[arg-type]  # a class is hashable
 

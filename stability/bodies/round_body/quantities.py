@@ -16,6 +16,9 @@ _OWN = (
     Quantity("length", "R", "length", Kind.LENGTH),
     Quantity("axial", "I₃/mR²", "axial moment of inertia", Kind.NUMBER, "I_3/mR^2"),
     Quantity("transverse", "I₁/mR²", "transverse moment of inertia", Kind.NUMBER, "I_1/mR^2"),
+    Quantity(
+        "lever", "h'", "distance of the contact point from the foot of the centre", Kind.LENGTH
+    ),
     Quantity("rim_speed", "", "speed of the contact point about the centre", Kind.VELOCITY),
 )
 _SHAPES = {
