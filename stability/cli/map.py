@@ -19,6 +19,7 @@ from .options import (
     in_words,
     numbers_of_body,
     on_axes,
+    where_of,
 )
 from .system_option import doubles, own_family, place, with_at
 
@@ -139,9 +140,8 @@ def _of_body(options: argparse.Namespace, body: Any, swept: set[str]) -> dict[st
     """Arguments of a map or of boundaries for a body."""
     if "mu" in swept and options.mu is not None:
         raise ParameterError("mu is given as --mu and as an axis; give it once.")
-    where = {} if options.theta is None else {"theta": options.theta}
     at = None if options.at is None else _at(options.at)
-    return {"body": body, "contact": contact_of(options, swept=swept), "at": at} | where
+    return {"body": body, "contact": contact_of(options, swept=swept), "at": at} | where_of(options)
 
 
 def _told(given: Mapping[str, Any], swept: Collection[str]) -> dict[str, Any]:

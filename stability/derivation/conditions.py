@@ -331,8 +331,7 @@ def conditions(
     'Stable where c > 0; unstable where it is negative.'
     """
     refuse_system(family)
-    instance("family", family, Family, "give a stability.Family, such as disk_family(name, "
-             "contact) or body.family(name, contact)")  # fmt: skip
+    instance("family", family, Family, "give a Family, such as body.family(name, contact)")
     reads = Numbers(flag("decimals", decimals))
     intervals = reads.intervals(family, positive, between or {})
     values = {known("parameter", n, family.parameters): reads.rational(n, v)

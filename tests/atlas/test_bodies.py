@@ -95,7 +95,7 @@ def test_an_interrupted_atlas_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
 
     with pytest.raises(KeyboardInterrupt):
         atlas_of_bodies(out, resolution=8, workers=1, progress=stop, overwrite=True)
-    atlas_of_bodies(out, resolution=9, workers=1, overwrite=True)  # of another grid: drawn anew
+    atlas_of_bodies(out, resolution=9, workers=1, overwrite=True)  # of another grid: drawn again
     assert asked[3:] == ["tumbling-eccentric-mu", "tumbling-eccentric-offset"]
     assert st.read_map(out / "tumbling-eccentric-mu.nc").abscissa.shape == (6, 9)
 

@@ -45,6 +45,8 @@ class Body(RoundShape):
         Name in messages and files.
     between
         Open interval of θ in which the height holds, within (0, π) [rad].
+    error
+        Relative error of height and moments where they come from a quadrature [-].
 
     Raises
     ------
@@ -82,6 +84,8 @@ class Body(RoundShape):
     """Name in messages and files."""
     between: tuple[float, float] = (0.0, math.pi)
     """Open interval of θ in which the height holds [rad]."""
+    error: float = 0.0
+    """Relative error of height and moments where they come from a quadrature; 0 for formulas."""
 
     def __post_init__(self) -> None:
         for name in SCALES:
@@ -110,7 +114,9 @@ class Body(RoundShape):
 
     # --- families ---
 
-    def family(self, name: str, contact: Any, *, theta: float | None = None) -> Family:
+    def family(
+        self, name: str, contact: Any, *, theta: float | None = None, pole: Any = None
+    ) -> Family:
         """A family of the body's steady motions, for everything that takes a `Family`.
 
         The numbers of the body and of the law are parameters of the family, by name.
@@ -118,11 +124,14 @@ class Body(RoundShape):
         Parameters
         ----------
         name
-            `rolling`, `spinning`, `tumbling`, `circling` (rough) or `precession` (smooth).
+            `rolling`, `spinning`, `tumbling`, `vertical`, `circling` (rough) or `precession`
+            (smooth).
         contact
             A contact law, its name or its class; its numbers do not matter.
         theta
             Inclination near that of rolling, where the body rolls at several [rad].
+        pole
+            0 or "pi": the inclination of vertical spin; 0 when left out.
 
         Returns
         -------
@@ -144,9 +153,9 @@ class Body(RoundShape):
         >>> print(st.conditions(upright, positive=["tube"], tube=1).rule)
         Neutral where 41*phi_dot**2 - 8 > 0; unstable where it is negative.
         """
-        from .by_name import body_family
+        from .families import body_family
 
-        return body_family(self, name, contact, theta)
+        return body_family(self, name, contact, theta=theta, pole=pole)
 
     # --- checks ---
 

@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from ...base.errors import NameUnknownError, ParameterError, shown
+import numpy as np
+
+from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ...systems.family import Family
 from ..contact import Contact
 from ..contact_laws import LAWS, law_class, spelled
 from ..disk import Disk
-from ..law_names import class_named, law_given
-from .families import FAMILIES, round_family
-from .shape import SCALES, RoundShape
+from ..law_names import law_given
+from ..resistance import Resistance, resistances
+from .body import Body
+from .families import FAMILIES, level, round_family, unknown
+from .named import of_disk
+from .shape import SCALES
 
 
 def of_body(
@@ -45,19 +50,22 @@ def of_body(
     Examples
     --------
     >>> import casadi as ca
-    >>> from stability.bodies.round_body.body import Body
     >>> ball = Body(lambda theta: 1.0, axial=0.4, transverse=0.4, name="ball")
     >>> of_body("spinning", ball, None, "rough", {})[0].system.name
     'ball, rough'
     """
     given = dict(parameters)
+    if body is None and isinstance(disk, Disk) and given.get("resistance") is not None:
+        body, disk = disk, None
     if body is None:
         return family, disk, contact, given
     if disk is not None:
         raise ParameterError("body and disk are both given; give one of them.")
+    if isinstance(body, Disk) and given.get("resistance") is not None:
+        body = of_disk(body)
     if isinstance(body, Disk):
-        return family, body, contact, given
-    if not isinstance(body, RoundShape):
+        return family, body, contact, {n: v for n, v in given.items() if n != "resistance"}
+    if not isinstance(body, Body):
         raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
     if isinstance(family, Family):
         raise ParameterError(
@@ -65,7 +73,7 @@ def of_body(
             f"{family.system.name}, which has its own equations."
         )
     if not isinstance(family, str) or family not in FAMILIES:
-        raise _unknown(family, body)
+        raise unknown(family, body)
     swept = [a[0] for a in axes if isinstance(a, (tuple, list)) and a and isinstance(a[0], str)]
     return _resolved(family, body, _law(contact, given, swept), given, swept)
 
@@ -81,19 +89,24 @@ def _law(contact: Any, given: dict[str, Any], swept: Collection[str]) -> Contact
 
 
 def _resolved(
-    family: str, body: RoundShape, law: Contact, given: dict[str, Any], swept: Collection[str]
+    family: str, body: Body, law: Contact, given: dict[str, Any], swept: Collection[str]
 ) -> tuple[Family, None, None, dict[str, Any]]:
     theta = given.pop("theta", None) if FAMILIES[family].level else None
+    pole, against = given.pop("pole", None), resistances(given.pop("resistance", None))
     physical = not body.dimensionless or any(n in SCALES for n in swept)
     coefficients = dict(law.given)
     for name in swept:  # an axis takes the place of its alternatives
         others = type(law).alternatives(name)
         if others:
             coefficients = {n: v for n, v in coefficients.items() if n not in others} | {name: 1.0}
+    for r in against:
+        if np.any(r.value) or r.coefficient in swept:
+            _survives(family, body, r, theta)
     found = round_family(
-        body, family, type(law), tuple(coefficients), physical=physical, theta=theta
-    )
-    numbers = body.given | coefficients
+        body, family, type(law), tuple(coefficients), physical=physical, theta=theta, pole=pole,
+        resistance=tuple(type(r) for r in against),
+    )  # fmt: skip
+    numbers = body.given | coefficients | {r.coefficient: r.value for r in against}
     for name in given:
         if name in numbers:
             raise ParameterError(f"{name} is {body.name}'s own number; give it there alone.")
@@ -101,29 +114,14 @@ def _resolved(
     return found, None, None, own | given
 
 
-def body_family(body: RoundShape, name: str, contact: Any, theta: float | None) -> Family:
-    """A family of a body under a law, its class or its name, as `Body.family` describes.
-
-    Parameters
-    ----------
-    body, name, contact, theta
-        As for `Body.family`.
-    """
-    if not isinstance(name, str) or name not in FAMILIES:
-        raise _unknown(name, body)
-    law: Any = class_named(contact, motion=False) if isinstance(contact, str) else contact
-    kind = law_class(type(law) if isinstance(law, Contact) else law, motion=False)
-    given: Collection[str] = (
-        law.given
-        if isinstance(law, Contact)
-        else {kind.alternatives(p.name)[0]: None for p in kind.parameters}
-    )  # one name a coefficient
-    return round_family(
-        body, name, kind, tuple(given), physical=not body.dimensionless, theta=theta
-    )
-
-
-def _unknown(family: Any, body: RoundShape) -> NameUnknownError:
-    return NameUnknownError(
-        f"family is {shown(family)}; known for {body.name} are {', '.join(FAMILIES)}."
-    )
+def _survives(family: str, body: Body, resistance: Resistance, theta: float | None) -> None:
+    """Refuse a family whose members lose energy to a resistance, so that none is steady."""
+    record = FAMILIES[family]
+    turns = record.turns
+    if record.level and level(body, theta) is None:
+        turns = ("level",)
+    if set(turns) & set(resistance.against):
+        raise NoMemberError(
+            f"{family} of {body.name} does not survive {resistance.name}, which costs energy "
+            "there; slow_flow gives its drift along the family."
+        )

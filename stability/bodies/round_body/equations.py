@@ -17,17 +17,22 @@ import casadi as ca
 from ...base.errors import ParameterError
 from ...systems.condition import Condition
 from ...systems.system import System
-from ..contact import Contact, Scales
-from ..contact_laws import MOTION_LAWS, Creep, LinearViscous, stored
+from ..contact import Contact
+from ..contact_laws import Creep
 from ..newton_euler import STATES, NewtonEuler
-from .expression import Expression
-from .quantities import round_quantities
-from .shape import MOMENTS, SCALES, RoundShape
+from ..resistance import Resistance
+from ..round_quantities import round_quantities
+from .pole_height import height_of_angle
+from .shape import RoundShape
+from .si_law import Law, Numbers, Shape, shape_of
+
+Resistances = tuple[type[Resistance], ...]
 
 
 def round_system(
-    body: RoundShape, law: type[Contact], given: tuple[str, ...], *, physical: bool
-) -> System:
+    body: RoundShape, law: type[Contact], given: tuple[str, ...], *, physical: bool,
+    resistance: Resistances = (),
+) -> System:  # fmt: skip
     """A body under a contact law as a `System`, built once for each.
 
     Parameters
@@ -40,6 +45,8 @@ def round_system(
         Names of the law's parameters, which become parameters of the system.
     physical
         Whether mass, gravity and length are parameters too; otherwise they are 1.
+    resistance
+        Classes of the resistances to rolling and turning, whose coefficients are parameters too.
 
     Returns
     -------
@@ -60,38 +67,48 @@ def round_system(
         raise ParameterError(
             f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
         )
-    moments = tuple(getattr(body, n) if isinstance(getattr(body, n), Expression) else None
-                    for n in MOMENTS)  # fmt: skip
-    shape = body.name, body.height, moments, tuple(body.shape), body.between
-    return _system(*shape, law, given, physical)  # type: ignore[arg-type]  # a class is hashable
+    return _system(shape_of(body), law, given, physical, resistance)  # type: ignore[arg-type]  # a class is hashable
 
 
 @lru_cache(maxsize=64)
 def _system(  # noqa: PLR0913
-    name: str, height: Expression, moments: tuple[Expression | None, ...], shape: tuple[str, ...],
-    between: tuple[float, float], law: type[Contact], given: tuple[str, ...], physical: bool,  # noqa: FBT001
+    shape: Shape, law: type[Contact], given: tuple[str, ...], physical: bool,  # noqa: FBT001
+    resistance: Resistances,
 ) -> System:  # fmt: skip
-    free = tuple(n for n, known in zip(MOMENTS, moments, strict=True) if known is None)
-    names = (*shape, *free, *(SCALES if physical else ()), *given)
-    symbols = {n: ca.SX.sym(n) for n in names}
-    table: dict[str, Any] = dict.fromkeys(SCALES, 1) | symbols
-    own = [symbols[n] for n in shape]
-    for word, known in zip(MOMENTS, moments, strict=True):
-        table[word] = symbols[word] if known is None else ca.SX(known(*own))
+    name, height, _, _, between = shape
+    numbers = Numbers.of(shape, (*given, *(r.coefficient for r in resistance)), physical=physical)
     states = STATES if law.slips else STATES[:4]
     x = ca.SX.sym("x", len(states))
-    body = RoundBody(x, ca.SX(height(x[0], *own)), table, law, given)
-    p = ca.vertcat(*symbols.values()) if symbols else ca.SX(0, 1)
+    body = RoundBody(x, height_of_angle(height, x[0], numbers.own), numbers.table, law, given)
+    body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
     system = System.from_mass_matrix(
-        f"{name}, {law.name}", x, p, *body.implicit_form(),
+        f"{name}, {law.name}", x, numbers.p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
         observables=body.observables, conditions=_conditions(x, between),
-        states=states, parameters=names,
+        states=states, parameters=numbers.names,
     )  # fmt: skip
+    return with_quantities(system, shape, law, resistance, physical=physical)
+
+
+def with_quantities(
+    system: System, shape: Shape, law: type[Contact], resistance: Resistances, *, physical: bool
+) -> System:
+    """A body's system with its quantities, and a unit for each.
+
+    Parameters
+    ----------
+    system
+        The system.
+    shape
+        From `shape_of`.
+    law, resistance, physical
+        As for `round_system`.
+    """
     every = (*system.states, *system.parameters, *system.observables)
-    quantities = round_quantities(name, law, shape, every)
-    units = {n: q.kind.unit(dimensionless=not physical) for n, q in quantities.items()}
-    return replace(system, units=units, quantities=quantities)
+    coefficients = {r.coefficient: r.unit if physical else "1" for r in resistance}
+    known = round_quantities(shape[0], law, shape[3], [n for n in every if n not in coefficients])
+    units = {n: q.kind.unit(dimensionless=not physical) for n, q in known.items()}
+    return replace(system, units=units | coefficients, quantities=known)
 
 
 def _conditions(x: ca.SX, between: tuple[float, float]):  # type: ignore[no-untyped-def]
@@ -123,45 +140,33 @@ class RoundBody(NewtonEuler):
         given: tuple[str, ...],
     ) -> None:  # fmt: skip
         length = table["length"]
-        self.mass, self.weight = table["mass"], table["mass"] * table["gravity"]
+        self.si = Law(contact, table, given)
+        self.mass, self.weight = self.si.mass, self.si.weight
         self.h = length * height
         self.slope = ca.jacobian(self.h, x[0])
-        square = self.mass * length * length
-        self.axial, self.transverse = square * table["axial"], square * table["transverse"]
-        self.square = square
-        self.scales = Scales(
-            {"mass": self.mass, "radius": length, "gravity": table["gravity"]}, ca.sqrt
-        )
-        self.direct = stored(contact) or contact in MOTION_LAWS.values()
-        super().__init__(x, contact, self._coefficient(contact, table, given), contact.slips)
+        self.square = self.mass * length * length
+        self.axial = self.square * table["axial"]
+        self.transverse = self.square * table["transverse"]
+        self.against: list[tuple[type[Resistance], ca.SX]] = []
+        super().__init__(x, contact, self.si.coefficient, contact.slips)
 
-    def _coefficient(
-        self, law: type[Contact], table: dict[str, Any], given: tuple[str, ...]
-    ) -> Any:
-        """The coefficients as the law's force takes them: in SI for a stored law."""
-        if law is LinearViscous:
-            return table["c"] if "c" in given else table["mu"] * self.weight
-        if self.direct:
-            found = [table[n] for n in given]
-        else:
-            found = [*law.arguments({n: table[n] for n in given}, self.scales).values()]
-        return found[0] if len(found) == 1 else tuple(found)
+    def moment(self, normal: Any) -> list[Any]:
+        """Moment of all resistances along (x̂, ŷ, ẑ)."""
+        total: list[Any] = [0, 0, 0]
+        for kind, value in self.against:
+            form = kind.__new__(kind)  # only its formula is used, never its coefficient
+            total = [
+                a + b for a, b in zip(total, form.moment(self.turn(), normal, value), strict=True)
+            ]
+        return total
 
-    def law_force(self, slip: Any, normal: Any, mu: Any) -> Any:
-        """The force in SI; a law of a user is given numbers over the units of the body."""
-        if self.direct:
-            return self.law.force(slip, normal, mu)
-        speed = self.scales.speed
-        found = self.law.force([v / speed for v in slip], normal / self.weight, mu)
-        return [self.weight * f for f in found] if isinstance(found, (list, tuple)) else found
+    def law_force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """The force in the units of the equations."""
+        return self.si.force(slip, normal)
 
-    def law_power(self, slip: Any, normal: Any, mu: Any) -> Any:
-        """The dissipated power in SI."""
-        if self.direct:
-            return self.law.power(slip, normal, mu)
-        speed = self.scales.speed
-        scaled = self.law.power([v / speed for v in slip], normal / self.weight, mu)
-        return self.weight * speed * scaled
+    def law_power(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """The dissipated power in the units of the equations."""
+        return self.si.power(slip, normal)
 
     def turn(self) -> list[ca.SX]:
         """Angular velocity along (x̂, ŷ, ẑ)."""
@@ -203,7 +208,12 @@ class RoundBody(NewtonEuler):
         """Torque a × force along (1̂, 2̂, 3̂); x̂ = cosθ 1̂ + sinθ 3̂, ẑ = -sinθ 1̂ + cosθ 3̂."""
         h, slope = self.h, self.slope
         around, across = self.cosine * h - self.sine * slope, self.sine * h + self.cosine * slope
-        return ca.SX(ca.vertcat(around * fy, -h * fx - slope * self.normal, across * fy))
+        along, side, up = self.moment(self.normal)
+        resisting = ca.vertcat(
+            self.cosine * along - self.sine * up, side, self.sine * along + self.cosine * up
+        )
+        sliding = ca.vertcat(around * fy, -h * fx - slope * self.normal, across * fy)
+        return ca.SX(sliding + resisting) if self.against else ca.SX(sliding)
 
     def potential(self) -> ca.SX:
         """Weight times the height of the centre."""
@@ -213,4 +223,7 @@ class RoundBody(NewtonEuler):
         """Those of every body, with D over m·length², the speed of the rim, and h'."""
         found = super().observables(solved, pivots)
         found["determinant"] = found["determinant"] / self.square
+        if self.against:
+            moment = self.moment(found["normal_force"])
+            found["power"] -= ca.dot(ca.vertcat(*moment), ca.vertcat(*self.turn()))
         return found | {"rim_speed": self.rim_speed(), "lever": self.slope}

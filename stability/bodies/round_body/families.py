@@ -12,7 +12,7 @@ sides vanish upright.  At a pole there is *vertical* spin alone.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -23,12 +23,15 @@ from scipy.optimize import brentq
 
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.checks import known, one_number
-from ...base.errors import NoMemberError, ParameterError, listed
+from ...base.errors import NameUnknownError, NoMemberError, ParameterError, listed, shown
 from ...base.types import Floats
 from ...systems.family import Family
 from ...systems.system import System
 from ..contact import Contact
-from .equations import round_system
+from ..contact_laws import law_class
+from ..law_names import class_named
+from .equations import Resistances, round_system
+from .pole_equations import AXIS, SLIP, TURN, pole_system
 from .shape import SAMPLES, SCALES, RoundShape
 
 CLOSE = 1e-12
@@ -59,6 +62,10 @@ class RoundFamily:
     """Unknowns that come out positive; the mirror image has the same spectrum."""
     law: str = ""
     """The one contact law under which the family exists; empty for every law."""
+    turns: tuple[str, ...] = ("level", "vertical")
+    """Parts of the angular velocity that members have; rolling upright has the level part alone."""
+    pole: bool = False
+    """Whether the axis is vertical: the family lives in the chart around a pole."""
 
 
 _RECORDS = (
@@ -68,7 +75,7 @@ _RECORDS = (
     ),
     RoundFamily(
         "spinning", ("phi_dot",), "upright, turning about the vertical on the spot",
-        {"theta": UPRIGHT, "omega3": 0.0}, {}, upright=True,
+        {"theta": UPRIGHT, "omega3": 0.0}, {}, upright=True, turns=("vertical",),
     ),
     RoundFamily(
         "tumbling", ("theta",), "inclined, its centre at rest", {},
@@ -84,6 +91,10 @@ _RECORDS = (
         "inclined, its centre at rest or in uniform straight motion, without friction",
         {}, {"omega3": 0.0}, law="smooth",
     ),
+    RoundFamily(
+        "vertical", ("omega_Z",), "its axis vertical, turning about it on the spot",
+        dict.fromkeys((*AXIS[:2], *TURN[:2]), 0.0), {}, pole=True, turns=("vertical",),
+    ),
 )  # fmt: skip
 FAMILIES = {family.name: family for family in _RECORDS}
 """Every family of a body of revolution by name."""
@@ -91,7 +102,7 @@ FAMILIES = {family.name: family for family in _RECORDS}
 
 def round_family(
     body: RoundShape, name: str, law: type[Contact], given: tuple[str, ...], *, physical: bool,
-    theta: float | None = None,
+    theta: float | None = None, pole: Any = None, resistance: Resistances = (),
 ) -> Family:  # fmt: skip
     """A family of steady motions of a body under a contact law; built once.
 
@@ -109,6 +120,10 @@ def round_family(
         Whether mass, gravity and length are parameters of the system.
     theta
         Inclination near that of rolling, where the body rolls at several [rad].
+    pole
+        0 or "pi": the inclination of vertical spin; 0 when left out.
+    resistance
+        Classes of the resistances to rolling and turning.
 
     Returns
     -------
@@ -130,7 +145,15 @@ def round_family(
         )
     if theta is not None and not record.level:
         raise ParameterError(f"theta chooses where a body rolls; leave it out for {name}.")
-    system = round_system(body, law, given, physical=physical)
+    if pole is not None and not record.pole:
+        raise ParameterError(f"pole belongs to vertical spin; leave it out for {name}.")
+    if record.pole:
+        near = _near(pole)
+        system = pole_system(body, law, given, physical=physical, near=near, resistance=resistance)
+        still = dict(record.held) | {n: 0.0 for n in SLIP if n in system.states}
+        parts = _pairs(still), (), (), _pairs(_typical(body, record))
+        return _family(system, record, *parts, law)  # type: ignore[arg-type]  # a class is hashable
+    system = round_system(body, law, given, physical=physical, resistance=resistance)
     held: dict[str, Any] = {"theta_dot": 0.0} | dict(record.held)
     held |= {n: 0.0 for n in ("slip_x", "slip_y") if n in system.states}
     unknown = dict(record.unknown)
@@ -149,8 +172,8 @@ def round_family(
         else:
             # not the rate of theta_dot, which falls again where the lever is long
             unknown, equations = {"theta": at}, ["lever"]
-    parts = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
-    return _family(system, record, *parts, law)  # type: ignore[arg-type]  # a class is hashable
+    every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
+    return _family(system, record, *every, law)  # type: ignore[arg-type]  # a class is hashable
 
 
 def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
@@ -165,8 +188,17 @@ def _family(  # noqa: PLR0913
     return Family(
         system, record.name, record.at, held=dict(held), unknown=dict(unknown),
         equations=equations, positive=record.positive, typical=dict(typical),
-        integrals=law.conservative,
+        integrals=law.conservative and not record.pole,
     )  # fmt: skip
+
+
+def _near(pole: Any) -> int:
+    """1 for θ = 0, -1 for θ = π."""
+    if pole is None or (isinstance(pole, (int, float)) and pole == 0):
+        return 1
+    if pole == "pi" or (isinstance(pole, float) and abs(pole - math.pi) < 1e-9):
+        return -1
+    raise ParameterError(f"pole is {shown(pole)}; give 0 or 'pi'.")
 
 
 def _typical(body: RoundShape, record: RoundFamily) -> dict[str, float]:
@@ -273,3 +305,33 @@ def level(body: RoundShape, theta: float | None = None) -> float | None:
             f"{body.name} rolls at theta = {angles}; give theta=, a number near one of them."
         )
     return None if best == math.pi / 2 and _upright(body) else best
+
+
+def body_family(
+    body: RoundShape, name: str, contact: Any, *, theta: float | None, pole: Any
+) -> Family:
+    """A family of a body under a law, its class or its name, as `Body.family` describes.
+
+    Parameters
+    ----------
+    body, name, contact, theta, pole
+        As for `Body.family`.
+    """
+    if not isinstance(name, str) or name not in FAMILIES:
+        raise unknown(name, body)
+    law: Any = class_named(contact, motion=False) if isinstance(contact, str) else contact
+    kind = law_class(type(law) if isinstance(law, Contact) else law, motion=False)
+    given: Collection[str] = (
+        law.given
+        if isinstance(law, Contact)
+        else {kind.alternatives(p.name)[0]: None for p in kind.parameters}
+    )  # one name a coefficient
+    physical = not body.dimensionless
+    return round_family(body, name, kind, tuple(given), physical=physical, theta=theta, pole=pole)
+
+
+def unknown(family: Any, body: RoundShape) -> NameUnknownError:
+    """The refusal of a name that is no family."""
+    return NameUnknownError(
+        f"family is {shown(family)}; known for {body.name} are {', '.join(FAMILIES)}."
+    )

@@ -1,0 +1,230 @@
+"""A body of revolution from its meridian and density: height and moments by quadrature.
+
+The height is the support function of the surface about the centre of mass.  For a smooth meridian
+it is a cosine series in θ whose terms fall geometrically.  It is computed at equally spaced angles,
+each by the point of the meridian whose normal is vertical, and cut where the terms reach rounding.
+Mass, centre and moments are integrals over the body by Gauss' rule, doubled until they agree.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ....base.checks import known, one_number
+from ....base.errors import ParameterError, shown
+from ....base.types import Floats
+from ..body import Body
+from ..shape import SCALES
+
+Curve = Callable[[Any], tuple[Any, Any]]
+MOST_NODES = 1024
+"""Largest number of nodes of a rule, and of angles of the series."""
+TIGHT = 1e-13
+"""Relative size at which integrals agree and terms of the series end."""
+LOOSE = 1e-9
+"""Largest relative error of a body that is handed out."""
+
+
+def from_profile(
+    curve: Curve, *, density: Callable[[Any, Any], Any] | None = None, name: str = "profile",
+    **scales: Any,
+) -> Body:  # fmt: skip
+    """A solid of revolution from its meridian, convex and smooth, with any density.
+
+    Parameters
+    ----------
+    curve
+        Function of u in [0, π] with (r, z) of the meridian: distance from the axis and place along
+        it, over `length`.  It starts and ends on the axis (r = 0), z rises, and it works on arrays.
+    density
+        Function (r, z) → density, up to a factor; uniform when left out.
+    name
+        Name in messages and files.
+    **scales
+        `mass`, `gravity`, `length`, as for `Body`.
+
+    Returns
+    -------
+    Body
+        Its `error` bounds the estimated difference of the height from that of the meridian, and
+        of the moments from their integrals.
+
+    Raises
+    ------
+    ParameterError
+        If the meridian does not start and end on the axis, or is not convex and smooth enough.
+
+    Source: tests/bodies/test_profiles.py compares spheroids with their closed forms.
+
+    Examples
+    --------
+    >>> ball = from_profile(lambda u: (np.sin(u), -np.cos(u)))
+    >>> [round(float(m), 12) for m in ball.moments()], ball.error < 1e-12
+    ([0.4, 0.4], True)
+    """
+    for key in scales:
+        known("keyword", key, SCALES)
+    ends = [float(np.asarray(curve(u)[0])) for u in (0.0, math.pi)]
+    size = float(np.abs(np.asarray(curve(math.pi / 2))).max())
+    if not np.isfinite(ends).all() or max(map(abs, ends)) > 1e-9 * size:
+        raise ParameterError(
+            f"the meridian is at r = {ends[0]:.3g} and {ends[1]:.3g} at its ends; both must be 0."
+        )
+    (axial, transverse, centre), doubt = _agreed(lambda n: _moments(curve, density, n), "moments")
+    terms, error = _series(curve, centre)
+    numbers = [float(t) for t in terms]
+    return Body(
+        lambda theta: sum((a * ca.cos(n * theta) for n, a in enumerate(numbers) if n), numbers[0]),
+        axial=axial, transverse=transverse, name=name, error=max(error, doubt), **scales,
+    )  # fmt: skip
+
+
+def Egg(taper: float = 0.2, *, aspect: float = 1.3, **scales: Any) -> Body:  # noqa: N802
+    """A solid egg of uniform density: r = sin u (1 + taper·cos u), z = -aspect·cos u.
+
+    Its blunt end lies at negative z: at θ = 0 the egg stands on it.
+
+    Parameters
+    ----------
+    taper
+        Difference of the two ends, in [0, 0.4]; 0 for a spheroid [-].
+    aspect
+        Half length over the radius at the middle, which is `length` [-].
+    **scales
+        `mass`, `gravity`, `length`, as for `Body`.
+
+    Returns
+    -------
+    Body
+
+    Examples
+    --------
+    >>> egg = Egg(0.2)
+    >>> bool(egg.height_at(0.0) < egg.height_at(np.pi))  # its centre lies nearer to the blunt end
+    True
+    """
+    taper, aspect = one_number("taper", taper), one_number("aspect", aspect)
+    if not 0 <= taper <= 0.4:
+        raise ParameterError(f"taper is {taper:g}; it must lie in [0, 0.4].")
+    if aspect <= 0:
+        raise ParameterError(f"aspect is {aspect:g}; it must be positive.")
+    return from_profile(
+        lambda u: (np.sin(u) * (1 + taper * np.cos(u)), -aspect * np.cos(u)), name="egg", **scales
+    )
+
+
+def _agreed(rule: Callable[[int], Floats], what: str) -> tuple[Floats, float]:
+    """Values of a rule that agree with those of half as many nodes, and the relative difference."""
+    before = rule(16)
+    nodes = 32
+    while nodes <= MOST_NODES:
+        here = rule(nodes)
+        with np.errstate(all="ignore"):
+            gap = float(np.abs(here - before).max() / np.abs(here).max())
+        if gap < TIGHT:
+            return here, max(gap, 2e-16)
+        before, nodes = here, 2 * nodes
+    if gap < LOOSE:
+        return here, gap
+    raise ParameterError(
+        f"the {what} of the meridian do not settle with {MOST_NODES} nodes (relative change "
+        f"{gap:.2g}); give a smooth curve and density."
+    )
+
+
+def _moments(curve: Curve, density: Callable[[Any, Any], Any] | None, nodes: int) -> Floats:
+    """Axial and transverse moment about the centre of mass over the mass, and the centre's z."""
+    x, w = np.polynomial.legendre.leggauss(nodes)
+    u, wu = (x + 1) * math.pi / 2, w * math.pi / 2
+    r, z = (np.broadcast_to(np.asarray(v, dtype=float), u.shape) for v in curve(u))
+    rise = _slope(lambda t: curve(t)[1], u)
+    part, wp = (x + 1) / 2, w / 2  # distance from the axis over r
+    rho = r[:, None] * part
+    height = np.broadcast_to(z[:, None], rho.shape)
+    weight = 2 * np.pi * rho * (r * rise * wu)[:, None] * wp
+    if density is not None:
+        weight = weight * np.asarray(density(rho, height), dtype=float)
+    mass = weight.sum()
+    centre = (weight * height).sum() / mass
+    axial = (weight * rho**2).sum() / mass
+    across = (weight * (rho**2 / 2 + (height - centre) ** 2)).sum() / mass
+    return np.array([axial, across, centre])
+
+
+def _slope(function: Callable[[Any], Any], u: Floats) -> Floats:
+    """Derivative by a complex step, or by differences where complex numbers are not taken."""
+    step = 1e-30
+    try:
+        found = np.asarray(function(u + 1j * step))
+        if np.iscomplexobj(found):
+            return np.broadcast_to(found.imag / step, u.shape)
+    except (TypeError, ValueError):
+        pass
+    h = 1e-3  # eighth order
+    weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+    total = sum(
+        c * (np.asarray(function(u + k * h)) - np.asarray(function(u - k * h)))
+        for k, c in enumerate(weights, 1)
+    )
+    return np.asarray(total / h, dtype=float)
+
+
+def _series(curve: Curve, centre: float) -> tuple[Floats, float]:
+    """Terms of the cosine series of the height, and a bound of what is left out."""
+    count = 16
+    while count <= MOST_NODES:
+        theta = np.pi * np.arange(count + 1) / count
+        values = _support(curve, centre, theta)
+        folded = np.concatenate([values, values[-2:0:-1]])
+        terms = np.fft.rfft(folded).real / count
+        terms[[0, -1]] /= 2
+        size = np.abs(terms).max()
+        tail = np.abs(terms[3 * count // 4 :]).max() / size
+        if tail < TIGHT:
+            break
+        count *= 2
+    if tail > LOOSE:
+        raise ParameterError(
+            f"the height of the meridian is no smooth function of theta: its series ends at "
+            f"{tail:.2g} after {MOST_NODES} terms; give a smooth convex curve."
+        )
+    small = np.abs(terms) < 4 * TIGHT * size
+    last = int(np.flatnonzero(~small).max()) + 1
+    between = np.pi * (np.arange(4 * count) + 0.5) / (4 * count)
+    known_ = np.cos(np.outer(between, np.arange(last))) @ terms[:last]
+    gap = np.abs(known_ - _support(curve, centre, between)).max() / size
+    return terms[:last], float(gap + np.abs(terms[last:]).sum() / size)
+
+
+def _support(curve: Curve, centre: float, theta: ArrayLike) -> Floats:
+    """Largest r sinθ - (z - centre) cosθ over the meridian, by Newton from the best of a grid."""
+    theta = np.asarray(theta, dtype=float)
+    s, c = np.sin(theta), np.cos(theta)
+
+    def depth(u: Any) -> Any:
+        r, z = curve(u)
+        return r * s - (z - centre) * c
+
+    grid = np.linspace(0, np.pi, 2001)
+    r, z = (np.broadcast_to(np.asarray(v, dtype=float), grid.shape) for v in curve(grid))
+    u = grid[np.argmax(np.outer(s, r) - np.outer(c, z - centre), axis=1)]
+    best = depth(u)
+    for width in (1e-3, 1e-4, 1e-5, 1e-5):  # the maximum of a parabola through three points
+        left, right = np.clip(u - width, 0, np.pi), np.clip(u + width, 0, np.pi)
+        below, above = depth(left), depth(right)
+        bend = below - 2 * best + above
+        with np.errstate(all="ignore"):
+            move = np.where(bend < 0, width * (below - above) / (2 * bend), 0.0)
+        trial = np.clip(u + np.clip(np.nan_to_num(move), -2e-3, 2e-3), 0, np.pi)
+        value = depth(trial)
+        better = value > best
+        u, best = np.where(better, trial, u), np.where(better, value, best)
+    if not np.isfinite(best).all():
+        raise ParameterError(f"the meridian has no finite point at u = {shown(float(u[0]))}.")
+    return np.asarray(best, dtype=float)
