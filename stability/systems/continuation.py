@@ -177,7 +177,7 @@ def branch(
     >>> run.complete, float(run.state[0, 2].round(6))
     (True, 2.00251)
     """
-    known = "give a stability.Family, such as system.steady(…) or body.family(name, contact)"
+    known = "give a stability.Family, such as system.steady(at, guess={…}) or body.family(…)"
     instance("family", family, Family, known)
     points = whole_number("points", points, 2, MOST_POINTS, "follow a longer branch in pieces")
     lo, hi = one_number("start", start), one_number("stop", stop)
