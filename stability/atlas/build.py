@@ -126,7 +126,7 @@ def atlas(
         pages = [_page(*pair, found) for pair in pairs]
         _write_csv(folder / "boundaries.csv", pages)
         (folder / "index.html").write_text(_html(pages, resolution), encoding="utf-8")
-        _move(folder, target)
+        move(folder, target)
     return target / "index.html"
 
 
@@ -148,7 +148,7 @@ class _temporary_folder:  # noqa: N801  # a context manager that reads as a word
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def _move(folder: Path, target: Path) -> None:
+def move(folder: Path, target: Path) -> None:
     """Rename the folder to the target, or move its files into a target that exists."""
     mask = os.umask(0)
     os.umask(mask)

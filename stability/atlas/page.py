@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.verdict import CODES
+from ..base.verdict import CODES, NO_MEMBER
 from ..base.version import __version__
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
@@ -76,6 +76,7 @@ def _zeros(count: int) -> str:
 def _diagram_caption(
     family: str, name: str, inertia: str, dataset: Any, limits: list[str], strips: Sequence[Any]
 ) -> str:
+    y, x = (str(name) for name in dataset.verdict.dims)
     count = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
     verdicts = ", ".join(f"{n:,} {word}".replace(",", " ") for word, n in count.items() if n)
     undecided = "" if count["undecided"] else "; none undecided"
@@ -84,21 +85,27 @@ def _diagram_caption(
              Crossing.TOUCHING: "touching (dotted)"}  # fmt: skip
     curve = "No boundary between verdicts in this range."
     if kinds:
-        size = np.where(dataset.boundary_axis == 0, dataset.boundary_at, dataset.boundary_mu)
+        size = np.where(
+            dataset.boundary_axis == 0, dataset[f"boundary_{x}"], dataset[f"boundary_{y}"]
+        )
         worst = float((dataset.boundary_error.values / np.abs(size)).max())
         curve = (
             f"Black: boundary of the verdict, {' and '.join(style[k] for k in kinds)}, "
             f"{dataset.sizes['boundary_point']} points, each a bracket of relative half-width at "
             f"most {worst:.0e} proved in ball arithmetic."
         )
+    missing = int((dataset.verdict == NO_MEMBER).sum())
+    verdicts += f", {missing} without a member, left blank" * bool(missing)
+    strips_of = f" Strips: the limit laws on the same axis and colours ({'; '.join(limits)})."
+    strips_of *= bool(limits)
     return (
         f"{family.capitalize()} of the {name} ({inertia}) under viscous friction. Colour: largest "
         "real part of the eigenvalues other than the "
         f"{_zeros(dataset.attrs['structural_zeros'])}, on "
-        f"{dataset.sizes['at']} × {dataset.sizes['mu']} points, in √(g/R), "
+        f"{dataset.sizes[x]} × {dataset.sizes[y]} points, in √(g/R), "
         f"{_colours(dataset, strips)}. "
         f"Verdicts: {verdicts}{undecided}. "
-        f"{curve} Strips: the limit laws on the same axis and colours ({'; '.join(limits)})."
+        f"{curve}{strips_of}"
     )
 
 
@@ -129,12 +136,17 @@ footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color:
 """
 
 
-def _html(pages: list[Page], resolution: int) -> str:
-    parts = [
+def _head(title: str) -> list[str]:
+    return [
         "<!doctype html>", '<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>Stability atlas of the rolling and sliding disk</title><style>{_STYLE}</style>",
-        "</head><body>", "<h1>Stability atlas of the rolling and sliding disk</h1>",
+        f"<title>{title}</title><style>{_STYLE}</style>", "</head><body>", f"<h1>{title}</h1>",
+    ]  # fmt: skip
+
+
+def _html(pages: list[Page], resolution: int) -> str:
+    parts = [
+        *_head("Stability atlas of the rolling and sliding disk"),
         '<p class="lead">Which steady motions of a thin disk on a plane can be seen? Each diagram '
         "shows one family of steady motions of one body: where small disturbances decay (blue) and "
         "where they grow (vermilion, hatched), with the exact boundary in between. Numbers are "
@@ -151,22 +163,26 @@ def _html(pages: list[Page], resolution: int) -> str:
         ]
         for index in range(len(mine[0].pictures)):
             parts.append('<div class="row">')
-            parts += [_figure(p, p.pictures[index], index == 0) for p in mine]
+            parts += [_figure(p.pictures[index], index == 0) for p in mine]
             parts.append("</div>")
-    versions = ", ".join(f"{n} {version(n)}" for n in (*LIBRARIES, "matplotlib"))
-    now = datetime.now(UTC).isoformat(timespec="seconds")
-    parts.append(
-        f"<footer><p>Made by <code>stability atlas --resolution {resolution}</code>, stability "
-        f"{__version__}, {now}; {html.escape(versions)}. The NetCDF files hold the numbers behind "
-        "each diagram with units, error bounds and provenance.</p></footer></body></html>"
-    )
+    parts.append(_foot(f"stability atlas --resolution {resolution}"))
     return "\n".join(parts) + "\n"
 
 
-def _figure(page: Page, picture: Picture, diagram: bool) -> str:
+def _foot(command: str) -> str:
+    versions = ", ".join(f"{n} {version(n)}" for n in (*LIBRARIES, "matplotlib"))
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    return (
+        f"<footer><p>Made by <code>{command}</code>, stability "
+        f"{__version__}, {now}; {html.escape(versions)}. The NetCDF files hold the numbers behind "
+        "each diagram with units, error bounds and provenance.</p></footer></body></html>"
+    )
+
+
+def _figure(picture: Picture, diagram: bool) -> str:
     files = [f'<a href="{picture.stem}.{s}">{s.upper()}</a>' for s in ("png", "pdf")]
     if diagram:
-        files.append(f'<a href="{page.family}-{page.body}.nc">NetCDF</a>')
+        files.append(f'<a href="{picture.stem}.nc">NetCDF</a>')
     return (
         f'<figure><img src="{picture.stem}.png" alt="{html.escape(picture.alternative)}" '
         f'loading="lazy"><figcaption>{html.escape(picture.caption)} '

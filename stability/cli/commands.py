@@ -136,13 +136,14 @@ def _code(reason: BaseException) -> int:
 
 
 def _atlas(options: argparse.Namespace) -> None:
+    from ..atlas.bodies import atlas_of_bodies
     from ..atlas.build import atlas
     from ..atlas.page import summary
 
+    finer = {} if options.resolution is None else {"resolution": options.resolution}
+    write = atlas_of_bodies if options.bodies else atlas
     with _bar("figures") as progress:
-        page = atlas(
-            options.out, resolution=options.resolution, overwrite=options.force, progress=progress
-        )
+        page = write(options.out, overwrite=options.force, progress=progress, **finer)
     if options.json:
         print(json_text(summary(page)))
     else:
@@ -249,11 +250,15 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
     sub.add_argument("--at", default=None, help="what names the member, where it is no axis")
     _physics(sub)
 
-    sub = command("atlas", _atlas, "The families' diagrams for disk, annulus and hoop",
-                  "stability atlas --out atlas")  # fmt: skip
+    sub = command("atlas", _atlas, "The families' diagrams for disk, annulus and hoop, or for "
+                  "other bodies of revolution", "stability atlas --out atlas",
+                  "stability atlas --bodies --out bodies")  # fmt: skip
+    sub.add_argument("--bodies", action="store_true",
+                     help="torus, spheroids, eccentric sphere and thick disk; finished figures are "
+                     "kept in DIR.parts until all are done")  # fmt: skip
     sub.add_argument("--out", required=True, metavar="DIR", help="folder to write")
-    sub.add_argument("--resolution", type=int, default=400, metavar="N",
-                     help="points along the family's axis (default 400)")  # fmt: skip
+    sub.add_argument("--resolution", type=int, metavar="N",
+                     help="points along the family's axis (default 400, of bodies 48)")  # fmt: skip
     overwriting(sub, "replace files in an existing folder")
 
     sub = command("simulate", _simulate, "Launch a disk, and say what becomes of it",

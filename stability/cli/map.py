@@ -18,7 +18,7 @@ from .options import (
     contact_of,
     in_words,
     numbers_of_body,
-    on_axes,
+    where_of,
 )
 from .system_option import doubles, own_family, place, with_at
 
@@ -36,7 +36,7 @@ def _map(options: argparse.Namespace) -> None:
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
     if options.levels is not None and not options.certify:
         raise ParameterError("--levels belongs to --certify; leave it out or certify.")
-    family, given = given_beyond(options, on_axes(x, y))
+    family, given = given_beyond(options, {axis[0]: axis for axis in (x, y)})
     out = check_suffix(options.out, NETCDF if options.verdict_only else DATASETS, "--out")
     targets = [check_target(out, overwrite=options.force)]
     if options.plot is not None:
@@ -139,9 +139,8 @@ def _of_body(options: argparse.Namespace, body: Any, swept: set[str]) -> dict[st
     """Arguments of a map or of boundaries for a body."""
     if "mu" in swept and options.mu is not None:
         raise ParameterError("mu is given as --mu and as an axis; give it once.")
-    where = {} if options.theta is None else {"theta": options.theta}
     at = None if options.at is None else _at(options.at)
-    return {"body": body, "contact": contact_of(options, swept=swept), "at": at} | where
+    return {"body": body, "contact": contact_of(options, swept=swept), "at": at} | where_of(options)
 
 
 def _told(given: Mapping[str, Any], swept: Collection[str]) -> dict[str, Any]:
@@ -195,7 +194,7 @@ def _boundaries(options: argparse.Namespace) -> None:
     axis = _axis(options.axis, "--axis")
     if options.certify:
         raise ParameterError("every boundary here is proved; leave --certify out.")
-    family, given = given_beyond(options, on_axes(axis), exact=True)
+    family, given = given_beyond(options, {axis[0]: axis}, exact=True)
     found = boundaries(family, axis=axis, **given)
     own = not isinstance(family, str)
     name = family.name if own else family

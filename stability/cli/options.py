@@ -270,6 +270,15 @@ def add_body(parser: argparse.ArgumentParser, words: Sequence[str] | None) -> No
             group.add_argument(f"--{name}", type=float, help=of)
     group.add_argument("--length", type=float, help="length of the body's numbers (default 1)")
     group.add_argument("--theta", type=float, help="where it rolls, if at several inclinations")
+    group.add_argument("--pole", help="for vertical: its theta, 0 or pi (default 0)")
+
+
+def where_of(options: argparse.Namespace) -> dict[str, Any]:
+    """What tells members apart whose numbers are the same: an inclination, or a pole."""
+    given: dict[str, Any] = {"theta": options.theta, "pole": options.pole}
+    if given["pole"] == "0":
+        given["pole"] = 0
+    return {n: v for n, v in given.items() if v is not None}
 
 
 def body_of(options: argparse.Namespace, swept: Mapping[str, Any]) -> Any | None:
@@ -385,8 +394,3 @@ def in_words(body: Any, numbers: Mapping[str, float]) -> str:
 
     left = SCALES if body.dimensionless else ()
     return ", ".join(f"{n} = {v:g}" for n, v in numbers.items() if n not in left)
-
-
-def on_axes(*axes: Sequence[Any]) -> dict[str, Any]:
-    """Axes by name."""
-    return {axis[0]: axis for axis in axes}

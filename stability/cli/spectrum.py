@@ -12,7 +12,7 @@ from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from ..storage.json_text import json_text
-from .options import _at, _disk, body_of, contact_of, in_words, numbers_of_body
+from .options import _at, _disk, body_of, contact_of, in_words, numbers_of_body, where_of
 from .system_option import own_family, place, with_at
 
 
@@ -83,7 +83,7 @@ def _of_body(options: argparse.Namespace, body: Any) -> tuple[dict[str, Any], st
     from ..spectra.spectrum import spectrum
 
     contact = contact_of(options)
-    where = {} if options.theta is None else {"theta": options.theta}
+    where = where_of(options)
     at = None if options.at is None else _at(options.at)
     _check_count(options, at, KNOWN[options.family].at if options.family in KNOWN else ())
     result = spectrum(

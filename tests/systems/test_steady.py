@@ -83,7 +83,7 @@ def test_a_branch_of_a_bare_system_is_refused_with_the_way_to_a_family(lorenz: A
     with pytest.raises(
         st.StabilityError,
         match=r"family is a System; give a stability.Family, such "
-        r"as system\.steady\(at, guess=\{…\}\) or disk_family\(…\)\.",
+        r"as system\.steady\(at, guess=\{…\}\) or body\.family\(…\)\.",
     ):
         st.branch(lorenz, 2, 28, [10, B])
 

@@ -21,8 +21,8 @@ from ..contact import Contact
 from ..contact_laws import Creep
 from ..newton_euler import STATES, NewtonEuler
 from ..resistance import Resistance
+from ..round_quantities import round_quantities
 from .height.pole_height import height_of_angle
-from .quantities import round_quantities
 from .shape import RoundShape
 from .si_law import Law, Numbers, Shape, shape_of
 
@@ -55,7 +55,8 @@ def round_system(
         of the shape, moments that are numbers, scales, and those of the law.  Observables:
         `energy`, `normal_force`, `contact_force` (x̂ and ŷ), `slip`, `determinant` (D over
         m·length²), `power` (dissipated), `rim_speed` (of the point of contact about the centre,
-        along ŷ; it vanishes where the centre rests and nothing slips).
+        along ŷ; it vanishes where the centre rests and nothing slips), `lever` (h', the distance of
+        the contact point from the foot of the centre along x̂).
 
     Raises
     ------
@@ -86,11 +87,28 @@ def _system(  # noqa: PLR0913
         observables=body.observables, conditions=_conditions(x, between),
         states=states, parameters=numbers.names,
     )  # fmt: skip
+    return with_quantities(system, shape, law, resistance, physical=physical)
+
+
+def with_quantities(
+    system: System, shape: Shape, law: type[Contact], resistance: Resistances, *, physical: bool
+) -> System:
+    """A body's system with its quantities, and a unit for each.
+
+    Parameters
+    ----------
+    system
+        The system.
+    shape
+        From `shape_of`.
+    law, resistance, physical
+        As for `round_system`.
+    """
     every = (*system.states, *system.parameters, *system.observables)
-    quantities = round_quantities(name, law, shape[3], every)
-    units = {n: q.kind.unit(dimensionless=not physical) for n, q in quantities.items()}
-    units |= {r.coefficient: r.unit if physical else "1" for r in resistance}
-    return replace(system, units=units, quantities=quantities)
+    coefficients = {r.coefficient: r.unit if physical else "1" for r in resistance}
+    known = round_quantities(shape[0], law, shape[3], [n for n in every if n not in coefficients])
+    units = {n: q.kind.unit(dimensionless=not physical) for n, q in known.items()}
+    return replace(system, units=units | coefficients, quantities=known)
 
 
 def _conditions(x: ca.SX, between: tuple[float, float]):  # type: ignore[no-untyped-def]
@@ -202,10 +220,10 @@ class RoundBody(NewtonEuler):
         return ca.SX(self.weight * self.h)
 
     def observables(self, solved: dict[str, ca.SX], pivots: list[ca.SX]) -> dict[str, ca.SX]:
-        """Those of every body, with D over m·length², and the speed of the rim."""
+        """Those of every body, with D over m·length², the speed of the rim, and h'."""
         found = super().observables(solved, pivots)
         found["determinant"] = found["determinant"] / self.square
         if self.against:
             moment = self.moment(found["normal_force"])
             found["power"] -= ca.dot(ca.vertcat(*moment), ca.vertcat(*self.turn()))
-        return found | {"rim_speed": self.rim_speed()}
+        return found | {"rim_speed": self.rim_speed(), "lever": self.slope}

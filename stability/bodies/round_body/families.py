@@ -170,9 +170,10 @@ def round_family(
         if at is None:
             held["theta"] = UPRIGHT
         else:
-            unknown, equations = {"theta": at}, ["theta_dot"]
-    parts = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
-    return _family(system, record, *parts, law)  # type: ignore[arg-type]  # a class is hashable
+            # not the rate of theta_dot, which falls again where the lever is long
+            unknown, equations = {"theta": at}, ["lever"]
+    every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
+    return _family(system, record, *every, law)  # type: ignore[arg-type]  # a class is hashable
 
 
 def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:

@@ -9,7 +9,6 @@ poles of a body that is smooth there (a tippe top turns over through one).  Unit
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -23,9 +22,8 @@ from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep
 from ..resistance import Resistance
-from .equations import Resistances
+from .equations import Resistances, with_quantities
 from .height.pole_height import NotSmoothError, height_of_cosine
-from .quantities import round_quantities
 from .shape import RoundShape
 from .si_law import Law, Numbers, Shape, shape_of
 
@@ -160,11 +158,7 @@ def _system(  # noqa: PLR0913
         f"{name}, {law.name}", x, numbers.p, ca.vertcat(turning[: len(axis)], rhs), states=states,
         parameters=numbers.names, observables=seen, conditions=tuple(conditions),
     )  # fmt: skip
-    quantities = round_quantities(name, law, shape[3], (*states, *numbers.names, *seen))
-    units = {n: q.kind.unit(dimensionless=not physical) for n, q in quantities.items()}
-    units |= {r.coefficient: r.unit if physical else "1" for r in resistance}
-    units["jellett"] = "kg m2/s" if physical else "1"
-    return replace(system, units=units, quantities=quantities)
+    return with_quantities(system, shape, law, resistance, physical=physical)
 
 
 class PoleBody:

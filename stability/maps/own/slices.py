@@ -35,7 +35,7 @@ from ...algebra.exact.triangular import RecordingField, occurring
 from ...algebra.number_types import balls
 from ...algebra.program import Program
 from ...algebra.upright import Upright
-from ...base.errors import StabilityError
+from ...base.errors import ParameterError, StabilityError
 from ...derivation.general.elimination import evaluate
 from ...spectra.problem import Problem
 from ...systems.family import Family
@@ -175,7 +175,7 @@ class _Reading:
         if asked is not None:
             try:
                 values += [v[0] for v in asked.run(exact_upright(), place)]
-            except TypeError:  # of the right angle only sine and cosine are exact
+            except (TypeError, ParameterError):  # of the right angle only sine and cosine are exact
                 raise NotExact("a condition at the right angle") from None
         for found in map(self._element, values):
             self.required.append(found.num * found.den)

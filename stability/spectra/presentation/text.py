@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...base.errors import StabilityError
-from ...base.quantities import without_dimension
+from ...base.quantities import Kind, Quantity, without_dimension
 from ...base.types import Complexes
 
 MOST = 8
@@ -57,7 +57,8 @@ def of_body(spectrum: Any) -> str:
     plain = without_dimension(system.quantities, system.units)
     single = {n: float(v) for n, v in spectrum.values.items() if np.ndim(v) == 0}
     single = {n: single[n] for n in (*spectrum.family.at, *single) if n in single}
-    return ", ".join(system.quantities[n].value(v, dimensionless=plain) for n, v in single.items())
+    known = {n: Quantity(n, "", n, Kind.NUMBER) for n in single} | dict(system.quantities)
+    return ", ".join(known[n].value(v, dimensionless=plain) for n, v in single.items())
 
 
 def line(spectrum: Any) -> str:

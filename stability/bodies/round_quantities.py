@@ -8,26 +8,25 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
-from ...base.quantities import Kind, Quantity
-from ..contact import Contact
-from ..thin_disk.disk_quantities import disk_quantities
+from ..base.quantities import Kind, Quantity
+from .contact import Contact
+from .thin_disk.disk_quantities import QUANTITIES, disk_quantities
 
 _OWN = (
     Quantity("length", "R", "length", Kind.LENGTH),
     Quantity("axial", "I₃/mR²", "axial moment of inertia", Kind.NUMBER, "I_3/mR^2"),
     Quantity("transverse", "I₁/mR²", "transverse moment of inertia", Kind.NUMBER, "I_1/mR^2"),
-    *(Quantity(f"axis_{n}", f"e_{n}", f"symmetry axis along {n}", Kind.NUMBER) for n in "XYZ"),
-    *(
-        Quantity(
-            f"omega_{n}",
-            f"ω_{n}",
-            f"angular velocity along {n}",
-            Kind.ANGULAR_VELOCITY,
-            rf"\omega_{n}",
-        )
-        for n in "XYZ"
+    Quantity(
+        "lever", "h'", "distance of the contact point from the foot of the centre", Kind.LENGTH
     ),
-    *(Quantity(f"slip_{n}", f"v_{n}", f"slip along {n}", Kind.VELOCITY) for n in "XY"),
+    Quantity("axis_X", "e_X", "symmetry axis along X", Kind.NUMBER),
+    Quantity("axis_Y", "e_Y", "symmetry axis along Y", Kind.NUMBER),
+    Quantity("axis_Z", "e_Z", "symmetry axis along Z", Kind.NUMBER),
+    Quantity("omega_X", "ω_X", "angular velocity along X", Kind.ANGULAR_VELOCITY, r"\omega_X"),
+    Quantity("omega_Y", "ω_Y", "angular velocity along Y", Kind.ANGULAR_VELOCITY, r"\omega_Y"),
+    Quantity("omega_Z", "ω_Z", "angular velocity along Z", Kind.ANGULAR_VELOCITY, r"\omega_Z"),
+    Quantity("slip_X", "v_X", "slip along X", Kind.VELOCITY),
+    Quantity("slip_Y", "v_Y", "slip along Y", Kind.VELOCITY),
     Quantity("rim_speed", "", "speed of the contact point about the centre", Kind.VELOCITY),
 )
 _SHAPES = {
@@ -35,6 +34,7 @@ _SHAPES = {
     "hollow torus": Quantity("tube", "b", "relative tube radius", Kind.NUMBER),
     "spheroid": Quantity("aspect", "a", "aspect ratio", Kind.NUMBER),
     "eccentric sphere": Quantity("offset", "e", "relative offset of the centre", Kind.NUMBER),
+    "disk": QUANTITIES["k"],
     "thick disk": Quantity("thickness", "t", "relative thickness", Kind.NUMBER),
 }
 """The number of a named body's shape; over the length."""
@@ -69,4 +69,4 @@ def round_quantities(
     for name in shape:
         own = _SHAPES.get(body)
         known[name] = own if own and own.name == name else Quantity(name, "", name, Kind.NUMBER)
-    return {n: known[n] for n in names if n in known}
+    return {n: known.get(n, Quantity(n, "", n, Kind.NUMBER)) for n in names}

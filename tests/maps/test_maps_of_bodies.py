@@ -1,0 +1,95 @@
+"""Maps of bodies: by the polynomial where upright, and no wrong verdict where conditions fail."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import stability as st
+from stability.base.verdict import NO_MEMBER, Verdict
+from stability.maps.own.slices import slice_of
+from stability.spectra.arguments import axis_of, prepare
+
+BODIES = (st.Torus(0.2), st.Spheroid(1.6))
+
+
+@pytest.mark.parametrize("law", ["smooth", "viscous", "rough"])
+@pytest.mark.parametrize("family", ["rolling", "spinning"])
+@pytest.mark.parametrize("body", BODIES, ids=lambda b: f"{b.name} {next(iter(b.shape.values()))}")
+def test_an_upright_body_is_mapped_by_its_polynomial(body: st.Body, family: str, law: str) -> None:
+    [shape] = body.shape
+    middle = float(body.shape[shape])
+    mu = {"mu": 0.4} if law == "viscous" else {}
+    y = (shape, 0.5 * middle, 1.5 * middle, 32)
+    chart = st.stability_map(family, x=("at", 0.3, 3.1, 40), y=y, body=body, contact=law, **mu)
+    assert chart.method.startswith("characteristic polynomial of the family over Q")
+    assert (chart.verdict != Verdict.UNDECIDED.code).all()
+    rng = np.random.default_rng(1)
+    for j, i in zip(rng.integers(0, 32, 6), rng.integers(0, 40, 6), strict=True):
+        number = float(chart[shape][j])
+        own = st.Torus(number) if shape == "tube" else st.Spheroid(number)
+        at = float(chart[chart.abscissa.dims[1]][i])
+        one = st.spectrum(family, at=at, body=own, contact=law, certify=True, **mu)
+        assert chart.verdict.values[j, i] == one.verdict.code
+        assert chart.abscissa.values[j, i] == pytest.approx(one.abscissa, rel=1e-9, abs=1e-12)
+
+
+STATE, LIMIT = ca.SX.sym("theta"), ca.SX.sym("c")
+ABOVE = st.Condition(STATE - 1, "theta is {value:.3g} above 1")
+SINE = st.Condition(ca.sin(STATE) - LIMIT, "the sine is {value:.3g} above c")
+
+
+def leaning(*conditions: st.Condition) -> st.Family:
+    """A rod that is held upright by a stable equation; k decides about the other state."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    rates = ca.vertcat(ca.cos(x[0]), -p[0] * x[1])
+    given = tuple(
+        st.Condition(
+            ca.substitute(c.value, ca.vertcat(STATE, LIMIT), ca.vertcat(x[0], p[1])), c.sentence
+        )
+        for c in conditions
+    )
+    system = st.System("rod", x, p, rates, states=("theta", "v"), parameters=("k", "c"),
+                       conditions=given)  # fmt: skip
+    return st.Family(system, "upright", at=("k",), held={"theta": st.UPRIGHT, "v": 0.0})
+
+
+def test_conditions_at_the_right_angle_are_kept() -> None:
+    family = leaning(ABOVE, SINE)
+    # c = 1 is the sine of the right angle itself, where the condition fails
+    chart = st.stability_map(family, x=("k", -1, 1, 40), y=("c", 0.5, 1.5, 33))
+    assert chart.method.startswith("characteristic polynomial of the family over Q")
+    inside = np.broadcast_to(chart.c.values[:, None] < 1, chart.verdict.shape)
+    stable = np.broadcast_to(chart.k.values > 0, chart.verdict.shape)
+    assert ((chart.verdict.values == NO_MEMBER) == ~inside).all()
+    assert (chart.verdict.values[inside & stable] == Verdict.STABLE.code).all()
+    assert (chart.verdict.values[inside & ~stable] == Verdict.UNSTABLE.code).all()
+
+
+@pytest.mark.parametrize(
+    "condition",
+    [
+        st.Condition(STATE - 2, "theta is {value:.3g} above 2"),  # which the right angle is not
+        st.Condition(STATE * LIMIT, "theta times c is {value:.3g}"),  # π/2 is no rational
+    ],
+)
+def test_no_polynomial_where_a_condition_fails_or_is_not_exact(condition: st.Condition) -> None:
+    family = leaning(condition)
+    x, y = ("k", -1, 1, 40), ("c", 0.5, 1.5, 33)
+    axes = axis_of(family, x, "x"), axis_of(family, y, "y")
+    try:
+        problem = prepare(family, axes, None, None, None, {})
+    except st.StabilityError:
+        problem = prepare(leaning(ABOVE), axes, None, None, None, {})
+        problem = replace(problem, family=family)
+    assert slice_of(problem, "k", "c") is None
+
+
+def test_a_body_is_streamed_by_its_polynomial(tmp_path: Path) -> None:
+    target = tmp_path / "torus.nc"
+    axes = {"x": ("phi_dot", 0.5, 5, 50), "y": ("mu", 0.05, 2, 40)}
+    st.stream_map("spinning", **axes, out=target, body=st.Torus(0.2))
+    whole = st.stability_map("spinning", **axes, body=st.Torus(0.2))
+    assert (st.read_map(target).verdict.values == whole.verdict.values).all()
