@@ -19,6 +19,7 @@ from ..base.types import Floats
 from ..base.version import __version__
 from ..bodies.thin_disk.disk_families import FAMILIES, lines_under
 from ..bodies.thin_disk.disk_model import POSE, POSE_UNIT
+from ..bodies.thin_disk.disk_quantities import SYSTEM
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import SLIDING, STICKING
 from .result import Outcome, outcome_flags
@@ -195,7 +196,7 @@ def _series(
         found["audit"] = found["energy"] + work - launches.energies[:, None]
     if settings.pose:
         found |= dict(zip(POSE, POSE_UNIT * np.moveaxis(y[..., own + 1 :], -1, 0), strict=True))
-        reach = np.cos(found["theta"])
+        reach = found.pop("reach") if "reach" in found else np.cos(found["theta"])
         found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
         found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])
     if launches.law is None:
@@ -267,8 +268,9 @@ def _nearest(launches: Starts, near: list[Nearest], variable: Any) -> dict[str, 
                                      long_name="dimensionless distance from it"),
     }  # fmt: skip
     if launches.law is not None:
+        by_angle = [name for name, one in FAMILIES.items() if one.by_angle]
         named = list(dict.fromkeys(f.at[0] for f in lines_under(launches.law.name)))
-        turning = np.array([not FAMILIES[n.family].by_angle for n in near])
+        turning = np.array([n.family not in by_angle for n in near])
         plain = launches.dimensionless
         found["nearest_at"] = variable(
             np.array([n.at for n in near]) * np.where(turning, launches.scales["rate"], 1.0),
@@ -362,7 +364,9 @@ def _body(launches: Starts) -> dict[str, Any]:
     if launches.law is None:
         name = launches.model.system.name
         return {"system": name, "states": json.dumps(launches.model.states)}
-    return {"contact": launches.law.name, "dimensionless": int(launches.dimensionless)}
+    found = {"contact": launches.law.name, "dimensionless": int(launches.dimensionless)}
+    name = launches.model.system.name
+    return found if name.startswith(SYSTEM) else {"body": name.rpartition(", ")[0]} | found
 
 
 def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from ..base.verdict import CODES, Verdict
 from ..spectra.problem import system_problem
 from ..spectra.rows import Rows
 from ..systems.family import Family
+from .body_settling import BodySettling
 from .nearest import Nearest
 from .system_settling import SystemSettling, at_of, in_words
 
@@ -18,7 +19,7 @@ GROWTH = 10.0
 
 
 def departures(
-    settling: SystemSettling, starts: Floats, ends: Floats, p: Floats, within: float,
+    settling: SystemSettling | BodySettling, starts: Floats, ends: Floats, p: Floats, within: float,
     errors: Floats,
 ) -> list[str]:  # fmt: skip
     """Whether each motion has departed from the steady motion nearest to its start, in words.
@@ -30,7 +31,7 @@ def departures(
     Parameters
     ----------
     settling
-        The families of the system.
+        The families of the system, or of the body.
     starts, ends
         States, shape (N, n).
     p

@@ -31,8 +31,9 @@ OWN = {"length": Kind.LENGTH, "rim_speed": Kind.VELOCITY}
 
 
 def round_system(
-    body: Body, law: type[Contact], given: tuple[str, ...], *, physical: bool
-) -> System:
+    body: Body, law: type[Contact], given: tuple[str, ...], *, physical: bool,
+    slip_states: bool = False,
+) -> System:  # fmt: skip
     """A body under a contact law as a `System`, built once for each.
 
     Parameters
@@ -45,6 +46,8 @@ def round_system(
         Names of the law's parameters, which become parameters of the system.
     physical
         Whether mass, gravity and length are parameters too; otherwise they are 1.
+    slip_states
+        Whether the smooth body has its slip in the state too, as a motion needs.
 
     Returns
     -------
@@ -64,16 +67,21 @@ def round_system(
         raise ParameterError(
             f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
         )
-    return _system(shape_of(body), law, given, physical)  # type: ignore[arg-type]  # a class is hashable
+    slips = law.slips or (slip_states and not law.holds)
+    return _system(shape_of(body), law, given, physical, slips)  # type: ignore[arg-type]  # a class is hashable
 
 
 @lru_cache(maxsize=64)
-def _system(shape: Shape, law: type[Contact], given: tuple[str, ...], physical: bool) -> System:  # noqa: FBT001
+def _system(
+    shape: Shape, law: type[Contact], given: tuple[str, ...], physical: bool,  # noqa: FBT001
+    slips: bool,  # noqa: FBT001
+) -> System:  # fmt: skip
     name, height, _, _, between = shape
     numbers = Numbers.of(shape, given, physical=physical)
-    states = STATES if law.slips else STATES[:4]
+    states = STATES if slips else STATES[:4]
     x = ca.SX.sym("x", len(states))
-    body = RoundBody(x, height_of_angle(height, x[0], numbers.own), numbers.table, law, given)
+    along = height_of_angle(height, x[0], numbers.own)
+    body = RoundBody(x, along, numbers.table, law, given, slips)
     system = System.from_mass_matrix(
         f"{name}, {law.name}", x, numbers.p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
@@ -113,7 +121,7 @@ class RoundBody(NewtonEuler):
 
     def __init__(
         self, x: ca.SX, height: ca.SX, table: dict[str, Any], contact: type[Contact],
-        given: tuple[str, ...],
+        given: tuple[str, ...], slips: bool,  # noqa: FBT001
     ) -> None:  # fmt: skip
         length = table["length"]
         self.si = Law(contact, table, given)
@@ -123,7 +131,7 @@ class RoundBody(NewtonEuler):
         self.square = self.mass * length * length
         self.axial = self.square * table["axial"]
         self.transverse = self.square * table["transverse"]
-        super().__init__(x, contact, self.si.coefficient, contact.slips)
+        super().__init__(x, contact, self.si.coefficient, slips)
 
     def law_force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """The force in the units of the equations."""

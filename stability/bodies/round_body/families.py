@@ -204,6 +204,24 @@ def _upright(body: Body) -> bool:
     return abs(_slope(body, math.pi / 2)) <= CLOSE * scale
 
 
+def levels(body: Body) -> list[float]:
+    """Inclinations at which the slope of the height vanishes; π/2 comes first where it is one.
+
+    Parameters
+    ----------
+    body
+        The body; of arrays the first entry counts.
+    """
+    low, high = body.between
+    grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
+    slopes = [_slope(body, float(t)) for t in grid]
+    found = [math.pi / 2] * _upright(body)
+    for a, b, f, g in zip(grid[:-1], grid[1:], slopes[:-1], slopes[1:], strict=True):
+        if f * g < 0 and not (found and a < math.pi / 2 < b):
+            found.append(float(brentq(lambda t: _slope(body, t), a, b, xtol=1e-15)))
+    return found
+
+
 def level(body: Body, theta: float | None = None) -> float | None:
     """Inclination at which the slope of the height vanishes; None for exactly upright.
 
@@ -220,12 +238,7 @@ def level(body: Body, theta: float | None = None) -> float | None:
         If there is none, or there are several and none is meant.
     """
     low, high = body.between
-    grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
-    slopes = [_slope(body, float(t)) for t in grid]
-    found = [math.pi / 2] * _upright(body)
-    for a, b, f, g in zip(grid[:-1], grid[1:], slopes[:-1], slopes[1:], strict=True):
-        if f * g < 0 and not (found and a < math.pi / 2 < b):
-            found.append(float(brentq(lambda t: _slope(body, t), a, b, xtol=1e-15)))
+    found = levels(body)
     if not found:
         raise NoMemberError(
             f"{body.name} rolls nowhere: the slope of its height has no zero between "
