@@ -10,13 +10,16 @@ from numpy.typing import ArrayLike
 
 from ..algebra.program import Program
 from ..base.checks import broadcast
-from ..base.errors import DomainError, NameUnknownError, ParameterError, shown
+from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact, Scales
 from ..bodies.contact_laws import MOTION_LAWS, Creep, spelled
 from ..bodies.model import TAKEN, Model
 from ..bodies.round_body.body import SCALES, Body
 from ..bodies.round_body.model import round_model
+from ..bodies.round_body.pole_equations import smooth_at
+from ..bodies.round_body.pole_model import pole_model
+from ..integrators.flow import flow_of
 from ..settling.body_settling import body_settling
 from .starts import (
     BRIEFEST,
@@ -75,7 +78,8 @@ def _gathered(
 ) -> Starts:
     six, when = six_states(start, contact), times_of(times)
     fields = body.given | contact.given
-    model = round_model(body, law, tuple(contact.given), pose=pose)
+    smooth = smooth_at(body, 1) or smooth_at(body, -1)
+    model = (pole_model if smooth else round_model)(body, law, tuple(contact.given), pose=pose)
     _check_names(body, model)
     shape = broadcast(start=six.shape[:-1], **{n: np.shape(v) for n, v in fields.items()})
     count = counted(shape, when)
@@ -101,7 +105,7 @@ def _gathered(
             f"times end at {when[-1]:g}; in units of √(length/g) give a last time from "
             f"{BRIEFEST:g} to {LONGEST:g}."
         )
-    energies = _check(model, contact, shape, starts, p)
+    energies = _check(body, model, contact, shape, starts, p)
     return Starts(
         model, shape, starts, p, when, flat, scales, body.dimensionless, energies,
         body_settling(body, law, tuple(contact.given)), law,
@@ -133,7 +137,7 @@ def _check_names(body: Body, model: Model) -> None:
 
 
 def _check(
-    model: Model, contact: Contact, shape: tuple[int, ...], starts: Floats, p: Floats
+    body: Body, model: Model, contact: Contact, shape: tuple[int, ...], starts: Floats, p: Floats
 ) -> Floats:
     """Energies of the starts; a start without contact is refused with the reason."""
     if not (np.isfinite(starts).all() and np.isfinite(p).all() and np.abs(starts).max() < FASTEST):
@@ -148,13 +152,26 @@ def _check(
                 f"the dimensionless {name} is {most:.3g}, above {ROUGHEST:g}, where double "
                 "precision cannot resolve the slip; take Rough(), to which the motion tends."
             )
+    low, high = body.between
+    inside = (starts[:, 0] > low) & (starts[:, 0] < high)
+    if model.chart:  # the end at a pole belongs to the motion
+        inside |= (starts[:, 0] == low) & smooth_at(body, 1) | (starts[:, 0] == high) & smooth_at(
+            body, -1
+        )
+    if not inside.all():
+        row = int(np.argmin(inside))
+        where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
+        raise DomainError(
+            f"start{where}: theta is {starts[row, 0]:g}; the height of {body.name} holds for theta "
+            f"between {low:.6g} and {high:.6g}{if_degrees(float(starts[row, 0]))}."
+        )
     system = model.system
     seen = system.observables
     conditions = [c.value for c in system.conditions]
     look = Program(ca.Function("start", [system.x, system.p], [
         ca.densify(ca.vertcat(*conditions, seen["normal_force"], seen["energy"]))
     ]))  # fmt: skip
-    own = starts[:, : len(system.states)]
+    own = flow_of(model).pack(starts)[:, : len(system.states)]
     values = look.arrays([list(own.T), list(p.T)], starts.shape[:1])[0][..., 0]
     bad = np.argwhere(~(values[:, :-1] > 0))
     if len(bad):

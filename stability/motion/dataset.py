@@ -188,13 +188,15 @@ def _series(
     model = launches.model
     own, states = len(model.system.states), flow_of(model).reported(y)
     found = dict(zip(model.states, np.moveaxis(states, -1, 0), strict=True))
-    found |= observe(model, states, launches.p[:, None, :], modes, heading)
+    found |= observe(model, y, launches.p[:, None, :], modes, heading)
     if launches.law is not None:
         found["kinetic"] = found["energy"] - found["potential"]
     if model.accounted:
         found["dissipated"] = work = y[..., own]
         found["audit"] = found["energy"] + work - launches.energies[:, None]
-    if settings.pose:
+    if model.chart is not None:
+        found = model.chart.along(y, found)
+    elif settings.pose:
         found |= dict(zip(POSE, POSE_UNIT * np.moveaxis(y[..., own + 1 :], -1, 0), strict=True))
         reach = found.pop("reach") if "reach" in found else np.cos(found["theta"])
         found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])

@@ -52,7 +52,7 @@ def observe(
     model
         Model of the body or system.
     states
-        Reported states, shape (…, s).
+        Entries of y, of which those of the system's states count, shape (…, n).
     p
         Parameters of the system, shape (…, m).
     modes

@@ -27,18 +27,12 @@ from ..thin_disk.disk_quantities import disk_quantities
 from .body import Body
 from .equations import round_system
 from .expression import Expression
+from .pole_height import height_of_angle
 
 LOWEST, HIGHEST = "lower end of theta", "upper end of theta"
 """Names of the guards of the ends of a height, other than those at which the body lies flat."""
-ENDS = {
-    LOWEST: "theta has reached {end:.6g}, where the height of the body ends{why}",
-    HIGHEST: "theta has reached {end:.6g}, where the height of the body ends{why}",
-}
-"""Each of these guards in words."""
-POLE = ": the axis is vertical, where the angles have no meaning"
-EDGE = ": the body may change there to another rim or face"
-EVEN = 1e-12
-"""Largest difference of heights on both sides of a pole that counts as none."""
+LEVEL = 1e-9
+"""Smallest slope of the height at a pole, over the height, of a body that falls flat there."""
 
 
 def round_model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool) -> Model:
@@ -73,43 +67,37 @@ def round_model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose:
     """
     system = round_system(body, law, given, physical=False, slip_states=True)
     return _round_model(
-        system, body.name, body.height, tuple(body.shape), body.between, smooth_poles(body),
+        system, body.name, body.height, tuple(body.shape), body.between, flat_poles(body),
         law, given, bool(pose),  # type: ignore[arg-type]  # a class is hashable
     )  # fmt: skip
 
 
-def smooth_poles(body: Body) -> tuple[bool, bool]:
-    """Whether the body's surface is smooth where its axis is vertical, at θ = 0 and at θ = π.
-
-    There the height is an even function of the angle from the pole, and the body does not lie flat.
+def flat_poles(body: Body) -> tuple[bool, bool]:
+    """Whether the body falls flat at θ = 0 and at θ = π: the contact stays away from the axis.
 
     Examples
     --------
     >>> from stability.bodies.round_body.named import EccentricSphere, ThickDisk
-    >>> smooth_poles(EccentricSphere(0.1)), smooth_poles(ThickDisk(0.1))
-    ((True, True), (False, False))
+    >>> flat_poles(EccentricSphere(0.1)), flat_poles(ThickDisk(0.1))
+    ((False, False), (True, False))
     """
-    angles = np.linspace(0.05, 0.9, 18).reshape(-1, *[1] * _dimensions(body))
     found = []
-    for pole, reached in ((0.0, body.between[0] == 0), (math.pi, body.between[1] == math.pi)):
+    for reached, end in zip((body.between[0] == 0, body.between[1] == math.pi), (0.0, math.pi),
+                            strict=True):  # fmt: skip
         with np.errstate(all="ignore"):
-            one, other = body.height_at(pole + angles), body.height_at(pole - angles)
-        found.append(bool(reached and (np.abs(one - other) <= EVEN * np.abs(one)).all()))
+            slope, height = body.height_at(end, 1), body.height_at(end)
+        found.append(bool(reached and not (np.abs(slope) <= LEVEL * np.abs(height)).all()))
     return found[0], found[1]
-
-
-def _dimensions(body: Body) -> int:
-    return max((np.ndim(v) for v in body.shape.values()), default=0)
 
 
 @lru_cache(maxsize=32)
 def _round_model(  # noqa: PLR0913
     system: System, name: str, height: Expression, shape: tuple[str, ...],
-    between: tuple[float, float], smooth: tuple[bool, bool], law: type[Contact],
+    between: tuple[float, float], flat_at: tuple[bool, bool], law: type[Contact],
     given: tuple[str, ...], pose: bool,  # noqa: FBT001
 ) -> Model:  # fmt: skip
     x, seen, flat = system.x, system.observables, ca.SX.sym("flat")
-    h = ca.SX(height(x[0], *(system.p[i] for i in range(len(shape)))))
+    h = height_of_angle(height, x[0], ca.vertsplit(system.p)[: len(shape)])
     slope = ca.jacobian(h, x[0])
     columns, names = [x, ca.SX.sym(WORK)], [*system.states, WORK]
     rates = [system.rhs, seen["power"]]
@@ -126,13 +114,13 @@ def _round_model(  # noqa: PLR0913
         rates.append(placed(x, *velocity, extra))
         names += POSE
         series["reach"] = slope
-    guards, words = _ends(x[0], flat, between, smooth)
+    guards, words = _ends(x[0], flat, between, flat_at)
     guards = {LIFT_OFF: normal * seen["determinant"]} | guards
     if ca.depends_on(seen["determinant"], x[4:]):
         guards[NO_CONTACT] = seen["determinant"]
     return Model(
         system, STATES, ca.vertcat(*columns), ca.vertcat(system.p, flat), ca.vertcat(*rates),
-        tuple(names), guards, WORDS | words, series, _quantities(law, shape),
+        tuple(names), guards, WORDS | words, series, quantities_with(law, shape),
         given[0] if law.relaxes else "",
         turning=(1, 2, 3), sliding=(4, 5) if len(system.states) == 6 else (),
         title=f"motion of {name}, {law.name} contact",
@@ -141,29 +129,60 @@ def _round_model(  # noqa: PLR0913
 
 
 def _ends(
-    theta: ca.SX, flat: ca.SX, between: tuple[float, float], smooth: tuple[bool, bool]
+    theta: ca.SX, flat: ca.SX, between: tuple[float, float], flat_at: tuple[bool, bool]
 ) -> tuple[dict[str, ca.SX], dict[str, str]]:
-    """Guards of the ends of θ, and their words: the body falls flat on a face at a pole."""
+    """Guards of the ends of θ, and their words."""
     low, high = between
-    lies = (low == 0 and not smooth[0], high == math.pi and not smooth[1])
-    guards = {FLAT: ca.sin(theta) - flat} if any(lies) else {}
-    words = {}
-    room = {LOWEST: (theta - low, low), HIGHEST: (high - theta, high)}
-    for (name, (value, end)), flat_there in zip(room.items(), lies, strict=True):
-        if not flat_there:
-            pole = end in (0.0, math.pi)
-            guards[name] = value - flat if pole else value
-            words[name] = ENDS[name].format(end=end, why=POLE if pole else EDGE)
-    if any(lies) and not all(lies):  # sin θ vanishes at the other pole too, which is not flat
-        guards[FLAT] = (theta if lies[0] else math.pi - theta) - flat
+    guards, words = {}, {}
+    if all(flat_at):
+        guards[FLAT] = ca.sin(theta) - flat
+    elif any(flat_at):
+        guards[FLAT] = (theta if flat_at[0] else math.pi - theta) - flat
+    ends = (theta - low, low, True), (high - theta, high, False)
+    for (value, end, lower), lies in zip(ends, flat_at, strict=True):
+        if not lies:
+            name, words_there = words_of_end(end, lower=lower)
+            guards[name] = value - flat if end in (0, math.pi) else value
+            words[name] = words_there
     return guards, words
 
 
-def _quantities(law: type[Contact], shape: tuple[str, ...]) -> Mapping[str, Quantity]:
-    """Those of the disk, with the body's own length and shape."""
+def words_of_end(end: float, *, lower: bool) -> tuple[str, str]:
+    """Name of the guard of an end of θ at which a body does not fall flat, and its words.
+
+    Parameters
+    ----------
+    end
+        The end [rad].
+    lower
+        Whether it is the lower one.
+    """
+    why = "the body may change there to another rim or face"
+    if end in (0, math.pi):
+        why = "the axis is vertical, where the angles have no meaning"
+    said = f"theta has reached {end:.6g}, where the height of the body ends: {why}"
+    return (LOWEST if lower else HIGHEST), said
+
+
+def quantities_with(
+    law: type[Contact], shape: tuple[str, ...], axis: tuple[str, ...] = ()
+) -> Mapping[str, Quantity]:
+    """The quantities of a body's motion: those of the disk, its own length and shape, its axis.
+
+    Parameters
+    ----------
+    law
+        Class of the law.
+    shape
+        Names of the shape's numbers.
+    axis
+        Names of the components of the axis, where a motion reports them.
+    """
     known = dict(disk_quantities(law))
     known["slip_x"] = replace(known["slip_x"], long_name="slip along x̂, away from the axis")
     known["slip_y"] = replace(known["slip_y"], long_name="slip along ŷ, across the axis")
     known["length"] = Quantity("length", "", "length of the body", Kind.LENGTH)
     own = {n: Quantity(n, n, n, Kind.NUMBER) for n in (*shape, "axial", "transverse")}
-    return own | known
+    words = (f"symmetry axis along {n}" for n in "XYZ")
+    found = {n: Quantity(n, "", w, Kind.NUMBER) for n, w in zip(axis, words, strict=False)}
+    return own | known | found
