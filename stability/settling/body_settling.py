@@ -1,9 +1,9 @@
 """Settling of a body of revolution: closed forms of its steady motions, and their surroundings.
 
 The families are those of docs/bodies.md that one number names: rolling at each zero of the height's
-slope, spinning where that slope vanishes upright, tumbling.  As for the disk, a state counts as
-settled if its distance is within the limit and `stability.settling.attraction` proves that the
-motion from there on converges to one member.
+slope, spinning where that slope vanishes upright, tumbling, vertical spin at smooth poles.  As for
+the disk, a state counts as settled if its distance is within the limit and
+`stability.settling.attraction` proves that the motion from there on converges to one member.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.equations import round_system
 from ..bodies.round_body.families import levels, round_family
+from ..bodies.round_body.pole_equations import pole_system, smooth_at
 from ..systems.family import Family
 from ..systems.system import System
 from .attraction import Attraction, Surroundings, attraction
@@ -133,6 +134,10 @@ class Line:
         found: Floats = np.nan_to_num(values[:, 1:, 0], nan=np.inf)  # where there is no member
         return found
 
+    def at(self, state: Floats) -> float:
+        """The number that names the member of a state."""
+        return float(state[self.system.states.index(self.own)])
+
     def at_member(self, state: Floats, p: Floats) -> Floats:
         """The states of the member that belongs to a state."""
         off = self.deviations(state[None], p)[0]
@@ -140,6 +145,79 @@ class Line:
         others = [i for i, n in enumerate(self.system.states) if n != self.own]
         found[others] -= off
         return found
+
+    def settled(self, state: Floats, p: Floats) -> Attraction | None:
+        """A proof that a motion converges to one steady motion of the family."""
+        from flint import arb
+
+        around = self.around
+        if around is None or self.level is not None:  # that inclination is not known exactly
+            return None
+        given = self.given(p, math.copysign(1.0, state[TURNING]))
+        exact = [arb(v) for v in state[: len(self.system.states)].tolist()]
+        held, right = [arb(v) for v in given], [arb.pi() / 2]
+        [y, *e] = (v for [v] in self.deviation.dense(balls(), [exact, held, right]))
+        return attraction(around, given, [y], e)
+
+
+@dataclass(frozen=True, eq=False)
+class Vertical:
+    """Spin about the vertical axis at a pole, in the chart around it with x̂ along X."""
+
+    family: Family
+    """The family, for its verdict."""
+    system: System
+    """The system of the family."""
+    conservative: bool
+    """Whether the law keeps the energy."""
+    pole: int
+    """1 for θ = 0, -1 for θ = π."""
+
+    @property
+    def name(self) -> str:
+        """Name of the family."""
+        return self.family.name
+
+    def _chart(self, states: Floats) -> tuple[Floats, Floats]:
+        """ω_Z, and axis_X, axis_Y, ω_X, ω_Y and the slip of the six states."""
+        theta, theta_dot, phi_dot, omega3, *slip = np.moveaxis(states, -1, 0)
+        sine, spin = np.sin(theta), omega3 - phi_dot * np.cos(theta)
+        off = [sine, 0 * sine, spin * sine, theta_dot, *slip]
+        return phi_dot + spin * np.cos(theta), np.stack(off, axis=-1)
+
+    def deviations(self, states: Floats, p: Floats) -> Floats:  # noqa: ARG002
+        """Deviations of states, shape (t, 6), from the members with their ω_Z, shape (t, 6)."""
+        off = self._chart(states)[1]
+        off[self.pole * np.cos(states[:, 0]) <= 0] = np.inf
+        return off
+
+    def at(self, state: Floats) -> float:
+        """The number that names the member of a state."""
+        return float(self._chart(state)[0])
+
+    def at_member(self, state: Floats, p: Floats) -> Floats:  # noqa: ARG002
+        """The states of the member that belongs to a state."""
+        theta = 0.0 if self.pole == 1 else math.pi
+        return np.array([theta, 0.0, 0.0, self.pole * self.at(state), 0.0, 0.0])
+
+    @cached_property
+    def around(self) -> Surroundings:
+        """Surroundings of the family."""
+        system = self.system
+        member = dict.fromkeys(system.states, 0.0)
+        positive = ca.vertcat(
+            system.observables["normal_force"], *(c.value for c in system.conditions)
+        )
+        return line_surroundings(system, positive, "omega_Z", member, ca.SX.sym("y"), system.p)
+
+    def settled(self, state: Floats, p: Floats) -> Attraction | None:
+        """A proof that a motion converges to one steady motion of the family."""
+        from flint import arb
+
+        own, off = self._chart(state)
+        return attraction(
+            self.around, p.tolist(), [arb(float(own))], [arb(v) for v in off.tolist()]
+        )
 
 
 @lru_cache(maxsize=256)
@@ -160,7 +238,7 @@ def _level(line: Line, p: tuple[float, ...]) -> float:
 class BodySettling:
     """Settling of a body of revolution under a contact law."""
 
-    lines: tuple[Line, ...]
+    lines: tuple[Line | Vertical, ...]
     """Its families that one number names."""
 
     @property
@@ -172,12 +250,16 @@ class BodySettling:
         """The steady motion nearest to a state, with its states; settling is not tested."""
         return self._closest(state, p)[0]
 
-    def _closest(self, state: Floats, p: Floats) -> tuple[Nearest, Line | None]:
+    def at_of(self, family: Family, state: Floats, p: Floats) -> Floats:  # noqa: ARG002
+        """The number that names the nearest member of a family, shape (1,)."""
+        return np.array([line.at(state) for line in self.lines if line.family is family])
+
+    def _closest(self, state: Floats, p: Floats) -> tuple[Nearest, Line | Vertical | None]:
         far = [float(np.linalg.norm(line.deviations(state[None], p))) for line in self.lines]
         if not far or not math.isfinite(min(far)):
             return Nearest("", math.nan, math.inf, False, 0.0, "no steady motion is near"), None
         line = self.lines[int(np.argmin(far))]
-        at = float(state[line.system.states.index(line.own)])
+        at = line.at(state)
         where = f"nearest is {line.name} at {at:.6g}, {min(far):.3g} away"
         member = line.at_member(state, p)
         return Nearest(line.name, at, min(far), False, 0.0, where, member), line
@@ -192,7 +274,7 @@ class BodySettling:
             return replace(near, evidence=said)
         if near.distance > within:
             return near
-        found = _settled(line, state, p)
+        found = line.settled(state, p)
         where = f"{near.distance:.3g} from {line.name} at {near.at:.6g}"
         if found is None:
             said = f"{where}; convergence to it is not proved from there"
@@ -209,20 +291,6 @@ class BodySettling:
         line = next(one for one in self.lines if one.name == near.family)
         found: Floats = np.linalg.norm(line.deviations(states, p), axis=-1)
         return found
-
-
-def _settled(line: Line, state: Floats, p: Floats) -> Attraction | None:
-    """A proof that a motion converges to one steady motion of the family."""
-    from flint import arb
-
-    around = line.around
-    if around is None or line.level is not None:  # that inclination is not known exactly
-        return None
-    given = line.given(p, math.copysign(1.0, state[TURNING]))
-    exact = [arb(v) for v in state[: len(line.system.states)].tolist()]
-    held, right = [arb(v) for v in given], [arb.pi() / 2]
-    [y, *e] = (v for [v] in line.deviation.dense(balls(), [exact, held, right]))
-    return attraction(around, given, [y], e)
 
 
 def body_settling(body: Body, law: type[Contact], given: tuple[str, ...]) -> BodySettling:
@@ -249,10 +317,16 @@ def body_settling(body: Body, law: type[Contact], given: tuple[str, ...]) -> Bod
         else ca.SX(getattr(body, n)(*shape))
         for n in ("axial", "transverse")
     ))  # fmt: skip
-    lines = [
+    lines: list[Line | Vertical] = [
         Line(family, system, law.conservative, height, moments, body.between, level)
         for family, level in _families(body, law, given)
     ]
+    for pole, word in ((1, 0), (-1, "pi")):
+        if smooth_at(body, pole):
+            family = round_family(body, "vertical", law, given, physical=False, pole=word)
+            family = replace(family, name=f"vertical at theta = {word}")
+            chart = pole_system(body, law, given, physical=False, near=pole)
+            lines.append(Vertical(family, chart, law.conservative, pole))
     return BodySettling(tuple(lines))
 
 

@@ -12,7 +12,7 @@ from ..spectra.rows import Rows
 from ..systems.family import Family
 from .body_settling import BodySettling
 from .nearest import Nearest
-from .system_settling import SystemSettling, at_of, in_words
+from .system_settling import SystemSettling, in_words
 
 GROWTH = 10.0
 """Ratio of the distances at the end and at the start from which a motion counts as departed."""
@@ -62,7 +62,8 @@ def departures(
         if not mine:
             continue
         rows = [i for i, _, _ in mine]
-        a, unstable = _unstable(family, starts[rows], p[rows])
+        a = np.vstack([settling.at_of(family, starts[i], p[i]) for i in rows])
+        unstable = _unstable(family, a, p[rows])
         for (i, near, far), at, sure in zip(mine, a, unstable, strict=True):
             if sure:
                 said[i] = (
@@ -72,14 +73,13 @@ def departures(
     return said
 
 
-def _unstable(family: Family, states: Floats, p: Floats) -> tuple[Floats, list[bool]]:
-    """Values of `at` nearest to states, and whether these members are unstable."""
+def _unstable(family: Family, a: Floats, p: Floats) -> list[bool]:
+    """Whether the members with values of `at` are unstable."""
     parameters = family.system.parameters
-    a = np.vstack([at_of(family, x[None], q) for x, q in zip(states, p, strict=True)])
     given = {n: p[:, parameters.index(n)] for n in family.parameters}
     given |= dict(zip(family.at, a.T, strict=True))
     try:
         codes = Rows(system_problem(family, None, given), exact=False).spectra()[2]
     except StabilityError:
-        return a, [False] * len(a)
-    return a, [bool(c == CODES[Verdict.UNSTABLE]) for c in np.broadcast_to(codes, len(a))]
+        return [False] * len(a)
+    return [bool(c == CODES[Verdict.UNSTABLE]) for c in np.broadcast_to(codes, len(a))]

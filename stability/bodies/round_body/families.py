@@ -217,7 +217,7 @@ def levels(body: Body) -> list[float]:
     slopes = [_slope(body, float(t)) for t in grid]
     found = [math.pi / 2] * _upright(body)
     for a, b, f, g in zip(grid[:-1], grid[1:], slopes[:-1], slopes[1:], strict=True):
-        if f * g < 0 and not (found and a < math.pi / 2 < b):
+        if f * g < 0 and not (_upright(body) and a <= math.pi / 2 <= b):
             found.append(float(brentq(lambda t: _slope(body, t), a, b, xtol=1e-15)))
     return found
 
