@@ -21,6 +21,7 @@ _HOME = {
     "bodies.round_body.body": ("Body",),
     "bodies.round_body.shapes.profile": ("Egg", "from_profile"),
     "bodies.round_body.named": ("Torus", "Spheroid", "EccentricSphere", "ThickDisk"),
+    "bodies.resistance": ("AirTorque", "PivotingResistance", "RollingResistance", "Resistance"),
     "bodies.contact": ("Contact", "Parameter"),
     "bodies.contact_laws": (
         "Smooth",
@@ -54,6 +55,7 @@ _HOME = {
     "derivation.conditions": ("conditions", "Conditions"),
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
+    "boundary.beyond_linear.slow_flow": ("slow_flow", "SlowFlow"),
     "boundary.beyond_linear.records": ("CycleBirth", "Onset"),
     "boundary.beyond_linear.two_parameters.points": ("codimension_two",),
     "boundary.beyond_linear.two_parameters.point_records": (
@@ -106,6 +108,10 @@ if TYPE_CHECKING:
     from .bodies.contact_laws import Viscous as Viscous
     from .bodies.disk import REAL_DISKS as REAL_DISKS
     from .bodies.disk import Disk as Disk
+    from .bodies.resistance import AirTorque as AirTorque
+    from .bodies.resistance import PivotingResistance as PivotingResistance
+    from .bodies.resistance import Resistance as Resistance
+    from .bodies.resistance import RollingResistance as RollingResistance
     from .bodies.round_body.body import Body as Body
     from .bodies.round_body.named import EccentricSphere as EccentricSphere
     from .bodies.round_body.named import Spheroid as Spheroid
@@ -118,6 +124,8 @@ if TYPE_CHECKING:
     from .bodies.thin_disk.disk_polynomials import exact_polynomial as exact_polynomial
     from .boundary.beyond_linear.records import CycleBirth as CycleBirth
     from .boundary.beyond_linear.records import Onset as Onset
+    from .boundary.beyond_linear.slow_flow import SlowFlow as SlowFlow
+    from .boundary.beyond_linear.slow_flow import slow_flow as slow_flow
     from .boundary.beyond_linear.two_parameters.point_records import (
         CodimensionTwo as CodimensionTwo,
     )

@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from ...base.errors import NameUnknownError, ParameterError, shown
+import numpy as np
+
+from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ...systems.family import Family
 from ..contact import Contact
 from ..contact_laws import LAWS, law_class, spelled
 from ..disk import Disk
 from ..law_names import law_given
+from ..resistance import Resistance, resistances
 from .body import SCALES, Body
-from .families import FAMILIES, round_family
+from .families import FAMILIES, level, round_family
+from .named import of_disk
 
 
 def of_body(
@@ -50,12 +54,16 @@ def of_body(
     'ball, rough'
     """
     given = dict(parameters)
+    if body is None and isinstance(disk, Disk) and given.get("resistance") is not None:
+        body, disk = disk, None
     if body is None:
         return family, disk, contact, given
     if disk is not None:
         raise ParameterError("body and disk are both given; give one of them.")
+    if isinstance(body, Disk) and given.get("resistance") is not None:
+        body = of_disk(body)
     if isinstance(body, Disk):
-        return family, body, contact, given
+        return family, body, contact, {n: v for n, v in given.items() if n != "resistance"}
     if not isinstance(body, Body):
         raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
     if isinstance(family, Family):
@@ -85,19 +93,36 @@ def _resolved(
     family: str, body: Body, law: Contact, given: dict[str, Any], swept: Collection[str]
 ) -> tuple[Family, None, None, dict[str, Any]]:
     theta = given.pop("theta", None) if FAMILIES[family].level else None
-    pole = given.pop("pole", None)
+    pole, against = given.pop("pole", None), resistances(given.pop("resistance", None))
     physical = not body.dimensionless or any(n in SCALES for n in swept)
     coefficients = dict(law.given)
     for name in swept:  # an axis takes the place of its alternatives
         others = type(law).alternatives(name)
         if others:
             coefficients = {n: v for n, v in coefficients.items() if n not in others} | {name: 1.0}
+    for r in against:
+        if np.any(r.value) or r.coefficient in swept:
+            _survives(family, body, r, theta)
     found = round_family(
-        body, family, type(law), tuple(coefficients), physical=physical, theta=theta, pole=pole
-    )
-    numbers = body.given | coefficients
+        body, family, type(law), tuple(coefficients), physical=physical, theta=theta, pole=pole,
+        resistance=tuple(type(r) for r in against),
+    )  # fmt: skip
+    numbers = body.given | coefficients | {r.coefficient: r.value for r in against}
     for name in given:
         if name in numbers:
             raise ParameterError(f"{name} is {body.name}'s own number; give it there alone.")
     own = {n: numbers[n] for n in found.system.parameters if n not in swept}
     return found, None, None, own | given
+
+
+def _survives(family: str, body: Body, resistance: Resistance, theta: float | None) -> None:
+    """Refuse a family whose members lose energy to a resistance, so that none is steady."""
+    record = FAMILIES[family]
+    turns = record.turns
+    if record.level and level(body, theta) is None:
+        turns = ("level",)
+    if set(turns) & set(resistance.against):
+        raise NoMemberError(
+            f"{family} of {body.name} does not survive {resistance.name}, which costs energy "
+            "there; slow_flow gives its drift along the family."
+        )

@@ -21,11 +21,13 @@ from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep
 from ..newton_euler import STATES, NewtonEuler
+from ..resistance import Resistance
 from ..thin_disk.disk_quantities import disk_quantities
 from .body import Body
 from .pole_height import height_of_angle
 from .si_law import Law, Numbers, Shape, shape_of
 
+Resistances = tuple[type[Resistance], ...]
 OWN = {"length": Kind.LENGTH, "rim_speed": Kind.VELOCITY}
 """Kinds of the quantities that the disk does not have; every other one has its kind there."""
 
@@ -33,6 +35,7 @@ OWN = {"length": Kind.LENGTH, "rim_speed": Kind.VELOCITY}
 def round_system(
     body: Body, law: type[Contact], given: tuple[str, ...], *, physical: bool,
     slip_states: bool = False,
+    resistance: Resistances = (),
 ) -> System:  # fmt: skip
     """A body under a contact law as a `System`, built once for each.
 
@@ -48,6 +51,8 @@ def round_system(
         Whether mass, gravity and length are parameters too; otherwise they are 1.
     slip_states
         Whether the smooth body has its slip in the state too, as a motion needs.
+    resistance
+        Classes of the resistances to rolling and turning, whose coefficients are parameters too.
 
     Returns
     -------
@@ -68,20 +73,21 @@ def round_system(
             f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
         )
     slips = law.slips or (slip_states and not law.holds)
-    return _system(shape_of(body), law, given, physical, slips)  # type: ignore[arg-type]  # a class is hashable
+    return _system(shape_of(body), law, given, physical, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
 
 
 @lru_cache(maxsize=64)
-def _system(
+def _system(  # noqa: PLR0913
     shape: Shape, law: type[Contact], given: tuple[str, ...], physical: bool,  # noqa: FBT001
-    slips: bool,  # noqa: FBT001
+    resistance: Resistances, slips: bool,  # noqa: FBT001
 ) -> System:  # fmt: skip
     name, height, _, _, between = shape
-    numbers = Numbers.of(shape, given, physical=physical)
+    numbers = Numbers.of(shape, (*given, *(r.coefficient for r in resistance)), physical=physical)
     states = STATES if slips else STATES[:4]
     x = ca.SX.sym("x", len(states))
     along = height_of_angle(height, x[0], numbers.own)
     body = RoundBody(x, along, numbers.table, law, given, slips)
+    body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
     system = System.from_mass_matrix(
         f"{name}, {law.name}", x, numbers.p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
@@ -92,7 +98,9 @@ def _system(
     kinds = {n: q.kind for n, q in quantities.items()} | OWN
     known_names = (*system.states, *system.parameters, *system.observables)
     found = {n: kinds.get(n, Kind.NUMBER) for n in known_names}
-    return replace(system, units={n: k.unit(dimensionless=not physical) for n, k in found.items()})
+    units = {n: k.unit(dimensionless=not physical) for n, k in found.items()}
+    units |= {r.coefficient: r.unit if physical else "1" for r in resistance}
+    return replace(system, units=units)
 
 
 def _conditions(x: ca.SX, between: tuple[float, float]):  # type: ignore[no-untyped-def]
@@ -131,7 +139,18 @@ class RoundBody(NewtonEuler):
         self.square = self.mass * length * length
         self.axial = self.square * table["axial"]
         self.transverse = self.square * table["transverse"]
+        self.against: list[tuple[type[Resistance], ca.SX]] = []
         super().__init__(x, contact, self.si.coefficient, slips)
+
+    def moment(self, normal: Any) -> list[Any]:
+        """Moment of all resistances along (x̂, ŷ, ẑ)."""
+        total: list[Any] = [0, 0, 0]
+        for kind, value in self.against:
+            form = kind.__new__(kind)  # only its formula is used, never its coefficient
+            total = [
+                a + b for a, b in zip(total, form.moment(self.turn(), normal, value), strict=True)
+            ]
+        return total
 
     def law_force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """The force in the units of the equations."""
@@ -181,7 +200,12 @@ class RoundBody(NewtonEuler):
         """Torque a × force along (1̂, 2̂, 3̂); x̂ = cosθ 1̂ + sinθ 3̂, ẑ = -sinθ 1̂ + cosθ 3̂."""
         h, slope = self.h, self.slope
         around, across = self.cosine * h - self.sine * slope, self.sine * h + self.cosine * slope
-        return ca.SX(ca.vertcat(around * fy, -h * fx - slope * self.normal, across * fy))
+        along, side, up = self.moment(self.normal)
+        resisting = ca.vertcat(
+            self.cosine * along - self.sine * up, side, self.sine * along + self.cosine * up
+        )
+        sliding = ca.vertcat(around * fy, -h * fx - slope * self.normal, across * fy)
+        return ca.SX(sliding + resisting) if self.against else ca.SX(sliding)
 
     def potential(self) -> ca.SX:
         """Weight times the height of the centre."""
@@ -191,4 +215,7 @@ class RoundBody(NewtonEuler):
         """Those of every body, with D over m·length², and the speed of the rim."""
         found = super().observables(solved, pivots)
         found["determinant"] = found["determinant"] / self.square
+        if self.against:
+            moment = self.moment(found["normal_force"])
+            found["power"] -= ca.dot(ca.vertcat(*moment), ca.vertcat(*self.turn()))
         return found | {"rim_speed": self.rim_speed()}

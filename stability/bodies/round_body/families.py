@@ -27,7 +27,7 @@ from ...systems.family import Family
 from ...systems.system import System
 from ..contact import Contact
 from .body import SAMPLES, Body
-from .equations import round_system
+from .equations import Resistances, round_system
 from .pole_equations import AXIS, SLIP, TURN, pole_system
 
 CLOSE = 1e-12
@@ -58,6 +58,8 @@ class RoundFamily:
     """Unknowns that come out positive; the mirror image has the same spectrum."""
     law: str = ""
     """The one contact law under which the family exists; empty for every law."""
+    turns: tuple[str, ...] = ("level", "vertical")
+    """Parts of the angular velocity that members have; rolling upright has the level part alone."""
     pole: bool = False
     """Whether the axis is vertical: the family lives in the chart around a pole."""
 
@@ -69,7 +71,7 @@ _RECORDS = (
     ),
     RoundFamily(
         "spinning", ("phi_dot",), "upright, turning about the vertical on the spot",
-        {"theta": UPRIGHT, "omega3": 0.0}, {}, upright=True,
+        {"theta": UPRIGHT, "omega3": 0.0}, {}, upright=True, turns=("vertical",),
     ),
     RoundFamily(
         "tumbling", ("theta",), "inclined, its centre at rest", {},
@@ -87,7 +89,7 @@ _RECORDS = (
     ),
     RoundFamily(
         "vertical", ("omega_Z",), "its axis vertical, turning about it on the spot",
-        dict.fromkeys((*AXIS[:2], *TURN[:2]), 0.0), {}, pole=True,
+        dict.fromkeys((*AXIS[:2], *TURN[:2]), 0.0), {}, pole=True, turns=("vertical",),
     ),
 )  # fmt: skip
 FAMILIES = {family.name: family for family in _RECORDS}
@@ -96,7 +98,7 @@ FAMILIES = {family.name: family for family in _RECORDS}
 
 def round_family(
     body: Body, name: str, law: type[Contact], given: tuple[str, ...], *, physical: bool,
-    theta: float | None = None, pole: Any = None,
+    theta: float | None = None, pole: Any = None, resistance: Resistances = (),
 ) -> Family:  # fmt: skip
     """A family of steady motions of a body under a contact law; built once.
 
@@ -116,6 +118,8 @@ def round_family(
         Inclination near that of rolling, where the body rolls at several [rad].
     pole
         0 or "pi": the inclination of vertical spin; 0 when left out.
+    resistance
+        Classes of the resistances to rolling and turning.
 
     Returns
     -------
@@ -141,10 +145,10 @@ def round_family(
         raise ParameterError(f"pole belongs to vertical spin; leave it out for {name}.")
     if record.pole:
         near = _near(pole)
-        system = pole_system(body, law, given, physical=physical, near=near)
+        system = pole_system(body, law, given, physical=physical, near=near, resistance=resistance)
         still = dict(record.held) | {n: 0.0 for n in SLIP if n in system.states}
         return _family(system, record, _pairs(still), (), (), law)  # type: ignore[arg-type]  # a class is hashable
-    system = round_system(body, law, given, physical=physical)
+    system = round_system(body, law, given, physical=physical, resistance=resistance)
     held: dict[str, Any] = {"theta_dot": 0.0} | dict(record.held)
     held |= {n: 0.0 for n in ("slip_x", "slip_y") if n in system.states}
     unknown = dict(record.unknown)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import Number, flag, known, positive, real_numbers
 from ...base.errors import ParameterError
+from ..disk import Disk
 from .body import MOMENTS, SCALES, Body
 
 
@@ -151,6 +152,29 @@ def ThickDisk(thickness: ArrayLike, **scales: Any) -> Body:  # noqa: N802
         transverse=lambda thickness: (3 + thickness**2) / 12,
         shape={"thickness": positive("thickness", thickness)}, name="thick disk",
         between=(0.0, math.pi / 2), **_scales(scales),
+    )  # fmt: skip
+
+
+def of_disk(disk: Disk) -> Body:
+    """The thin disk as any other body, for what only these have.
+
+    Parameters
+    ----------
+    disk
+        The disk.
+
+    Returns
+    -------
+    Body
+
+    Examples
+    --------
+    >>> of_disk(Disk(k=0.5)).moments()
+    (1.0, 0.5)
+    """
+    return Body(
+        lambda theta, k: ca.sin(theta) + 0 * k, axial=lambda k: 2 * k, transverse=lambda k: k,
+        mass=disk.mass, gravity=disk.gravity, length=disk.radius, shape={"k": disk.k}, name="disk",
     )  # fmt: skip
 
 

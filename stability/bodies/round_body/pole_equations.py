@@ -23,8 +23,10 @@ from ...systems.equations import eliminate
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep
+from ..resistance import Resistance
 from ..thin_disk.disk_quantities import disk_quantities
 from .body import Body
+from .equations import Resistances
 from .pole_height import NotSmoothError, height_of_cosine
 from .si_law import Law, Numbers, Shape, shape_of
 
@@ -41,12 +43,13 @@ STRAIN = 1e-9
 def pole_system(
     body: Body, law: type[Contact], given: tuple[str, ...], *, physical: bool, near: int = 0,
     slip_states: bool = False,
+    resistance: Resistances = (),
 ) -> System:  # fmt: skip
     """A body under a contact law along fixed axes, built once for each.
 
     Parameters
     ----------
-    body, law, given, physical
+    body, law, given, physical, resistance
         As for `round_system`.
     near
         1 or -1 for the chart around θ = 0 or π, whose states leave axis_Z out; 0 for the equations
@@ -80,7 +83,7 @@ def pole_system(
         )
     _check_even(law, len(given))
     slips = law.slips or (slip_states and not law.holds)
-    return _system(shape_of(body), law, given, physical, near, slips)  # type: ignore[arg-type]  # a class is hashable
+    return _system(shape_of(body), law, given, physical, near, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
 
 
 def smooth_at(body: Body, pole: int) -> bool:
@@ -127,16 +130,12 @@ def _check_even(law: type[Contact], count: int) -> None:
 
 
 @lru_cache(maxsize=32)
-def _system(
-    shape: Shape,
-    law: type[Contact],
-    given: tuple[str, ...],
-    physical: bool,
-    near: int,
-    slips: bool,  # noqa: FBT001
-) -> System:
+def _system(  # noqa: PLR0913
+    shape: Shape, law: type[Contact], given: tuple[str, ...], physical: bool, near: int,  # noqa: FBT001
+    resistance: Resistances, slips: bool,  # noqa: FBT001
+) -> System:  # fmt: skip
     name, height, *_ = shape
-    numbers = Numbers.of(shape, given, physical=physical)
+    numbers = Numbers.of(shape, (*given, *(r.coefficient for r in resistance)), physical=physical)
     axis = AXIS[:2] if near else AXIS
     states = (*axis, *TURN, *(SLIP if slips else ()))
     x = ca.SX.sym("x", len(states))
@@ -148,6 +147,7 @@ def _system(
         (cosine, height_of_cosine(height, cosine, numbers.own)), Law(law, numbers.table, given),
         numbers.table,
     )  # fmt: skip
+    body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
     rhs, seen = body.solved()
     turning = ca.cross(body.turn, body.axis)
     conditions = [
@@ -168,7 +168,9 @@ def _system(
     kinds |= dict.fromkeys(TURN, Kind.ANGULAR_VELOCITY) | dict.fromkeys(SLIP, Kind.VELOCITY)
     known = (*states, *numbers.names, *seen)
     found = {n: kinds.get(n, Kind.NUMBER) for n in known}
-    return replace(system, units={n: k.unit(dimensionless=not physical) for n, k in found.items()})
+    units = {n: k.unit(dimensionless=not physical) for n, k in found.items()}
+    units |= {r.coefficient: r.unit if physical else "1" for r in resistance}
+    return replace(system, units=units)
 
 
 class PoleBody:
@@ -214,6 +216,7 @@ class PoleBody:
         self.velocity = ca.vertcat(plane[:2] + self.slip, self.f1 * rise)
         spin = ca.dot(turn, axis)
         self.momentum = self.across * turn + (self.along - self.across) * spin * axis
+        self.against: list[tuple[type[Resistance], ca.SX]] = []
         self.gyro = (self.along - self.across) * spin * self.moving  # L̇ with ω̇ = 0
 
     def response(self, torque: ca.SX) -> ca.SX:
@@ -221,6 +224,14 @@ class PoleBody:
         along = ca.dot(torque, self.axis)
         found: ca.SX = torque / self.across + (1 / self.along - 1 / self.across) * along * self.axis
         return found
+
+    def moment(self, normal: Any) -> ca.SX:
+        """Moment of all resistances along fixed axes."""
+        total = ca.SX.zeros(3)
+        for kind, value in self.against:
+            form = kind.__new__(kind)  # only its formula is used, never its coefficient
+            total += ca.vertcat(*form.moment(ca.vertsplit(self.turn), normal, value))
+        return total
 
     def solved(self) -> tuple[ca.SX, dict[str, ca.SX]]:
         """Rates of angular velocity and slip, and the observables."""
@@ -232,6 +243,7 @@ class PoleBody:
         kinetic = (self.mass * ca.sumsqr(self.velocity) + ca.dot(self.turn, self.momentum)) / 2
         sides = ca.vertsplit(self.slip)
         power = -ca.dot(force, self.slip) if self.law.holds else self.law.power(sides, normal)
+        power = power - ca.dot(self.moment(normal), self.turn)
         seen = {
             "energy": kinetic + self.law.weight * self.f, "normal_force": normal,
             "contact_force": force, "slip": self.slip, "determinant": determinant,
@@ -245,8 +257,10 @@ class PoleBody:
         stated = ca.SX(ca.vertcat(*self.law.force(ca.vertsplit(self.slip), normal)))
         part = ca.jacobian(stated, normal)
         rest = ca.substitute(stated, normal, 0)
-        one = self.response(ca.cross(self.point, ca.vertcat(part, 1)))
-        free = self.response(ca.cross(self.point, ca.vertcat(rest, 0)) - self.gyro)
+        moment = self.moment(normal)
+        pushed, still = ca.jacobian(moment, normal), ca.substitute(moment, normal, 0)
+        one = self.response(ca.cross(self.point, ca.vertcat(part, 1)) + pushed)
+        free = self.response(ca.cross(self.point, ca.vertcat(rest, 0)) + still - self.gyro)
         rise = self.moving[2]
         lift = ca.cross(self.turn, self.moving)[2] + ca.cross(free, self.axis)[2]
         weight = self.law.weight + self.mass * (self.f1 * lift + self.f2 * rise * rise)
@@ -262,6 +276,12 @@ class PoleBody:
         inertia += self.mass * (ca.sumsqr(a) * ca.SX.eye(3) - a @ a.T)
         swing = ca.cross(self.turn, self.drift)
         known = ca.cross(a, self.law.weight * self.z - self.mass * swing) - self.gyro
+        if self.against:  # N = m g - m (ω̇×a + ω×ȧ)·Ẑ
+            normal = ca.SX.sym("normal")
+            moment = self.moment(normal)
+            pushed = ca.densify(ca.jacobian(moment, normal))
+            known += ca.substitute(moment, normal, self.law.weight - self.mass * swing[2])
+            inertia += self.mass * pushed @ ca.horzcat(a[1], -a[0], 0)
         found, pivots = eliminate(ca.densify(inertia), known, [(0, 0), (1, 1), (2, 2)])
         turning = ca.vertcat(*found)
         force = self.law.weight * self.z - self.mass * (ca.cross(turning, a) + swing)

@@ -1,0 +1,172 @@
+"""Resistance to rolling and turning: moments that add to a contact law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from numpy.typing import ArrayLike
+
+from ..base.checks import positive
+from ..base.errors import ParameterError, shown
+from ..base.types import Record
+
+
+@dataclass(frozen=True, eq=False)
+class Resistance(Record):
+    """The base of the resistances: a moment against the body's rotation; one frozen subclass each.
+
+    A resistance states its `name`, the name and unit of its coefficient, and its `moment`, which
+    must depend linearly on the normal force.  A subclass has one field, the coefficient.
+
+    Examples
+    --------
+    >>> RollingResistance(0.01).moment((1.0, 2.0, 3.0), 10.0, 0.01)
+    [-0.1, -0.2, 0]
+    """
+
+    name: ClassVar[str] = ""
+    """Name in messages and files."""
+    coefficient: ClassVar[str] = ""
+    """Name of the coefficient: of the field, and of the parameter in equations and maps."""
+    unit: ClassVar[str] = "1"
+    """SI unit of the coefficient."""
+    against: ClassVar[tuple[str, ...]] = ("level", "vertical")
+    """Parts of the angular velocity that cost energy."""
+
+    def __post_init__(self) -> None:
+        value = positive(self.coefficient, getattr(self, self.coefficient), zero=True)
+        object.__setattr__(self, self.coefficient, value)
+
+    @property
+    def value(self) -> Any:
+        """The coefficient."""
+        return getattr(self, self.coefficient)
+
+    def moment(self, turn: Sequence[Any], normal: Any, value: Any) -> list[Any]:
+        """Moment on the body along two horizontal axes and the vertical.
+
+        Parameters
+        ----------
+        turn
+            Angular velocity along the same axes [rad/s].
+        normal
+            Normal force [N].
+        value
+            The coefficient.
+        """
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class RollingResistance(Resistance):
+    """A moment -ρ·N·ω against the horizontal angular velocity: viscous rolling friction.
+
+    Parameters
+    ----------
+    rho
+        Coefficient, at least 0 [m s].
+
+    Raises
+    ------
+    ParameterError
+        If it is not a finite number of at least 0.
+
+    Source: the linear law of rolling friction, as in Bondi, Proc. R. Soc. A 405 (1986) 265-274.
+    """
+
+    rho: ArrayLike
+    """Coefficient [m s]."""
+    name: ClassVar[str] = "rolling resistance"
+    coefficient: ClassVar[str] = "rho"
+    unit: ClassVar[str] = "m s"
+    against: ClassVar[tuple[str, ...]] = ("level",)
+
+    def moment(self, turn: Sequence[Any], normal: Any, value: Any) -> list[Any]:
+        """Against ω_x and ω_y, in proportion to the normal force."""
+        return [-value * normal * turn[0], -value * normal * turn[1], 0]
+
+
+@dataclass(frozen=True, eq=False)
+class PivotingResistance(Resistance):
+    """A moment -σ·N·ω_z against turning about the vertical: viscous pivoting (drilling) friction.
+
+    Parameters
+    ----------
+    sigma
+        Coefficient, at least 0 [m s].
+
+    Examples
+    --------
+    >>> PivotingResistance(0.01).moment((1.0, 2.0, 3.0), 10.0, 0.01)[2]
+    -0.30000000000000004
+    """
+
+    sigma: ArrayLike
+    """Coefficient [m s]."""
+    name: ClassVar[str] = "pivoting resistance"
+    coefficient: ClassVar[str] = "sigma"
+    unit: ClassVar[str] = "m s"
+    against: ClassVar[tuple[str, ...]] = ("vertical",)
+
+    def moment(self, turn: Sequence[Any], normal: Any, value: Any) -> list[Any]:
+        """Against ω_z, in proportion to the normal force."""
+        return [0, 0, -value * normal * turn[2]]
+
+
+@dataclass(frozen=True, eq=False)
+class AirTorque(Resistance):
+    """A moment -d·ω against the whole angular velocity: the drag of air, linear in the rate.
+
+    Parameters
+    ----------
+    drag
+        Coefficient, at least 0 [N m s].
+
+    Examples
+    --------
+    >>> AirTorque(0.5).moment((1.0, 2.0, 3.0), 10.0, 0.5)
+    [-0.5, -1.0, -1.5]
+    """
+
+    drag: ArrayLike
+    """Coefficient [N m s]."""
+    name: ClassVar[str] = "air torque"
+    coefficient: ClassVar[str] = "drag"
+    unit: ClassVar[str] = "N m s"
+
+    def moment(self, turn: Sequence[Any], normal: Any, value: Any) -> list[Any]:  # noqa: ARG002
+        """Against every component."""
+        return [-value * w for w in turn]
+
+
+def resistances(given: Any) -> tuple[Resistance, ...]:
+    """Resistances of a call: none, one, or several of different kinds.
+
+    Parameters
+    ----------
+    given
+        None, a `Resistance`, or a sequence of them.
+
+    Raises
+    ------
+    ParameterError
+        If it is anything else, or two are of one kind.
+
+    Examples
+    --------
+    >>> [r.name for r in resistances([AirTorque(0.1), RollingResistance(0.2)])]
+    ['air torque', 'rolling resistance']
+    """
+    found = () if given is None else (given,) if isinstance(given, Resistance) else given
+    if not isinstance(found, Sequence) or not all(isinstance(r, Resistance) for r in found):
+        raise ParameterError(
+            f"resistance is {shown(given)}; give RollingResistance(rho), PivotingResistance(sigma) "
+            "or AirTorque(drag), or a list of these."
+        )
+    names = [r.coefficient for r in found]
+    double = {n for n in names if names.count(n) > 1}
+    if double:
+        raise ParameterError(f"two resistances have the coefficient {min(double)}; give one.")
+    return tuple(found)
