@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import casadi as ca
@@ -78,8 +79,7 @@ def _gathered(
 ) -> Starts:
     six, when = six_states(start, contact), times_of(times)
     fields = body.given | contact.given
-    smooth = smooth_at(body, 1) or smooth_at(body, -1)
-    model = (pole_model if smooth else round_model)(body, law, tuple(contact.given), pose=pose)
+    model = _model(body, law, tuple(contact.given), pose=pose)
     _check_names(body, model)
     shape = broadcast(start=six.shape[:-1], **{n: np.shape(v) for n, v in fields.items()})
     count = counted(shape, when)
@@ -110,6 +110,14 @@ def _gathered(
         model, shape, starts, p, when, flat, scales, body.dimensionless, energies,
         body_settling(body, law, tuple(contact.given)), law,
     )  # fmt: skip
+
+
+def _model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool) -> Model:
+    """Fixed axes where the body can pass a pole, and otherwise angles."""
+    if smooth_at(body, 1) or smooth_at(body, -1):
+        with suppress(ParameterError):  # of a law that needs the directions that angles give
+            return pole_model(body, law, given, pose=pose)
+    return round_model(body, law, given, pose=pose)
 
 
 def _scales(flat: dict[str, Floats]) -> dict[str, Floats]:
@@ -152,18 +160,17 @@ def _check(
                 f"the dimensionless {name} is {most:.3g}, above {ROUGHEST:g}, where double "
                 "precision cannot resolve the slip; take Rough(), to which the motion tends."
             )
-    low, high = body.between
-    inside = (starts[:, 0] > low) & (starts[:, 0] < high)
-    if model.chart:  # the end at a pole belongs to the motion
-        inside |= (starts[:, 0] == low) & smooth_at(body, 1) | (starts[:, 0] == high) & smooth_at(
-            body, -1
-        )
+    (low, high), theta = body.between, starts[:, 0]
+    inside = (theta > low) & (theta < high)
+    if model.chart:  # a smooth pole belongs to the motion
+        for pole, end in ((1, low), (-1, high)):
+            inside |= (theta == end) & smooth_at(body, pole)
     if not inside.all():
         row = int(np.argmin(inside))
         where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
         raise DomainError(
-            f"start{where}: theta is {starts[row, 0]:g}; the height of {body.name} holds for theta "
-            f"between {low:.6g} and {high:.6g}{if_degrees(float(starts[row, 0]))}."
+            f"start{where}: theta is {theta[row]:g}; the height of {body.name} holds for theta "
+            f"between {low:.6g} and {high:.6g}{if_degrees(float(theta[row]))}."
         )
     system = model.system
     seen = system.observables

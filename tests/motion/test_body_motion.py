@@ -104,15 +104,15 @@ def test_rates_at_a_pole_are_those_of_the_geometry(
 
 SCENES = {
     "torus": (
-        shapes.torus(1.0, 0.2, 1.03, 0.525), st.Torus(0.2), (1.3, 0.1, 0.4, 1.2, 0.1, -0.2), 20.0,
+        shapes.torus(1.0, 0.2, 1.03, 0.525), st.Torus(0.2), (1.3, 0.1, 0.4, 1.2, 0.1, -0.2), 8.0,
     ),
     "thick disk in SI": (
         shapes.thick_disk(0.3, 0.03, 0.09, 0.0456, 2.0, 9.81),
-        st.ThickDisk(0.2, mass=2.0, gravity=9.81, length=0.3), (1.2, 0.5, 2.0, 5.0, 0.1, 0.0), 3.0,
+        st.ThickDisk(0.2, mass=2.0, gravity=9.81, length=0.3), (1.2, 0.5, 2.0, 5.0, 0.1, 0.0), 1.5,
     ),
     "spheroid": (
         shapes.spheroid(1.0, 0.7, 0.4, 0.298), st.Spheroid(0.7), (0.9, 0.3, -0.8, 1.5, 0.0, 0.3),
-        20.0,
+        8.0,
     ),
     "through both poles": (
         shapes.spheroid(1.0, 1.2, 0.4, 0.488), st.Spheroid(1.2), (0.8, -1.2, 0.0, 0.0, 0.1, 0.0),
@@ -120,7 +120,7 @@ SCENES = {
     ),
     "tippe top": (
         shapes.eccentric_sphere(0.15, 0.4, 0.4),
-        st.EccentricSphere(0.15, axial=0.4, transverse=0.4), (0.3, 0.0, 0.0, 4.0, 0.0, 0.0), 60.0,
+        st.EccentricSphere(0.15, axial=0.4, transverse=0.4), (0.3, 0.0, 0.0, 4.0, 0.0, 0.0), 15.0,
     ),
 }  # fmt: skip
 
@@ -199,7 +199,7 @@ def test_a_tippe_top_settles_on_its_other_pole() -> None:
     run = st.simulate(top, st.Viscous(0.3), {"theta": 0.05, "omega3": 4.0}, 3000.0)
     assert run.attrs["outcome"] == "settled"
     assert str(run.nearest_family.values) == "vertical at theta = pi"
-    # Jellett's integral fixes the rate there: (C + C·offset)/... of L·(Z - offset e)
+    # Jellett's integral L·(Z - offset e) fixes the rate there: L = 0.4 ω for equal moments
     first = 0.4 * 4.0 * math.cos(0.05) - 0.15 * 0.4 * 4.0
     assert float(run.nearest_at) == pytest.approx(first / (0.4 * 1.15), abs=1e-5)
     slow = st.simulate(top, st.Viscous(0.3), {"theta": 0.05, "omega3": 0.2}, 3000.0)
@@ -208,7 +208,7 @@ def test_a_tippe_top_settles_on_its_other_pole() -> None:
 
 def test_a_start_on_a_pole_and_a_passage_through_it_are_motions() -> None:
     egg = st.Spheroid(1.3)
-    run = st.simulate(egg, st.Rough(), {"theta": 0.0, "theta_dot": 2.0}, 20.0)
+    run = st.simulate(egg, st.Rough(), {"theta": 0.0, "theta_dot": 1.1}, 20.0)
     assert run.attrs["outcome"] == "moving"
     assert float(run.axis_z.min()) < -0.99 and float(run.energy_error) < 1e-9
     assert float(np.abs(run.axis_y).max()) < 1e-12  # it keeps its plane
@@ -231,8 +231,9 @@ def test_the_thin_body_moves_and_ends_as_the_disk(law: str) -> None:
     thin = st.Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25, name="thin")
     contact = LAWS[law](0.3) if LAWS[law].parameters else LAWS[law]()
     for six in ([1.5, 0, 2.5, 0, 0, 0], [1.2, 0, 0.1, 0.2, 0, 0], [1.4, 0.1, 0.3, 1.0, 0, 0]):
-        known = st.simulate(st.Disk(), contact, six, 40.0, pose=True, tolerance=1e-12)
-        run = st.simulate(thin, contact, six, 40.0, pose=True, tolerance=1e-12)
+        options = dict(pose=True, tolerance=1e-12, check=False)
+        known = st.simulate(st.Disk(), contact, six, 40.0, **options)
+        run = st.simulate(thin, contact, six, 40.0, **options)
         assert run.attrs["outcome"] == known.attrs["outcome"]
         assert str(run.nearest_family.values) == str(known.nearest_family.values)
         assert float(run.end_time) == pytest.approx(float(known.end_time), rel=1e-9)
@@ -243,17 +244,22 @@ def test_the_thin_body_moves_and_ends_as_the_disk(law: str) -> None:
 
 def test_settled_motions_of_a_body_stay_where_they_are_said_to_converge() -> None:
     flat = st.Spheroid(0.5)
-    run = st.simulate(flat, st.Viscous(0.3), {"theta": 1.3, "phi_dot": 1.0}, 100.0)
+    run = st.simulate(flat, st.Viscous(0.3), {"theta": 1.3, "phi_dot": 0.5}, 600.0)
     assert run.attrs["outcome"] == "settled"
     assert str(run.nearest_family.values) == "tumbling"
     last = [float(run[n][-1]) for n in ("theta", "theta_dot", "phi_dot", "omega3")]
     slips = [float(run[n][-1]) for n in ("slip_x", "slip_y")]
-    later = st.simulate(flat, st.Viscous(0.3), [*last, *slips], 300.0)
+    later = st.simulate(flat, st.Viscous(0.3), [*last, *slips], 900.0)
     assert float(later.theta[-1]) == pytest.approx(float(run.nearest_at), abs=1e-8)
     at = float(run.nearest_at)
     member = st.spectrum("tumbling", at=at, body=flat, contact=st.Viscous(0.3))
     assert member.verdict is st.Verdict.STABLE
-    assert float(run.phi_dot[-1]) == pytest.approx(member.state["phi_dot"], abs=1e-7)
+    s, c = math.sin(at), math.cos(at)
+    h, slope = flat.height_at(at), flat.height_at(at, 1)
+    axial, across = flat.moments()
+    r, z = h * s + slope * c, h * c - slope * s
+    square = slope * r / (s * (across * r * c - axial * z * s))
+    assert float(run.phi_dot[-1]) == pytest.approx(math.sqrt(square), abs=1e-7)
 
 
 def test_a_body_departs_from_an_unstable_member() -> None:
@@ -312,7 +318,7 @@ def test_what_a_body_cannot_do_is_refused_in_a_sentence() -> None:
         assert sentence in str(caught.value)
         assert "\n" not in str(caught.value)
     own = st.Body(
-        lambda theta, energy: 1 + 0 * theta, axial=0.4, transverse=0.4, shape={"energy": 1.0}
+        lambda theta, energy: energy + 0 * theta, axial=0.4, transverse=0.4, shape={"energy": 1.0}
     )
     with pytest.raises(st.StabilityError, match="a name that a motion has for itself"):
         st.simulate(own, st.Rough(), {"theta": 1.0}, times)
