@@ -68,13 +68,15 @@ def path(family: str, k: float, mu: float, y: float, z: float, time: float):
     return point, times, along, np.hypot(states[4], states[5])
 
 
-figure, axes = plt.subplots(1, 2, figsize=(7, 2.9), layout="constrained")
-for y, colour in ((0.1, "#d55e00"), (0.05, "#0072b2")):
+plt.rc("font", size=7.5)  # one journal column wide
+plt.rc("axes", labelsize=7.5, titlesize=7.5)
+figure, axes = plt.subplots(2, 1, figsize=(3.39, 4.4), layout="constrained")
+for y, colour in ((0.1, "#d55e00"), (0.05, "#0b3c5d")):
     point, times, along, slip = path("spinning", 0.25, 0.8, y, 0.05 * y, 1500 / y)
     told = point.landing(y, 0.05 * y)
     print(f"spinning from {y}: ends at {along[-1]:.5f}, leading order {told:.5f}")
     assert abs(along[-1] / told - 1) < 1.2 * y
-    axes[0].plot(along, slip, color=colour, lw=0.4)
+    axes[0].plot(along, slip, color=colour, lw=0.4, label=f"start {y} beyond")
     axes[0].plot([y, along[-1]], [0, 0], "o", color=colour, ms=4)
 _, times, along, slip = path("tumbling", 0.5, 1.0, -0.1, 0.05, 500)
 assert along[-5:].max() < -0.9
@@ -82,8 +84,9 @@ axes[1].plot(along, slip, color="#d55e00", lw=0.5)
 titles = "elliptic: spinning disk, mu = 0.8", "hyperbolic: tumbling hoop, mu = 1"
 for axis, title in zip(axes, titles, strict=True):
     axis.axvline(0, color="black", lw=0.8, ls="--")
-    axis.set_title(title, fontsize=9)
+    axis.set_title(title)
     axis.set_ylabel(r"slip  [$\sqrt{gR}$]")
+figure.legend(fontsize=6.5, frameon=False, loc="outside lower center", ncols=2)
 axes[0].set_xlabel(r"$\dot\varphi$ from the boundary  [$\sqrt{g/R}$]")
 axes[1].set_xlabel(r"$\theta$ from the boundary  [rad]")
 figure.savefig("flutter_lines.png", dpi=200)

@@ -42,7 +42,7 @@ start = st.launch("rolling", at=1.2, tilt=0.1)
 run = st.simulate(disk, friction, start, np.linspace(0, 100, 2001), pose=True)
 print(st.spectrum("rolling", at=1.2, contact=friction).verdict.value)
 print(caption(run))
-figure = st.plot_motion(run)
+figure = st.plot_motion(run, width=3.39)  # one journal column, the parts one below the other
 figure.savefig("launch.png", dpi=200)
 plt.close(figure)
 

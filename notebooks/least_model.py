@@ -82,13 +82,15 @@ assert tilts["smooth"] > 10 * tilts["rough"]
 assert abs(tilts["Coulomb"] - tilts["rough"]) < 1e-6
 
 # %%
-figure, axes = plt.subplots(figsize=(6, 3), layout="constrained")
+plt.rc("font", size=7.5)  # one journal column wide
+plt.rc("axes", labelsize=7.5)
+figure, axes = plt.subplots(figsize=(3.39, 2.6), layout="constrained")
 for (name, part), style in zip(
     several.parts.items(), ("-", ":", "-", "--", ":", "-."), strict=True
 ):
     axes.plot(part.path.time, 1e3 * (part.path.theta - UPRIGHT), style, label=name)
 axes.set(xlabel="time [s]", ylabel="tilt [mrad]")
-axes.legend(fontsize=8, frameon=False)
+figure.legend(fontsize=6.5, frameon=False, loc="outside upper center", ncols=3)
 figure.savefig("least_model.png", dpi=200)
 plt.close(figure)
 

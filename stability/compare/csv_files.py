@@ -7,8 +7,6 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from ..jobs.journal import Cell
 from .spectrum.hardness import EDGES
 
@@ -39,8 +37,8 @@ def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     return handle.getvalue()
 
 
-def _middle(values: Sequence[float] | None) -> Any:
-    return float(np.median(values)) if values else ""
+def _least(values: Sequence[float] | None) -> Any:
+    return min(values) if values else ""
 
 
 def _timings(values: Sequence[float] | None) -> str:
@@ -80,7 +78,7 @@ def spectrum_csv(cells: Mapping[str, Cell]) -> str:
         worst = ["" if v[q] is None else max(v[q]) for q in ("eigenvalues", "abscissa")]
         rows.append((
             hardness, route, cell.status, v["count"], v["wrong"], v["undecided"], *worst,
-            v["first"], _middle(v["one"]), _middle(v["many"]), _timings(v["one"]),
+            v["first"], _least(v["one"]), _least(v["many"]), _timings(v["one"]),
             _timings(v["many"]), "",
         ))  # fmt: skip
     return csv_text(columns, rows)
@@ -130,7 +128,7 @@ def motion_csv(cells: Mapping[str, Cell]) -> str:
     """
     metrics = ("final", "path", "audit", "event", "stated")
     columns = ("scene", "driver", "tolerance", "outcome", *(f"{m}_error" for m in metrics[:4]),
-               "stated_error", "median_s", "timings_s", "first_call_s", "message")  # fmt: skip
+               "stated_error", "least_s", "timings_s", "first_call_s", "message")  # fmt: skip
     rows: list[Sequence[Any]] = []
     for key, cell in cells.items():
         if not key.startswith("motion/"):
@@ -146,6 +144,6 @@ def motion_csv(cells: Mapping[str, Cell]) -> str:
                 continue
             rows.append((
                 which, driver, tolerance, row["outcome"], *(_known(row[m]) for m in metrics),
-                _middle(row["seconds"]), _timings(row["seconds"]), cell.value["first"], "",
+                _least(row["seconds"]), _timings(row["seconds"]), cell.value["first"], "",
             ))  # fmt: skip
     return csv_text(columns, rows)

@@ -47,7 +47,7 @@ ANOTHER = {
 """More specific reasons: for a route and a word in the panel or the rival."""
 SIGNS = {
     Mark.RIGHT: "✓", Mark.DEGRADED: "≈", Mark.UNDECIDED: "?", Mark.REFUSED: "–", Mark.WRONG: "✗",
-    Mark.CRASHED: "‼", Mark.LATE: "⌛",
+    Mark.CRASHED: "‼", Mark.LATE: "…",
 }  # fmt: skip
 """Sign of each mark, next to its colour."""
 STYLE = """
@@ -60,7 +60,6 @@ p, ul { max-width: 48rem; } nav a { margin-right: 1rem; }
 .figures { columns: 25rem 2; column-gap: 2.5rem; }
 figure { margin: 0 0 1.5rem; break-inside: avoid; }
 figure img { width: 100%; height: auto; display: block; }
-figure.wide .scroll img { min-width: 33rem; }
 figcaption { font-size: .85rem; color: #333; max-width: 34rem; margin-top: .4rem; }
 dl { font-size: .85rem; margin: .5rem 0; max-width: 48rem; } dd { margin: 0 0 .25rem 1rem; }
 dt { font-weight: 600; } code, h1, p, li, dd { overflow-wrap: anywhere; }
@@ -148,20 +147,19 @@ def _section(one: Part) -> list[str]:
         told, places = _standings(one)
         found.append(told)
     found.append('<div class="figures">')
-    found += [_figure(plate, wide=one.name == "scenes") for plate in one.plates]
+    found += [_figure(plate) for plate in one.plates]
     found += ["</div>", *_methods(one)]
     if one.name == "failures":
         found += _tables(one.chart)
     return found + places
 
 
-def _figure(plate: Plate, *, wide: bool) -> str:
-    """A figure with its caption; a wide one scrolls where it would be too small to read."""
+def _figure(plate: Plate) -> str:
+    """A figure with its caption."""
     links = " · ".join(f'<a href="{plate.stem}.{s}">{s.upper()}</a>' for s in ("png", "pdf"))
     alt = html.escape(plate.caption[:90])
     return (
-        f'<figure{" class=wide" if wide else ""}><div class="scroll"><img src="{plate.stem}.png" '
-        f'alt="{alt}" loading="lazy"></div>'
+        f'<figure><img src="{plate.stem}.png" alt="{alt}" loading="lazy">'
         f"<figcaption>{html.escape(plate.caption)} {links}</figcaption></figure>"
     )
 

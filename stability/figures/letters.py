@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
@@ -69,8 +70,13 @@ def letters(axes: Axes, marks: Sequence[Letter], size: float = MARK) -> None:
         arrow = {"arrowstyle": "-", "linewidth": 0.35, "color": mark.colour, "shrinkA": 0.5,
                  "shrinkB": size - 0.2, "relpos": start} if far else None  # fmt: skip
         axes.annotate(mark.text, (mark.x, mark.y), tuple(shift), textcoords="offset points",
-                      fontsize=SMALL, color=mark.colour, ha="center", va="center",
+                      fontsize=SMALL, color=_dark(mark.colour), ha="center", va="center",
                       path_effects=HALO, arrowprops=arrow, zorder=6)  # fmt: skip
+
+
+def _dark(colour: str) -> tuple[float, ...]:
+    """A colour for small text, which needs more contrast than a mark."""
+    return tuple(0.8 * part for part in to_rgb(colour))
 
 
 def _half(text: str) -> tuple[float, float]:
@@ -110,19 +116,26 @@ def _apart(
     off = np.full(at.shape, np.inf)
     for _ in range(4):
         for i in range(len(at)):
-            # a wide text starts next to its marker instead of over it
-            here = tries + np.sign(np.round(tries, 1)) * np.array([half[i, 0] - 2.5, 0.0])
+            # a wide text starts next to its marker, or stands above or below it
+            aside = np.sign(tries) * (np.abs(tries) > 0.6)
+            here = tries + aside * np.array([half[i, 0] - 2.5, 0.0])
             spots = at[i] + here
             struck = (np.abs(spots[:, None] - lines) < half[i] + 0.2).all(axis=-1).sum(axis=-1)
             cost = np.hypot(*tries.T) + np.minimum(4.0 * (struck > 0) + 0.8 * struck, 14.0)
             outside = (spots - half[i] < room[0] + 1) | (spots + half[i] > room[1] - 1)
             cost = cost + 500.0 * outside.any(axis=-1)
             others = np.arange(len(at)) != i
+            # nearer to another marker than to its own, a text seems to name that one
+            gaps = [np.hypot(*np.maximum(np.abs(spots[:, None] - m) - half[i], 0).T)
+                    for m in (at[i : i + 1], at[others])]  # fmt: skip
+            cost = cost + 10.0 * (gaps[1] < gaps[0] - 0.1).any(axis=0)
             for centre, extent, price in (((at + off)[others], half[others], 300.0),
                                         (at, np.full_like(at, size), 40.0)):  # fmt: skip
                 gap = np.abs(spots[:, None] - centre) - half[i] - extent
                 cost = cost + price * (gap < 0).all(axis=-1).sum(axis=-1)
             cost = cost + 12.0 * _crossings(at[i], spots, at[others], (at + off)[others])
+            theirs = at[others], (at + off)[others], half[others]
+            cost = cost + 25.0 * _struck((at[i], spots, half[i]), theirs)
             off[i] = here[int(cost.argmin())]
     return off
 
@@ -137,3 +150,26 @@ def _crossings(start: Any, ends: Any, starts: Any, stops: Any) -> Any:
     a, b, c, d = start, ends[:, None], starts[known], stops[known]
     apart = side(a, b, c) * side(a, b, d) < 0
     return (apart & (side(c, d, a + 0 * b) * side(c, d, b) < 0)).sum(axis=-1)
+
+
+def _struck(mine: tuple[Any, Any, Any], other: tuple[Any, Any, Any]) -> NDArray[Any]:
+    """How many texts each new leading line strikes, and how many leading lines each new text.
+
+    Both are given as marks, centres of texts, and halves of their widths and heights.
+    """
+    known = np.isfinite(other[1]).all(axis=-1)
+    starts, spots, halves = (part[known] for part in other)
+    start, tried, half = mine
+    ours, theirs = _leading(start, tried, half), _leading(starts, spots, halves)
+    over = (np.abs(ours[:, :, None] - spots) < halves).all(axis=-1).any(axis=1).sum(axis=-1)
+    under = (np.abs(tried[:, None, None] - theirs) < half).all(axis=-1).any(axis=-1).sum(axis=-1)
+    return np.asarray(over + under)
+
+
+def _leading(start: Any, spots: Any, half: Any) -> NDArray[Any]:
+    """Points along each line from a mark to the near end of its text."""
+    shift = spots - start
+    ends = spots - np.where(np.abs(shift) > 9, np.sign(shift) * half, 0.0) * [1.0, 0.0]
+    # a mark next to another text is judged by the distance of texts from marks
+    along = np.linspace(0.25, 0.95, 12)[:, None]
+    return np.asarray(np.expand_dims(start, -2) + along * (ends - start)[:, None])

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from .canvas import STYLE, figure_style  # isort: skip
-from .styled_figure import StyledFigure  # isort: skip
+from .canvas import COLUMN, STYLE, figure_style  # isort: skip
+from .styled_figure import StyledFigure, broken, fixed, wide  # isort: skip
 
 import json
-import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -18,22 +17,21 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from ..base.errors import ParameterError, shown
+from ..bodies.thin_disk.disk_quantities import SYSTEM, quantities_of
 from .letters import SMALL, Letter, letters
 
 if TYPE_CHECKING:
     import xarray
 
-WIDTH, BODY = 5.2, 3.1
-"""Width of the figure and height of its panel [in]."""
-LEFT, RIGHT, TOP, UNDER = 0.58, 0.98, 0.14, 0.47
+WIDTH, BODY = COLUMN, 2.3
+"""Width of the figure, a journal column, and height of its panel [in]."""
+LEFT, RIGHT, TOP, UNDER = 0.5, 0.49, 0.06, 0.4
 """Margins of the panel [in]."""
-LINE, KEY_LINE = 0.108, 0.15
-"""Height of a line of the caption and of the key [in]."""
-LETTERS = 112
-"""Letters in a line of the caption."""
+LINE, KEY_LINE, COLUMNS = 0.122, 0.118, 2
+"""Height of a line of the note and of the key [in]; columns of the key."""
 LOWEST = 1e-16
 """Smallest error that is drawn."""
-NEAR = 0.055
+NEAR = 0.1
 """Least distance of two words at the right of the panel, over its height."""
 LOOKS: dict[str, dict[str, Any]] = {
     "closed form": {"marker": "o", "color": "#0072B2", "ms": 5},
@@ -64,8 +62,9 @@ def scene_figure(dataset: xarray.Dataset) -> Figure:
     Returns
     -------
     Figure
-        The model that is chosen has a ring; the tolerance is a line, the spread by the uncertain
-        inputs a band; the caption stands below.
+        A journal column wide.  The model that is chosen has a ring; the tolerance is a line, the
+        spread by the uncertain inputs a band; below stand parameters, start and horizon, and which
+        models have no mark.
 
     Raises
     ------
@@ -73,26 +72,29 @@ def scene_figure(dataset: xarray.Dataset) -> Figure:
         If the dataset is no chart of a scene.
     """
     _check(dataset)
-    text = textwrap.wrap(scene_caption(dataset), LETTERS)
     with figure_style(STYLE):
+        room = 72 * (WIDTH - 0.1)
+        text = "\n".join(broken(part, lambda line: wide(line) <= room) for part in _note(dataset))
         handles = _handles(dataset)
-        low = UNDER + KEY_LINE * -(-len(handles) // 3) + LINE * (len(text) + 0.7)
+        foot = LINE * (text.count("\n") + 1) + 0.1
+        low = UNDER + KEY_LINE * -(-len(handles) // COLUMNS) + foot
         height = TOP + BODY + low
         figure = StyledFigure(figsize=(WIDTH, height))
-        wide = WIDTH - LEFT - RIGHT
-        axes = figure.add_axes((LEFT / WIDTH, low / height, wide / WIDTH, BODY / height))
+        axes = figure.add_axes((LEFT / WIDTH, low / height, (WIDTH - LEFT - RIGHT) / WIDTH,
+                                BODY / height))  # fmt: skip
         _limits(axes, dataset)
         _lines(axes, dataset)
         _marks(axes, dataset)
-        axes.set_xlabel("time of a run, with the estimate of its error [s]")
-        axes.set_ylabel("true error of the states")
+        axes.tick_params(labelsize=6.5)
+        axes.set_xlabel("time of a run, with the estimate of its error [s]", labelpad=2, fontsize=7)
+        axes.set_ylabel("true error of the states", labelpad=1, fontsize=7)
         figure.legend(
-            handles=handles, ncols=3, loc="upper left", frameon=False, fontsize=SMALL + 0.5,
-            bbox_to_anchor=(LEFT / WIDTH, (low - UNDER + 0.02) / height), borderaxespad=0,
-            borderpad=0, columnspacing=1.6, handletextpad=0.6, labelspacing=0.35,
+            handles=handles, ncols=COLUMNS, loc="upper center", frameon=False,
+            bbox_to_anchor=(0.5, (low - UNDER + 0.02) / height), borderaxespad=0, borderpad=0,
+            columnspacing=1.4, handletextpad=0.6, labelspacing=0.3,
         )  # fmt: skip
-        figure.text(0.1 / WIDTH, 0.06 / height, "\n".join(text), fontsize=SMALL, va="bottom",
-                    linespacing=1.2, color="#303030")  # fmt: skip
+        figure.text(0.5, 0.04 / height, text, fontsize=SMALL, va="bottom", ha="center",
+                    linespacing=1.4)  # fmt: skip
     return figure
 
 
@@ -147,6 +149,26 @@ def scene_caption(dataset: xarray.Dataset) -> str:
     return " ".join(parts)
 
 
+def _note(dataset: xarray.Dataset) -> list[str]:
+    """What is fixed in a chart, where it starts, and which models have no mark."""
+    told, plain = dataset.attrs, dataset.attrs["time_unit"] == "1"
+    law, start = str(told["law"]), json.loads(told["start"])
+    known = quantities_of(SYSTEM + law) if told["title"].startswith(OF_DISK) else {}
+    given = fixed(json.loads(told["parameters"]), known, {}, dimensionless=plain,
+                  law=law if known else "")  # fmt: skip
+    moving = fixed({n: v for n, v in start.items() if v}, known, {}, dimensionless=plain)
+    last = fixed({"time": told["horizon"]}, known, {"time": told["time_unit"]}, dimensionless=plain)
+    lines = [given or law, f"start: {moving or 'rest'}, horizon {last.partition(' = ')[2]}"]
+    for words, where in (("end in another way", np.isinf), ("no answer", np.isnan)):
+        if names := _named(dataset, where(dataset.true_error.values)):
+            lines.append(f"{words}: {', '.join(names)}")
+    return lines
+
+
+OF_DISK = "models of motion of a disk, "
+"""Start of the title of a chart of a disk."""
+
+
 def _named(dataset: xarray.Dataset, where: Any) -> list[str]:
     """Labels of some models."""
     return [_label(one) for one in _rows(dataset, where)]
@@ -161,7 +183,8 @@ def _label(one: xarray.Dataset) -> str:
     name, kind = str(one.model.values), str(one.kind.values)
     if kind == "creep" and name == "rough":
         return "rough, creep-0"
-    return name.replace("mu = ", "μ = ")
+    law, comma, rest = name.partition(", mu = ")
+    return f"{law} (μ = {rest})" if comma else name
 
 
 def _limits(axes: Axes, dataset: xarray.Dataset) -> None:
@@ -195,15 +218,15 @@ def _lines(axes: Axes, dataset: xarray.Dataset) -> None:
     """The tolerance and the spread, with words at the right of the panel."""
     tolerance, spread = float(dataset.tolerance), float(dataset.spread)
     axes.axhline(tolerance, color=ALLOWED, linewidth=1.0, linestyle=(0, (4, 2)), zorder=1.6)
-    words = [(tolerance, f"tolerance {tolerance:.3g}", ALLOWED)]
+    words = [(tolerance, f"tolerance\n{tolerance:.3g}", ALLOWED)]
     if np.isfinite(spread) and spread > 0:
         axes.axhspan(axes.get_ylim()[0], spread, facecolor=BAND, alpha=0.28, linewidth=0, zorder=0)
-        words.append((spread, f"spread {spread:.2g}", "#6b6200"))
+        words.append((spread, f"spread\n{spread:.2g}", "#6b6200"))
     places = _apart([float(axes.transScale.transform((1, v))[1]) for v, _, _ in words], axes)
     for place, (value, word, colour) in zip(places, words, strict=True):
         axes.annotate(word, (1.0, value), (1.02, place), xycoords=axes.get_yaxis_transform(),
                       textcoords="axes fraction", fontsize=SMALL, color=colour, va="center",
-                      annotation_clip=False)  # fmt: skip
+                      linespacing=1.0, annotation_clip=False)  # fmt: skip
 
 
 def _apart(heights: Sequence[float], axes: Axes) -> list[float]:

@@ -13,6 +13,8 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import pytest
+from figure_audit import faults
+from matplotlib.figure import Figure
 
 import stability as st
 from stability.cli import main
@@ -23,6 +25,7 @@ from stability.compare.motion import measure as works
 from stability.compare.spectrum import dataset as spectral_data
 from stability.compare.spectrum import hardness
 from stability.compare.spectrum import measure as spectral
+from stability.figures.canvas import COLUMN, save_figure
 from stability.jobs import journal
 from stability.jobs.journal import CRASHED, DONE, LATE, REFUSED, Journal
 from stability.jobs.processes import Task, run
@@ -216,6 +219,13 @@ def test_a_report_holds_figures_numbers_and_a_page(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "report"
+    drawn: list[Figure] = []
+
+    def keep(figure: Figure, path: Path) -> None:
+        drawn.append(figure)
+        save_figure(figure, path)
+
+    monkeypatch.setattr("stability.figures.canvas.save_figure", keep)
     assert main(["report", "--out", str(out), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["failures"]["misleading"] == []
@@ -228,9 +238,12 @@ def test_a_report_holds_figures_numbers_and_a_page(
     assert found["scenes"]["models"]["sticky"]["chosen"] == "creep-2"
     for name, title in (("spectrum", "discs about eigenvalues"), ("rk4", "RK4 with a fixed step")):
         assert re.search(rf"<dt[^>]*>{name}</dt><dd>[^<]*{title}", page)
-    # what may be wider than a phone scrolls within its box
+    # what may be wider than a phone scrolls within its box; figures are as wide as the page
     assert page.count("<table>") == page.count('<div class="scroll"><table>') > 0
-    assert page.count("<img ") == page.count('<div class="scroll"><img ') > 0
+    assert page.count("<img ") == page.count("<figure><img ") == len(drawn) > 8
+    assert "figure img { width: 100%" in page
+    assert {f.get_figwidth() for f in drawn} == {COLUMN}
+    assert [said for f in drawn for said in faults(f)] == []
     assert found["machine"]["processor"] in page.replace("&amp;", "&")
     assert "stability " + st.__version__ in page
     assert not [p for p in out.iterdir() if p.name.startswith(".")]

@@ -4,6 +4,7 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Callable
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,15 @@ import matplotlib.colors as colours
 import numpy as np
 import pytest
 import xarray
-from figure_audit import faults
+from figure_audit import faults, seen
 from matplotlib.figure import Figure
 
 from stability.compare import failures as catalogue
 from stability.compare import page, report
 from stability.compare.figures import cost_error as drawings
-from stability.compare.figures.panels import PALE
+from stability.compare.figures.panels import OWN, PALE, PEOPLE
+from stability.compare.figures.shares import MARKS
+from stability.compare.figures.work_precision import LOOKS
 from stability.compare.marks import BY_WORD, Mark
 from stability.compare.motion.drivers import DRIVERS
 from stability.compare.motion.reference_motions import scene
@@ -83,6 +86,19 @@ def test_no_text_overlaps_leaves_the_figure_or_is_small(figures: dict[str, Figur
     assert {f.get_figwidth() for f in figures.values()} == {COLUMN}
 
 
+def test_every_method_is_known_by_its_shape_and_every_mark_by_its_shade() -> None:
+    """So that nothing is lost in grey or with a deficiency of colour vision."""
+    shapes = [(look["marker"], look.get("mfc", "")) for look in LOOKS.values()]
+    assert len(set(shapes)) == len(shapes)
+    for (one, hatch), (other, another) in combinations(MARKS.values(), 2):
+        if hatch == another:
+            a, b = seen(one), seen(other)
+            assert all(np.linalg.norm(a[kind] - b[kind]) > 20 for kind in a), (one, other)
+    for colour in (OWN, PEOPLE):  # named routes stand out from the grey of all others
+        a, b = seen(colour), seen(PALE)
+        assert all(abs(a[kind][0] - b[kind][0]) > 15 for kind in a)
+
+
 def test_scenes_without_the_error_have_no_panel(
     motion: xarray.Dataset, figures: dict[str, Figure]
 ) -> None:
@@ -100,7 +116,7 @@ def test_colour_is_for_the_front_and_the_references(
         here = motion.sel(scene=which)
         right = here.outcome.values == str(here.true_outcome.values)
         runs = [
-            (name, np.nanmedian(here.seconds.values[i, j]), max(here.path.values[i, j], 1e-16))
+            (name, np.nanmin(here.seconds.values[i, j]), max(here.path.values[i, j], 1e-16))
             for i, name in enumerate(here.driver.values.tolist())
             for j in np.flatnonzero(right[i] & np.isfinite(here.path.values[i]))
         ]  # fmt: skip

@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from figure_audit import drawn, faults, linear, luminance
 from PIL import Image
 
 import stability as st
 from stability.bodies.contact import Contact
+from stability.figures.canvas import COLUMN
 from stability.figures.launch import animate as animation
 from stability.figures.launch import film as films
 from stability.figures.launch.animate import animate
@@ -106,6 +108,39 @@ def test_a_gif_has_the_frames_asked_for_and_they_differ(tmp_path: Path) -> None:
     # more than the clock changes: look at the middle of the picture only
     for a, b in zip(pictures, pictures[1:], strict=False):
         assert (abs(a - b)[80:-50] > 60).sum() > 100
+
+
+@pytest.mark.parametrize("spin", [1.5, 60.0])
+def test_the_texts_of_a_film_are_readable_in_a_column(spin: float, tmp_path: Path) -> None:
+    """At the size of print, and dark in the pixels of the GIF, whose colours are few."""
+    coin = st.Disk.named("quarter")
+    start = {"theta": 1.2, "omega3": spin * coin.rate}
+    run = st.simulate(coin, st.Rough(), start, np.linspace(0, 0.2, 201), pose=True)
+    motion = resample(animation._single(run), np.linspace(0, 0.2, 9))
+    scene = films.Camera(motion, run, 1.0)
+    assert (scene.seat is not None) == (spin > 50)  # a camera that follows has an overview
+    scene.show(1)
+    assert faults(scene.figure, COLUMN) == []
+    assert {t.get_color() for t, _ in drawn(scene.figure)} == {films.INK}
+    scene.figure.set_dpi(films.DPI)
+    boxes = [t.get_window_extent() for t in scene.figure.texts]
+    film = animate(run, tmp_path / "a.gif", fps=10, seconds=0.2)
+    with Image.open(film) as picture:
+        picture.seek(1)
+        pixels = np.asarray(picture.convert("RGB"))[::-1]
+    for box in boxes:
+        part = pixels[int(box.y0) + 1 : int(box.y1), int(box.x0) + 1 : int(box.x1)]
+        grey = luminance(linear(part / 255))
+        assert (grey.max() + 0.05) / (np.quantile(grey, 0.01) + 0.05) > 10
+
+
+def test_the_caption_of_a_film_has_units() -> None:
+    caption = films.caption_of(launch(disk=st.Disk(mass=0.2, radius=0.3, gravity=9.81)))
+    assert caption == (
+        "viscous contact, mass = 0.2 kg, radius = 0.3 m, gravity = 9.81 m/s², k = 0.25, "
+        "mu = 0.3 s/m"
+    )
+    assert films.caption_of(launch()) == "viscous contact, k = 0.25, mu = 0.3"
 
 
 @pytest.mark.parametrize("disk", [st.Disk(), st.Disk(k=0.4), st.Disk(k=0.5, radius=0.1)])

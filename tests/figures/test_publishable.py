@@ -10,14 +10,14 @@ import casadi as ca
 import matplotlib
 import numpy as np
 import pytest
-from figure_audit import drawn, faults
+from figure_audit import DEFICIENT, drawn, faults, lab, linear
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import stability as st
 from stability.atlas.build import atlas
 from stability.base.errors import ParameterError
-from stability.figures.canvas import save_figure
+from stability.figures.canvas import COLUMN, save_figure
 from stability.figures.diagram import Strip
 from stability.figures.shading import DIVERGING, linear_part
 from stability.figures.styled_figure import signed_ticks
@@ -29,8 +29,11 @@ def test_the_measure_finds_what_overlaps_and_what_is_small() -> None:
     axes.plot([0, 1], label="a line")
     for where, word, size in ((0.5, "one", 9), (0.51, "two", 9), (0.2, "small", 5)):
         axes.text(where, where, word, fontsize=size)
+    axes.text(0.8, 0.2, "pale", color="#a0a0a0")
     axes.legend(loc="upper left")
-    assert sorted(f.split(" ")[0] for f in faults(figure)) == ["'one'", "'small'", "the"]
+    assert sorted(f.split(" ")[0] for f in faults(figure)) == ["'one'", "'pale'", "'small'", "the"]
+    # text of 10 pt in a figure of 6.4 in has 5.3 pt in a column
+    assert sum("has 5.3 pt" in f for f in faults(figure, 3.39)) > 8
 
 
 # --- figures of the atlas, of motions, of a user's system ---
@@ -79,6 +82,15 @@ def coin() -> Any:
 def test_no_text_of_a_motion_overlaps_or_is_too_small(run: Any, coin: Any, show: Any) -> None:
     assert faults(st.plot_motion(run, show=show)) == []
     assert faults(st.plot_motion(coin, show=show)) == []
+
+
+def test_a_whole_motion_is_readable_in_a_column(run: Any) -> None:
+    figure = st.plot_motion(run, width=COLUMN)
+    assert faults(figure, COLUMN) == []
+    left = {round(a.get_position().x0, 2) for a in figure.axes}
+    assert len(figure.axes) == 8 and max(left) < 0.9
+    # the parts stand one below the other, so that no panel is half as wide as the column
+    assert min(a.bbox.width for a in figure.axes[:5]) > 0.5 * figure.bbox.width
 
 
 @pytest.fixture(scope="module")
@@ -253,31 +265,6 @@ def test_a_pdf_holds_fonts_of_type_42_alone(quarter: Any, run: Any, tmp_path: Pa
 
 
 # --- colours ---
-
-# Machado, Oliveira & Fernandes, IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291-1298, severity 1
-DEFICIENT = {
-    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
-               [-0.003882, -0.048116, 1.051998]],
-    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
-               [-0.011820, 0.042940, 0.968881]],
-    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
-               [0.004733, 0.691367, 0.303900]],
-}  # fmt: skip
-
-
-def linear(colours: Any) -> Any:
-    """Linear light of sRGB colours."""
-    c = np.asarray(colours, dtype=float)
-    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
-
-
-def lab(light: Any) -> Any:
-    """CIE Lab of linear sRGB, white D65."""
-    xyz = light @ np.array([[0.4124564, 0.2126729, 0.0193339], [0.3575761, 0.7151522, 0.1191920],
-                            [0.1804375, 0.0721750, 0.9503041]]) / [0.95047, 1, 1.08883]  # fmt: skip
-    f = np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz / (3 * (6 / 29) ** 2) + 4 / 29)
-    return np.stack([116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]),
-                     200 * (f[..., 1] - f[..., 2])], axis=-1)  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", DEFICIENT)

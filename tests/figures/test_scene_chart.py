@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+from figure_audit import faults
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import Collection
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from stability.base.errors import ParameterError
-from stability.figures.canvas import save_figure
+from stability.figures.canvas import COLUMN, save_figure
 from stability.figures.scene_chart import LOOKS, scene_caption, scene_figure
 
 ROWS: list[tuple[str, str, float, float]] = [
@@ -41,7 +42,9 @@ def made(
          "chosen": ("model", [n == chosen for n in names]), "tolerance": 1e-4, "spread": spread,
          "truth_error": 1e-12, "answer_cost": 9e-3},
         {"model": list(names), "kind": ("model", list(kinds))},
-        {"format": "stability chart scene 1", "law": "viscous", "horizon": 0.5, "time_unit": "s",
+        {"format": "stability chart scene 1", "law": "viscous",
+         "title": "models of motion of a disk, viscous contact: cost against true error",
+         "horizon": 0.5, "time_unit": "s",
          "parameters": json.dumps({"k": 0.25, "mu": 100.0}), "truth": "the full model, much finer",
          "start": json.dumps({"theta": 1.4, "theta_dot": 0.0}), "uncertain": "mu ± 0.1",
          "stability_version": "0", "created": "2020-01-01T00:00:00"},
@@ -108,7 +111,7 @@ def test_the_tolerance_is_a_line_and_the_spread_a_band_up_to_it(figure: Figure) 
     [band] = axes.patches
     box: Any = band.get_bbox()  # type: ignore[attr-defined]
     assert (box.y0, box.y1) == (axes.get_ylim()[0], 8e-4)
-    assert {"tolerance 0.0001", "spread 0.0008"} <= set(labels(figure))
+    assert {"tolerance\n0.0001", "spread\n0.0008"} <= set(labels(figure))
 
 
 def test_without_uncertain_inputs_there_is_no_band() -> None:
@@ -119,6 +122,7 @@ def test_without_uncertain_inputs_there_is_no_band() -> None:
 @pytest.mark.parametrize("spread", [np.nan, 8e-4, 1.1e-4, 0.9e-4])
 def test_no_label_hides_another_and_none_leaves_the_figure(spread: float) -> None:
     figure = scene_figure(made(ROWS, spread=spread))
+    assert faults(figure, COLUMN) == []  # small and pale texts too
     texts = [*figure.axes[0].texts, *figure.texts, figure.axes[0].xaxis.label,
              *figure.legends[0].get_texts()]  # fmt: skip
     found = boxes(texts, figure)
@@ -149,10 +153,13 @@ def test_the_caption_says_what_was_computed_and_what_has_no_mark(
     for part in ("the law viscous (k = 0.25, mu = 100, SI units)", "from theta = 1.4",
                  "horizon 0.5 s", "tolerance 0.0001", "the full model, much finer",
                  "uncertain by mu ± 0.1", "end in another way: smooth law",
-                 "answer here: viscous law, μ = 100"):  # fmt: skip
+                 "answer here: viscous law (μ = 100)"):  # fmt: skip
         assert part in told
-    shown = " ".join(t.get_text() for t in figure.texts)
-    assert " ".join(shown.split()) == told
+    [note] = [" ".join(t.get_text().split()) for t in figure.texts]
+    assert note == (
+        r"viscous contact, $k$ = 0.25, $\mu$ = 100 s/m start: $\theta$ = 1.4 rad, horizon 0.5 s "
+        "end in another way: smooth law no answer: viscous law (μ = 100)"
+    )
 
 
 def test_an_error_of_zero_has_a_mark_at_the_lowest_error() -> None:

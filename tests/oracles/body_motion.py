@@ -102,12 +102,19 @@ def move(body: ConvexBody, law: Law, start: Pose, times: Any, tolerance: float =
     """
     rates = derivative(body, law)
     values, path = unknowns(start), [unknowns(start)]
+
+    def sliding(_: float, y: Array) -> float:
+        return float(norm(pose_of(body, y).slip[:2])) - 1e-4
+
+    sliding.terminal = True  # type: ignore[attr-defined]
+    events = sliding if law.name == "coulomb" else None
     for begin, end in zip(times[:-1], times[1:], strict=True):
         leg = solve_ivp(
-            lambda _, y: rates(y), (begin, end), values, "DOP853", rtol=tolerance, atol=tolerance
-        )
-        if not leg.success:
-            raise ArithmeticError(leg.message)
+            lambda _, y: rates(y), (begin, end), values, "DOP853",
+            rtol=tolerance, atol=tolerance, events=events,
+        )  # fmt: skip
+        if leg.status:
+            raise ArithmeticError(leg.message if leg.status < 0 else "the contact begins to stick")
         values = leg.y[:, -1]
         path.append(values)
     return observed(body, law, np.asarray(times, dtype=float), path)

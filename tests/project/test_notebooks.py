@@ -10,6 +10,10 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from figure_audit import faults
+from matplotlib.figure import Figure
+
+from stability.figures.canvas import COLUMN
 
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.py"))
@@ -20,8 +24,18 @@ def test_notebook_runs(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    runpy.run_path(str(path))
+    drawn: list[Figure] = []
+    savefig = Figure.savefig
+
+    def keep(self: Figure, *args: Any, **options: Any) -> None:
+        drawn.append(self)
+        savefig(self, *args, **options)
+
+    monkeypatch.setattr(Figure, "savefig", keep)
+    with plt.rc_context():
+        runpy.run_path(str(path))
     plt.close("all")  # what a notebook draws it shows, and leaves to its reader
+    assert drawn and [said for f in drawn for said in faults(f, COLUMN)] == []
     assert capsys.readouterr().out
     names = {p.name for p in tmp_path.iterdir()}
     wanted = {

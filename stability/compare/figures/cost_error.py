@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
 __all__ = ["boundary_figure", "failure_figure", "first_call_figure", "ladder_figure",
            "motion_figure", "panels_of", "spectrum_figure", "verdict_figure"]  # fmt: skip
-LOWEST = 3e-18
-"""Least error that is drawn."""
+LOWEST, FLOOR = 3e-18, 1e-17
+"""Lower end of an axis of errors, and the least error that is drawn."""
 REFERENCES = ("ad-1e-9", "spectrum", "map", "certified")
 """Routes that are named wherever they are right: what people do, and what the package does."""
 
@@ -75,7 +75,7 @@ def spectrum_figure(chart: xarray.Dataset) -> Figure:
     names = _answering(chart)
     kinds = chart.hardness.values.tolist()
     with figure_style(STYLE):
-        figure, panels = page(len(kinds), 1.0, 0.5)
+        figure, panels = page(len(kinds), 0.82, 0.5)
         low, high = span(np.concatenate([chart.one.values.ravel(), chart.many.values.ravel()]))
         shown = [_spots(chart, names, kind) for kind in kinds]
         for index, (axes, kind) in enumerate(zip(panels, kinds, strict=True)):
@@ -88,7 +88,7 @@ def spectrum_figure(chart: xarray.Dataset) -> Figure:
             title(axes, str(chart.class_title.sel(hardness=kind).values),
                   named("wrong verdicts", wrong, len(names)))  # fmt: skip
             standing = spectral_data.standing(chart, "eigenvalues", kind)
-            _draw(axes, spots, {n for n, p in standing.items() if p.on_front})
+            _draw(axes, spots, {n for n, p in standing.items() if p.on_front}, set(REFERENCES))
         frame(panels, "time per point [s]", "error of eigenvalues")
         legend(figure, 0.3, _route_handles(), 3)
     return figure
@@ -106,7 +106,7 @@ def _spots(chart: xarray.Dataset, names: Sequence[str], kind: str) -> tuple[list
     for name in names:
         cell = chart.sel(route=name, hardness=kind)
         errors = cell.eigenvalues.values
-        errors = np.maximum(errors[np.isfinite(errors)], 2 * LOWEST)
+        errors = np.maximum(errors[np.isfinite(errors)], FLOOR)
         if float(cell.wrong) > 0:
             wrong.append(name)
         elif errors.size and str(cell.status.values) == "done":
@@ -116,12 +116,12 @@ def _spots(chart: xarray.Dataset, names: Sequence[str], kind: str) -> tuple[list
     return found, wrong
 
 
-def _draw(axes: Axes, spots: Sequence[_Spot], front: set[str]) -> None:
-    """The front, a mark for each route, and names of those that matter."""
+def _draw(axes: Axes, spots: Sequence[_Spot], front: set[str], named: set[str]) -> None:
+    """The front, a mark for each route, and names of those on the front and of others by name."""
     steps(axes, [(s.time, s.worst) for s in spots if s.name in front])
     written = []
     for spot in spots:
-        told = spot.name in front or spot.name in REFERENCES
+        told = spot.name in front or spot.name in named
         colour = (OWN if spot.own else PEOPLE) if told else PALE
         axes.plot([spot.time] * 2, [spot.median, spot.worst], lw=0.7, alpha=0.6, color=colour,
                   zorder=2, solid_capstyle="butt")  # fmt: skip
@@ -135,8 +135,8 @@ def _draw(axes: Axes, spots: Sequence[_Spot], front: set[str]) -> None:
 def _route_handles() -> list[object]:
     return [
         handle("the package's", marker="D", color=OWN),
-        handle("people's", marker="o", color=PEOPLE, mfc="white"),
-        handle("others", marker="o", color=PALE, mfc="white"),
+        handle("common", marker="o", color=PEOPLE, mfc="white"),
+        handle("other common", marker="o", color=PALE, mfc="white"),
         handle("down to the median", marker="|", ms=6, color="#555555"),
         handle("Pareto front", ls="-", **{k: v for k, v in BROAD.items() if k != "zorder"}),
     ]
@@ -158,7 +158,7 @@ def boundary_figure(chart: xarray.Dataset) -> Figure:
     names: list[str] = chart.route.values.tolist()
     edges: list[str] = chart.boundary.values.tolist()
     with figure_style(STYLE):
-        body, rows, gap, foot = 1.35, 0.125 * (len(edges) + 0.8), 0.36, 0.62
+        body, rows, gap, foot = 1.1, 0.125 * (len(edges) + 0.8), 0.36, 0.62
         tall = HEAD + body + gap + rows + foot
         figure = Figure(figsize=(WIDTH, tall))
         upper = figure.add_axes((LEFT / WIDTH, (foot + rows + gap) / tall,
@@ -167,9 +167,9 @@ def boundary_figure(chart: xarray.Dataset) -> Figure:
                                  rows / tall))  # fmt: skip
         _boundary_panel(upper, chart, names)
         _boundary_rows(lower, chart, edges)
-        legend(figure, 0.33, [*_route_handles()[:4],
-                              handle("missed, by how many", marker="x", color="black", ms=3.4),
-                              _route_handles()[4]], 3)  # fmt: skip
+        own, common, _, median, front = _route_handles()
+        missed = handle("missed, by how many", marker="x", color="black", ms=3.4)
+        legend(figure, 0.33, [own, common, median, front, missed], 3)
     return figure
 
 
@@ -186,13 +186,13 @@ def _boundary_panel(axes: Axes, chart: xarray.Dataset, names: Sequence[str]) -> 
         if not np.isfinite(errors).all():
             missing.append(name)
         elif errors.size:
-            known = np.maximum(errors, 2 * LOWEST)
+            known = np.maximum(errors, FLOOR)
             spots.append(_Spot(name, bool(route.own), float(np.median(times)), float(known.max()),
                                float(np.median(known))))  # fmt: skip
     log_axis(axes.xaxis, *span([s.time for s in spots], 3), 1)
     log_axis(axes.yaxis, LOWEST, max([1e-12, *(s.worst for s in spots)]) * 60, 4)
     standing = spectral_data.standing(chart, "boundary")
-    _draw(axes, spots, {n for n, p in standing.items() if p.on_front})
+    _draw(axes, spots, {n for n, p in standing.items() if p.on_front}, {s.name for s in spots})
     frame([axes], "time per boundary [s]", "relative error")
     title(axes, named("miss at least one boundary", missing, len(names), 62), "", 70)
 
@@ -207,7 +207,7 @@ def _boundary_rows(axes: Axes, chart: xarray.Dataset, edges: Sequence[str]) -> N
         asked = here.boundary_asked.values & np.isfinite(here.boundary_seconds.values)
         error, own = here.boundary_error.values, here.own.values
         for mine, colour in ((False, PEOPLE), (True, OWN)):
-            known = np.maximum(error[asked & (own == mine) & np.isfinite(error)], 2 * LOWEST)
+            known = np.maximum(error[asked & (own == mine) & np.isfinite(error)], FLOOR)
             axes.plot(known, [row + (0.14 if mine else -0.14)] * known.size,
                       "D" if mine else "o", ms=2.4, mew=0.6, mec=colour,
                       mfc=colour if mine else "white")  # fmt: skip

@@ -17,7 +17,7 @@ from ...figures.letters import SMALL
 
 WIDTH = COLUMN
 """Width of a figure: a journal column, which is also readable on a phone [in]."""
-OWN, PEOPLE, FRONT, PALE = "#D55E00", "#0072B2", "#009E73", "#c4c4c4"
+OWN, PEOPLE, FRONT, PALE = "#D55E00", "#0072B2", "#009E73", "#b4b4b4"
 """Colours of the package's routes, of those people use, of the front, and of all others."""
 LEFT, RIGHT, BETWEEN = 0.46, 0.09, 0.12
 """Margins next to and between panels [in]."""
@@ -69,6 +69,7 @@ def title(axes: Axes, text: str, note: str = "", width: int = LETTERS) -> None:
     width
         Letters in a line.
     """
+    text = text.replace(" = ", "\u00a0=\u00a0")  # no line ends within an equation
     first, colon, rest = text.partition(": ")
     lines = [first + colon.strip(), rest]
     if not colon or len(text) <= width or max(map(len, lines)) > width:

@@ -8,10 +8,13 @@ from collections.abc import Sequence
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.patches import Patch, Rectangle
+from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 from ...figures.letters import SMALL
@@ -45,8 +48,11 @@ def _figure(
     y = [i + APART * cut for i, cut in zip(range(len(own)), cuts, strict=False)]
     turned = [fill(h, 17) for h in heads] if not label else []
     top = 0.05 + 0.056 * max((len(part) for h in turned for part in h.split("\n")), default=0)
-    tall, foot = y[-1] + 1.0, 0.2 + (0.28 if label else 0.0) + 0.14 * (len(marks) > 3)
-    left, right = 0.05 + 0.052 * max(map(len, methods)), 0.42 if notes else 0.05
+    seen = [m for m, n in zip(marks, np.nansum(counts, axis=(0, 1)), strict=True) if n > 0]
+    blanks = bool((np.nan_to_num(counts).sum(axis=-1) < 1 - 1e-9).any())
+    tall = y[-1] + 1.0
+    foot = 0.2 + (0.28 if label else 0.0) + 0.14 * (len(seen) + blanks > 4)
+    left, right = 0.08 + max(map(_wide, methods)), 0.42 if notes else 0.05
     with figure_style(STYLE | {"hatch.linewidth": 0.5, "hatch.color": "black"}):
         height = LINE * tall + top + foot
         figure = Figure(figsize=(WIDTH, height))
@@ -60,8 +66,14 @@ def _figure(
             axes.annotate(text, (1, place), (28, 0), annotation_clip=False,
                           xycoords=("axes fraction", "data"), textcoords="offset points",
                           fontsize=SMALL, ha="right", va="center_baseline")  # fmt: skip
-        _key(figure, marks, blank, 0.02 / height)
+        _key(figure, seen, blank if blanks else "", 0.02 / height)
     return figure
+
+
+def _wide(name: str) -> float:
+    """Width of the name of a method, as if it were bold [in]."""
+    bold = FontProperties(family=matplotlib.rcParamsDefault["font.sans-serif"][0], weight="bold")
+    return float(TextPath((0, 0), name, size=SMALL, prop=bold).get_extents().width) / 72
 
 
 def _label(
@@ -97,8 +109,9 @@ def _cell(axes: Axes, x: float, y: float, shares: Any, marks: Sequence[str]) -> 
 
 def _key(figure: Figure, marks: Sequence[str], blank: str, bottom: float) -> None:
     shown = [Patch(facecolor=MARKS[w][0], hatch=MARKS[w][1], label=w, linewidth=0) for w in marks]
-    rest = Patch(facecolor="none", edgecolor="#909090", linewidth=0.4, label=blank)
-    figure.legend(handles=[*shown, rest], loc="lower center", bbox_to_anchor=(0.5, bottom),
+    if blank:
+        shown.append(Patch(facecolor="none", edgecolor="#909090", linewidth=0.4, label=blank))
+    figure.legend(handles=shown, loc="lower center", bbox_to_anchor=(0.5, bottom),
                   ncols=4, frameon=False, fontsize=SMALL + 0.5, borderpad=0, borderaxespad=0,
                   handlelength=1.6, columnspacing=1.0, handletextpad=0.4,
                   labelspacing=0.3)  # fmt: skip

@@ -58,10 +58,10 @@ LOOKS: dict[str, dict[str, Any]] = {
     "lsoda": {"color": "#000000", "marker": "v"}, "radau": {"color": "#CC79A7", "marker": "p"},
     "bdf": {"color": "#882255", "marker": "h"}, "cvodes": {"color": "#56B4E9", "marker": "<"},
     "idas": {"color": "#332288", "marker": ">"},
-    "rk45": {"color": "#6a6a6a", "marker": "o", "mfc": "white"},
+    "rk45": {"color": "#6a6a6a", "marker": "X", "ms": 3.2},
     "rk4": {"color": "#6a6a6a", "marker": "s", "mfc": "white"},
     "rough-model": {"color": "#7f4f24", "marker": "D"},
-    "smooth-model": {"color": "#c08a3e", "marker": "D"},
+    "smooth-model": {"color": "#9c6b24", "marker": "d"},
     "regularised": {"color": "#4d3b1f", "marker": "D", "mfc": "white"},
 }  # fmt: skip
 """Line and marker of every driver."""
@@ -108,7 +108,7 @@ def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
         told = {which: _told(chart, which, metric) for which in scenes}
         everywhere = [n for n in LOOKS if any(n in names for names in told.values())]
         handles = _handles(everywhere)
-        figure, panels = page(len(scenes), 1.15, 0.3 + 0.13 * -(-len(handles) // 3))
+        figure, panels = page(len(scenes), 1.0, 0.3 + 0.13 * -(-len(handles) // 3))
         for axes, which in zip(panels, scenes, strict=True):
             log_axis(axes.xaxis, low, high, 1)
             log_axis(axes.yaxis, LOWEST, HIGHEST, 4)
@@ -227,11 +227,11 @@ OPEN: dict[str, Any] = SOLID | {"mec": OWN, "mfc": "white"}
 
 
 def _repeats(chart: xarray.Dataset) -> NDArray[Any]:
-    """Median repeat at the middle tolerance, shape (scenes, drivers); NaN without an answer."""
+    """Least repeat at the middle tolerance, shape (scenes, drivers); NaN without an answer."""
     found = np.full((chart.sizes["scene"], chart.sizes["driver"]), np.nan)
     for place in np.ndindex(found.shape):
         times = chart.seconds.values[place]
         times = times[np.isfinite(times).any(axis=-1)]
         if len(times):
-            found[place] = np.nanmedian(times[len(times) // 2])
+            found[place] = np.nanmin(times[len(times) // 2])
     return found

@@ -91,7 +91,8 @@ class Simulated(Driver):
 class Default(Simulated):
     """`simulate` with its defaults: integrator by stiffness, each launch checked."""
 
-    name, title, default = "simulate", "simulate(): automatic integrator, checked by shadows", True
+    name, title = "simulate", "simulate(): automatic integrator, checked by neighbours"
+    default = True
     method, check = "auto", True
 
 
@@ -246,7 +247,7 @@ class AsItComes(RungeKutta45):
 class FixedStep(Driver):
     """The classical Runge-Kutta method with a fixed step; gn is checked after each step."""
 
-    name, title = "rk4", "RK4 with a fixed step; gn looked at between steps"
+    name, title = "rk4", "RK4 with a fixed step; normal force looked at between steps"
     flaw = (
         "Its step of 0.05 times a rate of decay of 900 and more exceeds 2.8, RK4's limit of "
         "stability, and the numbers grow beyond any double; a step that is short enough is slow."

@@ -16,12 +16,12 @@ from .drivers import DRIVERS, MODELS, OWN, PEOPLE, Answer, Driver, driver
 from .reference_motions import ReferenceMotion, scene, scenes
 
 CHARTED: dict[str, str] = {
-    "gentle": "gentle: viscous, mu = 0.3, T = 20",
-    "near-threshold": "near threshold: rolling at omega3 = 1.4142 < √2, T = 200",
-    "stiff-300": "stiff: mu = 300, T = 20",
-    "stiff-10000": "stiff: mu = 10⁴, T = 10",
-    "rough-long": "long: rough, T = 1000",
-    "slides_then_sticks": "dry friction: slides, then sticks, T = 10",
+    "gentle": "gentle: viscous, μ = 0.3, until t = 20",
+    "near-threshold": "near threshold: rolling at ω₃ = 1.4142, until t = 200",
+    "stiff-300": "stiff: μ = 300, until t = 20",
+    "stiff-10000": "stiff: μ = 10⁴, until t = 10",
+    "rough-long": "long: rough, until t = 1000",
+    "slides_then_sticks": "dry friction: slides, then sticks, until t = 10",
     "near-flat": "approach to flatness: rough hoop, 6·10⁻⁴ rad from flat",
     "lift-off": "lift-off at t = 16.1",
 }

@@ -147,7 +147,7 @@ def _viscous() -> list[Any]:
 def _makers() -> Mapping[str, tuple[str, Callable[[], list[Points]]]]:
     rng = np.random.default_rng
     return {
-        "open": ("anywhere: random k, mu* in 0.1…10", lambda: _random(rng(SEED), 16, (0.1, 10.0))),
+        "open": ("anywhere: random k, μ* in 0.1…10", lambda: _random(rng(SEED), 16, (0.1, 10.0))),
         "near": (
             "near a boundary: relative distance 10⁻³…10⁻⁷",
             lambda: [close_to(e, (1e-3, 1e-5, 1e-7)) for e in _viscous()],
@@ -156,9 +156,9 @@ def _makers() -> Mapping[str, tuple[str, Callable[[], list[Points]]]]:
             "very near a boundary: relative distance 10⁻⁹…10⁻¹⁵",
             lambda: [close_to(e, (1e-9, 1e-12, 1e-15)) for e in _viscous()],
         ),
-        "large-mu": ("large friction: mu* in 10³…10⁸", lambda: _random(rng(SEED), 16, (1e3, 1e8))),
+        "large-mu": ("large friction: μ* in 10³…10⁸", lambda: _random(rng(SEED), 16, (1e3, 1e8))),
         "small-mu": (
-            "small friction: mu* in 10⁻¹⁰…10⁻³", lambda: _random(rng(SEED), 16, (1e-10, 1e-3))
+            "small friction: μ* in 10⁻¹⁰…10⁻³", lambda: _random(rng(SEED), 16, (1e-10, 1e-3))
         ),
         "flat-hoop": ("tumbling hoop at 0.1°…5° from flat", _flat_hoop),
         "meeting": ("two eigenvalues coalesce (defective), to 1 ulp…10⁻¹⁰", _meeting),

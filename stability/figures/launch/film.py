@@ -26,7 +26,7 @@ from scipy.ndimage import uniform_filter1d
 from ...base.errors import FileError
 from ...base.quantities import unit_of
 from ...base.types import Floats
-from ...bodies.thin_disk.disk_quantities import PHYSICAL, QUANTITIES
+from ...bodies.thin_disk.disk_quantities import PHYSICAL, SYSTEM, quantities_of
 from ...motion.result import BY_CODE
 from ..styled_figure import broken
 from .pose import POSED, geometry
@@ -60,14 +60,14 @@ def inner_radius(dataset: xarray.Dataset) -> float:
 
 def caption_of(dataset: xarray.Dataset) -> str:
     """The parameters in words, without mass, radius and gravity in a dimensionless motion."""
-    plain = bool(dataset.attrs.get("dimensionless", 0))
-    units = {name: QUANTITIES[name].kind.suffix for name in PHYSICAL}
+    plain, law = bool(dataset.attrs.get("dimensionless", 0)), str(dataset.attrs.get("contact", ""))
+    units = {} if plain else {n: q.kind.suffix for n, q in quantities_of(SYSTEM + law).items()}
     shown = [
         f"{name} = {float(value):.6g}{units.get(str(name), '')}"
         for name, value in dataset.coords.items()
-        if value.ndim == 0 and not (plain and name in units)
+        if value.ndim == 0 and not (plain and name in PHYSICAL)
     ]
-    return f"{dataset.attrs.get('contact', '')} contact, {', '.join(shown)}"
+    return f"{law} contact, {', '.join(shown)}"
 
 
 class Camera:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..canvas import COLUMN  # isort: skip
-from ..styled_figure import drawing, key, note, small, spacing  # isort: skip
+from ..styled_figure import checked_size, drawing, key, note, small, spacing  # isort: skip
 
 from collections.abc import Callable
 from functools import partial
@@ -43,6 +43,8 @@ from .caption import fixed_of, tolerance_of
 
 PAGE = 7.0
 """Width of a figure over two journal columns [in]."""
+NARROW = 5.0
+"""Width below which the parts stand one below the other [in]."""
 ENERGIES = ("potential", "kinetic", "dissipated")
 POSE = ("contact_x", "contact_y", "centre_x", "centre_y")
 FILLS = (("#56B4E9", ""), ("#F0E442", "////"), ("#CC79A7", "...."))
@@ -82,7 +84,7 @@ def plot_motion(
         for the energy; a figure of its own when left out.
     width
         Width of a figure of its own [in]: when left out 7.0 for all parts, and a journal column,
-        3.39, for one.
+        3.39, for one.  Below 5 the parts stand one below the other.
     fontsize
         Size of the text [pt], 7 or more; 7.5 when left out.  The smallest text is 1 pt smaller.
 
@@ -112,8 +114,12 @@ def plot_motion(
     names = system_states(dataset)
     motion = one_launch(dataset, _needed(dataset, names, show))
     parts = [show] if show else _parts(dataset, names)
-    wide = width or (PAGE if len(parts) > 1 else COLUMN)
-    tall = _height(parts, names) * (wide / (PAGE if len(parts) > 1 else COLUMN)) ** 0.5
+    wide = PAGE if len(parts) > 1 else COLUMN
+    if width is not None and ax is None:
+        wide = checked_size("width", width, 2.0, 40.0, "inches")
+    stacked = wide < NARROW
+    usual = COLUMN if stacked or len(parts) == 1 else PAGE
+    tall = sum(_heights(parts, names, stacked=stacked)) * (wide / usual) ** 0.5
     draw: dict[str, Callable[[Any, SingleRun], None]] = {
         "states": partial(draw_system, names=names) if names else _draw_states,
         "paths": _draw_paths, "energy": _draw_energy,
@@ -123,7 +129,8 @@ def plot_motion(
             draw[parts[0]](GivenAxes(figure, ax, parts[0]), motion)
         else:
             spacing(figure, hspace=0.02, wspace=0.03, h_pad=0.02, w_pad=0.03)
-            for part, page in zip(parts, _pages(figure, len(parts)), strict=True):
+            pages = _pages(figure, _heights(parts, names, stacked=True), stacked=stacked)
+            for part, page in zip(parts, pages, strict=True):
                 draw[part](page, motion)
         lowest = next(a for a in _drawn_on(figure, ax) if a.get_xlabel())
         note(lowest, fixed_of(dataset))
@@ -153,19 +160,23 @@ def _needed(dataset: xarray.Dataset, names: tuple[str, ...], show: str | None) -
     return names or of["states"] + of["energy"]
 
 
-def _height(parts: list[str], names: tuple[str, ...]) -> float:
-    """Height of a figure of the usual width [in]."""
+def _heights(parts: list[str], names: tuple[str, ...], *, stacked: bool) -> list[float]:
+    """Heights of the rows of a figure of the usual width [in]."""
     tall = {"states": 1.35 + min(len(names), MOST_PANELS) if names else 4.9, "paths": 3.4,
             "energy": 3.45}  # fmt: skip
-    if len(parts) == 1:
-        return tall[parts[0]]
-    return max(3.45, tall["states"]) if names else 4.6 + 1.2 * (len(parts) > 2)
+    if len(parts) == 1 or stacked:
+        return [tall[part] for part in parts]
+    return [max(3.45, tall["states"]) if names else 4.6 + 1.2 * (len(parts) > 2)]
 
 
-def _pages(figure: Figure, count: int) -> list[Any]:
-    """One part fills the figure; of several the states fill the left half."""
+def _pages(figure: Figure, heights: list[float], *, stacked: bool) -> list[Any]:
+    """One part fills the figure; of several the states fill the left half, or stand on top."""
+    count = len(heights)
     if count == 1:
         return [figure]
+    if stacked:
+        rows: Any = figure.subfigures(count, 1, height_ratios=heights)
+        return list(rows)
     halves: Any = figure.subfigures(1, 2)
     left, right = halves
     return [left, *(np.ravel(right.subfigures(2, 1)).tolist() if count > 2 else [right])]
