@@ -17,9 +17,9 @@ from ..bodies.contact import Contact, Scales
 from ..bodies.contact_laws import MOTION_LAWS, Creep, spelled
 from ..bodies.model import TAKEN, Model
 from ..bodies.round_body.body import SCALES, Body
-from ..bodies.round_body.model import round_model
+from ..bodies.round_body.models.angle_model import round_model
+from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
-from ..bodies.round_body.pole_model import pole_model
 from ..integrators.flow import flow_of
 from ..settling.body_settling import body_settling
 from .starts import (

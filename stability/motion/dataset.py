@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.errors import DomainError, listed
+from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from .result import Result, Settings
     from .starts import Starts
 
-from .observables import ENERGY_ERROR, account, observe
+from .observables import ENERGY_ERROR, account, observe, require_values
 
 FORMAT = "stability trajectory 1"
 """Mark of the motion files that this package writes."""
@@ -202,7 +202,7 @@ def _series(
         found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
         found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])
     if launches.law is None:
-        _require_values(model.system.name, found)
+        require_values(model.system.name, found)
         return found
     named = {n: q.kind for n, q in model.quantities.items() if n in found}
     if launches.dimensionless:
@@ -213,16 +213,6 @@ def _series(
              Kind.LENGTH: s["length"]}  # fmt: skip
     units = {kind: v[:, None] if v.ndim else v for kind, v in scale.items()}
     return {n: found[n] * units.get(kind, 1.0) for n, kind in named.items()}
-
-
-def _require_values(system: str, found: dict[str, Floats]) -> None:
-    """Refuse an observable that has no value at a sample."""
-    for name, values in found.items():
-        if not np.isfinite(values).all():
-            raise DomainError(
-                f"{system}: {name} has no value somewhere on the way; give the system a condition "
-                "that ends the run before, or leave the observable out."
-            )
 
 
 def _summary(

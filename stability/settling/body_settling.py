@@ -299,7 +299,7 @@ def body_settling(body: Body, law: type[Contact], given: tuple[str, ...]) -> Bod
     Parameters
     ----------
     body, law, given
-        As for `stability.bodies.round_body.model.round_model`.
+        As for `stability.bodies.round_body.models.angle_model.round_model`.
 
     Returns
     -------

@@ -13,17 +13,17 @@ from functools import lru_cache, partial
 import casadi as ca
 import numpy as np
 
-from ...base.types import Floats
-from ...systems.system import System
-from ..contact import Contact
-from ..model import WORK, Chart, Model
-from ..newton_euler import STATES
-from ..thin_disk.disk_model import LIFT_OFF, NO_CONTACT, POSE, POSE_UNIT, WORDS
-from .body import Body
-from .model import quantities_with, words_of_end
-from .pole_equations import SLIP, pole_system, smooth_at
-from .pole_height import height_of_cosine
-from .si_law import Shape, shape_of
+from ....base.types import Floats
+from ....systems.system import System
+from ...contact import Contact
+from ...model import WORK, Chart, Model
+from ...newton_euler import STATES
+from ...thin_disk.disk_model import LIFT_OFF, NO_CONTACT, POSE, POSE_UNIT, WORDS
+from ..body import Body
+from ..pole_equations import SLIP, pole_system, smooth_at
+from ..pole_height import height_of_cosine
+from ..si_law import Shape, shape_of
+from .angle_model import quantities_with, words_of_end
 
 FRONT = ("front_X", "front_Y", "front_Z")
 """Unit vector of the body across its axis, from which ψ is read."""
@@ -37,7 +37,7 @@ def pole_model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose: 
     Parameters
     ----------
     body, law, given, pose
-        As for `stability.bodies.round_body.model.round_model`.
+        As for `stability.bodies.round_body.models.angle_model.round_model`.
 
     Returns
     -------

@@ -10,12 +10,12 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from ...base.quantities import Kind, Quantity
-from ...systems.system import System
-from ..contact import Contact
-from ..model import WORK, Model
-from ..newton_euler import STATES
-from ..thin_disk.disk_model import (
+from ....base.quantities import Kind, Quantity
+from ....systems.system import System
+from ...contact import Contact
+from ...model import WORK, Model
+from ...newton_euler import STATES
+from ...thin_disk.disk_model import (
     FLAT,
     LIFT_OFF,
     NO_CONTACT,
@@ -23,11 +23,11 @@ from ..thin_disk.disk_model import (
     WORDS,
     placed,
 )
-from ..thin_disk.disk_quantities import disk_quantities
-from .body import Body
-from .equations import round_system
-from .expression import Expression
-from .pole_height import height_of_angle
+from ...thin_disk.disk_quantities import disk_quantities
+from ..body import Body
+from ..equations import round_system
+from ..expression import Expression
+from ..pole_height import height_of_angle
 
 LOWEST, HIGHEST = "lower end of theta", "upper end of theta"
 """Names of the guards of the ends of a height, other than those at which the body lies flat."""
