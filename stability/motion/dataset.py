@@ -261,7 +261,8 @@ def _nearest(launches: Starts, near: list[Nearest], variable: Any) -> dict[str, 
     }  # fmt: skip
     if launches.law is not None:
         by_angle = [name for name, one in FAMILIES.items() if one.by_angle]
-        named = list(dict.fromkeys(f.at[0] for f in lines_under(launches.law.name)))
+        lines = getattr(launches.settling, "families", ()) or lines_under(launches.law.name)
+        named = list(dict.fromkeys(f.at[0] for f in lines))
         turning = np.array([n.family not in by_angle for n in near])
         plain = launches.dimensionless
         found["nearest_at"] = variable(

@@ -1,4 +1,4 @@
-"""Films of bodies of revolution: the surface that is drawn, and what is refused."""
+"""Films and figures of bodies of revolution: the surface that is drawn, and what is refused."""
 
 from pathlib import Path
 
@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import stability as st
 from stability.figures.launch.body_film import BodyCamera, meridian, placed
+from stability.figures.launch.caption import caption
 
 TOP = st.EccentricSphere(0.15, axial=0.4, transverse=0.4, length=2.0, gravity=2.0)
 TIMES = np.linspace(0.0, 30.0, 601)
@@ -60,3 +61,13 @@ def test_a_film_of_a_tippe_top_is_written(run, tmp_path: Path) -> None:  # type:
     disk = st.simulate(st.Disk(), st.Rough(), {"theta": 1.2}, 0.2, pose=True)
     with pytest.raises(st.StabilityError, match="the dataset is of a disk; give no body"):
         st.animate(disk, tmp_path / "disk.gif", body=TOP)
+
+
+def test_a_figure_and_its_caption_name_the_body(run) -> None:  # type: ignore[no-untyped-def]
+    said = caption(run)
+    assert said.startswith("Motion of an eccentric sphere with viscous contact (offset = 0.15")
+    assert "L = 2 m" in said and "disk" not in said
+    assert st.plot_motion(run).axes
+    assert run.nearest_at.attrs["long_name"].endswith("or omega_Z")
+    disk = st.simulate(st.Disk(), st.Rough(), {"theta": 1.2}, 0.2, pose=True)
+    assert caption(disk).startswith("Motion of a disk with rough contact")
