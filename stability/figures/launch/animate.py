@@ -132,7 +132,7 @@ def _number(name: str, value: Any, most: float) -> float:
     return number
 
 
-def _single(dataset: Any, body: Any) -> dict[str, Any]:
+def _single(dataset: Any, body: Any = None) -> dict[str, Any]:
     """The series of a single run with pose; an error in one sentence for other datasets."""
     import xarray
 
