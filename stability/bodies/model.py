@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, time_unit
-from ..base.types import Same
+from ..base.types import Floats, Same
 from ..systems.system import System
 
 WORK, PROBE = "work", "probe"
@@ -26,6 +26,18 @@ TAKEN = (
     "dissipated", "audit", "launch", "event", "state", WORK, PROBE,
 )  # fmt: skip
 """Names of a motion's dataset that no state, parameter or observable can have."""
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """What a motion reports, where y holds other states than those."""
+
+    pack: Callable[[Floats], Floats]
+    """Reported states, shape (…, s) → y at the start, shape (…, n)."""
+    report: Callable[[Floats], Floats]
+    """y, shape (…, n) → reported states, shape (…, s)."""
+    along: Callable[[Floats, dict[str, Floats]], dict[str, Floats]]
+    """(y, series) → the series along the reported axes, with the pose where y holds one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +79,8 @@ class Model:
     """Puts one lane of a batch (states, parameters, lane) on a motion that needs few steps."""
     sound: Callable[[Any], bool] | None = None
     """Cheap test that no guard failed at states, shape (t, n); None: all guards are evaluated."""
+    chart: Chart | None = None
+    """How reported states follow from y; None where y begins with them."""
     title: str = ""
     """Title of a motion's dataset."""
     source: str = ""

@@ -80,7 +80,8 @@ class Flow:
     @cached_property
     def compared(self) -> int:
         """Number of entries of y, from the first, in which two runs are compared."""
-        return min(len(self.names), len(self.model.states))
+        states = self.system.states if self.model.chart else self.model.states
+        return min(len(self.names), len(states))
 
     def having(self, **fields: Any) -> Flow:
         """The flow of the same model with other fields."""
@@ -220,6 +221,8 @@ class Flow:
         ndarray
             Shape (…, n).
         """
+        if self.model.chart:
+            return self.model.chart.pack(states)
         own = len(self.system.states)
         y = np.zeros((*states.shape[:-1], len(self.names)))
         y[..., :own] = states[..., :own]
@@ -238,6 +241,8 @@ class Flow:
         ndarray
             Shape (…, s).
         """
+        if self.model.chart:
+            return self.model.chart.report(y)
         own, count = len(self.system.states), len(self.model.states)
         if own == count:
             return y[..., :count]

@@ -25,14 +25,14 @@ import numpy as np
 
 from ..algebra.eigensolver import eigenpairs
 from ..base.types import Floats
-from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
+from ..bodies.thin_disk.disk_model import CREEP_ENDS, NO_CONTACT
 from .flow import Flow
 from .leg import UNRESOLVED, End, Leg, Path
 from .scipy_methods import FINEST
 from .scipy_methods import integrate as integrate_scipy
 
 SMALL = 0.1
-"""D over k + cos²θ below which an end is examined again."""
+"""D over its value without slip below which an end is examined again."""
 NARROW = 1e-10
 """D at which the linear equations in stretched time decide; their error is of that size."""
 STRETCHED = 1e12
@@ -40,7 +40,7 @@ STRETCHED = 1e12
 OPEN_END = "open end"
 """Kind of an end on which two routes do not agree."""
 CLOSE = 1e-2
-"""D over k + cos²θ below which a run that gave up may have been on its way to D = 0."""
+"""D over its value without slip below which a run that gave up may have been near D = 0."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def stretched_flow(flow: Flow, least: float = NARROW) -> Flow:
     Flow
     """
     d = flow.system.observables["determinant"]
-    guards = {LIFT_OFF: flow.guards[LIFT_OFF], FLAT: flow.guards[FLAT], NO_CONTACT: d - least}
+    guards = {n: g for n, g in flow.guards.items() if n != CREEP_ENDS} | {NO_CONTACT: d - least}
     return flow.having(
         x=ca.vertcat(flow.x, ca.SX.sym("time")), rhs=ca.vertcat(d * flow.rhs, d), guards=guards,
         names=(*flow.names, "time"),
@@ -100,14 +100,15 @@ def stretched_flow(flow: Flow, least: float = NARROW) -> Flow:
 
 @lru_cache(maxsize=8)
 def _slopes(flow: Flow) -> ca.Function:
-    """(y, p) → D and N, their gradients, and the Jacobian of the motion in stretched time."""
+    """(y, p) → D and N, their gradients, the Jacobian in stretched time, and D without slip."""
     system = flow.system
     d = system.observables["determinant"]
+    still = ca.substitute(d, system.observables["slip"], ca.SX.zeros(2))
     both = ca.vertcat(d, system.observables["normal_force"] * d)
     return ca.Function(
         "slopes", [flow.x, flow.p],
         [both, ca.densify(ca.jacobian(both, system.x)),
-         ca.densify(ca.jacobian(d * system.rhs, system.x))],
+         ca.densify(ca.jacobian(d * system.rhs, system.x)), still],
     )  # fmt: skip
 
 
@@ -127,7 +128,7 @@ def approach(flow: Flow, y: Floats, p: Floats) -> Approach:
 
     Source: module docstring.
     """
-    both, gradients, jacobian = (np.array(part) for part in _slopes(flow)(y, p))
+    both, gradients, jacobian, _ = (np.array(part) for part in _slopes(flow)(y, p))
     # to leading order ∇(D, N) J = M ∇(D, N), since J = f₀ ∇Dᵀ + f₁ ∇Nᵀ there
     matrix = np.linalg.lstsq(gradients.T, (gradients @ jacobian).T, rcond=None)[0].T
     rates, vectors = eigenpairs(matrix.astype(float))
@@ -142,7 +143,7 @@ def approach(flow: Flow, y: Floats, p: Floats) -> Approach:
 
 
 def small(flow: Flow, y: Floats, p: Floats) -> float | None:
-    """D over k + cos²θ; None for laws without mu and for `linear-viscous`.
+    """D over its value without slip (k + cos²θ of a disk); None where no friction moves D.
 
     Parameters
     ----------
@@ -153,10 +154,10 @@ def small(flow: Flow, y: Floats, p: Floats) -> float | None:
     -------
     float or None
     """
-    if "mu" not in flow.system.parameters or flow.system.name == "disk, linear-viscous":
+    if "mu" not in flow.system.parameters or NO_CONTACT not in flow.guards:
         return None
-    d = float(_slopes(flow)(y, p)[0][0])
-    return d / float(p[0] + np.cos(y[0]) ** 2)
+    found = _slopes(flow)(y, p)
+    return float(found[0][0]) / float(found[3])
 
 
 def closer(leg: Leg, path: Path) -> tuple[Path, str] | None:

@@ -183,7 +183,7 @@ def _unfit(flow: Flow) -> str:
     """Why heyoka does not take a flow; empty where it does."""
     if flow.length > COMPILED:
         return "is long in compiling the graph"
-    if not flow.model.turning and taylor.unread(flow):
+    if flow.model.parking is None and taylor.unread(flow):
         return "cannot read the graph"
     return ""
 

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.errors import DomainError, listed
+from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
 from ..bodies.thin_disk.disk_families import FAMILIES, lines_under
 from ..bodies.thin_disk.disk_model import POSE, POSE_UNIT
+from ..bodies.thin_disk.disk_quantities import SYSTEM
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import SLIDING, STICKING
 from .result import Outcome, outcome_flags
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from .result import Result, Settings
     from .starts import Starts
 
-from .observables import ENERGY_ERROR, account, observe
+from .observables import ENERGY_ERROR, account, observe, require_values
 
 FORMAT = "stability trajectory 1"
 """Mark of the motion files that this package writes."""
@@ -187,19 +188,21 @@ def _series(
     model = launches.model
     own, states = len(model.system.states), flow_of(model).reported(y)
     found = dict(zip(model.states, np.moveaxis(states, -1, 0), strict=True))
-    found |= observe(model, states, launches.p[:, None, :], modes, heading)
+    found |= observe(model, y, launches.p[:, None, :], modes, heading)
     if launches.law is not None:
         found["kinetic"] = found["energy"] - found["potential"]
     if model.accounted:
         found["dissipated"] = work = y[..., own]
         found["audit"] = found["energy"] + work - launches.energies[:, None]
-    if settings.pose:
+    if model.chart is not None:
+        found = model.chart.along(y, found)
+    elif settings.pose:
         found |= dict(zip(POSE, POSE_UNIT * np.moveaxis(y[..., own + 1 :], -1, 0), strict=True))
-        reach = np.cos(found["theta"])
+        reach = found.pop("reach") if "reach" in found else np.cos(found["theta"])
         found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
         found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])
     if launches.law is None:
-        _require_values(model.system.name, found)
+        require_values(model.system.name, found)
         return found
     named = {n: q.kind for n, q in model.quantities.items() if n in found}
     if launches.dimensionless:
@@ -210,16 +213,6 @@ def _series(
              Kind.LENGTH: s["length"]}  # fmt: skip
     units = {kind: v[:, None] if v.ndim else v for kind, v in scale.items()}
     return {n: found[n] * units.get(kind, 1.0) for n, kind in named.items()}
-
-
-def _require_values(system: str, found: dict[str, Floats]) -> None:
-    """Refuse an observable that has no value at a sample."""
-    for name, values in found.items():
-        if not np.isfinite(values).all():
-            raise DomainError(
-                f"{system}: {name} has no value somewhere on the way; give the system a condition "
-                "that ends the run before, or leave the observable out."
-            )
 
 
 def _summary(
@@ -267,8 +260,10 @@ def _nearest(launches: Starts, near: list[Nearest], variable: Any) -> dict[str, 
                                      long_name="dimensionless distance from it"),
     }  # fmt: skip
     if launches.law is not None:
-        named = list(dict.fromkeys(f.at[0] for f in lines_under(launches.law.name)))
-        turning = np.array([not FAMILIES[n.family].by_angle for n in near])
+        by_angle = [name for name, one in FAMILIES.items() if one.by_angle]
+        lines = getattr(launches.settling, "families", ()) or lines_under(launches.law.name)
+        named = list(dict.fromkeys(f.at[0] for f in lines))
+        turning = np.array([n.family not in by_angle for n in near])
         plain = launches.dimensionless
         found["nearest_at"] = variable(
             np.array([n.at for n in near]) * np.where(turning, launches.scales["rate"], 1.0),
@@ -362,7 +357,9 @@ def _body(launches: Starts) -> dict[str, Any]:
     if launches.law is None:
         name = launches.model.system.name
         return {"system": name, "states": json.dumps(launches.model.states)}
-    return {"contact": launches.law.name, "dimensionless": int(launches.dimensionless)}
+    found = {"contact": launches.law.name, "dimensionless": int(launches.dimensionless)}
+    name = launches.model.system.name
+    return found if name.startswith(SYSTEM) else {"body": name.rpartition(", ")[0]} | found
 
 
 def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> dict[str, Any]:

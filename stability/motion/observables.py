@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from ..algebra.program import Program
+from ..base.errors import DomainError
 from ..base.types import Floats
 from ..bodies.model import Model
 from ..bodies.thin_disk.disk_model import disk_model
@@ -52,7 +53,7 @@ def observe(
     model
         Model of the body or system.
     states
-        Reported states, shape (…, s).
+        Entries of y, of which those of the system's states count, shape (…, n).
     p
         Parameters of the system, shape (…, m).
     modes
@@ -82,6 +83,24 @@ def observe(
         rough = _observer(disk_model("rough"))
         values[sticking] = rough.arrays(held, (int(sticking.sum()),))[0][..., 0]
     return dict(zip(model.series, np.moveaxis(values, -1, 0), strict=True))
+
+
+def require_values(system: str, found: dict[str, Floats]) -> None:
+    """Refuse an observable that has no value at a sample.
+
+    Parameters
+    ----------
+    system
+        Name of the system.
+    found
+        Series by name.
+    """
+    for name, values in found.items():
+        if not np.isfinite(values).all():
+            raise DomainError(
+                f"{system}: {name} has no value somewhere on the way; give the system a condition "
+                "that ends the run before, or leave the observable out."
+            )
 
 
 def account(launches: Starts, y: Floats, series: dict[str, Floats]) -> Floats:

@@ -72,8 +72,8 @@ class Outcome(Sentences):
         "motion is proved, in ball arithmetic, to converge to that one or to a neighbour of the "
         "same family"
     )
-    FLAT = "flat: the disk has fallen on its side, where a thin disk's equations of motion end"
-    LIFT_OFF = "lift-off: the normal force has reached zero and the disk leaves the plane"
+    FLAT = "flat: the body has fallen on its side, where its equations of motion end"
+    LIFT_OFF = "lift-off: the normal force has reached zero and the body leaves the plane"
     NO_CONTACT = (
         "no-contact: no contact force continues the motion (D ≤ 0 or no admissible slip, "
         "Painlevé's paradox); take a smaller mu"

@@ -14,14 +14,18 @@ from numpy.typing import ArrayLike
 from ..base.errors import ParameterError, StabilityWarning, shown
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_given
+from ..bodies.round_body.body import Body
+from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
 from ..jobs.pipeline import check_run
+from ..settling.body_settling import BodySettling
 from ..settling.departure import departures
 from ..settling.system_settling import SystemSettling, length
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
+from .body_starts import gather_body
 from .result import Outcome, Result, Settings
 from .starts import Starts, gather
 from .system_starts import gather_system
@@ -36,11 +40,12 @@ FLAT_ANGLE = 1e-6
 
 
 def simulate(
-    disk: Disk | System | None = None,
+    disk: Disk | Body | System | None = None,
     contact: Any = None,
     start: Any = None,
     times: ArrayLike | None = None,
     *,
+    body: Body | Disk | None = None,
     families: Family | Sequence[Family] = (),
     method: str = "auto",
     tolerance: float = 1e-9,
@@ -55,19 +60,19 @@ def simulate(
     progress: Callable[[int, int], None] | None = None,
     **parameters: ArrayLike,
 ) -> xarray.Dataset:
-    """The motion of a disk, or of a user's system, from a start, and its outcome.
+    """The motion of a disk, another body, or a user's system, from a start, and its outcome.
 
     Parameters
     ----------
     disk
         The disk; its fields may be arrays.  With m = R = g = 1 every number is dimensionless,
-        otherwise SI; so it is when left out.  Alternatively a `System`, whose numbers are in its
-        own units.
+        otherwise SI; so it is when left out.  Alternatively a `Body`, with its own units, or a
+        `System`, whose numbers are in its own units.
     contact
         `Smooth`, `Viscous`, `LinearViscous`, `Rough`, `Coulomb` (with true sticking) or
         `RegularisedCoulomb`; or the name or class of a law, with its parameters by name.  For a
         system its parameters: values by name, or along the last axis; None where it has none, or
-        where they are given by name.
+        where they are given by name.  A `Body` takes no law that sticks or creeps.
     start
         theta, theta_dot, phi_dot, omega3, slip_x, slip_y along the last axis, shape (…, 6)
         [rad, rad/s, m/s], or a mapping by these names (theta is needed, missing ones are 0).  Four
@@ -76,6 +81,8 @@ def simulate(
     times
         Times to report, rising [s], shape (t,), or a last time, which means 201 evenly spaced times
         from 0.  The start is time 0.
+    body
+        A `Body`, or a `Disk`, in place of the first argument.
     families
         Families of the user's system on which it may settle; the disk has its own.  Angles are
         not wrapped: a member a whole turn away is a different one.  The evidence says *departs*
@@ -177,8 +184,7 @@ def simulate(
         raise ParameterError(f"start is missing; give the states by name or in order: {states}.")
     if times is None:
         raise ParameterError("times is missing; give a last time, or rising times.")
-    if disk is None:
-        disk = Disk()
+    disk = _moving(disk, body)
     contact = _named(disk, contact, parameters)
     with CASADI:  # calls from several threads take turns; a batch uses its own threads
         if isinstance(disk, System):
@@ -193,14 +199,20 @@ def simulate(
         elif isinstance(disk, NumericSystem):
             raise ParameterError(disk.no_graph)
         else:
-            if not isinstance(disk, Disk):
-                raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk or a System.")
+            if not isinstance(disk, (Disk, Body)):
+                raise ParameterError(
+                    f"disk is {shown(disk)}; give a stability.Disk, a Body or a System."
+                )
             if not isinstance(families, Sequence) or families:
                 raise ParameterError("families belong to a stability.System; leave them out.")
-            launches = gather(disk, contact, start, times, pose=pose)
+            if isinstance(disk, Body):
+                launches = gather_body(disk, contact, start, times, pose=pose)
+                check_flow(settings.method, flow_of(launches.model))
+            else:
+                launches = gather(disk, contact, start, times, pose=pose)
             _not_flat(launches, settings)
         found = results(launches, settings, progress)
-        if isinstance(launches.settling, SystemSettling):
+        if isinstance(launches.settling, (SystemSettling, BodySettling)):
             found = _departed(launches, settings, found, launches.settling)
         dataset = assemble(launches, settings, found)
     _warn(found)
@@ -223,8 +235,9 @@ def _warn(found: list[Result]) -> None:
 
 
 def _departed(
-    launches: Starts, settings: Settings, found: list[Result], settling: SystemSettling
-) -> list[Result]:
+    launches: Starts, settings: Settings, found: list[Result],
+    settling: SystemSettling | BodySettling,
+) -> list[Result]:  # fmt: skip
     """The results, whose evidence says which motions have departed from an unstable member."""
     reported = flow_of(launches.model).reported
     ends = np.array([reported(result.final) for result in found])
@@ -236,6 +249,17 @@ def _departed(
         if why and r.outcome is not Outcome.UNDETERMINED else r
         for r, why in zip(found, said, strict=True)
     ]  # fmt: skip
+
+
+def _moving(first: Any, body: Any) -> Any:
+    """What moves: the first argument, or `body`, or else the disk."""
+    if body is None:
+        return Disk() if first is None else first
+    if first is not None:
+        raise ParameterError("body is given, and another one in the first place; give one of them.")
+    if not isinstance(body, (Body, Disk)):
+        raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
+    return body
 
 
 def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:
@@ -259,11 +283,13 @@ def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:
 
 
 def _not_flat(launches: Starts, settings: Settings) -> None:
+    if FLAT not in launches.model.guards:
+        return
     theta = launches.starts[:, 0]
     # a start within rounding of the border cannot be distinguished from one on it
     bad = np.flatnonzero(np.minimum(theta, np.pi - theta) <= settings.flat * (1 + 1e-6))
     if bad.size:
         raise ParameterError(
             f"theta of start is {theta[bad[0]]:g}, flat within flat = {settings.flat:g} rad; start "
-            "the disk more upright, or give a smaller flat."
+            "more upright, or give a smaller flat."
         )

@@ -198,7 +198,7 @@ def gather(
 
 
 def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool) -> Starts:
-    six = _start(start, contact)
+    six = six_states(start, contact)
     when = times_of(times)
     fields = {n: getattr(disk, n) for n in ("mass", "radius", "gravity", "k")} | contact.given
     try:
@@ -259,8 +259,8 @@ def _flat(value: Any, shape: tuple[int, ...]) -> Floats:
     return array if array.ndim == 0 else np.broadcast_to(array, shape).reshape(-1)
 
 
-def _start(start: Any, contact: Contact) -> Floats:
-    """The six states as numbers, shape (…, 6)."""
+def six_states(start: Any, contact: Contact) -> Floats:
+    """The six states of a start as numbers, shape (…, 6)."""
     if isinstance(start, Mapping):
         unknown = [n for n in start if n not in STATES]
         if unknown:
@@ -290,7 +290,7 @@ def _start(start: Any, contact: Contact) -> Floats:
         why = "follows from the other states" if contact.given else "is 0"
         raise ParameterError(
             f"slip_x, slip_y of start are {six[..., 4:].reshape(-1, 2).max(axis=0).tolist()}; the "
-            f"slip of the {contact.name} disk {why}, so leave them out or give 0."
+            f"slip of the {contact.name} contact {why}, so leave them out or give 0."
         )
     return six
 

@@ -17,8 +17,9 @@ from ..spectra.deflation import lowered
 from ..spectra.problem import system_problem
 from ..spectra.rows import Rows
 from ..systems.family import Family
+from .body_settling import BodySettling
 from .nearest import Nearest
-from .system_settling import SystemSettling, at_of, in_words, length, members
+from .system_settling import SystemSettling, in_words, length
 
 GROWTH = 10.0
 """Ratio of the sizes at the end and at the start from which a motion counts as departed."""
@@ -27,7 +28,7 @@ WORST_CONDITION = 1e8
 
 
 def departures(
-    settling: SystemSettling, starts: Floats, ends: Floats, p: Floats, within: float,
+    settling: SystemSettling | BodySettling, starts: Floats, ends: Floats, p: Floats, within: float,
     errors: Floats,
 ) -> list[str]:  # fmt: skip
     """Whether each motion has departed from the steady motion nearest to its start, in words.
@@ -39,7 +40,7 @@ def departures(
     Parameters
     ----------
     settling
-        The families of the system.
+        The families of the system, or of the body.
     starts, ends
         States, shape (N, n).
     p
@@ -61,17 +62,17 @@ def departures(
     families = {family.name: family for family in settling.families}
     for i, (start, end, own) in enumerate(zip(starts, ends, p, strict=True)):
         near = settling.closest(start, own)
-        there = near.member is not None and members(families[near.family], end[None], own)
-        if not isinstance(there, np.ndarray):
+        if near.member is None:
             continue
-        off = end - there[0]
-        if np.isfinite(off).all() and length(off) - errors[i] > max(within, GROWTH * near.distance):
+        off = settling.deviation(families[near.family], end, own)
+        if off is not None and length(off) - errors[i] > max(within, GROWTH * near.distance):
             gone.setdefault(near.family, []).append((i, near, off))
     for name, mine in gone.items():
         family, rows = families[name], [i for i, _, _ in mine]
-        before = np.array([starts[i] - near.member for i, near, _ in mine])
+        before = np.array([settling.deviation(family, starts[i], p[i]) for i in rows])
         after = np.array([off for _, _, off in mine])
-        a, departed = _grown(family, starts[rows], p[rows], before, after, errors[rows])
+        a = np.vstack([settling.at_of(family, starts[i], p[i]) for i in rows])
+        departed = _grown(family, a, p[rows], before, after, errors[rows])
         for (i, near, off), at, sure in zip(mine, a, departed, strict=True):
             if sure:
                 said[i] = (
@@ -82,11 +83,10 @@ def departures(
 
 
 def _grown(
-    family: Family, states: Floats, p: Floats, before: Floats, after: Floats, errors: Floats
-) -> tuple[Floats, list[bool]]:
-    """Values of `at` nearest to states; whether these members are unstable and modes have grown."""
+    family: Family, a: Floats, p: Floats, before: Floats, after: Floats, errors: Floats
+) -> list[bool]:
+    """Whether the members with values of `at` are unstable, and their modes have grown."""
     parameters = family.system.parameters
-    a = np.vstack([at_of(family, x[None], q) for x, q in zip(states, p, strict=True)])
     given = {n: p[:, parameters.index(n)] for n in family.parameters}
     given |= dict(zip(family.at, a.T, strict=True))
     try:
@@ -95,9 +95,9 @@ def _grown(
         reduced = rows.place.reduced(family, rows.zeros)
         modes = np.broadcast_to(eigenpairs(reduced.matrix)[1], (len(a), *reduced.matrix.shape[1:]))
     except StabilityError:
-        return a, [False] * len(a)
+        return [False] * len(a)
     pairs = zip(lowered(before, reduced.steps), lowered(after, reduced.steps), strict=True)
-    return a, [
+    return [
         bool(code == CODES[Verdict.UNSTABLE]) and _in_modes(*pair, x, error)
         for code, pair, x, error in zip(codes, pairs, modes, errors, strict=True)
     ]

@@ -19,14 +19,14 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..algebra.number_types import balls, casadi_algebra
-from ..algebra.program import Program
+from ..algebra.number_types import balls
 from ..algebra.upright import UPRIGHT, Upright
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
 from ..bodies.thin_disk.disk_families import AT_REST, FAMILIES, DiskFamily, lines_under
-from .attraction import Attraction, Surroundings, Tilted, attraction
+from .attraction import Attraction, Surroundings, attraction
+from .lines import line_surroundings
 from .nearest import Nearest
 
 TURNING = STATES.index("phi_dot")
@@ -235,30 +235,9 @@ def surroundings(law: type[Contact], family: str) -> Surroundings:
 @lru_cache(maxsize=16)
 def _surroundings(law: type[Contact], family: DiskFamily) -> Surroundings:
     system = disk_system(law)
-    y, sign, e = ca.SX.sym("y"), ca.SX.sym("sign"), ca.SX.sym("e", 5)
-    [own] = family.at
-    others = [n for n in STATES if n != own]  # whose deviations are e
+    y, sign = ca.SX.sym("y"), ca.SX.sym("sign")
     member = family.member(ca, y, system.p[0], sign)
-    deviations = {n: e[i] for i, n in enumerate(others)}
-    x = [
-        y if n == own
-        else Tilted(deviations[n]) if member[n] is UPRIGHT
-        else member[n] + deviations[n]
-        for n in STATES
-    ]  # fmt: skip
     seen = system.observables
     positive = ca.vertcat(seen["normal_force"], seen["determinant"], ca.sin(system.x[0]))
-    graph = Program(ca.Function("graph", [system.x, system.p], [system.rhs, positive]))
-    values = graph.run(casadi_algebra(), [x, ca.vertsplit(system.p)])
-    rows = (STATES[row] for row, _ in graph.places[0])
-    rhs = dict.fromkeys(STATES, ca.SX(0)) | dict(zip(rows, values[0], strict=True))
-    along = rhs[own]
-    if family.solution is not None:  # the member moves with its parameter
-        for n in family.unknown:
-            rhs[n] = rhs[n] - ca.jacobian(member[n], y) * along
-    slope = ca.densify(ca.jacobian(ca.vertcat(*(rhs[n] for n in others), along), e))
-    inputs = [y, ca.vertcat(sign, system.p), e]
-    return Surroundings(
-        1, 5, Program(ca.Function("slopes", inputs, [slope])),
-        Program(ca.Function("positive", inputs, [ca.densify(ca.vertcat(*values[1]))])),
-    )  # fmt: skip
+    given = ca.vertcat(sign, system.p)
+    return line_surroundings(system, positive, family.at[0], member, y, given)

@@ -33,6 +33,19 @@ class SystemSettling:
     families: tuple[Family, ...]
     """The families that the system may settle on."""
 
+    def at_of(self, family: Family, state: Floats, p: Floats) -> Floats:
+        """The numbers that name the nearest member of a family, shape (at,)."""
+        found: Floats = at_of(family, state[None], p)[0]
+        return found
+
+    def deviation(self, family: Family, state: Floats, p: Floats) -> Floats | None:
+        """State less the member of a family with its `at`; None where there is no member."""
+        there = members(family, state[None], p)
+        if there is None or not np.isfinite(there).all():
+            return None
+        found: Floats = state - there[0]
+        return found
+
     def closest(self, state: Floats, p: Floats) -> Nearest:
         """The nearest member of all families, with its states; settling is not tested."""
         return self._closest(state, p)[0]

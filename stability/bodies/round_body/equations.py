@@ -31,6 +31,7 @@ Resistances = tuple[type[Resistance], ...]
 
 def round_system(
     body: RoundShape, law: type[Contact], given: tuple[str, ...], *, physical: bool,
+    slip_states: bool = False,
     resistance: Resistances = (),
 ) -> System:  # fmt: skip
     """A body under a contact law as a `System`, built once for each.
@@ -45,6 +46,8 @@ def round_system(
         Names of the law's parameters, which become parameters of the system.
     physical
         Whether mass, gravity and length are parameters too; otherwise they are 1.
+    slip_states
+        Whether the smooth body has its slip in the state too, as a motion needs.
     resistance
         Classes of the resistances to rolling and turning, whose coefficients are parameters too.
 
@@ -67,19 +70,21 @@ def round_system(
         raise ParameterError(
             f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
         )
-    return _system(shape_of(body), law, given, physical, resistance)  # type: ignore[arg-type]  # a class is hashable
+    slips = law.slips or (slip_states and not law.holds)
+    return _system(shape_of(body), law, given, physical, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
 
 
 @lru_cache(maxsize=64)
 def _system(  # noqa: PLR0913
     shape: Shape, law: type[Contact], given: tuple[str, ...], physical: bool,  # noqa: FBT001
-    resistance: Resistances,
+    resistance: Resistances, slips: bool,  # noqa: FBT001
 ) -> System:  # fmt: skip
     name, height, _, _, between = shape
     numbers = Numbers.of(shape, (*given, *(r.coefficient for r in resistance)), physical=physical)
-    states = STATES if law.slips else STATES[:4]
+    states = STATES if slips else STATES[:4]
     x = ca.SX.sym("x", len(states))
-    body = RoundBody(x, height_of_angle(height, x[0], numbers.own), numbers.table, law, given)
+    along = height_of_angle(height, x[0], numbers.own)
+    body = RoundBody(x, along, numbers.table, law, given, slips)
     body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
     system = System.from_mass_matrix(
         f"{name}, {law.name}", x, numbers.p, *body.implicit_form(),
@@ -137,7 +142,7 @@ class RoundBody(NewtonEuler):
 
     def __init__(
         self, x: ca.SX, height: ca.SX, table: dict[str, Any], contact: type[Contact],
-        given: tuple[str, ...],
+        given: tuple[str, ...], slips: bool,  # noqa: FBT001
     ) -> None:  # fmt: skip
         length = table["length"]
         self.si = Law(contact, table, given)
@@ -148,7 +153,7 @@ class RoundBody(NewtonEuler):
         self.axial = self.square * table["axial"]
         self.transverse = self.square * table["transverse"]
         self.against: list[tuple[type[Resistance], ca.SX]] = []
-        super().__init__(x, contact, self.si.coefficient, contact.slips)
+        super().__init__(x, contact, self.si.coefficient, slips)
 
     def moment(self, normal: Any) -> list[Any]:
         """Moment of all resistances along (x̂, ŷ, ẑ)."""

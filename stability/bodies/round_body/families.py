@@ -266,6 +266,28 @@ def _upright(body: RoundShape) -> bool:
     return abs(float(_slope(body)(math.pi / 2))) <= CLOSE * scale
 
 
+def levels(body: RoundShape) -> list[float]:
+    """Inclinations at which the slope of the height vanishes; π/2 comes first where it is one.
+
+    Parameters
+    ----------
+    body
+        The body; of arrays the first entry counts.
+    """
+    low, high = body.between
+    grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
+    slope = _slope(body)
+    slopes = slope(grid)
+    upright = _upright(body)
+    found = [math.pi / 2] * upright
+    for a, b, f, g in zip(grid[:-1], grid[1:], slopes[:-1], slopes[1:], strict=True):
+        if f * g < 0 and not (upright and a <= math.pi / 2 <= b):
+            root = float(brentq(slope, a, b, xtol=1e-15))
+            if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
+                found.append(root)
+    return found
+
+
 def level(body: RoundShape, theta: float | None = None) -> float | None:
     """Inclination at which the slope of the height vanishes; None for exactly upright.
 
@@ -282,15 +304,7 @@ def level(body: RoundShape, theta: float | None = None) -> float | None:
         If there is none, or there are several and none is meant.
     """
     low, high = body.between
-    grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
-    slope = _slope(body)
-    slopes = slope(grid)
-    found = [math.pi / 2] * _upright(body)
-    for a, b, f, g in zip(grid[:-1], grid[1:], slopes[:-1], slopes[1:], strict=True):
-        if f * g < 0 and not (found and a < math.pi / 2 < b):
-            root = float(brentq(slope, a, b, xtol=1e-15))
-            if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
-                found.append(root)
+    found = levels(body)
     if not found:
         raise NoMemberError(
             f"{body.name} rolls nowhere: the slope of its height has no zero between "

@@ -39,6 +39,7 @@ STRAIN = 1e-9
 
 def pole_system(
     body: RoundShape, law: type[Contact], given: tuple[str, ...], *, physical: bool, near: int = 0,
+    slip_states: bool = False,
     resistance: Resistances = (),
 ) -> System:  # fmt: skip
     """A body under a contact law along fixed axes, built once for each.
@@ -50,6 +51,8 @@ def pole_system(
     near
         1 or -1 for the chart around θ = 0 or π, whose states leave axis_Z out; 0 for the equations
         with all of the axis, for motions from anywhere to anywhere.
+    slip_states
+        Whether the smooth body has its slip in the state too, as a motion needs.
 
     Returns
     -------
@@ -60,7 +63,7 @@ def pole_system(
     Raises
     ------
     NoMemberError
-        If the body is not smooth at this pole (at either, for `near` = 0).
+        If the body is not smooth at this pole (at both, for `near` = 0).
     ParameterError
         If the law is made for the disk alone, or its force depends on the direction of slip.
     """
@@ -69,15 +72,15 @@ def pole_system(
             f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
         )
     poles = (near,) if near else (1, -1)
-    for pole in poles:
-        if not smooth_at(body, pole):
-            where = "0" if pole == 1 else "π"
-            raise NoMemberError(
-                f"{body.name} is not smooth at theta = {where}, where it falls flat or stands on "
-                "a point; there is no motion through it."
-            )
+    if not any(smooth_at(body, pole) for pole in poles):
+        where = {1: "0", -1: "π", 0: "0 or π"}[near]
+        raise NoMemberError(
+            f"{body.name} is not smooth at theta = {where}, where it falls flat or stands on "
+            "a point; there is no motion through it."
+        )
     _check_even(law, len(given))
-    return _system(shape_of(body), law, given, physical, near, resistance)  # type: ignore[arg-type]  # a class is hashable
+    slips = law.slips or (slip_states and not law.holds)
+    return _system(shape_of(body), law, given, physical, near, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
 
 
 def smooth_at(body: RoundShape, pole: int) -> bool:
@@ -126,12 +129,12 @@ def _check_even(law: type[Contact], count: int) -> None:
 @lru_cache(maxsize=32)
 def _system(  # noqa: PLR0913
     shape: Shape, law: type[Contact], given: tuple[str, ...], physical: bool, near: int,  # noqa: FBT001
-    resistance: Resistances,
+    resistance: Resistances, slips: bool,  # noqa: FBT001
 ) -> System:  # fmt: skip
     name, height, *_ = shape
     numbers = Numbers.of(shape, (*given, *(r.coefficient for r in resistance)), physical=physical)
     axis = AXIS[:2] if near else AXIS
-    states = (*axis, *TURN, *(SLIP if law.slips else ()))
+    states = (*axis, *TURN, *(SLIP if slips else ()))
     x = ca.SX.sym("x", len(states))
     flat = ca.sumsqr(x[:2])
     up = near * ca.sqrt(1 - flat) if near else x[2]
@@ -194,7 +197,8 @@ class PoleBody:
         rise = self.moving[2]
         self.drift = -self.f1 * self.moving - self.f2 * rise * (axis - axis[2] * self.z)  # ȧ
         plane = -ca.cross(turn, self.point)  # ṡ where nothing slips
-        if slip.numel():
+        self.slips = slip.numel() > 0
+        if self.slips:
             self.slip = slip
         elif law.holds:
             self.slip = ca.SX.zeros(2)
@@ -224,7 +228,7 @@ class PoleBody:
         """Rates of angular velocity and slip, and the observables."""
         turning, force, normal, determinant = self._held() if self.law.holds else self._free()
         rates = [turning]
-        if self.law.slips:
+        if self.slips:
             swing = ca.cross(turning, self.point) + ca.cross(self.turn, self.drift)
             rates.append(force / self.mass + swing[:2])
         kinetic = (self.mass * ca.sumsqr(self.velocity) + ca.dot(self.turn, self.momentum)) / 2

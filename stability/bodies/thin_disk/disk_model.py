@@ -146,10 +146,13 @@ def _stands(states: Any) -> bool:
 
 
 def pose_rates(x: ca.SX, slip: ca.SX, pose: ca.SX) -> ca.SX:
-    """φ̇, ψ̇ = ω₃ − φ̇ cosθ, and ṡ = vA − ω×a turned by φ."""
-    theta, theta_dot, phi_dot, omega3 = (x[i] for i in range(4))
-    along_x = slip[0] + theta_dot * ca.sin(theta)
-    along_y = slip[1] - omega3
+    """The rates of φ, ψ and the place of the centre, from the slip; ṡ = vA − ω×a."""
+    return placed(x, slip[0] + x[1] * ca.sin(x[0]), slip[1] - x[3], pose)
+
+
+def placed(x: ca.SX, along_x: ca.SX, along_y: ca.SX, pose: ca.SX) -> ca.SX:
+    """φ̇, ψ̇ = ω₃ − φ̇ cosθ, and the horizontal velocity of the centre turned by φ."""
+    theta, phi_dot, omega3 = x[0], x[2], x[3]
     heading = POSE_UNIT * pose[0]
     cosine, sine = ca.cos(heading), ca.sin(heading)
     rates = ca.vertcat(

@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...base.checks import callback, positive
-from ...base.errors import ParameterError
+from ...base.errors import ParameterError, shown
 from ...base.quantities import unit_of
+from ...bodies.round_body.body import Body
 from ...motion.dataset import FORMAT
 from ...motion.result import BY_CODE
 from ...storage.files import atomic_write
 from ...storage.targets import FILMS, check_suffix, check_target
+from .body_film import BodyCamera, placed
 from .film import FINE, Camera, caption_of, inner_radius, write_gif, write_mp4
 from .pose import LINEAR, POSED, resample
 from .single_run import events_of
@@ -47,6 +49,7 @@ def animate(
     seconds: float | None = None,
     overwrite: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    body: Body | None = None,
 ) -> FilePath:
     """Write a motion as a film (.gif, .mp4) or as a page to turn and play (.html).
 
@@ -65,6 +68,9 @@ def animate(
         Whether an existing file may be replaced.
     progress
         Called with (frames done, frames in all).
+    body
+        The `Body` of the dataset, whose shape is drawn (.gif, .mp4); None for a disk.  The
+        dataset's times must be so close that the body turns less than half round between two.
 
     Returns
     -------
@@ -88,7 +94,7 @@ def animate(
     'fall.html'
     """
     callback(progress)
-    motion = _single(dataset)
+    motion = _single(dataset, body)
     suffix = check_suffix(path, FILMS).suffix.lower()
     check_target(path, overwrite=overwrite)
     first, last = motion["time"][[0, -1]]
@@ -100,6 +106,8 @@ def animate(
     if suffix != ".html" and rate * length > MOST_FRAMES:
         count = f"{rate * length:.6g} frames"
         raise ParameterError(f"fps × seconds is {count}; at most {MOST_FRAMES} are drawn.")
+    if body is not None and suffix == ".html":
+        raise ParameterError(f"a page shows a disk; take a .gif or .mp4 for {body.name}.")
     report = progress or (lambda *_: None)
     with atomic_write(path, overwrite=overwrite) as draft:
         if suffix == ".html":
@@ -107,9 +115,12 @@ def animate(
             report(1, 1)
             return FilePath(path)
         frames = max(2, round(rate * length))
-        fine = resample(motion, np.linspace(first, last, (frames - 1) * FINE + 1))
+        times, pace = np.linspace(first, last, (frames - 1) * FINE + 1), (last - first) / length
         with figure_style({}):
-            scene = Camera(fine, dataset, (last - first) / length)
+            if body is None:
+                scene = Camera(resample(motion, times), dataset, pace)
+            else:
+                scene = BodyCamera(placed(motion, body, times), dataset, pace, body)
             (write_gif if suffix == ".gif" else write_mp4)(draft, scene, rate, report)
     return FilePath(path)
 
@@ -121,7 +132,7 @@ def _number(name: str, value: Any, most: float) -> float:
     return number
 
 
-def _single(dataset: Any) -> dict[str, Any]:
+def _single(dataset: Any, body: Any = None) -> dict[str, Any]:
     """The series of a single run with pose; an error in one sentence for other datasets."""
     import xarray
 
@@ -131,9 +142,19 @@ def _single(dataset: Any) -> dict[str, Any]:
         raise ParameterError(
             f"the dataset is of {name}, and films show a disk; draw it with motion_figure."
         )
+    if body is not None and not isinstance(body, Body):
+        raise ParameterError(f"body is {shown(body)}; give a stability.Body.")
+    known = dataset.attrs.get("body")
+    if known != (None if body is None else body.name):
+        raise ParameterError(
+            f"the dataset is of {known or 'a disk'}; give "
+            + (f"body=, the Body that is called {known}." if known else "no body.")
+        )
     if "phi" not in dataset:
         raise ParameterError("the dataset has no pose; call simulate with pose=True.")
-    lost = [n for n in (*POSED, *LINEAR, *KEPT) if n not in dataset.variables]
+    series = (*POSED, *LINEAR, *(("contact_x", "contact_y") if body else ()))
+    needed = [n for n in (*series, *KEPT) if body is None or n not in ("radius", "k")]
+    lost = [n for n in needed if n not in dataset.variables]
     if lost:
         raise ParameterError(
             f"the dataset has no {lost[0]}; give what simulate returns, unchanged."
@@ -143,13 +164,13 @@ def _single(dataset: Any) -> dict[str, Any]:
         raise ParameterError(f"the dataset has sizes {sizes}; take one launch by isel(launch=0).")
     # a launch out of several repeats its last state after its end
     kept = int((dataset.running == 1).sum()) if "running" in dataset else None
-    motion = {n: dataset[n].values[:kept].astype(float) for n in ("time", *POSED, *LINEAR)}
+    motion = {n: dataset[n].values[:kept].astype(float) for n in ("time", *series)}
     if (count := len(motion["time"])) < 2:
         raise ParameterError(f"the dataset has {count} sample(s) of the motion; give at least 2.")
     finite = all(np.isfinite(v).all() for v in motion.values())
     if not finite or not (np.diff(motion["time"]) > 0).all():
         raise ParameterError("the dataset has NaN or times that do not rise; give a whole motion.")
-    return motion | {"radius": float(dataset.radius)}
+    return motion if body else motion | {"radius": float(dataset.radius)}
 
 
 def _page(dataset: xarray.Dataset, motion: dict[str, Any], length: float) -> str:

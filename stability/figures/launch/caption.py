@@ -5,11 +5,12 @@ from __future__ import annotations
 from ..styled_figure import fixed  # isort: skip
 
 import json
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...base.quantities import Kind
+from ...base.quantities import Kind, Quantity
 from ...bodies.thin_disk.disk_equations import STATES
 from ...bodies.thin_disk.disk_quantities import SYSTEM, quantities_of
 from ...motion.result import BY_CODE
@@ -53,7 +54,7 @@ def caption(dataset: xarray.Dataset) -> str:
     second = f" {Kind.TIME.label(dimensionless=plain)}"
     given = [
         f"{q.symbol} = {float(data[name]):.4g}{'' if plain else q.kind.suffix}"
-        for name, q in quantities_of(SYSTEM + law).items()
+        for name, q in _quantities(dataset).items()
         if name in data.coords and not data[name].ndim
     ]  # fmt: skip
     start = [
@@ -61,7 +62,7 @@ def caption(dataset: xarray.Dataset) -> str:
         for name in STATES
     ]
     return (
-        f"Motion of a disk with {law} contact "
+        f"Motion of {_body_of(dataset)} with {law} contact "
         f"({', '.join(given)}{', dimensionless' if plain else ''}) from {', '.join(start)} at time "
         f"{motion.times[0]:.4g} to {motion.times[-1]:.4g}{second}, by {data.method.item()} at "
         f"tolerance {tolerance_of(dataset):.3g}; the energy audit closes to "
@@ -69,6 +70,26 @@ def caption(dataset: xarray.Dataset) -> str:
         f"Outcome: {BY_CODE[int(data.outcome)].word}, at time {float(data.end_time):.4g}{second} "
         f"({data.evidence.item()})."
     )
+
+
+def _body_of(dataset: xarray.Dataset) -> str:
+    name = str(dataset.attrs.get("body", "disk"))
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+
+
+def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
+    """The quantities of a motion; those that a body adds to the disk's are named as it names them.
+
+    The number of a launch is none of them.
+    """
+    known = quantities_of(SYSTEM + str(dataset.attrs.get("contact", "")))
+    if "body" not in dataset.attrs:
+        return known
+    own = {str(n): Quantity(str(n), str(n), str(n), Kind.NUMBER) for n in dataset.coords
+           if n not in known and n not in ("time", "number", "length")}  # fmt: skip
+    if not dataset.attrs.get("dimensionless", 0):
+        own |= {"length": Quantity("length", "L", "length", Kind.LENGTH)}
+    return own | dict(known)
 
 
 def _of_system(dataset: xarray.Dataset, names: tuple[str, ...]) -> str:
@@ -106,7 +127,7 @@ def fixed_of(dataset: xarray.Dataset) -> str:
         values = {n: dataset[n].values.flat[0] for n in names if n in dataset}
         return fixed(values, {}, {n: str(dataset[n].attrs.get("units", "1")) for n in values})
     law = str(dataset.attrs.get("contact", ""))
-    known = quantities_of(SYSTEM + law)
+    known = _quantities(dataset)
     values = {n: dataset[n].item() for n in known if n in dataset.coords and not dataset[n].ndim}
     values.pop("time", None)
     return fixed(

@@ -65,7 +65,7 @@ def caption_of(dataset: xarray.Dataset) -> str:
     shown = [
         f"{name} = {float(value):.6g}{units.get(str(name), '')}"
         for name, value in dataset.coords.items()
-        if value.ndim == 0 and not (plain and name in PHYSICAL)
+        if value.ndim == 0 and not (plain and name in (*PHYSICAL, "length"))
     ]
     return f"{law} contact, {', '.join(shown)}"
 
@@ -73,10 +73,17 @@ def caption_of(dataset: xarray.Dataset) -> str:
 class Camera:
     """The figure of a film, its camera and all drawn parts; `show` moves these to a frame."""
 
-    def __init__(self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float) -> None:
-        self.motion, self.seen = motion, geometry(motion)
+    fine = FINE
+
+    def __init__(
+        self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float, seen: Any = None
+    ) -> None:
+        self.motion, self.seen = motion, geometry(motion) if seen is None else seen
         self.frames = (len(motion["time"]) - 1) // FINE + 1
-        self.unit, self.inner = unit_of(dataset.time.attrs), inner_radius(dataset)
+        self.unit, self.inner = (
+            unit_of(dataset.time.attrs),
+            inner_radius(dataset) if seen is None else 0.0,
+        )
         self.figure = Figure(figsize=SIZE, dpi=DPI, facecolor="white")
         FigureCanvasAgg(self.figure)
         self.axes = self.figure.add_axes((0, 0, 1, 1))
@@ -181,11 +188,20 @@ class Camera:
         self.mark.set_path(outline(wedge))
         quarter = np.repeat([0.5, 1.0, 1.5], 3) * math.pi
         self.ticks.set_data(*flat(here.points(quarter, [self.inner, 1.0, np.nan] * 3)[0]).T)
+        self.follow(i, here.contact)
+
+    def follow(self, i: int, contact: Floats) -> None:
+        """Move the paths, the contact point and the clock to a step."""
+        target = self.target[i]
+
+        def flat(points: Floats) -> Floats:
+            return np.asarray((points - target) @ self.screen)
+
         self.trail.set_data(*flat(self.seen.contact[: i + 1]).T)
         self.path.set_data(*flat(self.seen.centre[: i + 1]).T)
-        self.spot.set_data(*flat(here.contact).T)
+        self.spot.set_data(*flat(contact).T)
         if self.seat is not None:
-            self.seat.set_data(*here.contact[:, :2].T)
+            self.seat.set_data(*contact[:, :2].T)
         time, lean = self.motion["time"][i], math.degrees(self.motion["theta"][i])
         self.clock.set_text(f"t = {time:.{self.places}f} {self.unit},  θ = {lean:.1f}°")
 

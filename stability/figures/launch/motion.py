@@ -34,7 +34,7 @@ from .motion_panels import (
     unit,
     words,
 )
-from .single_run import SingleRun, one_launch, system_states
+from .single_run import SingleRun, length_of, one_launch, system_states
 
 if TYPE_CHECKING:
     import xarray
@@ -243,7 +243,7 @@ def _steady(panels: list[Axes], data: xarray.Dataset) -> None:
     family, at = FAMILIES.get(str(data.nearest_family.values)), float(data.nearest_at)
     if family is None:  # a file from elsewhere may name an unknown family
         return
-    rate = np.sqrt(float(data.gravity) / float(data.radius))
+    rate = np.sqrt(float(data.gravity) / length_of(data))
     turned = np.copysign(rate, data.phi_dot.values[-1])
     member = family.member(np, at, float(data.k), turned)
     shown = [*family.at, *(family.unknown if family.solution else ())]
@@ -278,7 +278,7 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
         axes.plot(x, y, color="white", linewidth=2.4, dashes=(0.7, 1.3), dash_capstyle="butt",
                   label="gaps", zorder=2.5)  # fmt: skip
     # for a disk that spins on the spot the axes must not shrink to rounding errors
-    spot = 0.02 * float(data.radius) * np.array([[-1, -1], [1, 1]])
+    spot = 0.02 * length_of(data) * np.array([[-1, -1], [1, 1]])
     axes.update_datalim([data.centre_x.values[0], data.centre_y.values[0]] + spot)
     axes.set_aspect("equal", adjustable="datalim")
     axes.autoscale_view()

@@ -90,6 +90,11 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> SingleRun:
     return SingleRun(data, times, seen, spans)
 
 
+def length_of(data: xarray.Dataset) -> float:
+    """The unit of length of a motion: the radius of a disk, the `length` of another body."""
+    return float(data["length" if "body" in data.attrs else "radius"])
+
+
 def system_states(dataset: Any) -> tuple[str, ...]:
     """The states of a user's system; none for a disk.
 

@@ -1,0 +1,188 @@
+"""The model of a body of revolution for a launch, in the disk's angles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from ....base.quantities import Kind, Quantity
+from ....systems.system import System
+from ...contact import Contact
+from ...model import WORK, Model
+from ...newton_euler import STATES
+from ...thin_disk.disk_model import (
+    FLAT,
+    LIFT_OFF,
+    NO_CONTACT,
+    POSE,
+    WORDS,
+    placed,
+)
+from ...thin_disk.disk_quantities import disk_quantities
+from ..body import Body
+from ..equations import round_system
+from ..height.expression import Expression
+from ..height.pole_height import height_of_angle
+
+LOWEST, HIGHEST = "lower end of theta", "upper end of theta"
+"""Names of the guards of the ends of a height, other than those at which the body lies flat."""
+LEVEL = 1e-9
+"""Smallest slope of the height at a pole, over the height, of a body that falls flat there."""
+
+
+def round_model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool) -> Model:
+    """A body under a contact law, dimensionless; built once for each.
+
+    Parameters
+    ----------
+    body
+        The body; of its numbers only the names matter.
+    law
+        Class of the law.
+    given
+        Names of the law's parameters, in the order of `round_system`.
+    pose
+        Whether y holds φ, ψ and the place of the centre.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    ParameterError
+        If the law is made for the disk alone.
+
+    Examples
+    --------
+    >>> from stability.bodies.contact_laws import Viscous
+    >>> from stability.bodies.round_body.shapes.named import ThickDisk
+    >>> list(round_model(ThickDisk(0.1), Viscous, ("mu",), pose=False).guards)
+    ['lift-off', 'flat', 'upper end of theta', 'no-contact']
+    """
+    system = round_system(body, law, given, physical=False, slip_states=True)
+    return _round_model(
+        system, body.name, body.height, tuple(body.shape), body.between, flat_poles(body),
+        law, given, bool(pose),  # type: ignore[arg-type]  # a class is hashable
+    )  # fmt: skip
+
+
+def flat_poles(body: Body) -> tuple[bool, bool]:
+    """Whether the body falls flat at θ = 0 and at θ = π: the contact stays away from the axis.
+
+    Examples
+    --------
+    >>> from stability.bodies.round_body.shapes.named import EccentricSphere, ThickDisk
+    >>> flat_poles(EccentricSphere(0.1)), flat_poles(ThickDisk(0.1))
+    ((False, False), (True, False))
+    """
+    found = []
+    for reached, end in zip((body.between[0] == 0, body.between[1] == math.pi), (0.0, math.pi),
+                            strict=True):  # fmt: skip
+        with np.errstate(all="ignore"):
+            slope, height = body.height_at(end, 1), body.height_at(end)
+        found.append(bool(reached and not (np.abs(slope) <= LEVEL * np.abs(height)).all()))
+    return found[0], found[1]
+
+
+@lru_cache(maxsize=32)
+def _round_model(  # noqa: PLR0913
+    system: System, name: str, height: Expression, shape: tuple[str, ...],
+    between: tuple[float, float], flat_at: tuple[bool, bool], law: type[Contact],
+    given: tuple[str, ...], pose: bool,  # noqa: FBT001
+) -> Model:  # fmt: skip
+    x, seen, flat = system.x, system.observables, ca.SX.sym("flat")
+    h = height_of_angle(height, x[0], ca.vertsplit(system.p)[: len(shape)])
+    slope = ca.jacobian(h, x[0])
+    columns, names = [x, ca.SX.sym(WORK)], [*system.states, WORK]
+    rates = [system.rhs, seen["power"]]
+    normal = seen["normal_force"]
+    series = {
+        "energy": seen["energy"], "potential": h, "normal_force": normal,
+        "force_x": seen["contact_force"][0], "force_y": seen["contact_force"][1],
+        "power": seen["power"],
+    }  # fmt: skip
+    if pose:
+        extra = ca.SX.sym("pose", len(POSE))
+        columns.append(extra)
+        velocity = seen["slip"][0] + x[1] * h, seen["slip"][1] - seen["rim_speed"]
+        rates.append(placed(x, *velocity, extra))
+        names += POSE
+        series["reach"] = slope
+    guards, words = _ends(x[0], flat, between, flat_at)
+    guards = {LIFT_OFF: normal * seen["determinant"]} | guards
+    if ca.depends_on(seen["determinant"], x[4:]):
+        guards[NO_CONTACT] = seen["determinant"]
+    return Model(
+        system, STATES, ca.vertcat(*columns), ca.vertcat(system.p, flat), ca.vertcat(*rates),
+        tuple(names), guards, WORDS | words, series, quantities_with(law, shape),
+        given[0] if law.relaxes else "",
+        turning=(1, 2, 3), sliding=(4, 5) if len(system.states) == 6 else (),
+        title=f"motion of {name}, {law.name} contact",
+        source="equations of a convex body of revolution (docs/bodies.md), integrated",
+    )  # fmt: skip
+
+
+def _ends(
+    theta: ca.SX, flat: ca.SX, between: tuple[float, float], flat_at: tuple[bool, bool]
+) -> tuple[dict[str, ca.SX], dict[str, str]]:
+    """Guards of the ends of θ, and their words."""
+    low, high = between
+    guards, words = {}, {}
+    if all(flat_at):
+        guards[FLAT] = ca.sin(theta) - flat
+    elif any(flat_at):
+        guards[FLAT] = (theta if flat_at[0] else math.pi - theta) - flat
+    ends = (theta - low, low, True), (high - theta, high, False)
+    for (value, end, lower), lies in zip(ends, flat_at, strict=True):
+        if not lies:
+            name, words_there = words_of_end(end, lower=lower)
+            guards[name] = value - flat if end in (0, math.pi) else value
+            words[name] = words_there
+    return guards, words
+
+
+def words_of_end(end: float, *, lower: bool) -> tuple[str, str]:
+    """Name of the guard of an end of θ at which a body does not fall flat, and its words.
+
+    Parameters
+    ----------
+    end
+        The end [rad].
+    lower
+        Whether it is the lower one.
+    """
+    why = "the body may change there to another rim or face"
+    if end in (0, math.pi):
+        why = "the axis is vertical, where the angles have no meaning"
+    said = f"theta has reached {end:.6g}, where the height of the body ends: {why}"
+    return (LOWEST if lower else HIGHEST), said
+
+
+def quantities_with(
+    law: type[Contact], shape: tuple[str, ...], axis: tuple[str, ...] = ()
+) -> Mapping[str, Quantity]:
+    """The quantities of a body's motion: those of the disk, its own length and shape, its axis.
+
+    Parameters
+    ----------
+    law
+        Class of the law.
+    shape
+        Names of the shape's numbers.
+    axis
+        Names of the components of the axis, where a motion reports them.
+    """
+    known = dict(disk_quantities(law))
+    known["slip_x"] = replace(known["slip_x"], long_name="slip along x̂, away from the axis")
+    known["slip_y"] = replace(known["slip_y"], long_name="slip along ŷ, across the axis")
+    known["length"] = Quantity("length", "", "length of the body", Kind.LENGTH)
+    own = {n: Quantity(n, n, n, Kind.NUMBER) for n in (*shape, "axial", "transverse")}
+    words = (f"symmetry axis along {n}" for n in "XYZ")
+    found = {n: Quantity(n, "", w, Kind.NUMBER) for n, w in zip(axis, words, strict=False)}
+    return own | known | found

@@ -1,0 +1,196 @@
+"""Launches of a body of revolution: starts and parameters, checked and made dimensionless."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra.program import Program
+from ..base.checks import broadcast
+from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
+from ..base.types import Floats
+from ..bodies.contact import Contact, Scales
+from ..bodies.contact_laws import MOTION_LAWS, Creep, spelled
+from ..bodies.model import TAKEN, Model
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.models.angle_model import round_model
+from ..bodies.round_body.models.pole_model import pole_model
+from ..bodies.round_body.pole_equations import smooth_at
+from ..bodies.round_body.shape import SCALES
+from ..integrators.flow import flow_of
+from ..settling.body_settling import body_settling
+from .starts import (
+    BRIEFEST,
+    FASTEST,
+    LONGEST,
+    ROUGHEST,
+    Starts,
+    counted,
+    six_states,
+    times_of,
+)
+
+
+def gather_body(
+    body: Body, contact: Contact, start: Any, times: ArrayLike, *, pose: bool = False
+) -> Starts:
+    """Check the arguments of `simulate` for a body of revolution and make them dimensionless.
+
+    Parameters
+    ----------
+    body, contact, start, times, pose
+        As for `simulate`.
+
+    Returns
+    -------
+    Starts
+
+    Raises
+    ------
+    StabilityError
+        In one sentence, if something is not accepted.
+    """
+    law = _accepted(body, contact)
+    with np.errstate(all="ignore"):  # an overflow is refused by _check
+        return _gathered(body, contact, law, start, times, pose=pose)
+
+
+def _accepted(body: Body, contact: Any) -> type[Contact]:
+    """The class of a law that a body's motion can have."""
+    allowed = {
+        n: one for n, one in MOTION_LAWS.items() if not (one.sticks or issubclass(one, Creep))
+    }
+    if not isinstance(contact, Contact) or not contact.name:
+        raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(allowed)}.")
+    if contact.sticks or isinstance(contact, Creep):
+        what = "sticking" if contact.sticks else "creep"
+        raise ParameterError(
+            f"contact is {contact.name}, and {what} is solved for a stability.Disk alone; for "
+            f"{body.name} give one of {spelled(allowed)}."
+        )
+    return type(contact)
+
+
+def _gathered(
+    body: Body, contact: Contact, law: type[Contact], start: Any, times: ArrayLike, *, pose: bool
+) -> Starts:
+    six, when = six_states(start, contact), times_of(times)
+    fields = body.given | contact.given
+    model = _model(body, law, tuple(contact.given), pose=pose)
+    _check_names(body, model)
+    shape = broadcast(start=six.shape[:-1], **{n: np.shape(v) for n, v in fields.items()})
+    count = counted(shape, when)
+    flat = {
+        n: a if (a := np.asarray(v, dtype=float)).ndim == 0
+        else np.broadcast_to(a, shape).reshape(-1)
+        for n, v in fields.items()
+    }  # fmt: skip
+    scales = _scales(flat)
+    starts = np.broadcast_to(six, (*shape, 6)).reshape(count, 6).copy()
+    starts[:, 1:4] /= scales["rate"][..., None]
+    starts[:, 4:] /= scales["speed"][..., None]
+    if law.holds:
+        starts[:, 4:] = 0.0
+    units = Scales(flat | {"radius": flat["length"]}, np.sqrt)
+    own = flat | {p.name: p.dimensionless(flat[p.name], units)
+                  for p in law.parameters if p.name in flat}  # fmt: skip
+    columns = [np.broadcast_to(own[n], (count,)) for n in model.system.parameters]
+    p = np.column_stack(columns) if columns else np.zeros((count, 0))
+    last = when[-1] / scales["time"]
+    if not (np.all(last <= LONGEST) and np.all(last >= BRIEFEST)):
+        raise ParameterError(
+            f"times end at {when[-1]:g}; in units of √(length/g) give a last time from "
+            f"{BRIEFEST:g} to {LONGEST:g}."
+        )
+    energies = _check(body, model, contact, shape, starts, p)
+    return Starts(
+        model, shape, starts, p, when, flat, scales, body.dimensionless, energies,
+        body_settling(body, law, tuple(contact.given)), law,
+    )  # fmt: skip
+
+
+def _model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool) -> Model:
+    """Fixed axes where the body can pass a pole, and otherwise angles."""
+    if smooth_at(body, 1) or smooth_at(body, -1):
+        with suppress(ParameterError):  # of a law that needs the directions that angles give
+            return pole_model(body, law, given, pose=pose)
+    return round_model(body, law, given, pose=pose)
+
+
+def _scales(flat: dict[str, Floats]) -> dict[str, Floats]:
+    """The body's units, shape (N,) or (); a product of units of 1 is exactly 1."""
+    mass, gravity, length = (flat[n] for n in SCALES)
+    speed = np.sqrt(gravity * length)
+    return {
+        "time": np.sqrt(length / gravity), "rate": np.sqrt(gravity / length), "speed": speed,
+        "energy": mass * gravity * length, "force": mass * gravity, "length": length,
+    }  # fmt: skip
+
+
+def _check_names(body: Body, model: Model) -> None:
+    """Refuse a number of the shape with a name that the motion has for itself."""
+    for name in body.shape:
+        if (
+            name in TAKEN
+            or name in model.series
+            or name in {*model.names, "kinetic", "determinant"}
+        ):
+            raise ParameterError(
+                f"{body.name} has a number called {name!r}, a name that a motion has for itself; "
+                "give it another one."
+            )
+
+
+def _check(
+    body: Body, model: Model, contact: Contact, shape: tuple[int, ...], starts: Floats, p: Floats
+) -> Floats:
+    """Energies of the starts; a start without contact is refused with the reason."""
+    if not (np.isfinite(starts).all() and np.isfinite(p).all() and np.abs(starts).max() < FASTEST):
+        raise ParameterError(
+            "a dimensionless number of the start or the body leaves the range of double precision "
+            f"(rates up to {FASTEST:g}); give values nearer to 1."
+        )
+    for name in contact.given:
+        most = p[:, model.system.parameters.index(name)].max()
+        if most > ROUGHEST:
+            raise ParameterError(
+                f"the dimensionless {name} is {most:.3g}, above {ROUGHEST:g}, where double "
+                "precision cannot resolve the slip; take Rough(), to which the motion tends."
+            )
+    (low, high), theta = body.between, starts[:, 0]
+    inside = (theta > low) & (theta < high)
+    if model.chart:  # a smooth pole belongs to the motion
+        for pole, end in ((1, low), (-1, high)):
+            inside |= (theta == end) & smooth_at(body, pole)
+    if not inside.all():
+        row = int(np.argmin(inside))
+        where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
+        raise DomainError(
+            f"start{where}: theta is {theta[row]:g}; the height of {body.name} holds for theta "
+            f"between {low:.6g} and {high:.6g}{if_degrees(float(theta[row]))}."
+        )
+    system = model.system
+    seen = system.observables
+    conditions = [c.value for c in system.conditions]
+    look = Program(ca.Function("start", [system.x, system.p], [
+        ca.densify(ca.vertcat(*conditions, seen["normal_force"], seen["energy"]))
+    ]))  # fmt: skip
+    own = flow_of(model).pack(starts)[:, : len(system.states)]
+    values = look.arrays([list(own.T), list(p.T)], starts.shape[:1])[0][..., 0]
+    bad = np.argwhere(~(values[:, :-1] > 0))
+    if len(bad):
+        row, column = (int(i) for i in bad[0])
+        where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
+        value = float(values[row, column])
+        if column < len(conditions):
+            raise DomainError(f"start{where}: {system.conditions[column].refusal(value)}")
+        raise DomainError(
+            f"start{where}: the normal force is {value:.4g} m g, which is not positive: "
+            "the body is not in contact; turn it slower."
+        )
+    found: Floats = values[:, -1]
+    return found
