@@ -1,0 +1,129 @@
+"""Characteristic polynomials of every body of revolution, derived from the general graph.
+
+At rolling and spinning h′ = 0.  At tumbling h = r sinθ + z cosθ and h′ = r cosθ - z sinθ, where r
+and z say where the contact point lies: the centre rests, so ω₃ = φ̇ sinθ z/r, and φ̇² follows from
+φ̇² sinθ (I1 r cosθ - I3 z sinθ) = h′ r.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import sympy
+from sympy.polys.matrices import DomainMatrix
+
+from ...base.checks import known
+from ..characteristic import COS, LAM, SIN
+from ..hurwitz import determinant, factored
+from ..theorems.motion import FORCE_X, FORCE_Y, NORMAL, PHI, SPIN
+from .graph import BEND, I1, I3, RHO, SLOPE, STILL, H, R, Z, equations, folded, pencil
+
+Expr = Any
+"""A SymPy expression; SymPy states no types."""
+CENTRE = {H: R * SIN + Z * COS, SLOPE: R * COS - Z * SIN}
+"""The height and its slope by the place of the contact point."""
+SQUARE = CENTRE[SLOPE] * R / (SIN * (I1 * R * COS - I3 * Z * SIN))
+"""φ̇² of tumbling."""
+STATES: dict[str, dict[Expr, Expr]] = {
+    "rolling": {SLOPE: 0, PHI: 0},
+    "spinning": {SLOPE: 0, SPIN: 0, SIN: 1, COS: 0},
+    "tumbling": CENTRE | {SPIN: PHI * SIN * Z / R, BEND: RHO - CENTRE[H]},
+}
+"""Values of a family's states."""
+LAWS = ("viscous", "rough", "smooth")
+"""Laws whose polynomials are derived."""
+
+
+@dataclass(frozen=True)
+class Characteristic:
+    """The characteristic polynomial of a family of every body, without factors of known sign."""
+
+    family: str
+    """Name of the family."""
+    law: str
+    """Name of the law."""
+    zeros: int
+    """Multiplicity of the factor λ."""
+    coefficients: tuple[Expr, ...]
+    """Coefficients of the rest, the highest power of λ first, each factored."""
+    left_out: Expr
+    """The factor without λ that is left out."""
+
+    @property
+    def polynomial(self) -> sympy.Poly:
+        """The rest as a polynomial in λ."""
+        return sympy.Poly(list(self.coefficients), LAM)
+
+
+@lru_cache(maxsize=16)
+def characteristic(family: str, law: str) -> Characteristic:
+    """The characteristic polynomial of rolling, spinning or tumbling, for every body.
+
+    Parameters
+    ----------
+    family
+        rolling, spinning or tumbling.
+    law
+        viscous, rough or smooth.
+
+    Returns
+    -------
+    Characteristic
+
+    Examples
+    --------
+    >>> characteristic("spinning", "smooth").coefficients
+    (I1, 0, I1*phi_dot**2 + h′′)
+    """
+    rest = dict(STATES[known("family", family, STATES)])
+    spin = {SPIN: rest.pop(SPIN, SPIN)}  # with its fraction only after the determinant
+    matrix = pencil(known("law", law, LAWS)).subs({FORCE_X: 0} | rest, simultaneous=True)
+    whole = DomainMatrix.from_Matrix(matrix.expand())
+    det = whole.domain.to_sympy(whole.det())
+    top = sympy.fraction(sympy.together(det.subs(spin)))[0]
+    poly = sympy.Poly(folded(top), LAM)
+    zeros = min(n for (n,) in poly.monoms())
+    content, factors = sympy.factor_list(poly.as_expr())
+    left = sympy.Mul(content, *[f**n for f, n in factors if not f.has(LAM)])
+    rest = sympy.Poly(sympy.cancel(poly.as_expr() / left / LAM**zeros), LAM)
+    if _negative(rest.LC()):
+        rest, left = -rest, -left
+    coefficients = tuple(factored(c) for c in rest.all_coeffs())
+    return Characteristic(family, law, zeros, coefficients, left)
+
+
+def _negative(expression: Expr) -> bool:
+    """Whether an expression is negative at one body, which only chooses a sign."""
+    point = {I1: sympy.Rational(1, 3), I3: sympy.Rational(1, 2), H: 1, R: 1, Z: 0,
+             SIN: sympy.Rational(4, 5), COS: sympy.Rational(3, 5)}  # fmt: skip
+    return bool(expression.subs(point) < 0)
+
+
+def conditions(found: Characteristic) -> tuple[tuple[str, Expr], ...]:
+    """Polynomials of a polynomial in λ that must all be positive, after Liénard and Chipart.
+
+    Parameters
+    ----------
+    found
+        Result of `characteristic` under a law with friction.
+
+    Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV § 13.
+    """
+    poly, n = found.polynomial, len(found.coefficients) - 1
+    out = [(f"coefficient of λ^{n - i}", found.coefficients[i]) for i in range(n, -1, -2)]
+    return (
+        *out,
+        *((f"Hurwitz determinant {i}", determinant(poly, i)) for i in range(n - 1, 0, -2)),
+    )
+
+
+def derivatives_that_enter() -> tuple[bool, str]:
+    """Whether the height, its slope and its second derivative alone enter every linearisation."""
+    kept = {law: pencil(law).free_symbols for law in LAWS}
+    third = [law for law, symbols in kept.items() if any(str(x) == "h′′′" for x in symbols)]
+    steady = [r.subs(STILL | {NORMAL: 1, FORCE_X: 0, FORCE_Y: 0}) for r in equations("rough").rows]
+    bend = any(row.has(BEND) for row in steady)
+    words = "entries of the pencils hold h, h′, h′′; the steady rows hold h, h′"
+    return not third and not bend, words
