@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from ..characteristic import COS, SIN
+from ..characteristic import COS, MU, SIN
 from ..proof import Proof, Theorem
 from ..theorems.motion import (
     FORCE_X,
@@ -24,9 +24,9 @@ from ..theorems.motion import (
     THETA_DOT,
     StatedForce,
 )
-from .graph import BEND, I1, I3, RHO, SLOPE, H, along, equations, vanishes
-from .polynomials import CENTRE, SQUARE, derivatives_that_enter
-from .rolling import FILE
+from .graph import BEND, I1, I3, RHO, SLOPE, H, R, Z, along, equations, vanishes
+from .polynomials import LAWS, SQUARE, characteristic, derivatives_that_enter
+from .rolling import FILE, Q
 from .spinning import EDGE
 
 Expr = Any
@@ -37,6 +37,8 @@ MOMENT = SLOPE + PHI * SIN * (I3 * SPIN - I1 * PHI * COS)
 """Zero on the steady motions without force."""
 RIM = RADIUS * SPIN - PHI * SIN * AXIAL
 """ω₃ r - φ̇ sinθ z: the speed of the point of contact about the centre."""
+SURFACE = SLOPE + PHI * (SPIN * (RADIUS * H + I3 * SIN) - PHI * SIN * (AXIAL * H + I1 * COS))
+"""Zero on the steady motions without slip."""
 FREE = {FORCE_X: 0, FORCE_Y: 0, NORMAL: 1, SLIP_X: 0, SLIP_Y: 0}
 """No force, no slip, the weight on the plane."""
 
@@ -138,19 +140,16 @@ def rough_and_smooth() -> Theorem:
     proof = Proof()
     rows = [r.subs(STEADY).subs(NO_SLIP) for r in equations(StatedForce).rows]
     held = {FORCE_X: PHI * RIM, FORCE_Y: 0, NORMAL: 1}
-    surface = SLOPE + PHI * (
-        SPIN * (RADIUS * H + I3 * SIN) - PHI * SIN * (AXIAL * H + I1 * COS)
-    )
     slide = sympy.Symbol("w")  # uniform velocity of the centre across x̂
     proof.step("without slip F = (φ̇ (ω₃ r - φ̇ s z), 0) and gn = 1",
                "Newton along x̂, ŷ, ẑ", lambda: all(vanishes(r.subs(held)) for r in rows[:3]))
     proof.step("without slip: h′ + φ̇ (ω₃ (r h + I3 s) - φ̇ s (z h + I1 c)) = 0",
                "Euler along 2̂ with this force; along 1̂ and 3̂ nothing is left",
-               lambda: vanishes(rows[4].subs(held) - surface)
+               lambda: vanishes(rows[4].subs(held) - SURFACE)
                and vanishes(rows[3].subs(held)) and vanishes(rows[5].subs(held)))  # fmt: skip
     proof.step("this is a smooth surface but at rest with h′′ = 0, so two eigenvalues are zero",
                "its gradient: φ̇ (r h + I3 s) by ω₃; ω₃ (r h + I3 s) by φ̇ at φ̇ = 0; h′′ by θ at "
-               "rest", lambda: _gradient(surface))  # fmt: skip
+               "rest", _gradient)  # fmt: skip
     proof.step("without friction: h′ + φ̇ s (I3 ω₃ - I1 φ̇ c) = 0, the centre at rest or in "
                "uniform straight motion", "Euler along 2̂ with F = 0; ẑ, 1̂ and 3̂ hold",
                lambda: _without_friction(slide))  # fmt: skip
@@ -165,12 +164,12 @@ def rough_and_smooth() -> Theorem:
     )  # fmt: skip
 
 
-def _gradient(surface: Expr) -> bool:
+def _gradient() -> bool:
     lever = RADIUS * H + I3 * SIN
-    at_rest = along(surface).subs({PHI: 0, SPIN: 0})
+    at_rest = along(SURFACE).subs({PHI: 0, SPIN: 0})
     return (
-        vanishes(surface.diff(SPIN) - PHI * lever)
-        and vanishes(surface.diff(PHI).subs(PHI, 0) - SPIN * lever)
+        vanishes(SURFACE.diff(SPIN) - PHI * lever)
+        and vanishes(SURFACE.diff(PHI).subs(PHI, 0) - SPIN * lever)
         and vanishes(at_rest - BEND)
     )
 
@@ -198,13 +197,16 @@ def branches() -> Theorem:
     proof.step("at rest energy is h plus a positive definite form of the speeds: a minimum where "
                "h′′ > 0, none where h′′ < 0",
                "energy from the graph; its speeds have positive coefficients", _energy)
+    proof.step("where h′′ < 0 one eigenvalue at rest is positive",
+               "constant terms of rolling at ω₃ = 0: mu² h′′ Q, h′′ Q, h′′ I1", _unstable)
     return Theorem(
         "where the families meet",
         ("Tumbling branches off spinning at φ̇² = h h′′/(I3 ρ - I1 h), if this is positive; there "
-         "spinning changes its stability under every law of viscous kind.",
+         "the constant term of spinning under viscous friction vanishes: a static boundary.",
          "Tumbling ends at rest, in rolling with ω₃ = 0, at each leaning θ with h′ = 0, on the "
          "side where h′′ (θ - θ*) (I1-I3) cosθ* > 0.",
-         "At rest h decides under every friction: h′′ > 0 stable, h′′ < 0 unstable."),
+         "At rest h decides, with viscous friction, without slip, and without friction: h′′ > 0 "
+         "stable, as energy is least there; h′′ < 0 unstable."),
         ("h > 0, ρ = h + h′′; I1 ≠ I3 at the leaning end",),
         tuple(proof.steps),
         (f"{FILE}::test_tumbling_meets_spinning_and_rest_where_the_theorem_says",),
@@ -224,10 +226,9 @@ def _near(cosine: Expr, sine: Expr) -> Expr:
 
 def _meets() -> bool:
     top, bottom, value = _near(sympy.Integer(0), sympy.Integer(1))
-    closed = SQUARE.subs({}) - CENTRE[SLOPE] * sympy.Symbol("r") / (
-        SIN * (I1 * sympy.Symbol("r") * COS - I3 * sympy.Symbol("z") * SIN)
-    )
-    return vanishes(closed) and value == 0 and vanishes(
+    place = {R: RADIUS, Z: AXIAL}
+    closed = SLOPE * RADIUS / (SIN * (I1 * RADIUS * COS - I3 * AXIAL * SIN))
+    return vanishes(SQUARE.subs(place) - closed) and value == 0 and vanishes(
         (top / bottom).subs(BEND, RHO - H) - _limit()
     )
 
@@ -239,22 +240,22 @@ def _rests() -> bool:
 
 def _energy() -> bool:
     energy = equations(StatedForce).energy
+    order = [3, 4, 0, 1, 2]  # the slips first
+    form = sympy.hessian(energy, SPEEDS).extract(order, order)
+    first = I1 + SLOPE**2
+    wanted = (1, 1, first, first * I1 * SIN**2, first * I1 * SIN**2 * I3)
+    minors = (form[:n, :n].det() for n in range(1, 6))
     still = energy.subs(dict.fromkeys(SPEEDS, 0))
-    matrix = sympy.hessian(energy, SPEEDS)
-    minors = [sympy.factor(matrix[:n, :n].det()) for n in range(1, 6)]
-    # the slips first: their block is the unit matrix, and the rest is positive by completion
-    order = [3, 4, 0, 1, 2]
-    sorted_ = matrix.extract(order, order)
-    pivots = [minor for minor in (sorted_[:n, :n].det() for n in range(1, 6))]
-    wanted = (1, 1, None, None, None)
-    known = all(w is None or p == w for p, w in zip(pivots, wanted, strict=True))
-    last = pivots[2:]
-    return bool(minors) and known and vanishes(still - H) and all(
-        vanishes(p - q) for p, q in zip(last, _pivots(), strict=True)
+    return vanishes(still - H) and all(
+        vanishes(p - q) for p, q in zip(minors, wanted, strict=True)
     )
 
 
-def _pivots() -> tuple[Expr, Expr, Expr]:
-    """Products of positive numbers: leading minors of the energy's form."""
-    first = I1 + SLOPE**2
-    return first, first * I1 * SIN**2, first * I1 * SIN**2 * I3
+def _unstable() -> bool:
+    """Whether the constant terms at rest are h′′ times the positive Q, and h′′ alone."""
+    found = {law: characteristic("rolling", law).coefficients[-1].subs(SPIN, 0) for law in LAWS}
+    return (
+        vanishes(found["viscous"] - MU**2 * BEND * Q)
+        and vanishes(found["rough"] - BEND * Q)
+        and vanishes(found["smooth"] - BEND * I1)
+    )

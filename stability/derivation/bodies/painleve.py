@@ -1,0 +1,154 @@
+"""Painlevé's limit of a body: the slip up to which the plane can hold it at every inclination.
+
+D = I1 + h′² - mu vx h h′ > 0 for every θ exactly where mu |vx| is below the least value of
+(I1 + h′²)/(h |h′|).  The greatest value of its inverse is enclosed by bisection in balls.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from flint import arb, fmpq
+
+from ...algebra.balls import precision
+from ...algebra.number_types import balls
+from ...algebra.program import Program
+from ...base.checks import instance
+from ...base.errors import ParameterError
+from ...bodies.round_body.body import Body
+
+WIDTH = 1e-13
+"""Largest width of an enclosure, over its value."""
+FLAT = 1e-6
+"""Where the greatest value is below this, only that is proved: a ball has no limit."""
+MOST = 200_000
+"""Largest number of intervals."""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """An enclosure of Painlevé's limit of mu |vx|, over √(g·length) for friction over that speed.
+
+    Examples
+    --------
+    >>> Limit(1.0, 1.5, 0.3).middle
+    1.25
+    """
+
+    low: float
+    """Proved lower end: below it D > 0 at every inclination."""
+    high: float
+    """Proved upper end: at it D ≤ 0 at some inclination."""
+    theta: float
+    """Inclination near which D vanishes first [rad]."""
+
+    @property
+    def middle(self) -> float:
+        """Middle of the enclosure."""
+        return (self.low + self.high) / 2
+
+
+def painleve_limit(body: Body) -> Limit:
+    """Painlevé's limit of mu |vx| for a body, enclosed.
+
+    Parameters
+    ----------
+    body
+        The body, each number a single one; mass, gravity and length do not matter.
+
+    Returns
+    -------
+    Limit
+        The upper end is infinite for a ball, whose lower end is just below 1e6.
+
+    Raises
+    ------
+    ParameterError
+        If a number of the body is an array, or the height defies enclosure.
+
+    Source: the definition of D in docs/bodies.md; for the disk 2√(k(k+1)) in closed form.
+
+    Examples
+    --------
+    >>> import casadi as ca
+    >>> coin = Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25)
+    >>> round(painleve_limit(coin).middle, 12)  # 2√(k(k+1))
+    1.118033988750
+    """
+    instance("body", body, Body, "give a stability.Body")
+    if any(np.ndim(v) for v in body.given.values()):
+        raise ParameterError("Painlevé's limit needs one number for each quantity of the body.")
+    with precision(128):
+        return _enclosed(_program(body), *(_exact(v) for v in body.between), body)
+
+
+def _exact(value: float) -> arb:
+    return arb.pi() if value == np.pi else arb(value)
+
+
+def _program(body: Body) -> Any:
+    """g = h h′/(I1 + h′²) and its slope, as a function of a ball."""
+    theta, *own = (ca.SX.sym(n) for n in ("theta", *body.shape))
+    h = ca.SX(body.height(theta, *own))
+    slope = ca.jacobian(h, theta)
+    moment = body.transverse
+    inertia = ca.SX(moment(*own)) if callable(moment) else ca.SX(float(moment))
+    g = h * slope / (inertia + slope**2)
+    program = Program(ca.Function("g", [ca.vertcat(theta, *own)], [g, ca.jacobian(g, theta)]))
+    numbers = [arb(fmpq(*float(v).as_integer_ratio())) for v in body.shape.values()]
+
+    def values(place: arb) -> tuple[arb, arb]:
+        found = program.run(balls(), [[place, *numbers]])
+        return tuple(arb(f[0]) if f else arb(0) for f in found)  # type: ignore[return-value]
+
+    return values
+
+
+def _enclosed(values: Any, low: arb, high: arb, body: Body) -> Limit:
+    """Bisection: an interval is dropped where |g| stays below the best value found so far."""
+    best, place = arb(0), float(low)
+    boxes = [((low + (high - low) * i / 64), (low + (high - low) * (i + 1) / 64))
+             for i in range(64)]  # fmt: skip
+    top, done = arb(0), 0
+    while boxes:
+        done += len(boxes)
+        if done > MOST:
+            raise ParameterError(f"the height of {body.name} is enclosed too widely for a limit.")
+        kept = []
+        for a, b in boxes:
+            middle = (a + b) / 2
+            value = abs(values(middle)[0])
+            if value.is_finite() and value.lower() > best:
+                best, place = value.lower(), float(middle)
+            kept.append((a, middle, b, _bound(values, a, b, middle)))
+        goal = (best * (1 + arb(WIDTH) / 2)).max(arb(FLAT))
+        boxes = []
+        for a, middle, b, bound in kept:
+            if bound.is_finite() and bound < goal:
+                top = bound.max(top)
+            else:
+                boxes += [(a, middle), (middle, b)]
+    top = top.max(best)
+    return Limit(_down(1 / top), _up(1 / best) if best > 0 else np.inf, place)
+
+
+def _bound(values: Any, a: arb, b: arb, middle: arb) -> arb:
+    """Upper bound of |g| on an interval, by the mean value form where it is finite."""
+    whole = a.union(b)
+    rough, slope = values(whole)
+    centre = values(middle)[0]
+    half = (b - a).upper() / 2
+    near = abs(centre).upper() + abs(slope).upper() * half
+    bounds = [x for x in (abs(rough).upper(), near) if x.is_finite()]
+    return min(bounds, key=float) if bounds else arb("nan")
+
+
+def _down(value: arb) -> float:
+    return float(np.nextafter(float(value.lower()), -np.inf))
+
+
+def _up(value: arb) -> float:
+    return float(np.nextafter(float(value.upper()), np.inf))

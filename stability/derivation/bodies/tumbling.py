@@ -1,0 +1,163 @@
+"""Theorems: what energy says about steady motions of every body, tumbling first."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import sympy
+from sympy.polys.matrices import DomainMatrix
+
+from ..characteristic import COS, LAM, MU, SIN
+from ..proof import Proof, Theorem
+from ..theorems.motion import (
+    FORCE_X,
+    FORCE_Y,
+    NORMAL,
+    NO_SLIP,
+    PHI,
+    PHI_DDOT,
+    SPIN,
+    SPIN_DOT,
+    THETA_DDOT,
+    THETA_DOT,
+)
+from .completeness import AXIAL, MOMENT, RADIUS, RIM, SURFACE, power_theorem
+from .graph import BEND, I1, I3, RHO, SLOPE, H, R, Z, along, equations, folded, pencil, vanishes
+from .polynomials import CENTRE, SQUARE, characteristic
+from .rolling import FILE
+
+Expr = Any
+"""A SymPy expression; SymPy states no types."""
+
+@lru_cache(maxsize=1)
+def tumbling_static() -> Theorem:
+    """The static boundary of tumbling under viscous friction lies where energy is stationary.
+
+    Examples
+    --------
+    >>> tumbling_static().proved
+    True
+    """
+    proof = Proof()
+    proof.step("the energy's gradient is a left eigenvector of λ = 0 where vA = 0",
+               "dE/dt = F·vA, which is of second order in the slip", power_theorem)  # fmt: skip
+    proof.step("along tumbling dr/dθ = ρ cosθ and dz/dθ = -ρ sinθ", "derivatives along θ",
+               lambda: vanishes(along(RADIUS) - (H + BEND) * COS)
+               and vanishes(along(AXIAL) + (H + BEND) * SIN))  # fmt: skip
+    proof.step("the coefficient of λ is 2 mu (r⁴/s²) h′ dE/dθ",
+               "identity with φ̇² of tumbling inserted", _static)  # fmt: skip
+    proof.step("the highest coefficient is positive",
+               "I1 I3 r² (I1 + h′²)", _leading)  # fmt: skip
+    return Theorem(
+        "tumbling with viscous friction: the static boundary",
+        ("Tumbling has a positive real eigenvalue for every mu where h′ dE/dθ < 0, with E the "
+         "energy along the family: it must rise with θ where h does.",
+         "A real eigenvalue passes through zero exactly where dE/dθ = 0 along the family."),
+        ("h′ ≠ 0, r > 0, I1 r cosθ ≠ I3 z sinθ, mu > 0; m = g = 1",
+         "the flutter condition follows from the printed polynomial and has no theorem here"),
+        tuple(proof.steps),
+        (f"{FILE}::test_tumbling_has_its_static_boundary_where_energy_is_stationary",),
+    )  # fmt: skip
+
+
+def energy_slope() -> Expr:
+    """dE/dθ along tumbling, in r, z, ρ, s and c."""
+    height = CENTRE[H]
+    energy = height + (I1 * SQUARE * SIN**2 + I3 * SQUARE * (SIN * Z / R) ** 2) / 2
+    turned = energy.diff(SIN) * COS - energy.diff(COS) * SIN
+    return turned + energy.diff(R) * RHO * COS - energy.diff(Z) * RHO * SIN
+
+
+def _static() -> bool:
+    found = characteristic("tumbling", "viscous")
+    poly = sympy.Poly(found.coefficients[-1], PHI)
+    inserted = sum(c * SQUARE ** (n // 2) for (n,), c in poly.terms())
+    return vanishes(inserted - 2 * MU * R**4 / SIN**2 * CENTRE[SLOPE] * energy_slope())
+
+
+def _leading() -> bool:
+    lead = characteristic("tumbling", "viscous").coefficients[0]
+    wanted = I1 * I3 * R**2 * (I1 + CENTRE[SLOPE] ** 2)
+    return vanishes(lead - wanted)
+
+
+@lru_cache(maxsize=1)
+def energy_decides() -> Theorem:
+    """Without slip and without friction the second variation of energy is -λ²."""
+    proof = Proof()
+    for law, words in (("rough", "without slip: V′′ = -(I1 + h² + h′²) λ²"),
+                       ("smooth", "without friction: V′′ = -(I1 + h′²) λ²")):  # fmt: skip
+        proof.step(f"{words}, with V the energy at θ̇ = 0 on the curve in (θ, φ̇, ω₃) on which a "
+                   "motion stays",
+                   "φ̈/θ̇ and ω̇₃/θ̇ from the graph, two derivatives along θ, λ² from its pencil",
+                   lambda law=law: _second(law))  # fmt: skip
+    proof.step("V′ is the left side of the equation of steady motion, without slip and without "
+               "friction", "derivative along the curve",
+               lambda: _first("smooth", MOMENT) and _first("rough", SURFACE))  # fmt: skip
+    return Theorem(
+        "energy decides without slip, and without friction",
+        ("A steady motion is neutral exactly where energy has a strict minimum among the motions "
+         "with the same integrals, and unstable where it has a maximum.",
+         "So neutral members are stable for large disturbances too, in the sense of Lyapunov, in "
+         "θ, θ̇, φ̇ and ω₃."),
+        ("0 < θ < π, h > 0, r > 0; λ² ≠ 0; the integrals are linear in φ̇ and ω₃, by two linear "
+         "differential equations in θ",),
+        tuple(proof.steps),
+        (f"{FILE}::test_energy_is_least_at_neutral_members",),
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=2)
+def turns(law: str) -> tuple[Expr, Expr, Expr]:
+    """dφ̇/dθ, dω₃/dθ along a motion without slip or without friction, and their denominator."""
+    rows = [r.subs(NO_SLIP).subs(THETA_DDOT, 0) for r in equations(law).rows]
+    across = rows[1:6:2] if law == "rough" else (rows[1], rows[3])
+    unknown = [PHI_DDOT, SPIN_DOT] + [FORCE_Y] * (law == "rough")
+    # each row is linear in these and θ̇; Cramer's rule
+    matrix = sympy.Matrix([[r.diff(x) for x in unknown] for r in across])
+    right = sympy.Matrix([-r.diff(THETA_DOT) for r in across])
+    found = []
+    for place in range(2):
+        own = matrix.copy()
+        own[:, place] = right
+        found.append(folded(own.det(method="berkowitz")))
+    return found[0], found[1], folded(matrix.det(method="berkowitz"))
+
+
+def follow(law: str, expression: Expr) -> tuple[Expr, Expr]:
+    """The derivative of an expression along a motion's curve at θ̇ = 0, as a fraction.
+
+    Parameters
+    ----------
+    law
+        rough or smooth.
+    expression
+        Polynomial in s, c, h, h′, φ̇ and ω₃.
+    """
+    phi, spin, bottom = turns(law)
+    top = along(expression) * bottom + expression.diff(PHI) * phi + expression.diff(SPIN) * spin
+    return folded(top), bottom
+
+
+def _first(law: str, steady: Expr) -> bool:
+    """Whether V′ is the left side of the equation of steady motion."""
+    top, bottom = follow(law, equations(law).energy.subs(THETA_DOT, 0))
+    return bool(folded(top - steady * bottom) == 0)
+
+
+def _second(law: str) -> bool:
+    """Whether V′′ is -λ² times the mass, on the surface of steady motions."""
+    rough = law == "rough"
+    inertia = I1 + SLOPE**2 + (H**2 if rough else 0)
+    matrix = DomainMatrix.from_Matrix(pencil(law).subs(FORCE_X, PHI * RIM).expand())
+    poly = sympy.Poly(folded(matrix.domain.to_sympy(matrix.det())), LAM)
+    steady = SURFACE if rough else MOMENT  # V′ itself
+    second = follow(law, steady)
+    top = second[0] * poly.nth(4) - inertia * poly.nth(2) * second[1]
+    inserted = folded(top.subs(CENTRE | {BEND: RHO - CENTRE[H]}, simultaneous=True))
+    line = sympy.Poly(steady.subs(CENTRE, simultaneous=True), SPIN)
+    root, lead = -line.nth(0), line.nth(1)
+    terms = sympy.Poly(inserted, SPIN)
+    whole = sum(c * root**n * lead ** (terms.degree() - n) for (n,), c in terms.terms())
+    return {n for (n,) in poly.monoms()} == {2, 4} and bool(folded(whole) == 0)
