@@ -81,8 +81,8 @@ def add_arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "name",
         metavar="NAME",
-        help="families, conditions, drift, hopf, codimension, launches, theorems, benchmarks or "
-        "completeness",
+        help="families, conditions, drift, hopf, codimension, launches, theorems, bodies, "
+        "benchmarks or completeness",
     )
     sub.add_argument("--csv", action="store_true",
                      help="print CSV: one header line with units, all digits")  # fmt: skip

@@ -25,6 +25,7 @@ PLACES = {
     "hopf": "hopf",
     "launches": "launches",
     "theorems": "proofs.theorems",
+    "bodies": "proofs.bodies",
     "benchmarks": "benchmarks.catalogue",
     "completeness": "proofs.completeness",
 }
@@ -91,7 +92,7 @@ def table(
     Parameters
     ----------
     name
-        families, conditions, drift, hopf, codimension, launches, theorems, benchmarks or
+        families, conditions, drift, hopf, codimension, launches, theorems, bodies, benchmarks or
         completeness.
     family
         A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by

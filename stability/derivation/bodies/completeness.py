@@ -105,7 +105,8 @@ def steady_motions() -> Theorem:
     proof.step("no equation is left, and each of the motions is steady under every such law",
                "Newton along ŷ, Euler along 1̂ and 3̂ vanish",
                lambda: all(vanishes(r) for r in (ny, e1, e3)))  # fmt: skip
-    proof.step("r > 0 for a convex body between the poles", "dr/dθ = ρ cosθ, and r ≥ 0 at 0, π",
+    proof.step("dr/dθ = ρ cosθ: with r ≥ 0 at both ends, r > 0 between them",
+               "derivative along θ; ρ ≥ 0, and not zero throughout where r = 0 at an end",
                lambda: vanishes(along(RADIUS) - (H + BEND) * COS))  # fmt: skip
     return Theorem(
         "steady motions of every body under any friction",
@@ -119,7 +120,7 @@ def steady_motions() -> Theorem:
          "the law of friction at gn = 1: F·vA < 0 where vA ≠ 0, F = 0 where vA = 0; nothing else",
          "steady: θ, θ̇ = 0, φ̇, ω₃ and vA are constant; the poles sinθ = 0 are left out"),
         tuple(proof.steps),
-        (f"{FILE}::test_a_search_finds_no_other_steady_motion",),
+        ("tests/bodies/test_round_families.py::test_no_other_steady_motion_is_found",),
     )  # fmt: skip
 
 

@@ -62,7 +62,7 @@ def painleve_limit(body: Body) -> Limit:
     Returns
     -------
     Limit
-        The upper end is infinite for a ball, whose lower end is just below 1e6.
+        The upper end is infinite for a ball; the lower end may then be about 1e6 only.
 
     Raises
     ------
@@ -132,6 +132,8 @@ def _enclosed(values: Any, low: arb, high: arb, body: Body) -> Limit:
             else:
                 boxes += [(a, middle), (middle, b)]
     top = top.max(best)
+    if top == 0:
+        return Limit(np.inf, np.inf, place)
     return Limit(_down(1 / top), _up(1 / best) if best > 0 else np.inf, place)
 
 

@@ -106,18 +106,23 @@ def tumbling_polynomials(rounded: str, law: str = "viscous") -> tuple[Expr, Expr
     Examples
     --------
     >>> sympy.factor(tumbling_polynomials("h = sinθ + ε", "smooth")[0])
-    -3*k*(s - 1)*(s + 1)/s
+    -3*k**2*(s - 1)*(s + 1)
     """
+    place = INCLINED[rounded]
+    top, bottom = sympy.fraction(sympy.cancel(SQUARE.subs(COIN).subs(place)))
+    parts = [sympy.Poly(c.subs(COIN).subs(place), PHI) for c in characteristic("tumbling", law)
+             .coefficients]  # fmt: skip
+    degree = max(p.degree() for p in parts) // 2
     pairs = []
-    for c in characteristic("tumbling", law).coefficients:
-        poly = sympy.Poly(c, PHI)
-        whole = sum(a * SQUARE ** (n // 2) for (n,), a in poly.terms())
-        given = sympy.together(whole.subs(COIN).subs(INCLINED[rounded]))
-        parts = [given.subs(EPS, 0), given.diff(EPS).subs(EPS, 0)]
-        pairs.append([_without_cosine(part) for part in parts])
+    for part in parts:  # every coefficient times the same power of the denominator
+        whole = folded(sum(c * top ** (n // 2) * bottom ** (degree - n // 2)
+                           for (n,), c in part.terms()))  # fmt: skip
+        if whole.has(COS):
+            raise ValueError("a coefficient is not even in cosθ")
+        by_eps = sympy.Poly(whole, EPS)
+        pairs.append((by_eps.nth(0), by_eps.nth(1)))
     if law != "viscous":
-        value, slope = pairs[-1]
-        return value, slope
+        return pairs[-1]
     names = sympy.symbols(f"a:{len(pairs)}")
     last = determinant(sympy.Poly(names, sympy.Symbol("lam")), len(pairs) - 2)
     at = dict(zip(names, (p[0] for p in pairs), strict=True))
@@ -125,17 +130,12 @@ def tumbling_polynomials(rounded: str, law: str = "viscous") -> tuple[Expr, Expr
     return _in_m(last.subs(at)), _in_m(moved.subs(at))
 
 
-def _without_cosine(expression: Expr) -> Expr:
-    top, bottom = sympy.fraction(sympy.cancel(sympy.together(expression)))
-    ratio = sympy.cancel(sympy.together(folded(top * COS) / folded(bottom * COS)))
-    if ratio.has(COS):
-        raise ValueError("a coefficient is not even in cosθ")
-    return ratio
-
-
 def _in_m(expression: Expr) -> Expr:
-    poly = sympy.Poly(sympy.cancel(sympy.together(expression / MU**2)), MU)
-    return sympy.factor(sum(c * M ** (n // 2) for (n,), c in poly.terms()))
+    """A polynomial in mu², even in mu, over mu², in M."""
+    poly = sympy.Poly(sympy.expand(expression), MU)
+    if any(n % 2 or n < 2 for (n,) in poly.monoms()):
+        raise ValueError("the condition is not even in mu")
+    return sum(c * M ** (n // 2 - 1) for (n,), c in poly.terms())
 
 
 def tumbling_shift(rounded: str, k: float, theta: float) -> tuple[tuple[float, float], ...]:

@@ -1,6 +1,6 @@
 """Theorems: which spinning bodies of revolution are stable, for every body and every mu.
 
-The length is h(π/2).  So I1 and I3 are over m h², ρ is over h, M = mu² g h, and z = φ̇² h/g.
+The length is h(π/2).  So I1 and I3 are over m h², ρ is over h, M = mu² g h, and q = φ̇² h/g.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ WITHOUT_FRICTION = I1 * PHI**2 + BEND
 STATIC = (I1 * H - I3 * (H + BEND)) * PHI**2 + BEND * H
 """Positive where the constant term under viscous friction is."""
 EDGE = (1 - RHO) / (I1 - I3 * RHO)
-"""z where `STATIC` vanishes."""
+"""q where `STATIC` vanishes."""
 M1 = 2 * I3 * (1 + RHO) / ((1 + I3) * (2 * I1 + 1 + RHO))
 """Limit of M for fast spinning."""
 M2 = 2 * (1 - RHO) * I3**2 * (I1 + I3) / ((1 + I3) * (I3 - I1) * (I1 + I3 + 2 * I1 * I3))
@@ -80,7 +80,7 @@ def _equals(law: str, wanted: tuple[Expr, ...]) -> bool:
 
 @lru_cache(maxsize=1)
 def deciding() -> dict[str, Expr]:
-    """Conditions of Liénard and Chipart for spinning under viscous friction, h = 1, in M and z."""
+    """Conditions of Liénard and Chipart for spinning under viscous friction, h = 1, in M and q."""
     found = {}
     for name, value in conditions(characteristic("spinning", "viscous")):
         inserted = sympy.Poly(sympy.expand(value.subs(UNIT)), MU, PHI)
@@ -94,7 +94,7 @@ def deciding() -> dict[str, Expr]:
 
 @lru_cache(maxsize=1)
 def flutter() -> tuple[Expr, Expr, Expr]:
-    """(a2, a1, a0) of the flutter polynomial in v = z - `EDGE`.
+    """(a2, a1, a0) of the flutter polynomial in v = q - `EDGE`.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def spinning_viscous() -> Theorem:
     proof = Proof()
     above = {SQUARE: EXCESS + EDGE}
     proof.step(
-        "the constant term has the sign of (I1-I3 ρ) z - (1-ρ)",
+        "the constant term has the sign of (I1-I3 ρ) q - (1-ρ)",
         "characteristic polynomial of the general graph at h′ = 0, θ = π/2",
         lambda: (
             characteristic("spinning", "viscous").zeros == 1
@@ -126,8 +126,8 @@ def spinning_viscous() -> Theorem:
         ),
     )
     proof.step(
-        "where it is positive, every condition but the flutter condition holds: z = z1 + v, v > 0, "
-        "z1 = (1-ρ)/(I1-I3 ρ)",
+        "where it is positive, every condition but the flutter condition holds: q = q1 + v, v > 0, "
+        "q1 = (1-ρ)/(I1-I3 ρ)",
         "Liénard and Chipart; coefficients of one sign for ρ < 1 and I1 > I3 ρ",
         lambda: _others(above),
     )
@@ -162,14 +162,14 @@ def spinning_viscous() -> Theorem:
     )
     return Theorem(
         "spinning with viscous friction, for every body that is highest upright",
-        ("Lengths over h(π/2): z = φ̇² h/g, M = mu² g h, z1 = (1-ρ)/(I1-I3 ρ), "
+        ("Lengths over h(π/2): q = φ̇² h/g, M = mu² g h, q1 = (1-ρ)/(I1-I3 ρ), "
          "M1 = 2 I3 (1+ρ)/((1+I3) (2 I1+1+ρ)), "
          "M2 = 2 (1-ρ) I3² (I1+I3)/((1+I3) (I3-I1) (I1+I3+2 I1 I3)), and M2 = ∞ for I3 ≤ I1.",
-         "M ≤ M1: stable for every z > z1.",
-         "M1 < M < M2: stable exactly for z1 < z < z1 + v1, with v1 the one positive root of "
+         "M ≤ M1: stable for every q > q1.",
+         "M1 < M < M2: stable exactly for q1 < q < q1 + v1, with v1 the one positive root of "
          "a2 v² + a1 v + a0.",
-         "M ≥ M2: unstable for every z.",
-         "z < z1: unstable for every mu. I1 ≤ I3 ρ: unstable for every z and mu. The disk is "
+         "M ≥ M2: unstable for every q.",
+         "q < q1: unstable for every mu. I1 ≤ I3 ρ: unstable for every q and mu. The disk is "
          "ρ = 0."),
         ("h′(π/2) = 0, h > 0, 0 ≤ ρ < 1 (so h′′ < 0), I1 > I3 ρ, mu > 0",
          "viscous or linear viscous friction",
@@ -226,19 +226,19 @@ def spinning_low() -> Theorem:
     """Spinning of a body that is lowest upright: the egg that lies and rises."""
     proof = Proof()
     proof.step(
-        "the constant term has the sign of (I1-I3 ρ) z - (1-ρ)",
+        "the constant term has the sign of (I1-I3 ρ) q - (1-ρ)",
         "characteristic polynomial of the general graph at h′ = 0, θ = π/2",
         lambda: spinning_viscous().steps[0].proved,
     )
     proof.step(
-        "for ρ > 1 and I1 < I3 ρ it is negative exactly for z > z1 = (ρ-1)/(I3 ρ-I1)",
-        "the constant term falls linearly in z",
+        "for ρ > 1 and I1 < I3 ρ it is negative exactly for q > q1 = (ρ-1)/(I3 ρ-I1)",
+        "the constant term falls linearly in q",
         lambda: sign(EDGE, {RHO: 1 + T, I1: I3 * (1 + T) / (1 + U)}) == 1,
     )
     aspect = sympy.Symbol("a")
     solid = {I1: (1 + aspect**2) / 5, I3: sympy.Rational(2, 5), RHO: aspect**2}
     proof.step(
-        "solid spheroid of aspect a: I1 = (1+a²)/5, I3 = 2/5, ρ = a², so z1 = 5",
+        "solid spheroid of aspect a: I1 = (1+a²)/5, I3 = 2/5, ρ = a², so q1 = 5",
         "identity",
         lambda: vanishes(EDGE.subs(solid) - 5),
     )
@@ -246,7 +246,7 @@ def spinning_low() -> Theorem:
     return Theorem(
         "a body that lies with its axis level rises when it spins fast",
         ("At ρ > 1, that is h′′ > 0, with I1 < I3 ρ, spinning is unstable for every mu where "
-         "z = φ̇² h/g > (ρ-1)/(I3 ρ-I1).",
+         "q = φ̇² h/g > (ρ-1)/(I3 ρ-I1).",
          "For the solid spheroid this is φ̇² > 5 g/R for every aspect above 1, R the radius of its "
          "equator; for an aspect below 1 it is stable only above the same number."),
         ("h′(π/2) = 0, h > 0, mu > 0; lengths over h(π/2)",

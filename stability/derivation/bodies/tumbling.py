@@ -53,7 +53,7 @@ def tumbling_static() -> Theorem:
         "tumbling with viscous friction: the static boundary",
         ("Tumbling has a positive real eigenvalue for every mu where h′ dE/dθ < 0, with E the "
          "energy along the family: it must rise with θ where h does.",
-         "A real eigenvalue passes through zero exactly where dE/dθ = 0 along the family."),
+         "An eigenvalue but the structural one is zero exactly where dE/dθ = 0 along the family."),
         ("h′ ≠ 0, r > 0, I1 r cosθ ≠ I3 z sinθ, mu > 0; m = g = 1",
          "the flutter condition follows from the printed polynomial and has no theorem here"),
         tuple(proof.steps),
@@ -99,8 +99,8 @@ def energy_decides() -> Theorem:
         "energy decides without slip, and without friction",
         ("A steady motion is neutral exactly where energy has a strict minimum among the motions "
          "with the same integrals, and unstable where it has a maximum.",
-         "So neutral members are stable for large disturbances too, in the sense of Lyapunov, in "
-         "θ, θ̇, φ̇ and ω₃."),
+         "So neutral members are stable in the sense of Lyapunov in θ, θ̇, φ̇ and ω₃: under the full "
+         "equations, not the linearised ones alone."),
         ("0 < θ < π, h > 0, r > 0; λ² ≠ 0; the integrals are linear in φ̇ and ω₃, by two linear "
          "differential equations in θ",),
         tuple(proof.steps),

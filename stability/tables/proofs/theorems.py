@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from textwrap import wrap
 from typing import Any
@@ -80,25 +80,59 @@ def theorem_lines(rows: list[dict[str, Any]]) -> list[str]:
         lines.append(f"{number}. {row['name']}  [{'proved' if row['proved'] else 'NOT PROVED'}]")
         if not row["proved"]:
             lines.append("   A step failed: what follows is a conjecture.")
-        lines += [line for text in row["statement"] for line in _paragraph(text, "   ")]
+        lines += [line for text in row["statement"] for line in paragraph(text, "   ")]
         lines.append("   Assumptions:")
-        lines += [line for text in row["assumptions"] for line in _paragraph(text, "     ", "- ")]
+        lines += [line for text in row["assumptions"] for line in paragraph(text, "     ", "- ")]
         lines.append("   Steps as checked:")
         for place, step in enumerate(row["steps"], start=1):
-            lines += _step(place, step)
+            lines += step_lines(place, step)
         lines.append("   Tests that try to refute it:")
         lines += [f"     - {name}" for name in row["refuters"]] + [""]
     return [*lines, *NOTES]
 
 
-def _step(place: int, step: dict[str, Any]) -> list[str]:
+def step_lines(place: int, step: dict[str, Any]) -> list[str]:
+    """One step of a proof as lines of text.
+
+    Parameters
+    ----------
+    place
+        Number of the step.
+    step
+        The step as a record.
+    """
     mark = "proved" if step["proved"] else "FAILS"
-    lines = _paragraph(f"{step['claim']}  [{mark}]", "     ", f"{place}. ")
-    lines += _paragraph(f"by {step['method']}", "        ")
-    return lines + (_paragraph(f"-> {step['detail']}", "        ") if step["detail"] else [])
+    lines = paragraph(f"{step['claim']}  [{mark}]", "     ", f"{place}. ")
+    lines += paragraph(f"by {step['method']}", "        ")
+    return lines + (paragraph(f"-> {step['detail']}", "        ") if step["detail"] else [])
 
 
-def _paragraph(text: str, indent: str, mark: str = "") -> list[str]:
+def step_rows(steps: Sequence[dict[str, Any]]) -> list[str]:
+    """Steps of a proof as rows of LaTeX.
+
+    Parameters
+    ----------
+    steps
+        The steps as records.
+    """
+    rows = []
+    for place, step in enumerate(steps, start=1):
+        how = prose(step["method"]) + (f": {prose(step['detail'])}" if step["detail"] else "")
+        fails = "" if step["proved"] else r"\textbf{fails:} "
+        rows.append(rf"{place} & {prose(step['claim'])} & {fails}{how} \\")
+    return rows
+
+
+def paragraph(text: str, indent: str, mark: str = "") -> list[str]:
+    """A text as lines of at most `WIDTH` columns.
+
+    Parameters
+    ----------
+    text
+        The text.
+    indent, mark
+        What stands before it, on each line and on the first.
+    """
     return wrap(
         text, WIDTH, initial_indent=indent + mark, subsequent_indent=indent + " " * len(mark),
         break_long_words=False, break_on_hyphens=False,
@@ -112,14 +146,9 @@ def _latex(table: Table) -> str:
         out += ["", rf"\paragraph{{{number}. {prose(row['name'])}}} ({mark})", ""]
         out += [f"{prose(text)}\n" for text in row["statement"]]
         out += ["Assumptions: " + "; ".join(prose(text) for text in row["assumptions"]) + "."]
-        steps = []
-        for place, step in enumerate(row["steps"], start=1):
-            how = prose(step["method"]) + (f": {prose(step['detail'])}" if step["detail"] else "")
-            fails = "" if step["proved"] else r"\textbf{fails:} "
-            steps.append(rf"{place} & {prose(step['claim'])} & {fails}{how} \\")
         out += longtable(
             f"Steps of theorem {number} as checked: {row['name']}",
-            ["r", breaking(0.42), breaking(0.5)], ["", "step", "checked by"], steps,
+            ["r", breaking(0.42), breaking(0.5)], ["", "step", "checked by"], step_rows(row["steps"]),
             label=f"theorem-{number}",
         )  # fmt: skip
         out += ["Tests that try to refute it: " + "; ".join(map(prose, row["refuters"])) + "."]

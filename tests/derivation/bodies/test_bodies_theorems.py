@@ -1,0 +1,495 @@
+"""Statements about every body of revolution, against spectra and boundaries of single bodies.
+
+The package's spectra and boundaries take the body's own graph, in doubles and balls; the statements
+come from symbols.  Closed forms are compared with quadrature-free numerics of the height.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import solve_ivp
+from scipy.optimize import minimize_scalar
+
+import stability as st
+from stability.bodies.contact_laws import LAWS
+from stability.bodies.round_body.equations import round_system
+from stability.bodies.round_body.families import round_family
+from stability.derivation.bodies import spinning
+from stability.derivation.bodies.catalogue import PARTS, PROOFS, entries, painleve, written
+from stability.derivation.bodies.painleve import painleve_limit
+from stability.derivation.bodies.polynomials import characteristic, conditions
+from stability.derivation.bodies.rim import THRESHOLDS, shifts, tumbling_shift
+from stability.derivation.bodies.signs import sign
+from stability.derivation.bodies.tumbling import energy_slope
+
+ROOT = Path(__file__).resolve().parents[3]
+CONTACT: dict[str, Callable[..., st.Contact]] = {
+    "viscous": st.Viscous, "rough": lambda _: st.Rough(), "smooth": lambda _: st.Smooth(),
+}  # fmt: skip
+EGG = st.Body(
+    lambda theta, a, b: 1 + a * ca.cos(theta) + b * ca.cos(2 * theta) + 0.01 * ca.cos(3 * theta),
+    axial=0.3, transverse=0.4, shape={"a": 0.1, "b": 0.08}, name="egg",
+)  # fmt: skip
+LEAN = st.Body(lambda t: 1 + 0.3 * ca.cos(t - 1.2), axial=0.3, transverse=0.35, name="leaning",
+               between=(0.3, 2.8))  # fmt: skip
+LOW = st.Body(lambda t: 1 - 0.3 * ca.cos(t - 1.2), axial=0.3, transverse=0.35, name="low",
+              between=(0.3, 2.8))  # fmt: skip
+
+
+def upright(rho: float, axial: float, transverse: float) -> st.Body:
+    """A body with h(π/2) = 1 and radius of curvature rho there."""
+    return st.Body(lambda theta, rho: rho + (1 - rho) * ca.sin(theta), axial=axial,
+                   transverse=transverse, shape={"rho": rho}, name="upright")  # fmt: skip
+
+
+def numbers(body: st.Body, theta: float) -> dict[str, float]:
+    """Values of the symbols at an inclination."""
+    h, slope, bend = (float(body.height_at(theta, n)) for n in range(3))
+    s, c = math.sin(theta), math.cos(theta)
+    axial, transverse = body.moments()
+    return {"h": h, "h′": slope, "h′′": bend, "ρ": h + bend, "I1": transverse, "I3": axial, "s": s,
+            "c": c, "r": h * s + slope * c, "z": h * c - slope * s}  # fmt: skip
+
+
+def at(expression: Any, values: dict[str, float]) -> float:
+    return float(sp.sympify(expression).subs({sp.Symbol(n): v for n, v in values.items()}))
+
+
+def member_of(family: str, at: float, body: st.Body, law: str) -> np.ndarray:
+    """State of a member, from the body's own graph."""
+    given = ("mu",) if law == "viscous" else ()
+    found = round_family(body, family, LAWS[law], given, physical=False)
+    table = dict(body.shape) | dict(zip(("axial", "transverse"), body.moments(), strict=True))
+    return found.member([at], [(table | {"mu": 0.7})[n] for n in found.parameters])
+
+
+# --- proofs ---
+
+
+@pytest.mark.parametrize("name", PROOFS)
+def test_every_step_about_every_body_is_proved(name: str) -> None:
+    theorem = PROOFS[name]()
+    assert [(s.claim, s.detail) for s in theorem.steps if not s.proved] == []
+    assert theorem.proved and theorem.statement and theorem.assumptions
+    for refuter in theorem.refuters:
+        file, test = refuter.split("::")
+        assert f"def {test}(" in (ROOT / file).read_text("utf-8")
+
+
+def test_a_sign_is_proved_only_where_it_holds() -> None:
+    x, t, u = sp.symbols("x t u")
+    assert sign(x + u) == 1 and sign(-x / u) == -1
+    assert sign(x - u) == 0
+    assert sign(1 - x**2, {x: t / (1 + t)}) == 1 and sign(1 - 2 * x, {x: t / (1 + t)}) == 0
+    assert sign(x - 1, {x: 1 + t}, {x: 1 / (1 + t)}) == 0
+
+
+# --- polynomials ---
+
+
+@pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
+@pytest.mark.parametrize(
+    ("family", "body", "member"),
+    [
+        ("rolling", st.Torus(0.2), 1.3), ("rolling", LEAN, 0.7), ("rolling", LOW, 1.1),
+        ("rolling", st.ThickDisk(0.4), 2.0), ("spinning", st.Spheroid(1.7), 1.2),
+        ("spinning", st.Torus(0.3, solid=False), 2.1), ("tumbling", st.Spheroid(0.4), 0.8),
+        ("tumbling", st.Torus(0.2), 1.1), ("tumbling", st.ThickDisk(0.3), 0.9),
+        ("tumbling", EGG, 0.9),
+    ],
+)  # fmt: skip
+def test_polynomials_have_the_eigenvalues_of_the_spectrum(
+    law: str, family: str, body: st.Body, member: float
+) -> None:
+    mu = 0.7
+    spectrum = st.spectrum(family, at=member, body=body, contact=CONTACT[law](mu))
+    found = characteristic(family, law)
+    theta, _, phi, spin = member_of(family, member, body, law)[:4]
+    values = numbers(body, theta) | {"phi_dot": phi, "omega3": spin, "mu": mu}
+    roots = np.roots([at(c, values) for c in found.coefficients])
+    ours = np.array(spectrum.eigenvalues)
+    assert len(ours) + spectrum.structural_zeros == found.zeros + len(roots)
+    for root in roots:
+        assert np.abs(ours - root).min() < 1e-8 * np.abs(ours).max()
+
+
+def test_conditions_are_those_of_the_roots() -> None:
+    rng = np.random.default_rng(2)
+    found = characteristic("spinning", "viscous")
+    named = conditions(found)
+    seen = set()
+    for _ in range(40):
+        values = {"I1": rng.uniform(0.2, 1), "h": 1.0, "h′′": rng.uniform(-1, 1),
+                  "phi_dot": rng.uniform(0.3, 4), "mu": rng.uniform(0.1, 3)}  # fmt: skip
+        values["I3"] = values["I1"] * rng.uniform(0.3, 1.9)
+        roots = np.roots([at(c, values) for c in found.coefficients])
+        holds = all(at(c, values) > 0 for _, c in named)
+        assert holds == (roots.real.max() < 0)
+        seen.add(holds)
+    assert seen == {True, False}
+
+
+# --- rolling and spinning ---
+
+
+@pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
+@pytest.mark.parametrize("body", [st.Torus(0.2), st.Spheroid(0.5), LEAN], ids=lambda b: b.name)
+def test_rolling_turns_at_the_printed_threshold(body: st.Body, law: str) -> None:
+    if law == "viscous" and body is LEAN:
+        pytest.skip("the theorem is about upright rolling")
+    theta = 1.2 if body is LEAN else math.pi / 2
+    v = numbers(body, theta)
+    i1, i3, h, bend = v["I1"], v["I3"], v["h"], v["h′′"]
+    q = i1 * i3 + h**2 * (i1 * v["s"] ** 2 + i3 * v["c"] ** 2)
+    known = {
+        "rough": -bend * q / (i3 * (i3 + h**2) * (i3 + h**2 + h * bend * v["c"] ** 2)),
+        "smooth": -i1 * bend / i3**2,
+        "viscous": -i1 * bend / (i3 * (i3 - i1)),
+    }[law]
+    for mu in (0.3, 3.0):
+        found = st.boundaries("rolling", axis=("omega3", 0.05, 6, 20), body=body,
+                              contact=CONTACT[law](mu))  # fmt: skip
+        assert [b.value**2 for b in found] == pytest.approx([known], rel=1e-12)
+        assert not found[0].stable_below
+
+
+def test_rolling_of_a_long_body_turns_the_other_way() -> None:
+    body = st.Spheroid(1.6)
+    v = numbers(body, math.pi / 2)
+    known = v["I1"] * v["h′′"] / (v["I3"] * (v["I1"] - v["I3"]))
+    found = st.boundaries("rolling", axis=("omega3", 0.05, 8, 20), body=body,
+                          contact=st.Viscous(0.8))  # fmt: skip
+    assert [b.value**2 for b in found] == pytest.approx([known], rel=1e-12)
+    assert found[0].stable_below
+    assert not len(st.boundaries("rolling", axis=("omega3", 0.05, 8, 20), body=body,
+                                 contact=st.Rough()))  # fmt: skip
+
+
+@pytest.mark.parametrize("law", ["rough", "smooth"])
+@pytest.mark.parametrize("body", [st.Torus(0.3), st.Spheroid(0.6)], ids=lambda b: b.name)
+def test_spinning_turns_at_the_printed_threshold(body: st.Body, law: str) -> None:
+    v = numbers(body, math.pi / 2)
+    known = -v["h′′"] / (v["I1"] + (v["h"] ** 2 if law == "rough" else 0))
+    found = st.boundaries("spinning", axis=("phi_dot", 0.1, 5, 20), body=body,
+                          contact=CONTACT[law](0))  # fmt: skip
+    assert [b.value**2 for b in found] == pytest.approx([known], rel=1e-12)
+
+
+def _limits(rho: float, axial: float, transverse: float) -> tuple[float, float, float]:
+    """q1, M1 and M2, written once more."""
+    q1 = (1 - rho) / (transverse - axial * rho)
+    m1 = 2 * axial * (1 + rho) / ((1 + axial) * (2 * transverse + 1 + rho))
+    m2 = math.inf
+    if axial > transverse:
+        m2 = 2 * (1 - rho) * axial**2 * (transverse + axial) / (
+            (1 + axial) * (axial - transverse) * (transverse + axial + 2 * transverse * axial))
+    return q1, m1, m2  # fmt: skip
+
+
+def _member(rho: float, axial: float, transverse: float, m: float, q: float) -> str:
+    return st.spectrum("spinning", at=math.sqrt(q), body=upright(rho, axial, transverse),
+                       contact=st.Viscous(math.sqrt(m)), certify=True).verdict.word  # fmt: skip
+
+
+def test_spinning_is_stable_exactly_where_the_theorem_says() -> None:
+    rng = np.random.default_rng(11)
+    near, kinds = 1e-6, {"flat": 0, "round": 0}
+    for _ in range(12):
+        axial, rho = rng.uniform(0.1, 1.2), rng.choice([0.0, rng.uniform(0, 0.5)])
+        transverse = axial * max(rng.uniform(0.5, 1.4), rho + 0.05)
+        body = (float(rho), float(axial), float(transverse))
+        q1, m1, m2 = _limits(*body)
+        kinds["flat" if axial > transverse else "round"] += 1
+        assert m1 < m2
+        for m in (m1 / 2, m1, m2 * 2, 0.3):
+            if math.isfinite(m):
+                assert _member(*body, m, q1 * (1 - near)) == "unstable"
+        for q in (q1 * (1 + near), 2 * q1, 50 * q1, 1e5):
+            assert _member(*body, m1 * (1 - near), q) == "stable"
+            if math.isfinite(m2):
+                assert _member(*body, m2 * (1 + near), q) == "unstable"
+        middle = (m1 + m2) / 2 if math.isfinite(m2) else 3 * m1
+        coefficients = [at(c, {"ρ": rho, "I1": transverse, "I3": axial, "M": middle})
+                        for c in spinning.flutter()]  # fmt: skip
+        [edge] = [r.real for r in np.roots(coefficients) if r.real > 0]
+        for share, word in ((1 - near, "stable"), (1 + near, "unstable")):
+            assert _member(*body, middle, q1 + edge * share) == word
+    assert min(kinds.values()) >= 2
+
+
+def test_a_wrong_limit_would_be_refuted() -> None:
+    body = (0.2, 0.5, 0.3)
+    q1, m1, m2 = _limits(*body)
+    assert _member(*body, m1 * 1.01, 1e6) == "unstable"
+    assert _member(*body, m2 * 0.99, q1 * (1 + 1e-6)) == "stable"
+
+
+@pytest.mark.parametrize("aspect", [1.2, 2.0, 3.0])
+def test_a_lying_spheroid_rises_above_the_same_number(aspect: float) -> None:
+    for mu in (0.05, 0.7):
+        words = [
+            st.spectrum("spinning", at=math.sqrt(5 * (1 + d)), body=st.Spheroid(aspect),
+                        contact=st.Viscous(mu), certify=True).verdict.word
+            for d in (-1e-9, 1e-9)
+        ]  # fmt: skip
+        assert words == ["stable", "unstable"]
+    fast = st.spectrum("spinning", at=2.3, body=st.Spheroid(aspect), contact=st.Viscous(2.0))
+    assert fast.verdict.word == "unstable"
+    flat = st.boundaries("spinning", axis=("phi_dot", 1.0, 3, 20), body=st.Spheroid(1 / aspect),
+                         contact=st.Viscous(0.05))  # fmt: skip
+    assert [b.value**2 for b in flat] == pytest.approx([5], rel=1e-12)
+
+
+# --- families ---
+
+
+def test_members_of_circling_and_precession_lie_on_the_surfaces() -> None:
+    for name, law in (("circling", "rough"), ("precession", "smooth")):
+        family = round_family(EGG, name, LAWS[law], (), physical=False)
+        p = [{"axial": 0.3, "transverse": 0.4, "a": 0.1, "b": 0.08}[n] for n in family.parameters]
+        for theta, phi in ((0.9, 1.3), (2.1, 0.4)):
+            state = family.member([theta, phi], p)
+            v, spin = numbers(EGG, theta), state[3]
+            arm = (v["r"] * v["h"], v["z"] * v["h"]) if law == "rough" else (0, 0)
+            value = v["h′"] + phi * (
+                spin * (arm[0] + v["I3"] * v["s"]) - phi * v["s"] * (arm[1] + v["I1"] * v["c"])
+            )
+            assert value == pytest.approx(0, abs=1e-12)
+
+
+def test_tumbling_meets_spinning_and_rest_where_the_theorem_says() -> None:
+    for body in (st.Torus(0.2), st.Spheroid(0.5)):
+        v = numbers(body, math.pi / 2)
+        known = v["h"] * v["h′′"] / (v["I3"] * v["ρ"] - v["I1"] * v["h"])
+        state = member_of("tumbling", math.pi / 2 - 1e-4, body, "rough")
+        assert state[2] ** 2 == pytest.approx(known, rel=1e-6)
+    thick = st.ThickDisk(0.4)
+    level, v = math.atan(5), numbers(thick, math.atan(5))
+    for step in (1e-4, -1e-4):
+        square = v["h′′"] * step / ((v["I1"] - v["I3"]) * v["s"] * v["c"])
+        if square > 0:
+            state = member_of("tumbling", level + step, thick, "rough")
+            assert state[2] ** 2 == pytest.approx(square, rel=1e-2)
+        else:
+            with pytest.raises(st.StabilityError):
+                st.spectrum("tumbling", at=level + step, body=thick, contact=st.Rough())
+
+
+def _energy(body: st.Body, theta: float) -> float:
+    """Energy of tumbling, from the height alone."""
+    v = numbers(body, theta)
+    square = v["h′"] * v["r"] / (v["s"] * (v["I1"] * v["r"] * v["c"] - v["I3"] * v["z"] * v["s"]))
+    turn = v["I1"] * v["s"] ** 2 + v["I3"] * (v["s"] * v["z"] / v["r"]) ** 2
+    return float(v["h"] + square * turn / 2)
+
+
+def test_tumbling_has_its_static_boundary_where_energy_is_stationary() -> None:
+    body = st.Spheroid(1.5)
+    slopes = [at(energy_slope(), numbers(body, t)) for t in (0.4, 1.1)]
+    for slope, t in zip(slopes, (0.4, 1.1), strict=True):
+        measured = (_energy(body, t + 1e-5) - _energy(body, t - 1e-5)) / 2e-5
+        assert slope == pytest.approx(measured, rel=1e-6)
+    turned = 0
+    for shape in (st.ThickDisk(0.5), st.ThickDisk(1.0), EGG, LOW, LEAN):
+        low, high = shape.between
+        for theta in np.linspace(low, high, 30)[2:-2]:
+            try:
+                found = st.spectrum("tumbling", at=float(theta), body=shape,
+                                    contact=st.Viscous(0.4))  # fmt: skip
+            except st.StabilityError:
+                continue
+            v = numbers(shape, theta)
+            sign_of = v["h′"] * at(energy_slope(), v)
+            rest = np.array(found.eigenvalues)  # the structural zero is not among them
+            assert len(rest) == 5
+            positive = (np.abs(rest.imag) < 1e-9) & (rest.real > 1e-7)
+            assert (sign_of < 0) == (int(positive.sum()) % 2 == 1)
+            turned += sign_of < 0
+    assert turned > 3
+
+
+@pytest.mark.parametrize("law", ["rough", "smooth"])
+def test_energy_is_least_at_neutral_members(law: str) -> None:
+    system = round_system(EGG, LAWS[law], (), physical=False)
+    table = {"axial": 0.3, "transverse": 0.4, "a": 0.1, "b": 0.08}
+    p = [table[n] for n in system.parameters]
+    words = set()
+    for family, member in (("rolling", 0.2), ("rolling", 3.0), ("tumbling", 0.9),
+                           ("tumbling", 2.2)):  # fmt: skip
+        theta_star = {"theta": 1.4} if family == "rolling" else {}
+        try:
+            found = st.spectrum(family, at=member, body=EGG, contact=CONTACT[law](0), **theta_star)
+        except st.StabilityError:
+            continue
+        theta, _, phi, spin = member_of(family, member, EGG, law)[:4]
+
+        def turn(t: float, y: np.ndarray) -> np.ndarray:
+            # φ̈ and ω̇₃ are in proportion to θ̇
+            return np.asarray(system.rates([t, 1.0, *y], p))[2:4]
+
+        energies = []
+        for step in (-2e-3, 0.0, 2e-3):
+            y = [phi, spin]
+            if step:
+                y = solve_ivp(turn, (theta, theta + step), y, rtol=1e-12, atol=1e-13).y[:, -1]
+            energies.append(system.observe([theta + step, 0.0, *y], p)["energy"])
+        bend = (energies[0] - 2 * energies[1] + energies[2]) / 4e-6
+        inertia = numbers(EGG, theta)["I1"] + numbers(EGG, theta)["h′"] ** 2
+        inertia += numbers(EGG, theta)["h"] ** 2 if law == "rough" else 0
+        square = max((e**2 for e in found.eigenvalues), key=abs)
+        assert bend == pytest.approx(-inertia * square.real, rel=2e-4)
+        words.add(found.verdict.word)
+    assert words
+
+
+# --- a rounded rim ---
+
+
+def rounded(kind: str, k: float, eps: float) -> st.Body:
+    """A coin with a rounded rim."""
+    outer = 1.0 if kind == "h = sinθ + ε" else 1 - eps
+    return st.Body(lambda theta, eps, outer: outer * ca.sin(theta) + eps, axial=2 * k, transverse=k,
+                   shape={"eps": eps, "outer": outer}, name="coin")  # fmt: skip
+
+
+@pytest.mark.parametrize("shift", shifts(), ids=lambda s: f"{s.family}-{s.law}-{s.quantity}")
+def test_thresholds_of_a_rounded_coin_move_at_the_printed_rate(shift: Any) -> None:
+    k = 0.3
+    value, slope = (float(e.subs(sp.Symbol("k"), k)) for e in (shift.value, shift.slope))
+    left = []
+    for eps in (0.02, 0.01):
+        body = rounded(shift.rounded, k, eps)
+        if shift.quantity.startswith("mu"):
+            # far above the static boundary for M1, just above it for M2
+            lower = float(THRESHOLDS["spinning", "viscous", "φ̇²"].subs(
+                {sp.Symbol("I1"): k, sp.Symbol("I3"): 2 * k, sp.Symbol("h"): body.height_at(np.pi / 2),
+                 sp.Symbol("h′′"): body.height_at(np.pi / 2, 2)}))
+            rate = 1e5 if shift.quantity.endswith("M1") else math.sqrt(lower * (1 + 1e-9))
+            found = st.boundaries("spinning", at=rate, axis=("mu", 0.3, 3, 30), body=body,
+                                  contact="viscous")  # fmt: skip
+        else:
+            axis = "omega3" if shift.family == "rolling" else "phi_dot"
+            found = st.boundaries(shift.family, axis=(axis, 0.2, 4, 20), body=body,
+                                  contact=CONTACT[shift.law](0.2))  # fmt: skip
+        left.append(abs(found[0].value ** 2 - value - eps * slope))
+    assert left[0] < 20 * 0.02**2 * max(value, 1)
+    if left[1] > 1e-7:
+        assert 3.4 < left[0] / left[1] < 4.8  # the rest is of second order
+
+
+def test_the_solid_torus_moves_as_the_rounded_hoop() -> None:
+    for shift in shifts():
+        if shift.rounded != "h = sinθ + ε" or shift.quantity.startswith("mu"):
+            continue
+        value, slope = (float(e.subs(sp.Symbol("k"), 0.5)) for e in (shift.value, shift.slope))
+        axis, left = ("omega3" if shift.family == "rolling" else "phi_dot"), []
+        for eps in (0.02, 0.01):
+            found = st.boundaries(shift.family, axis=(axis, 0.2, 4, 20), body=st.Torus(eps),
+                                  contact=CONTACT[shift.law](0.2))  # fmt: skip
+            left.append(abs(found[0].value ** 2 - value - eps * slope))
+        assert 3.4 < left[0] / left[1] < 4.8
+
+
+@pytest.mark.parametrize("kind", ["h = sinθ + ε", "h = (1-ε) sinθ + ε"])
+def test_tumbling_of_a_rounded_coin_moves_at_the_printed_rate(kind: str) -> None:
+    for k, theta in ((0.25, 1.2), (0.5, 1.0)):
+        [(value, slope)] = tumbling_shift(kind, k, theta)
+        left = []
+        for eps in (0.004, 0.002):
+            found = st.boundaries("tumbling", at=theta, axis=("mu", 0.2, 3, 30),
+                                  body=rounded(kind, k, eps), contact="viscous")  # fmt: skip
+            assert len(found) == 1
+            left.append(abs(found[0].value ** 2 - value - eps * slope))
+        assert left[0] < 50 * 0.004**2
+        assert 3.4 < left[0] / left[1] < 4.8
+
+
+# --- Painlevé ---
+
+
+@pytest.mark.parametrize(
+    "body",
+    [st.Torus(0.1), st.Torus(0.4, solid=False), st.Spheroid(0.5), st.Spheroid(1.8),
+     st.EccentricSphere(0.3), EGG],
+    ids=lambda b: b.name,
+)  # fmt: skip
+def test_painleve_limits_are_the_least_values(body: st.Body) -> None:
+    found = painleve_limit(body)
+    moment = body.moments()[1]
+
+    def ratio(theta: float) -> float:
+        h, slope = float(body.height_at(theta)), abs(float(body.height_at(theta, 1)))
+        return math.inf if slope < 1e-12 else (moment + slope**2) / (h * slope)
+
+    low, high = body.between
+    grid = np.linspace(low, high, 400)[1:-1]
+    best = min(grid, key=ratio)
+    least = minimize_scalar(ratio, bounds=(best - 0.01, best + 0.01), method="bounded",
+                            options={"xatol": 1e-10}).fun  # fmt: skip
+    assert found.low <= found.high
+    assert found.low == pytest.approx(least, rel=1e-11)
+    assert (found.high - found.low) < 1e-12 * found.high
+
+
+def test_painleve_limits_of_disks_are_in_closed_form() -> None:
+    for k in (0.25, 0.5):
+        body = st.Body(lambda t: ca.sin(t), axial=2 * k, transverse=k)
+        known = 2 * math.sqrt(k * (k + 1))
+        found = painleve_limit(body)
+        assert found.low <= known * (1 + 1e-15) and known * (1 - 1e-15) <= found.high
+        assert found.middle == pytest.approx(known, rel=1e-13)
+    for t in (0.2, 1.0, 4.0):
+        kappa = (3 + t * t) / 12 / (1 + t * t / 4)
+        found = painleve_limit(st.ThickDisk(t))
+        assert found.middle == pytest.approx(2 * math.sqrt(kappa * (kappa + 1)), rel=1e-13)
+    assert painleve_limit(st.Spheroid(1.0)).low > 1e5
+    assert painleve_limit(st.Body(lambda t: 1.0, axial=0.4, transverse=0.4)).low == math.inf
+    with pytest.raises(st.StabilityError, match="one number"):
+        painleve_limit(st.Torus([0.1, 0.2]))
+    assert painleve().proved
+
+
+def test_the_determinant_of_the_graph_vanishes_at_the_limit() -> None:
+    body = st.Torus(0.2)
+    found = painleve_limit(body)
+    system = round_system(body, LAWS["viscous"], ("mu",), physical=False)
+    p = [{"tube": 0.2, "mu": 1.0}[n] for n in system.parameters]
+    slip = math.copysign(found.middle, math.cos(found.theta))
+    for share, good in ((1 - 1e-6, True), (1 + 1e-6, False)):
+        state = [found.theta, 0.0, 0.3, 0.2, share * slip, 0.0]
+        if good:
+            assert system.observe(state, p)["determinant"] > 0
+        else:
+            with pytest.raises(st.StabilityError, match="D = "):
+                system.observe(state, p)
+
+
+# --- the table ---
+
+
+def test_the_table_of_bodies_prints_every_statement(capsys: pytest.CaptureFixture[str]) -> None:
+    from stability.cli.commands import main
+
+    assert main(["table", "bodies", "--json"]) in (0, None)
+    body = json.loads(capsys.readouterr().out)
+    rows = body["rows"]
+    assert {r["part"] for r in rows} == set(PARTS)
+    theorems = [r for r in rows if r["part"] == "theorem"]
+    assert len(theorems) == len(PROOFS) and all(r["status"] == "proved" for r in theorems)
+    limits = {r["name"]: r["limit"] for r in rows if r["part"] == "Painlevé limit"}
+    assert limits["disk, k = 0.25"] == pytest.approx(2 * math.sqrt(5) / 4, rel=1e-12)
+    known = {r["name"]: r["statement"][0] for r in rows if r["part"] == "known result"}
+    assert "1/4 g/R" in known["rolling hoop and coin"]
+    assert "1/3 g/R" in known["rolling hoop and coin"]
+    assert all(r["limit"] is None or r["part"] == "Painlevé limit" for r in rows)
+    assert len(entries.__doc__ or "") > 20
+    assert written(sp.Symbol("phi_dot") ** 12 * sp.Symbol("mu")) == "mu φ̇¹²"
