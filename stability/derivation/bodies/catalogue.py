@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import casadi as ca
@@ -18,7 +19,7 @@ from .completeness import branches, jellett, rough_and_smooth, steady_motions
 from .graph import I1, H, vanishes
 from .painleve import painleve_limit
 from .polynomials import LAWS, STATES, characteristic
-from .rim import THRESHOLDS, shifts, tumbling_shift
+from .rim import INCLINED, THRESHOLDS, Shift, shifts, tumbling_shift
 from .rolling import FILE, rolling_conservative, rolling_viscous
 from .spinning import spinning_conservative, spinning_low, spinning_viscous
 from .tumbling import energy_decides, tumbling_static
@@ -97,10 +98,12 @@ def entries(progress: Callable[[int, int], None] | None = None) -> tuple[Entry, 
     -------
     tuple of Entry
     """
-    made = [*map(_theorem, PROOFS.values())]
-    made += [lambda f=f, law=law: _polynomial(f, law) for f in STATES for law in LAWS]
-    made += [_rolling_coin, _spinning_coin, _spheroid, _jellett, *_rims()]
-    made += [lambda b=b: _limit(*b) for b in _bodies()]
+    made: list[Callable[[], Entry]] = [partial(_theorem, prove) for prove in PROOFS.values()]
+    made += [partial(_polynomial, f, law) for f in STATES for law in LAWS]
+    made += [_rolling_coin, _spinning_coin, _spheroid, _jellett]
+    made += [partial(_rim, shift) for shift in shifts()]
+    made += [partial(_rim_tumbling, rounded) for rounded in INCLINED]
+    made += [partial(_limit, *b) for b in _bodies()]
     out = []
     for done, make in enumerate(made, start=1):
         out.append(make())
@@ -109,14 +112,10 @@ def entries(progress: Callable[[int, int], None] | None = None) -> tuple[Entry, 
     return tuple(out)
 
 
-def _theorem(prove: Callable[[], Theorem]) -> Callable[[], Entry]:
-    def make() -> Entry:
-        t = prove()
-        status = "proved" if t.proved else "not proved: a conjecture"
-        return Entry("theorem", t.name, status, t.statement, None, t.assumptions, t.steps,
-                     t.refuters)  # fmt: skip
-
-    return make
+def _theorem(prove: Callable[[], Theorem]) -> Entry:
+    t = prove()
+    status = "proved" if t.proved else "not proved: a conjecture"
+    return Entry("theorem", t.name, status, t.statement, None, t.assumptions, t.steps, t.refuters)
 
 
 def _polynomial(family: str, law: str) -> Entry:
@@ -199,18 +198,15 @@ TORUS = {
 """Further assumptions by the height."""
 
 
-def _rims() -> Iterator[Callable[[], Entry]]:
-    for found in shifts():
-        yield lambda found=found: Entry(  # type: ignore[misc]
-            "rounded rim", f"{found.family}, {found.law}, {found.quantity}, {found.rounded}",
-            "exact, from the theorems",
-            (f"{found.quantity.split()[0]} = {written(found.value)} + ε ({written(found.slope)}) "
-             "+ O(ε²)",),
-            assumptions=("I1 = k, I3 = 2 k kept; m = g = R = 1", *TORUS[found.rounded]),
-            refuters=(f"{FILE}::test_thresholds_of_a_rounded_coin_move_at_the_printed_rate",),
-        )  # fmt: skip
-    for rounded in ("h = sinθ + ε", "h = (1-ε) sinθ + ε"):
-        yield lambda rounded=rounded: _rim_tumbling(rounded)  # type: ignore[misc]
+def _rim(found: Shift) -> Entry:
+    return Entry(
+        "rounded rim", f"{found.family}, {found.law}, {found.quantity}, {found.rounded}",
+        "exact, from the theorems",
+        (f"{found.quantity.split()[0]} = {written(found.value)} + ε ({written(found.slope)}) "
+         "+ O(ε²)",),
+        assumptions=("I1 = k, I3 = 2 k kept; m = g = R = 1", *TORUS[found.rounded]),
+        refuters=(f"{FILE}::test_thresholds_of_a_rounded_coin_move_at_the_printed_rate",),
+    )  # fmt: skip
 
 
 def _rim_tumbling(rounded: str) -> Entry:

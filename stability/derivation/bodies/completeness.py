@@ -12,8 +12,8 @@ from ..proof import Proof, Theorem
 from ..theorems.motion import (
     FORCE_X,
     FORCE_Y,
-    NORMAL,
     NO_SLIP,
+    NORMAL,
     PHI,
     RATES,
     SLIP_X,
@@ -97,8 +97,12 @@ def steady_motions() -> Theorem:
     proof.step("h′ + φ̇ s (I3 ω₃ - I1 φ̇ c) = 0", "Euler along 2̂", lambda: vanishes(e2 - MOMENT))
     proof.step("φ̇ = 0: h′ = 0, with ω₃ free: rolling", "the last equation at φ̇ = 0",
                lambda: vanishes(MOMENT.subs(PHI, 0) - SLOPE))  # fmt: skip
-    proof.step("φ̇ ≠ 0: ω₃ = φ̇ s z/r, and φ̇² s (I1 r c - I3 z s) = h′ r: tumbling, or spinning "
-               "where both sides vanish for every φ̇", "elimination of ω₃", _tumbles)
+    proof.step(
+        "φ̇ ≠ 0: ω₃ = φ̇ s z/r, and φ̇² s (I1 r c - I3 z s) = h′ r: tumbling, or spinning "
+        "where both sides vanish for every φ̇",
+        "elimination of ω₃",
+        _tumbles,
+    )
     proof.step("both sides vanish for every φ̇ upright (c = 0 and h′ = 0), or where h′ = 0 and "
                "I1 r c = I3 z s, which at h′ = 0 is (I1-I3) h s c = 0",
                "identity at h′ = 0", _both)  # fmt: skip
@@ -142,8 +146,11 @@ def rough_and_smooth() -> Theorem:
     rows = [r.subs(STEADY).subs(NO_SLIP) for r in equations(StatedForce).rows]
     held = {FORCE_X: PHI * RIM, FORCE_Y: 0, NORMAL: 1}
     slide = sympy.Symbol("w")  # uniform velocity of the centre across x̂
-    proof.step("without slip F = (φ̇ (ω₃ r - φ̇ s z), 0) and gn = 1",
-               "Newton along x̂, ŷ, ẑ", lambda: all(vanishes(r.subs(held)) for r in rows[:3]))
+    proof.step(
+        "without slip F = (φ̇ (ω₃ r - φ̇ s z), 0) and gn = 1",
+        "Newton along x̂, ŷ, ẑ",
+        lambda: all(vanishes(r.subs(held)) for r in rows[:3]),
+    )
     proof.step("without slip: h′ + φ̇ (ω₃ (r h + I3 s) - φ̇ s (z h + I1 c)) = 0",
                "Euler along 2̂ with this force; along 1̂ and 3̂ nothing is left",
                lambda: vanishes(rows[4].subs(held) - SURFACE)
@@ -195,11 +202,17 @@ def branches() -> Theorem:
                lambda: vanishes(_limit().subs(H, 1) - EDGE))  # fmt: skip
     proof.step("at another θ with h′ = 0, near it h′ = h′′ δ: φ̇² ≈ h′′ δ/((I1-I3) s c), to 0",
                "derivative of the closed form", _rests)  # fmt: skip
-    proof.step("at rest energy is h plus a positive definite form of the speeds: a minimum where "
-               "h′′ > 0, none where h′′ < 0",
-               "energy from the graph; its speeds have positive coefficients", _energy)
-    proof.step("where h′′ < 0 one eigenvalue at rest is positive",
-               "constant terms of rolling at ω₃ = 0: mu² h′′ Q, h′′ Q, h′′ I1", _unstable)
+    proof.step(
+        "at rest energy is h plus a positive definite form of the speeds: a minimum where "
+        "h′′ > 0, none where h′′ < 0",
+        "energy from the graph; its speeds have positive coefficients",
+        _energy,
+    )
+    proof.step(
+        "where h′′ < 0 one eigenvalue at rest is positive",
+        "constant terms of rolling at ω₃ = 0: mu² h′′ Q, h′′ Q, h′′ I1",
+        _unstable,
+    )
     return Theorem(
         "where the families meet",
         ("Tumbling branches off spinning at φ̇² = h h′′/(I3 ρ - I1 h), if this is positive; there "
@@ -229,8 +242,10 @@ def _meets() -> bool:
     top, bottom, value = _near(sympy.Integer(0), sympy.Integer(1))
     place = {R: RADIUS, Z: AXIAL}
     closed = SLOPE * RADIUS / (SIN * (I1 * RADIUS * COS - I3 * AXIAL * SIN))
-    return vanishes(SQUARE.subs(place) - closed) and value == 0 and vanishes(
-        (top / bottom).subs(BEND, RHO - H) - _limit()
+    return (
+        vanishes(SQUARE.subs(place) - closed)
+        and value == 0
+        and vanishes((top / bottom).subs(BEND, RHO - H) - _limit())
     )
 
 
@@ -247,9 +262,7 @@ def _energy() -> bool:
     wanted = (1, 1, first, first * I1 * SIN**2, first * I1 * SIN**2 * I3)
     minors = (form[:n, :n].det() for n in range(1, 6))
     still = energy.subs(dict.fromkeys(SPEEDS, 0))
-    return vanishes(still - H) and all(
-        vanishes(p - q) for p, q in zip(minors, wanted, strict=True)
-    )
+    return vanishes(still - H) and all(vanishes(p - q) for p, q in zip(minors, wanted, strict=True))
 
 
 def _unstable() -> bool:

@@ -176,5 +176,3 @@ def vanishes(expression: Expr) -> bool:
     True
     """
     return bool(folded(sympy.fraction(sympy.together(expression))[0]) == 0)
-
-

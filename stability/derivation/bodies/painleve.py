@@ -82,7 +82,8 @@ def painleve_limit(body: Body) -> Limit:
     if any(np.ndim(v) for v in body.given.values()):
         raise ParameterError("Painlevé's limit needs one number for each quantity of the body.")
     with precision(128):
-        return _enclosed(_program(body), *(_exact(v) for v in body.between), body)
+        low, high = (_exact(v) for v in body.between)
+        return _enclosed(_program(body), low, high, body)
 
 
 def _exact(value: float) -> arb:
@@ -90,7 +91,7 @@ def _exact(value: float) -> arb:
 
 
 def _program(body: Body) -> Any:
-    """g = h h′/(I1 + h′²) and its slope, as a function of a ball."""
+    """G = h h′/(I1 + h′²) and its slope, as a function of a ball."""
     theta, *own = (ca.SX.sym(n) for n in ("theta", *body.shape))
     h = ca.SX(body.height(theta, *own))
     slope = ca.jacobian(h, theta)
@@ -102,7 +103,8 @@ def _program(body: Body) -> Any:
 
     def values(place: arb) -> tuple[arb, arb]:
         found = program.run(balls(), [[place, *numbers]])
-        return tuple(arb(f[0]) if f else arb(0) for f in found)  # type: ignore[return-value]
+        value, slope = (arb(f[0]) if f else arb(0) for f in found)
+        return value, slope
 
     return values
 

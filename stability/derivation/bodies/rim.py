@@ -110,6 +110,8 @@ def tumbling_polynomials(rounded: str, law: str = "viscous") -> tuple[Expr, Expr
     """
     place = INCLINED[rounded]
     top, bottom = sympy.fraction(sympy.cancel(SQUARE.subs(COIN).subs(place)))
+    if bottom.subs({K: 1, SIN: 1, EPS: 0}) < 0:
+        top, bottom = -top, -bottom
     parts = [sympy.Poly(c.subs(COIN).subs(place), PHI) for c in characteristic("tumbling", law)
              .coefficients]  # fmt: skip
     degree = max(p.degree() for p in parts) // 2
@@ -125,14 +127,27 @@ def tumbling_polynomials(rounded: str, law: str = "viscous") -> tuple[Expr, Expr
         return pairs[-1]
     names = sympy.symbols(f"a:{len(pairs)}")
     last = determinant(sympy.Poly(names, sympy.Symbol("lam")), len(pairs) - 2)
-    at = dict(zip(names, (p[0] for p in pairs), strict=True))
-    moved = sum(last.diff(n) * p[1] for n, p in zip(names, pairs, strict=True))
-    return _in_m(last.subs(at)), _in_m(moved.subs(at))
+    # in the ring of polynomials, where products are fast
+    ring, *_ = sympy.ring([K, SIN, MU], sympy.ZZ)
+    at, step = ([ring.from_expr(p[i]) for p in pairs] for i in (0, 1))
+    moved = sum(_at(last.diff(n), names, at, ring) * d for n, d in zip(names, step, strict=True))
+    return _in_m(_at(last, names, at, ring).as_expr()), _in_m(moved.as_expr())
+
+
+def _at(expression: Expr, names: tuple[Expr, ...], values: list[Any], ring: Any) -> Any:
+    """A polynomial in the names at elements of a ring."""
+    total = ring.zero
+    for powers, c in sympy.Poly(expression, *names).terms():
+        term = ring(int(c))
+        for value, power in zip(values, powers, strict=True):
+            term = term * value**power
+        total = total + term
+    return total
 
 
 def _in_m(expression: Expr) -> Expr:
     """A polynomial in mu², even in mu, over mu², in M."""
-    poly = sympy.Poly(sympy.expand(expression), MU)
+    poly = sympy.Poly(expression, MU)
     if any(n % 2 or n < 2 for (n,) in poly.monoms()):
         raise ValueError("the condition is not even in mu")
     return sum(c * M ** (n // 2 - 1) for (n,), c in poly.terms())

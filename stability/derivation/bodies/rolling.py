@@ -48,9 +48,10 @@ def rolling_conservative() -> Theorem:
     proof.step(
         "I3 + h² + h h′′ c² = I3 + h² s² + h (h + h′′) c² > 0",
         "identity; h + h′′ ≥ 0 is the radius of curvature of a convex body",
-        lambda: vanishes(
-            H**2 + H * BEND * COS**2 - H**2 * SIN**2 - H * (H + BEND) * COS**2
-        ) and sign((I3 + H**2 * SIN**2 + H * RHO * COS**2) * Q) == 1,
+        lambda: (
+            vanishes(H**2 + H * BEND * COS**2 - H**2 * SIN**2 - H * (H + BEND) * COS**2)
+            and sign((I3 + H**2 * SIN**2 + H * RHO * COS**2) * Q) == 1
+        ),
     )
     proof.step(
         "without friction: I1² λ² + I1 h′′ + I3² ω₃² = 0, and λ = 0 twice",
@@ -139,4 +140,3 @@ def rolling_viscous() -> Theorem:
         tuple(proof.steps),
         (f"{FILE}::test_rolling_turns_at_the_printed_threshold",),
     )  # fmt: skip
-

@@ -137,7 +137,8 @@ def spinning_viscous() -> Theorem:
         lambda: (True, "; ".join(f"a{2 - i} = {c}" for i, c in enumerate(flutter()))),
     )
     proof.step(
-        "a2 > 0 exactly for M < M1", "a2 falls linearly in M, with its zero at M1",
+        "a2 > 0 exactly for M < M1",
+        "a2 falls linearly in M, with its zero at M1",
         lambda: _falls(flutter()[0], M1),
     )
     proof.step(
@@ -146,7 +147,8 @@ def spinning_viscous() -> Theorem:
         _last,
     )
     proof.step(
-        "M1 < M2 for I3 > I1", "coefficients of one sign",
+        "M1 < M2 for I3 > I1",
+        "coefficients of one sign",
         lambda: sign(M2 - M1, *FLATTER) == 1,
     )
     proof.step(
@@ -188,9 +190,7 @@ def _others(above: dict[Expr, Expr]) -> tuple[bool, str]:
 
 def _falls(expression: Expr, zero: Expr) -> bool:
     poly = sympy.Poly(sympy.together(expression), M)
-    return (
-        poly.degree() == 1 and sign(-poly.LC(), *EVERY) == 1 and vanishes(poly.eval(zero))
-    )
+    return poly.degree() == 1 and sign(-poly.LC(), *EVERY) == 1 and vanishes(poly.eval(zero))
 
 
 def _last() -> bool:
@@ -255,4 +255,3 @@ def spinning_low() -> Theorem:
         tuple(proof.steps),
         (f"{FILE}::test_a_lying_spheroid_rises_above_the_same_number",),
     )  # fmt: skip
-

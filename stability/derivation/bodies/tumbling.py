@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import sympy
@@ -13,7 +13,6 @@ from ..proof import Proof, Theorem
 from ..theorems.motion import (
     FORCE_X,
     FORCE_Y,
-    NORMAL,
     NO_SLIP,
     PHI,
     PHI_DDOT,
@@ -29,6 +28,7 @@ from .rolling import FILE
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""
+
 
 @lru_cache(maxsize=1)
 def tumbling_static() -> Theorem:
@@ -91,7 +91,7 @@ def energy_decides() -> Theorem:
         proof.step(f"{words}, with V the energy at θ̇ = 0 on the curve in (θ, φ̇, ω₃) on which a "
                    "motion stays",
                    "φ̈/θ̇ and ω̇₃/θ̇ from the graph, two derivatives along θ, λ² from its pencil",
-                   lambda law=law: _second(law))  # fmt: skip
+                   partial(_second, law))  # fmt: skip
     proof.step("V′ is the left side of the equation of steady motion, without slip and without "
                "friction", "derivative along the curve",
                lambda: _first("smooth", MOMENT) and _first("rough", SURFACE))  # fmt: skip

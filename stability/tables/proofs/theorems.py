@@ -148,8 +148,8 @@ def _latex(table: Table) -> str:
         out += ["Assumptions: " + "; ".join(prose(text) for text in row["assumptions"]) + "."]
         out += longtable(
             f"Steps of theorem {number} as checked: {row['name']}",
-            ["r", breaking(0.42), breaking(0.5)], ["", "step", "checked by"], step_rows(row["steps"]),
-            label=f"theorem-{number}",
+            ["r", breaking(0.42), breaking(0.5)], ["", "step", "checked by"],
+            step_rows(row["steps"]), label=f"theorem-{number}",
         )  # fmt: skip
         out += ["Tests that try to refute it: " + "; ".join(map(prose, row["refuters"])) + "."]
     return "\n".join([*out, "", prose(" ".join(NOTES)), END])
