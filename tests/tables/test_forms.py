@@ -67,7 +67,7 @@ def own(case: str) -> st.Table:
 
 
 EVERY = (*OPTIONS, "benchmarks", "own conditions", "own flutter")
-LONG = [pytest.param(case, marks=pytest.mark.long) for case in ("theorems",)]
+LONG = [pytest.param(case, marks=pytest.mark.long) for case in ("theorems", "bodies")]
 
 
 # --- CSV and JSON ---

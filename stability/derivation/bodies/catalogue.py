@@ -245,8 +245,8 @@ def painleve() -> Theorem:
         "Painlevé's limit of disks",
         ("D = I1 + h′² - mu vx h h′ > 0 at every θ exactly where mu |vx| is below the least value "
          "of (I1 + h′²)/(h |h′|).",
-         "For h = ℓ sin(θ + α) this is 2 √(κ(κ+1)) with κ = I1/ℓ²: the thin disk with ℓ = 1, the "
-         "thick disk with ℓ² = 1 + t²/4."),
+         "For h = L sin(θ + α) this is 2 √(κ(κ+1)) with κ = I1/L²: the thin disk with L = 1, the "
+         "thick disk with L² = 1 + t²/4."),
         ("viscous friction; mu |vx| without unit; 0 ≤ α < π/2",),
         tuple(proof.steps),
         (f"{FILE}::test_painleve_limits_are_the_least_values",),

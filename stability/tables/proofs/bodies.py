@@ -17,7 +17,7 @@ NOTES = (
     "Over mass and length: m = g = 1. s = sinθ, c = cosθ; h, h′, h′′ the height of the centre and",
     "its derivatives at the state, ρ = h + h′′; r = h s + h′ c and z = h c - h′ s say where the",
     "contact point lies; I1 and I3 the transverse and axial moment; F the contact force, gn the",
-    "normal force, vA the slip; κ = I1/ℓ².",
+    "normal force, vA the slip; κ = I1/L².",
 )
 """Meaning of the symbols."""
 
