@@ -76,7 +76,7 @@ def painleve_limit(body: Body) -> Limit:
     >>> import casadi as ca
     >>> coin = Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25)
     >>> round(painleve_limit(coin).middle, 12)  # 2√(k(k+1))
-    1.118033988750
+    1.11803398875
     """
     instance("body", body, Body, "give a stability.Body")
     if any(np.ndim(v) for v in body.given.values()):
