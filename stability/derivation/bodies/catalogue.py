@@ -12,7 +12,7 @@ import casadi as ca
 import sympy
 
 from ...bodies.round_body.body import Body
-from ...bodies.round_body.named import EccentricSphere, Spheroid, ThickDisk, Torus
+from ...bodies.round_body.shapes.named import EccentricSphere, Spheroid, ThickDisk, Torus
 from ..characteristic import K
 from ..proof import Proof, Step, Theorem
 from .completeness import branches, jellett, rough_and_smooth, steady_motions
