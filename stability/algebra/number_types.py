@@ -273,7 +273,7 @@ def heyoka() -> Any:
     """
     others = [t for t in threading.enumerate() if t is not threading.current_thread()]
     # a thread that imports SymPy meanwhile would find the stand-in; that of a progress bar does not
-    alone = all(type(t).__module__.startswith("tqdm") for t in others)
+    alone = all(type(t).__module__.startswith(("tqdm", "stability.cli")) for t in others)
     ready = {"heyoka", "sympy"} & sys.modules.keys()
     found = find_spec("sympy") if alone and not ready and _known() else None
     if found is None:

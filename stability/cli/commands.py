@@ -15,7 +15,6 @@ from ..storage.json_text import HELP, json_text
 from .compare import add_arguments as add_compare
 from .map import _boundaries, _map
 from .options import (
-    _bar,
     _disk,
     _family,
     _member,
@@ -36,6 +35,7 @@ from .terminal import (
     allowed_memory,
     drop_output,
     prepare,
+    progress_bar,
     say,
     starved,
     stoppable,
@@ -136,13 +136,13 @@ def _code(reason: BaseException) -> int:
 
 
 def _atlas(options: argparse.Namespace) -> None:
-    from ..atlas.bodies import atlas_of_bodies
-    from ..atlas.build import atlas
-    from ..atlas.page import summary
-
     finer = {} if options.resolution is None else {"resolution": options.resolution}
-    write = atlas_of_bodies if options.bodies else atlas
-    with _bar("figures") as progress:
+    with progress_bar("figures") as progress:
+        from ..atlas.bodies import atlas_of_bodies
+        from ..atlas.build import atlas
+        from ..atlas.page import summary
+
+        write = atlas_of_bodies if options.bodies else atlas
         page = write(options.out, overwrite=options.force, progress=progress, **finer)
     if options.json:
         print(json_text(summary(page)))
@@ -153,19 +153,19 @@ def _atlas(options: argparse.Namespace) -> None:
 def _simulate(options: argparse.Namespace) -> None:
     from .simulate import run
 
-    run(options, _disk(options), _bar)
+    run(options, _disk(options))
 
 
 def _scene(options: argparse.Namespace) -> None:
     from .scene import run
 
-    run(options, _bar)
+    run(options)
 
 
 def _compare(options: argparse.Namespace) -> None:
     from .compare import run
 
-    run(options, _bar)
+    run(options)
 
 
 # --- arguments ---

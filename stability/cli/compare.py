@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..storage.json_text import json_text
 from .options import overwriting
+from .terminal import progress_bar
 
 CHARTS = ("spectrum", "motion")
 """Subjects of a chart."""
@@ -36,19 +36,15 @@ def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
     overwriting(parser, "write into a folder that holds other files")
 
 
-def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
+def run(options: argparse.Namespace) -> None:
     """Write a chart, the catalogue or the whole report, and print a summary.
 
     Parameters
     ----------
     options
         Parsed options of `add_arguments`; `command` is the command's name.
-    bar
-        Function of a unit's name that returns a progress bar, as a context manager.
     """
-    from ..compare.report import PARTS, report
-
-    parts = tuple(PARTS)
+    parts: tuple[str, ...] | None = None
     if options.command == "chart":
         if options.what not in CHARTS:
             raise NameUnknownError(
@@ -59,11 +55,14 @@ def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
         parts = ("failures",)
     if options.workers is not None and options.workers < 1:
         raise ParameterError(f"--workers is {options.workers}; give a whole number above 0.")
-    with bar("cells") as progress:
+    with progress_bar("cells") as progress:
+        from ..compare.report import PARTS, report
+
+        parts = parts or tuple(PARTS)
         page = report(
             options.out, parts, overwrite=options.force, workers=options.workers, progress=progress
         )
-    found = summary(page.parent, parts)
+        found = summary(page.parent, parts)
     if options.json:
         print(json_text(found))
         return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Collection, Mapping
+from pathlib import Path
 from typing import Any
 
 from ..base.errors import ParameterError, shown
@@ -11,7 +12,6 @@ from ..storage.json_text import json_text
 from .options import (
     _at,
     _axis,
-    _bar,
     _disk,
     _picture,
     body_of,
@@ -21,48 +21,39 @@ from .options import (
     where_of,
 )
 from .system_option import doubles, own_family, place, with_at
+from .terminal import progress_bar, waiting
 
 
 def _map(options: argparse.Namespace) -> None:
-    from ..jobs.checkpoint import remove_parts
-    from ..jobs.pipeline import resumable
-    from ..maps.netcdf import write_map
-    from ..maps.points import points_of
-    from ..maps.stability_map import stability_map
-    from ..storage.files import atomic_write, named, together
-    from ..storage.targets import DATASETS, NETCDF, check_suffix, check_target, path_text
-    from ..tables.beyond_linear import point_records, point_text
-
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
     if options.levels is not None and not options.certify:
         raise ParameterError("--levels belongs to --certify; leave it out or certify.")
-    family, given = given_beyond(options, {axis[0]: axis for axis in (x, y)})
-    out = check_suffix(options.out, NETCDF if options.verdict_only else DATASETS, "--out")
-    targets = [check_target(out, overwrite=options.force)]
-    if options.plot is not None:
-        targets.append(_picture(options.plot, options.force))
-        if targets[0].resolve() == targets[1].resolve():
-            raise ParameterError(f"--out and --plot are both {shown(options.out)}; give two files.")
     if options.verdict_only:
-        _stream(options, family, x, y, given)
+        _stream(options, x, y)
         return
-    try:
-        with _bar("cells") as progress:
+    with progress_bar("cells") as progress:
+        from ..jobs.checkpoint import remove_parts
+        from ..jobs.pipeline import resumable
+        from ..maps.points import points_of
+        from ..maps.stability_map import stability_map
+        from ..storage.files import named
+        from ..storage.targets import path_text
+        from ..tables.beyond_linear import point_records, point_text
+
+        family, given = given_beyond(options, {axis[0]: axis for axis in (x, y)})
+        targets = _targets(options)
+        try:
             dataset = stability_map(
                 family, x=x, y=y, certify=options.certify, levels=options.levels,
                 modes=options.modes, points=options.points, progress=progress,
                 checkpoint=options.checkpoint, **given,
             )  # fmt: skip
-        with together():
-            if options.plot:
-                with atomic_write(targets[1], overwrite=options.force) as picture:
-                    _draw(dataset, picture)
-            write_map(dataset, targets[0], overwrite=options.force)
-    except KeyboardInterrupt:
-        if options.checkpoint is None or targets[0] in named():
-            raise
-        with resumable(options.checkpoint):
-            raise
+            _write(options, dataset, targets)
+        except KeyboardInterrupt:
+            if options.checkpoint is None or targets[0] in named():
+                raise
+            with resumable(options.checkpoint):
+                raise
     if options.checkpoint is not None:
         remove_parts(options.checkpoint)
     from ..base.verdict import CODES
@@ -91,6 +82,30 @@ def _map(options: argparse.Namespace) -> None:
     print(f"{wrote}: {cells}; {record['boundary_points']} boundary points" + proved)
     if found is not None:
         print(point_text(str(dataset.attrs["family"]), found))
+
+
+def _targets(options: argparse.Namespace) -> list[Path]:
+    """The map and the figure to write, checked before anything is computed."""
+    from ..storage.targets import DATASETS, NETCDF, check_suffix, check_target
+
+    out = check_suffix(options.out, NETCDF if options.verdict_only else DATASETS, "--out")
+    targets = [check_target(out, overwrite=options.force)]
+    if options.plot is not None:
+        targets.append(_picture(options.plot, options.force))
+        if targets[0].resolve() == targets[1].resolve():
+            raise ParameterError(f"--out and --plot are both {shown(options.out)}; give two files.")
+    return targets
+
+
+def _write(options: argparse.Namespace, dataset: Any, targets: list[Path]) -> None:
+    from ..maps.netcdf import write_map
+    from ..storage.files import atomic_write, together
+
+    with together():
+        if options.plot:
+            with atomic_write(targets[1], overwrite=options.force) as picture:
+                _draw(dataset, picture)
+        write_map(dataset, targets[0], overwrite=options.force)
 
 
 def given_beyond(
@@ -155,19 +170,19 @@ def _told(given: Mapping[str, Any], swept: Collection[str]) -> dict[str, Any]:
     return {"body": body.name, "parameters": numbers}
 
 
-def _stream(
-    options: argparse.Namespace, family: Any, x: Any, y: Any, given: dict[str, Any]
-) -> None:
-    from ..maps.netcdf import read_map
-    from ..maps.stream import stream_map
-    from ..storage.targets import path_text
+def _stream(options: argparse.Namespace, x: Any, y: Any) -> None:
+    with progress_bar("cells") as progress:
+        from ..maps.netcdf import read_map
+        from ..maps.stream import stream_map
+        from ..storage.targets import path_text
 
-    for name in ("plot", "points", "certify", "modes", "checkpoint"):
-        if getattr(options, name):
-            raise ParameterError(
-                f"--{name} does not go with --verdict-only; leave one of them out."
-            )
-    with _bar("cells") as progress:
+        family, given = given_beyond(options, {axis[0]: axis for axis in (x, y)})
+        _targets(options)
+        for name in ("plot", "points", "certify", "modes", "checkpoint"):
+            if getattr(options, name):
+                raise ParameterError(
+                    f"--{name} does not go with --verdict-only; leave one of them out."
+                )
         path = stream_map(
             family, x=x, y=y, out=options.out, overwrite=options.force, progress=progress, **given,
         )  # fmt: skip
@@ -188,14 +203,15 @@ def _draw(dataset: Any, target: Any) -> None:
 
 
 def _boundaries(options: argparse.Namespace) -> None:
-    from ..boundary.changes import boundaries
-    from ..tables.beyond_linear import to_bound
-
     axis = _axis(options.axis, "--axis")
     if options.certify:
         raise ParameterError("every boundary here is proved; leave --certify out.")
-    family, given = given_beyond(options, {axis[0]: axis}, exact=True)
-    found = boundaries(family, axis=axis, **given)
+    with waiting("searching"):
+        from ..boundary.changes import boundaries
+        from ..tables.beyond_linear import to_bound
+
+        family, given = given_beyond(options, {axis[0]: axis}, exact=True)
+        found = boundaries(family, axis=axis, **given)
     own = not isinstance(family, str)
     name = family.name if own else family
     record: dict[str, Any] = {

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from inspect import Parameter, signature
 from typing import Any, NoReturn
@@ -14,7 +12,7 @@ from typing import Any, NoReturn
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, meant, shown
 from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from .system_option import contents
-from .terminal import check, say
+from .terminal import say
 
 MOST_VALUES = 1000
 """Most numbers in a list of a table; each takes a line or more."""
@@ -188,31 +186,6 @@ def _picture(path: str, force: bool) -> Any:
     from ..storage.targets import PICTURES, check_suffix, check_target
 
     return check_target(check_suffix(path, PICTURES, "--plot"), overwrite=force)
-
-
-@contextmanager
-def _bar(unit: str) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar on standard error, shown after one second of work."""
-    from tqdm import tqdm
-
-    if sys.stderr is None:
-        yield lambda *_: None
-        return
-    bar = tqdm(total=None, unit=f" {unit}", delay=1, disable=None, leave=False, file=sys.stderr)
-
-    def update(done: int, total: int) -> None:
-        check()
-        if bar.total != total:
-            bar.reset(total)
-        bar.update(done - bar.n)
-
-    try:
-        yield update
-    finally:
-        bar.close()
-
-
-# --- a body of revolution ---
 
 
 def _shape_options() -> dict[str, list[str]]:

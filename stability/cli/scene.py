@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
-import threading
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..base.errors import ParameterError
 from ..storage.json_text import json_text
 from .options import overwriting
+from .terminal import progress_bar, waiting
 
 if TYPE_CHECKING:
     from ..scene.answer import Answer
@@ -22,8 +20,6 @@ if TYPE_CHECKING:
 
 NONE = {"settling_time": "has not settled", "lift_off_time": "does not lift off"}
 """What a quantity without a value means."""
-PATIENCE = 2.0
-"""Time after which a command shows that it works [s]."""
 GAP = 2
 """Spaces between two columns."""
 
@@ -52,34 +48,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     overwriting(parser, "replace existing files")
 
 
-def run(options: argparse.Namespace, bar: Callable[[str], Any]) -> None:
+def run(options: argparse.Namespace) -> None:
     """Answer the scene of a file, write the motion and the chart, and print the answer.
 
     Parameters
     ----------
     options
         Parsed options of `add_arguments`.
-    bar
-        Function of a unit's name that returns a progress bar, as a context manager.
     """
-    from ..scene.scene import Scene
-    from ..scene.toml_file import titled
     from ..storage.files import together
 
-    title, given = titled(options.file)
-    scene = Scene(**given)
-    names = tuple(scene.quantities)
-    _refuse(options, scene)
-    targets, asked = _targets(options), scene
-    if "out" in targets and "path" not in names:
-        scene = replace(scene, quantities=(*names, "path"))
     with waiting():
+        from ..scene.scene import Scene
+        from ..scene.toml_file import titled
+
+        title, given = titled(options.file)
+        scene = Scene(**given)
+        names = tuple(scene.quantities)
+        _refuse(options, scene)
+        targets, asked = _targets(options), scene
+        if "out" in targets and "path" not in names:
+            scene = replace(scene, quantities=(*names, "path"))
         answer = scene.verify() if options.verify else scene.answer(only=options.only)
     with together():
         if "out" in targets:
             _write(options, answer, targets["out"])
         if "plot" in targets:
-            with bar("models") as progress:
+            with progress_bar("models") as progress:
                 asked.plot(targets["plot"], overwrite=options.force, progress=progress)
     if options.json:
         print(json_text(_record(title, scene, answer, names, options)))
@@ -314,38 +309,3 @@ def _table(rows: Mapping[str, list[str]]) -> Iterator[str]:
     for label, cells in rows.items():
         text = "".join(f"{c:<{w}}" for c, w in zip(cells, widths, strict=True))
         yield f"{label:<{first}}{text}".rstrip()
-
-
-@contextmanager
-def waiting(after: float = PATIENCE) -> Iterator[None]:
-    """Show on a terminal how long the answer has taken, where it takes long.
-
-    Parameters
-    ----------
-    after
-        Time before anything is shown [s].
-    """
-    from tqdm import tqdm
-
-    if sys.stderr is None:
-        yield
-        return
-    # the number of rungs that will run is not known before, so the bar tells the time alone
-    bar = tqdm(desc="answering", bar_format="{desc} {elapsed}", delay=after, disable=None,
-               leave=False, mininterval=0, file=sys.stderr)  # fmt: skip
-    done = threading.Event()
-
-    def tick() -> None:
-        while not done.wait(0.25):
-            bar.update()
-
-    clock = threading.Thread(target=tick, daemon=True)
-    if not bar.disable:
-        clock.start()
-    try:
-        yield
-    finally:
-        done.set()
-        if clock.is_alive():
-            clock.join()
-        bar.close()

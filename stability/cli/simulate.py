@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..storage.json_text import json_text
 from .options import PARAMETER_HELP, contact_of, overwriting
+from .terminal import progress_bar, waiting
 
 CONTACTS = (
     "viscous, linear-viscous, smooth, rough, creep-1 to creep-3 (viscous with the slip eliminated, "
@@ -65,7 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     overwriting(parser, "replace existing files")
 
 
-def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> None:
+def run(options: argparse.Namespace, disk: Any) -> None:
     """Simulate one launch, write the files of the options, and print the outcome.
 
     Parameters
@@ -74,14 +74,7 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
         Parsed options of `add_arguments`.
     disk
         The disk.
-    bar
-        Function of a unit's name that returns a progress bar, as a context manager.
     """
-    import numpy as np
-
-    from ..bodies.thin_disk.disk_equations import STATES
-    from ..motion.netcdf import write_motion
-    from ..motion.simulate import simulate
     from ..storage.files import together
 
     missing = [f"--{name}" for name in ("theta", "time") if getattr(options, name) is None]
@@ -89,6 +82,24 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
         raise ParameterError(f"{absent(missing)}; give a number{' each' * (len(missing) > 1)}.")
     contact = contact_of(options, motion=True)
     targets = _targets(options)
+    with waiting("integrating"):
+        dataset = _simulated(options, disk, contact)
+    with together():
+        _draw(options, dataset, targets)
+        if options.out is not None:
+            from ..motion.netcdf import write_motion
+
+            write_motion(dataset, targets["out"], overwrite=options.force)
+    _report(options, dataset, disk, targets)
+
+
+def _simulated(options: argparse.Namespace, disk: Any, contact: Any) -> Any:
+    """The dataset of the motion."""
+    import numpy as np
+
+    from ..bodies.thin_disk.disk_equations import STATES
+    from ..motion.simulate import simulate
+
     start = [getattr(options, name) for name in STATES]
     times: Any = options.time
     if options.points is not None:
@@ -99,15 +110,10 @@ def run(options: argparse.Namespace, disk: Any, bar: Callable[[str], Any]) -> No
             )
         times = np.linspace(0.0, options.time, options.points)
     pose = options.pose or options.film is not None or options.plot is not None
-    dataset = simulate(
+    return simulate(
         disk, contact, start, times, method=options.method, tolerance=options.tolerance, pose=pose,
         check=not options.no_check, max_seconds=options.max_seconds,
     )  # fmt: skip
-    with together():
-        _draw(options, dataset, targets, bar)
-        if options.out is not None:
-            write_motion(dataset, targets["out"], overwrite=options.force)
-    _report(options, dataset, disk, targets)
 
 
 def _targets(options: argparse.Namespace) -> dict[str, Path]:
@@ -129,21 +135,19 @@ def _targets(options: argparse.Namespace) -> dict[str, Path]:
     return targets
 
 
-def _draw(
-    options: argparse.Namespace, dataset: Any, targets: dict[str, Path], bar: Callable[[str], Any]
-) -> None:
+def _draw(options: argparse.Namespace, dataset: Any, targets: dict[str, Path]) -> None:
     from ..storage.files import atomic_write
 
     if "plot" in targets:
-        from ..figures.canvas import save_figure
-        from ..figures.launch.motion import plot_motion
+        with waiting("drawing"), atomic_write(targets["plot"], overwrite=options.force) as draft:
+            from ..figures.canvas import save_figure
+            from ..figures.launch.motion import plot_motion
 
-        with atomic_write(targets["plot"], overwrite=options.force) as draft:
             save_figure(plot_motion(dataset), draft)
     if "film" in targets:
-        from ..figures.launch.animate import animate
+        with progress_bar("frames") as progress:
+            from ..figures.launch.animate import animate
 
-        with bar("frames") as progress:
             animate(dataset, targets["film"], overwrite=options.force, progress=progress)
 
 

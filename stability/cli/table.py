@@ -6,7 +6,8 @@ import argparse
 from typing import Any
 
 from ..base.errors import ParameterError
-from .options import CONTACTS, _axis, _bar, _list, overwriting
+from .options import CONTACTS, _axis, _list, overwriting
+from .terminal import progress_bar
 
 FORMS = ("json", "csv", "latex")
 """Forms on standard output; text without one of these."""
@@ -15,7 +16,6 @@ FORMS = ("json", "csv", "latex")
 def _table(options: argparse.Namespace) -> None:
     from ..storage.targets import check_suffix, check_target
     from ..tables.formats.table import FORMS as ENDINGS
-    from ..tables.registry import table
 
     asked = [form for form in FORMS if getattr(options, form)]
     if len(asked) + (options.out is not None) > 1:
@@ -23,8 +23,10 @@ def _table(options: argparse.Namespace) -> None:
         raise ParameterError(f"{first} and {second} are both given; give one of them.")
     if options.out is not None:  # before anything is computed
         check_target(check_suffix(options.out, tuple(ENDINGS), "--out"), overwrite=options.force)
-    family, settings = _settings(options)
-    with _bar("lines") as progress:
+    with progress_bar("lines") as progress:
+        from ..tables.registry import table
+
+        family, settings = _settings(options)
         found = table(options.name, family, progress=progress, **settings)
     if options.out is None:
         print(found.printed(*asked or ("text",)).rstrip("\n"))

@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,11 @@ from typing import Any
 from ..base.errors import one_line
 from ..storage.files import STOPS, named
 from ..storage.targets import path_text
+
+PATIENCE = 0.8
+"""Time after which a command shows on a terminal that it works [s]."""
+TICK = 0.25
+"""Time between two looks at the clock [s]."""
 
 
 class Stop:
@@ -45,6 +50,8 @@ class Stop:
 
 
 _stops: list[Stop] = []
+_bars: list[Any] = []
+"""Bars of this process on the terminal."""
 
 
 def check() -> None:
@@ -88,6 +95,90 @@ def stoppable() -> Iterator[Stop]:
             signal.signal(number, handler)
 
 
+class Clock(threading.Thread):
+    """Moves a bar by its time, also while no piece of work ends.
+
+    Parameters
+    ----------
+    bar
+        A bar of tqdm.
+    """
+
+    def __init__(self, bar: Any) -> None:
+        super().__init__(daemon=True)
+        self.bar, self.done = bar, threading.Event()
+
+    def run(self) -> None:
+        """Draw the bar again and again, until the work is done."""
+        while not self.done.wait(TICK):
+            self.bar.update(0)
+
+
+@contextmanager
+def _shown(**look: Any) -> Iterator[Any]:
+    """A bar of tqdm on standard error that moves by itself; None where that is no terminal."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield None
+        return
+    from tqdm import tqdm
+
+    # miniters=0: drawn by the clock, not after a number of pieces
+    bar = tqdm(total=None, leave=False, miniters=0, file=sys.stderr, **look)
+    clock = Clock(bar)
+    _bars.append(bar)
+    clock.start()
+    try:
+        yield bar
+    finally:
+        _bars.remove(bar)
+        clock.done.set()
+        clock.join()
+        bar.close()
+
+
+@contextmanager
+def progress_bar(unit: str, after: float = PATIENCE) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on a terminal, shown where the work takes long.
+
+    Open it before the imports that the work needs: they take a second.
+
+    Parameters
+    ----------
+    unit
+        Name of the pieces.
+    after
+        Time before anything is shown [s].
+    """
+    with _shown(unit=f" {unit}", delay=after) as bar:
+
+        def update(done: int, total: int) -> None:
+            check()
+            if bar is None:
+                return
+            if bar.total is None:
+                bar.total = total
+            elif bar.total != total:
+                bar.reset(total)
+            bar.update(done - bar.n)
+
+        yield update
+
+
+@contextmanager
+def waiting(word: str = "answering", after: float = PATIENCE) -> Iterator[None]:
+    """The time that work has taken, on a terminal, where the number of its pieces is not known.
+
+    Parameters
+    ----------
+    word
+        What is done.
+    after
+        Time before anything is shown [s].
+    """
+    with _shown(desc=word, bar_format="{desc} {elapsed}", delay=after):
+        yield
+
+
 def prepare() -> bool:
     """Prepare the streams for any text; False without a standard output.
 
@@ -116,6 +207,8 @@ def say(sentence: str) -> None:
         Text of the message.
     """
     with suppress(OSError, ValueError, AttributeError):
+        for bar in _bars:  # its clock draws it again, below the message
+            bar.clear()
         print(f"stability: {one_line(sentence)}", file=sys.stderr, flush=True)
 
 

@@ -4,8 +4,6 @@ import io
 import json
 import math
 import re
-import sys
-import time
 from contextlib import redirect_stdout
 from functools import cache
 from pathlib import Path
@@ -20,7 +18,6 @@ from matplotlib.text import Text
 import stability as st
 from stability.bodies.thin_disk.disk_equations import STATES
 from stability.cli import main
-from stability.cli.scene import waiting
 from stability.figures.canvas import save_figure
 from stability.scene.toml_file import titled
 
@@ -412,31 +409,3 @@ def test_several_laws_are_neither_verified_nor_run_by_one_rung(
 def test_no_file_is_a_refusal(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert "is not a file" in refused(capsys, "scene", str(tmp_path / "none.toml"))
     assert "required: FILE.toml" in refused(capsys, "scene")
-
-
-# --- while it works ---
-
-
-class Terminal(io.StringIO):
-    """Text that takes itself for a terminal."""
-
-    def isatty(self) -> bool:
-        return True
-
-
-def test_a_terminal_shows_the_time_of_long_work_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    def shown(stream: io.StringIO, after: float) -> str:
-        monkeypatch.setattr(sys, "stderr", stream)
-        with waiting(after):
-            end = time.monotonic() + 2.0
-            while after < 1 and not stream.getvalue() and time.monotonic() < end:
-                time.sleep(0.02)
-        return stream.getvalue()
-
-    assert "answering 00:0" in shown(Terminal(), 0.0)
-    assert shown(Terminal(), 60.0) == ""
-    quiet = io.StringIO()
-    monkeypatch.setattr(sys, "stderr", quiet)
-    with waiting(0.0):
-        time.sleep(0.3)
-    assert quiet.getvalue() == ""
