@@ -18,25 +18,21 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import whole_number
+from ..base.checks import flag, whole_number
 from ..base.errors import FileError
 from ..bodies.contact_laws import Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
-from ..boundary.brackets import AxisScan, zeros
-from ..boundary.changes import boundaries
 from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered
-from ..maps.stability_map import stability_map
-from ..spectra.disk_problem import disk_problem
-from ..spectra.spectrum import spectrum
 from ..storage.files import postponed, record
 from ..storage.litter import clear, temporary
 from ..storage.targets import check_folder, path_text, place, refusing
 from .page import (
     BODIES,
     CODE_KINDS,
+    DRAFT,
     FRICTION,
     LOCUS_FRICTION,
     Page,
@@ -64,6 +60,7 @@ def atlas(
     out: str | os.PathLike[str],
     *,
     resolution: int = 400,
+    draft: bool | None = None,
     overwrite: bool = False,
     workers: int | None = None,
     executor: Executor | None = None,
@@ -77,6 +74,9 @@ def atlas(
         Folder to write.
     resolution
         Points along the axis of the family; three quarters as many along mu.
+    draft
+        Whether to write the diagrams alone, as PNG, without loci and PDFs; below `DRAFT` points
+        when left out.
     overwrite
         Whether files in an existing folder may be replaced; other files there stay unchanged.
     workers
@@ -102,6 +102,8 @@ def atlas(
     resolution = whole_number(
         "resolution", resolution, 8, FINEST, "`stability map --verdict-only` draws finer ones"
     )
+    draft = resolution < DRAFT if draft is None else flag("draft", draft)
+    frictions = () if draft else LOCUS_FRICTION
     check_run(workers, progress, executor)
     taken = (
         f"{path_text(out)} exists and is not empty; choose another, or replace its files with "
@@ -111,21 +113,21 @@ def atlas(
     with _temporary_folder(target) as folder:
         pairs = [(body, family) for body in BODIES for family in drawn()]
         # the loci first, since each is soon done; then the diagrams, the longest first
-        jobs: list[_Key] = [(*pair, mu) for mu in LOCUS_FRICTION for pair in pairs]
+        jobs: list[_Key] = [(*pair, mu) for mu in frictions for pair in pairs]
         longest = sorted(pairs, key=lambda pair: not FAMILIES[pair[1]].by_angle)
         jobs += [(*pair, None) for pair in longest]
         counted = Counted(progress, len(jobs))
         counted.add(0)
         count = min(workers or os.cpu_count() or 1, len(jobs))
         with closing(ordered(
-            jobs, lambda job: partial(_job, *job, str(folder), resolution),
+            jobs, lambda job: partial(_job, *job, str(folder), resolution, draft),
             executor=executor, workers=count, own=here if workers == 1 else processes,
             progress=counted,
         )) as results:  # fmt: skip
             found = dict(results)
-        pages = [_page(*pair, found) for pair in pairs]
+        pages = [_page(*pair, found, frictions) for pair in pairs]
         _write_csv(folder / "boundaries.csv", pages)
-        (folder / "index.html").write_text(_html(pages, resolution), encoding="utf-8")
+        (folder / "index.html").write_text(_html(pages, resolution, draft), encoding="utf-8")
         move(folder, target)
     return target / "index.html"
 
@@ -173,24 +175,34 @@ def move(folder: Path, target: Path) -> None:
 # --- one job ---
 
 
-def _job(body: str, family: str, mu: float | None, folder: str, resolution: int) -> _Drawn:
+def _job(
+    body: str, family: str, mu: float | None, folder: str, resolution: int, draft: bool
+) -> _Drawn:
     """One figure: the loci at a friction coefficient, or the diagram where there is none."""
-    here = Path(folder)
+    from ..figures.canvas import FORMATS, save
+
     if mu is None:
-        return _diagram(here, body, family, resolution)
-    return _locus(here, body, family, mu, resolution), ()
+        figure, found = _diagram(Path(folder), body, family, resolution)
+    else:
+        figure, found = _locus(body, family, mu, resolution)
+    save(figure, Path(folder) / found[0].stem, FORMATS[:1] if draft else FORMATS)
+    return found
 
 
-def _page(body: str, family: str, found: Mapping[_Key, _Drawn]) -> Page:
+def _page(
+    body: str, family: str, found: Mapping[_Key, _Drawn], frictions: tuple[float, ...]
+) -> Page:
     """The figures of a body's family, the diagram first."""
-    drawings = [found[body, family, mu] for mu in (None, *LOCUS_FRICTION)]
+    drawings = [found[body, family, mu] for mu in (None, *frictions)]
     return Page(body, family, tuple(picture for picture, _ in drawings), drawings[0][1])
 
 
-def _diagram(here: Path, body: str, family: str, resolution: int) -> _Drawn:
-    from ..figures.canvas import save
+def _diagram(here: Path, body: str, family: str, resolution: int) -> tuple[Any, _Drawn]:
+    from ..boundary.changes import boundaries
     from ..figures.diagram import Strip, plot_map
     from ..maps.netcdf import write_map
+    from ..maps.stability_map import stability_map
+    from ..spectra.spectrum import spectrum
 
     make, name, inertia = BODIES[body]
     disk, stem = make(), f"{family}-{body}"
@@ -218,14 +230,15 @@ def _diagram(here: Path, body: str, family: str, resolution: int) -> _Drawn:
             f"{law.name}: " + (f"verdict changes at {where}" if where else "neutral throughout")
         )
     figure = plot_map(dataset, above=strips[0], below=strips[1], title=f"{family}: {name}")
-    save(figure, here / stem)
     caption = _diagram_caption(family, name, inertia, dataset, limits, strips)
-    return Picture(stem, caption, f"Stability diagram of {family} of the {name}"), tuple(rows)
+    picture = Picture(stem, caption, f"Stability diagram of {family} of the {name}")
+    return figure, (picture, tuple(rows))
 
 
-def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Picture:
-    from ..figures.canvas import save
+def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, _Drawn]:
+    from ..boundary.changes import boundaries
     from ..figures.loci import plot_locus
+    from ..spectra.spectrum import spectrum
 
     make, name, inertia = BODIES[body]
     disk = make()
@@ -236,7 +249,7 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
     points = boundaries(family, axis=("at", low, high, 301), disk=disk, contact=law)
     stem = f"locus-{family}-{body}-mu{mu:g}".replace(".", "_")
     title = rf"{family}: {name}, $\mu = {mu:g}$"
-    save(plot_locus(spectra, thresholds=[p.value for p in points], title=title), here / stem)
+    figure = plot_locus(spectra, thresholds=[p.value for p in points], title=title)
     quantity = QUANTITIES[FAMILIES[family].at[0]].long_name
     changes = "; ".join(f"{p.crossing.word} boundary at {p.value:.10g}" for p in points)
     dotted = f"Dotted: {changes}" if changes else "No change of verdict"
@@ -248,7 +261,8 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
         "mode, followed by eigenvector overlap and named by the states that lead it on average"
         f"{_lines(spectra)}. {dotted}."
     )
-    return Picture(stem, caption, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}")
+    picture = Picture(stem, caption, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}")
+    return figure, (picture, ())
 
 
 def _lines(spectra: Any) -> str:
@@ -280,7 +294,9 @@ def zeros_of_rates(spectra: Any) -> list[float]:
         Rising; each is a zero of the constant term or of the Hurwitz determinant, whose signs at
         its neighbours are proved.
     """
+    from ..boundary.brackets import AxisScan, zeros
     from ..figures.locus_modes import changes_of_sign, crossings, swept, tracked
+    from ..spectra.disk_problem import disk_problem
 
     values, radius = tracked(spectra)
     _, at = swept(spectra)

@@ -35,6 +35,9 @@ FRICTION = (0.01, 100.0)
 LOCUS_FRICTION = (0.3, 3.0)
 """Values of mu* in the loci."""
 
+DRAFT = 100
+"""Fewer points along the axis of a family make a draft, unless the caller decides."""
+
 CODE_KINDS = {code: crossing for crossing, code in KINDS.items()}
 
 
@@ -144,7 +147,8 @@ def _head(title: str) -> list[str]:
     ]  # fmt: skip
 
 
-def _html(pages: list[Page], resolution: int) -> str:
+def _html(pages: list[Page], resolution: int, draft: bool) -> str:
+    command = f"stability atlas --resolution {resolution}"
     parts = [
         *_head("Stability atlas of the rolling and sliding disk"),
         '<p class="lead">Which steady motions of a thin disk on a plane can be seen? Each diagram '
@@ -155,6 +159,11 @@ def _html(pages: list[Page], resolution: int) -> str:
         "is recomputed. All boundaries: <a href=\"boundaries.csv\">boundaries.csv</a>.</p>",
         "<nav>" + "".join(f'<a href="#{f}">{f}</a>' for f in drawn()) + "</nav>",
     ]  # fmt: skip
+    if draft:
+        parts.append(
+            "<p><strong>Draft:</strong> the diagrams alone, as PNG. "
+            f"<code>{command} --no-draft</code> adds the eigenvalue loci and PDFs.</p>"
+        )
     for family in drawn():
         mine = [p for p in pages if p.family == family]
         parts += [
@@ -163,9 +172,10 @@ def _html(pages: list[Page], resolution: int) -> str:
         ]
         for index in range(len(mine[0].pictures)):
             parts.append('<div class="row">')
-            parts += [_figure(p.pictures[index], index == 0) for p in mine]
+            parts += [_figure(p.pictures[index], index == 0, draft) for p in mine]
             parts.append("</div>")
-    parts.append(_foot(f"stability atlas --resolution {resolution}"))
+    other = (" --draft" if draft else " --no-draft") * (draft != (resolution < DRAFT))
+    parts.append(_foot(command + other))
     return "\n".join(parts) + "\n"
 
 
@@ -179,8 +189,9 @@ def _foot(command: str) -> str:
     )
 
 
-def _figure(picture: Picture, diagram: bool) -> str:
-    files = [f'<a href="{picture.stem}.{s}">{s.upper()}</a>' for s in ("png", "pdf")]
+def _figure(picture: Picture, diagram: bool, draft: bool = False) -> str:
+    kinds = ("png",) if draft else ("png", "pdf")
+    files = [f'<a href="{picture.stem}.{s}">{s.upper()}</a>' for s in kinds]
     if diagram:
         files.append(f'<a href="{picture.stem}.nc">NetCDF</a>')
     return (

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from ..base.errors import StabilityError, StabilityWarning
+from ..base.errors import ParameterError, StabilityError, StabilityWarning
 from ..base.version import __version__
 from ..storage.json_text import HELP, json_text
 from .compare import add_arguments as add_compare
@@ -136,14 +136,21 @@ def _code(reason: BaseException) -> int:
 
 
 def _atlas(options: argparse.Namespace) -> None:
+    if options.bodies and options.draft is not None:
+        raise ParameterError("--draft belongs to the atlas of the disk; leave it or --bodies out.")
     finer = {} if options.resolution is None else {"resolution": options.resolution}
     with progress_bar("figures") as progress:
         from ..atlas.bodies import atlas_of_bodies
         from ..atlas.build import atlas
         from ..atlas.page import summary
 
-        write = atlas_of_bodies if options.bodies else atlas
-        page = write(options.out, overwrite=options.force, progress=progress, **finer)
+        if options.bodies:
+            page = atlas_of_bodies(options.out, overwrite=options.force, progress=progress, **finer)
+        else:
+            page = atlas(
+                options.out, draft=options.draft, overwrite=options.force, progress=progress,
+                **finer,
+            )  # fmt: skip
     if options.json:
         print(json_text(summary(page)))
     else:
@@ -259,6 +266,9 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
     sub.add_argument("--out", required=True, metavar="DIR", help="folder to write")
     sub.add_argument("--resolution", type=int, metavar="N",
                      help="points along the family's axis (default 400, of bodies 48)")  # fmt: skip
+    sub.add_argument("--draft", action=argparse.BooleanOptionalAction, default=None,
+                     help="the diagrams alone, as PNG, without loci and PDFs; the default below "
+                     "100 points, not with --bodies")  # fmt: skip
     overwriting(sub, "replace files in an existing folder")
 
     sub = command("simulate", _simulate, "Launch a disk, and say what becomes of it",

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,6 +35,8 @@ if _asked:  # figures of the user keep their backend, if its name is known
 
 BASE = 7.5
 """Size of text [pt]; the smallest text of a figure is 1 pt smaller."""
+DOTS = 300
+"""Dots an inch of files."""
 LEAST = 7.0
 """Least size of text that is accepted [pt], so that no text is below 6 pt."""
 
@@ -51,7 +54,7 @@ def styled(fontsize: float = BASE) -> dict[Any, Any]:
         "xtick.labelsize": fontsize - 0.5, "ytick.labelsize": fontsize - 0.5,
         "legend.fontsize": fontsize - 1,
         "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
-        "hatch.linewidth": 0.35, "hatch.color": "#2b1000", "savefig.dpi": 300, "pdf.fonttype": 42,
+        "hatch.linewidth": 0.35, "hatch.color": "#2b1000", "savefig.dpi": DOTS, "pdf.fonttype": 42,
         "ps.fonttype": 42, "mathtext.fontset": "dejavusans", "lines.linewidth": 1.3,
     }  # fmt: skip
 
@@ -60,6 +63,8 @@ STYLE = styled()
 """Settings of the package's figures."""
 FORMATS = (".png", ".pdf")
 """Endings of the files of a figure."""
+RENDERERS = {"png": "agg", "pdf": "pdf", "svg": "svg"}
+"""Backend of Matplotlib by kind of file."""
 COLUMN = 3.39
 """Width of a journal column [in]."""
 OF_THE_SESSION = (
@@ -89,6 +94,25 @@ def figure_style(style: Mapping[str, Any]) -> Iterator[None]:
         yield
 
 
+@contextmanager
+def laid_out(figure: Figure) -> Iterator[None]:
+    """Give the panels their places once, at `DOTS`, and hold them for every file of the figure.
+
+    Matplotlib would measure all text again for each file, and draw each of them twice.
+    """
+    engine, dots = figure.get_layout_engine(), figure.dpi
+    figure.dpi = DOTS
+    try:
+        if engine is not None:
+            engine.execute(figure)
+            figure.set_layout_engine("none")
+        yield
+    finally:
+        if engine is not None:
+            figure.set_layout_engine(engine)
+        figure.dpi = dots
+
+
 def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) -> None:
     """Write a figure at 300 dots an inch.
 
@@ -97,19 +121,29 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) ->
     figure
         The figure.
     path
-        File to write; its suffix names the format.
+        File to write; its suffix names the format: PNG, PDF or SVG.
     **options
-        As for `savefig`.
+        As for `FigureCanvasAgg.print_png`, `print_pdf` and `print_svg` of Matplotlib.
     """
-    name, content = Path(path), BytesIO()
-    # in memory: on a full disk the PDF writer of Matplotlib raises a different error
-    with figure_style(getattr(figure, "settings", STYLE)):
-        figure.savefig(content, format=name.suffix[1:].lower(), dpi=300, **options)
+    with figure_style(getattr(figure, "settings", STYLE)), laid_out(figure):
+        _write(figure, Path(path), **options)
+
+
+def _write(figure: Figure, name: Path, **options: Any) -> None:
+    """Draw the figure as it stands, once, into a file."""
+    content, kind, canvas = BytesIO(), name.suffix[1:].lower(), figure.canvas
+    backend = import_module(f"matplotlib.backends.backend_{RENDERERS[kind]}")
+    try:
+        writer = canvas if hasattr(canvas, f"print_{kind}") else backend.FigureCanvas(figure)
+        # in memory: on a full disk the PDF writer of Matplotlib raises a different error
+        getattr(writer, f"print_{kind}")(content, **options)
+    finally:
+        figure.set_canvas(canvas)
     name.write_bytes(content.getbuffer())
 
 
-def save(figure: Figure, stem: Path) -> list[Path]:
-    """Write a figure as PNG and PDF.
+def save(figure: Figure, stem: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
+    """Write a figure as PNG and PDF, or in other formats.
 
     Parameters
     ----------
@@ -117,18 +151,21 @@ def save(figure: Figure, stem: Path) -> list[Path]:
         The figure.
     stem
         Path without suffix; files there are replaced.
+    formats
+        Endings of the files.
 
     Returns
     -------
     list of Path
-        The two files.
+        The files.
     """
     from ..storage.files import atomic_write
 
-    paths = [stem.parent / (stem.name + suffix) for suffix in FORMATS]
-    for path in paths:
-        with atomic_write(path, overwrite=True) as draft:
-            # no creation date, so that the same map gives the same file
-            meta = {"CreationDate": None} if path.suffix == ".pdf" else None
-            save_figure(figure, draft, metadata=meta)
+    paths = [stem.parent / (stem.name + suffix) for suffix in formats]
+    with figure_style(getattr(figure, "settings", STYLE)), laid_out(figure):
+        for path in paths:
+            with atomic_write(path, overwrite=True) as draft:
+                # no creation date, so that the same map gives the same file
+                meta = {"CreationDate": None} if path.suffix == ".pdf" else None
+                _write(figure, draft, metadata=meta)
     return paths

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .canvas import BASE, COLUMN, LEAST, STYLE, figure_style, styled  # isort: skip
+from .canvas import BASE, COLUMN, DOTS, LEAST, STYLE, figure_style, styled  # isort: skip
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,14 +12,30 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cbook import is_math_text
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.legend import Legend
-from matplotlib.textpath import TextPath
+from matplotlib.textpath import text_to_path
 from matplotlib.ticker import MaxNLocator
 
 from ..base.checks import positive
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, in_latex, plain_text
+
+
+class _Canvas(FigureCanvasAgg):
+    """A canvas that reads and measures each text once, for the layout and for the drawing."""
+
+    parser: Any = None
+    """Reads the formulas of all figures, since what it has read is remembered by parser."""
+
+    def get_renderer(self) -> Any:
+        """The renderer, with the common parser."""
+        renderer: Any = super().get_renderer()  # type: ignore[no-untyped-call]
+        _Canvas.parser = renderer.mathtext_parser = _Canvas.parser or renderer.mathtext_parser
+        return renderer
 
 
 class StyledFigure(Figure):
@@ -33,6 +49,7 @@ class StyledFigure(Figure):
         self.settings = dict(settings)
         with figure_style(self.settings):
             super().__init__(*args, **options)
+        _Canvas(self)
 
     def draw(self, renderer: Any) -> None:
         """Draw in the figure's own settings."""
@@ -76,7 +93,9 @@ def drawing(
                 figsize=(wide, aspect(wide)), layout="constrained", settings=settings
             )
             spacing(figure, hspace=0.02, h_pad=0.02, w_pad=0.02)
+            shown_at, figure.dpi = figure.dpi, DOTS  # measured as it is saved
             yield figure
+            figure.dpi = shown_at
         return
     if width is not None:
         raise ParameterError("width belongs to a figure of its own; leave it out, or leave out ax.")
@@ -138,16 +157,15 @@ def signed_ticks(
     -------
     ticks, labels
     """
-    ticks = [0.0] if low <= 0 <= high else []
+    ticks = {0.0: place(0.0)} if low <= 0 <= high else {}
     for sign, end in ((1, high), (-1, -low)):
         power = math.floor(math.log10(end) + 1e-9) if end > 0 else -400
         while power >= round(math.log10(least)):
-            value = sign * 10.0**power
-            if all(abs(place(value) - place(t)) >= gap for t in ticks):
-                ticks.append(value)
+            spot = place(sign * 10.0**power)
+            if all(abs(spot - other) >= gap for other in ticks.values()):
+                ticks[sign * 10.0**power] = spot
             power -= 1
-    ticks.sort()
-    return ticks, [power_of_ten(t) for t in ticks]
+    return sorted(ticks), [power_of_ten(t) for t in sorted(ticks)]
 
 
 def power_of_ten(value: float) -> str:
@@ -198,7 +216,8 @@ def key(axes: Axes, handles: Sequence[Any], title: str = "", **options: Any) -> 
 
 def wide(text: str) -> float:
     """Width of a line of small text [pt]."""
-    return float(TextPath((0, 0), text, size=small()).get_extents().width) if text else 0.0
+    font = FontProperties(size=small())
+    return float(text_to_path.get_text_width_height_descent(text, font, is_math_text(text))[0])
 
 
 def _height(legend: Legend) -> float:

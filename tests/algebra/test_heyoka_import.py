@@ -37,6 +37,21 @@ def test_a_motion_does_not_import_sympy() -> None:
     assert _printed(AFTER) == "False\n"
 
 
+def test_the_clock_of_a_progress_bar_keeps_the_import_without_sympy() -> None:
+    code = """
+import io, sys
+from stability.algebra.number_types import heyoka
+from stability.cli.terminal import waiting
+class Terminal(io.StringIO):
+    def isatty(self): return True
+sys.stderr = Terminal()
+with waiting():
+    heyoka()
+print("sympy" in sys.modules)
+"""
+    assert _printed(code) == "False\n"
+
+
 def test_heyoka_and_sympy_exchange_expressions_as_after_a_plain_import() -> None:
     lazily = "from stability.algebra.number_types import heyoka\nheyoka()\n" + EXCHANGE
     assert _printed(lazily) == _printed(EXCHANGE)

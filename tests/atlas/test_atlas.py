@@ -36,7 +36,9 @@ def folder(bodies: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) ->
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stability.atlas.build.BODIES", {name: BODIES[name] for name in bodies})
         patch.setattr("stability.atlas.build.LOCUS_FRICTION", frictions(bodies))
-        page = atlas(out, resolution=16, workers=1, progress=lambda *pair: told.append(pair))
+        page = atlas(
+            out, resolution=16, draft=False, workers=1, progress=lambda *pair: told.append(pair)
+        )
     assert page == out / "index.html"
     figures = 3 * len(bodies) * (1 + len(frictions(bodies)))
     assert told[0] == (0, figures)
@@ -105,8 +107,8 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Files in place of figures, of one body, for tests that are about files."""
     monkeypatch.setattr("stability.atlas.build.BODIES", {"disk": BODIES["disk"]})
 
-    def save(figure: None, stem: Path) -> list[Path]:
-        paths = [stem.parent / (stem.name + suffix) for suffix in (".png", ".pdf")]
+    def save(figure: None, stem: Path, formats: tuple[str, ...]) -> list[Path]:
+        paths = [stem.parent / (stem.name + suffix) for suffix in formats]
         for path in paths:
             path.write_text(str(figure))
         return paths
@@ -128,6 +130,28 @@ def test_force_replaces_its_own_files_and_leaves_others(folder: Path, tmp_path: 
     assert (target / "notes.txt").read_text() == "mine"
     assert (target / "index.html").read_text() != before
     assert [p.name for p in tmp_path.iterdir()] == ["atlas"]
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    ("resolution", "draft", "command"),
+    [(8, None, "--resolution 8"), (100, True, "--resolution 100 --draft"),
+     (100, None, "--resolution 100"), (8, False, "--resolution 8 --no-draft")],
+)  # fmt: skip
+def test_a_draft_has_every_diagram_and_says_what_it_leaves_out(
+    tmp_path: Path, resolution: int, draft: bool | None, command: str
+) -> None:
+    out = tmp_path / "atlas"
+    page = atlas(out, resolution=resolution, draft=draft, workers=1).read_text()
+    diagrams = {f"{family}-disk.png" for family in drawn()}
+    made = {p.name for p in out.iterdir()}
+    links = set(re.findall(r'(?:src|href)="([^"#]+)"', page))
+    assert made == links | {"index.html"}
+    assert diagrams <= made
+    assert f"Made by <code>stability atlas {command}</code>" in page
+    short = draft or (draft is None and resolution < 100)
+    assert short == (f"--resolution {resolution} --no-draft</code> adds" in page)
+    assert short == ({n for n in made if n.endswith((".png", ".pdf"))} == diagrams)
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -45,13 +45,13 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Figure]:
     """Every figure of the atlas, drawn from coarse maps and not saved."""
     found: dict[str, Figure] = {}
 
-    def save(figure: Figure, stem: Path) -> list[Path]:
+    def save(figure: Figure, stem: Path, *_: object) -> list[Path]:
         found[stem.name] = figure
         return []
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stability.figures.canvas.save", save)
-        atlas(tmp_path_factory.mktemp("atlas") / "atlas", resolution=24, workers=1)
+        atlas(tmp_path_factory.mktemp("atlas") / "atlas", resolution=24, draft=False, workers=1)
     return found
 
 

@@ -179,7 +179,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     for module in ("build", "page"):
         monkeypatch.setattr(f"stability.atlas.{module}.drawn", lambda: ranges)
     monkeypatch.setattr("stability.figures.canvas.save",
-                        lambda _, stem: stem.with_suffix(".png").write_text("x"))  # fmt: skip
+                        lambda _, stem, __: stem.with_suffix(".png").write_text("x"))  # fmt: skip
     monkeypatch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
     monkeypatch.setattr("stability.figures.loci.plot_locus", lambda *_, **__: None)
 
@@ -188,8 +188,8 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_atlas_is_the_same_by_an_executor(tmp_path: Path) -> None:
     told = Told()
     with Distributed() as pool:
-        atlas(tmp_path / "a", resolution=8, executor=pool, workers=2, progress=told)
-    atlas(tmp_path / "b", resolution=8, workers=1)
+        atlas(tmp_path / "a", resolution=8, draft=False, executor=pool, workers=2, progress=told)
+    atlas(tmp_path / "b", resolution=8, draft=False, workers=1)
     assert told.rises_to(6)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b"]
     one, other = ({p.name for p in (tmp_path / n).iterdir()} for n in "ab")
