@@ -22,6 +22,7 @@ from typing import Any
 
 import sympy
 from sympy.polys.matrices import DomainMatrix
+from sympy.polys.rings import PolyRing
 
 from ..base.errors import FileError, StabilityError
 from ..bodies.contact_laws import LAWS
@@ -178,36 +179,40 @@ def positive(expression: Expr, given: Expr | None = None) -> str | None:
             if poly.degree() == 1 and positive(poly.LC()):
                 said = f"{variable} from {given} = v > 0"
                 trials.append([(variable, v - poly.nth(0), poly.LC(), said)])
+    names = expression.free_symbols | {K, SIN, *SLACK}.union(given.free_symbols if given else ())
+    # elements of a ring: polynomials of SymPy go through expressions, at six times the cost
+    ring = PolyRing(sorted(names, key=str), sympy.QQ)
+    start = ring.from_expr(expression)
     for trial in trials:
-        steps = [*trial, *domain]
-        result, words = expression, []
-        for variable, top, bottom, said in steps:
-            if result.has(variable):
-                result = _inserted(result, variable, top, bottom)
+        result, words = start, []
+        for variable, top, bottom, said in [*trial, *domain]:
+            place = ring.symbols.index(variable)
+            if result.degree(place) > 0:
+                result = _inserted(result, place, ring.from_expr(top), ring.from_expr(bottom))
                 words.append(said)
-        if _all_positive(result):
+        if _all_positive(result, ring.symbols.index(u)):
             text = "every coefficient is positive"
             return text + (f" after {', '.join(words)}" if words else "")
     return None
 
 
-def _inserted(expression: Expr, variable: sympy.Symbol, top: Expr, bottom: Expr) -> Expr:
-    """The expression at variable = top/bottom, times a power of bottom > 0: no fractions."""
-    names = sorted(expression.free_symbols | top.free_symbols | bottom.free_symbols, key=str)
-    above, below = sympy.Poly(top, *names), sympy.Poly(bottom, *names)
-    result, power = sympy.Poly(0, *names), sympy.Poly(1, *names)
-    for c in sympy.Poly(expression, variable).all_coeffs():  # Horner's scheme
-        result, power = result * above + power * sympy.Poly(c, *names), power * below
-    return result.as_expr()
+def _inserted(polynomial: Any, place: int, top: Any, bottom: Any) -> Any:
+    """The polynomial at variable = top/bottom, times a power of bottom > 0: no fractions."""
+    ring = polynomial.ring
+    powers: list[dict[Any, Any]] = [{} for _ in range(polynomial.degree(place) + 1)]
+    for exponents, c in polynomial.terms():
+        rest = (*exponents[:place], 0, *exponents[place + 1 :])
+        powers[exponents[place]][rest] = c
+    result, power = ring.zero, ring.one
+    for part in reversed(powers):  # Horner's scheme
+        result, power = result * top + power * ring.from_dict(part), power * bottom
+    return result
 
 
-def _all_positive(expression: Expr) -> bool:
+def _all_positive(polynomial: Any, place: int) -> bool:
     """Whether every coefficient is positive, and the value at u = 0 (k = 1/2) too."""
-    free = sorted(expression.free_symbols, key=str)
-    if not free:
-        return bool(expression > 0)
-    poly = sympy.Poly(expression, *free)
-    return all(c > 0 for c in poly.coeffs()) and poly.as_expr().subs(SLACK[0], 0) != 0
+    at_zero = any(exponents[place] == 0 for exponents in polynomial.monoms())
+    return at_zero and all(c > 0 for c in polynomial.coeffs())
 
 
 def decisive(derived: Derived) -> tuple[list[StabilityCondition], list[Obligation]]:
