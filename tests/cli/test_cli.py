@@ -432,6 +432,14 @@ def test_nothing_is_overwritten_without_force(
     assert [p.name for p in folder.iterdir()] == ["mine.txt"]
 
 
+def test_a_draft_of_the_atlas_of_bodies_is_refused(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    told = refused(capsys, "atlas", "--bodies", "--draft", "--out", str(tmp_path / "a"))
+    assert "--draft belongs to the atlas of the disk" in told
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("resolution", ["0", "7", "x"])
 def test_a_bad_resolution_is_refused(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, resolution: str

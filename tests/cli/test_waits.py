@@ -27,6 +27,11 @@ LONG = (
     "chart spectrum --out a", "failures --out a", "report --out a",
 )  # fmt: skip
 """Commands that can take more than two seconds."""
+OF_BODIES = (
+    "atlas --bodies --out a",
+    "map spinning --body torus --tube 0.2 --x at:1:4:9 --y mu:0.1:2:9 --out m.nc",
+)
+"""Such commands with options that only the body knows: its module is read with them."""
 SCRIPT = """
 import sys
 from stability.cli import terminal
@@ -43,12 +48,15 @@ for line in sys.argv[1:]:
 """
 
 
-def test_long_commands_open_their_bar_before_they_import_libraries(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("lines", "read"), [(LONG, []), (OF_BODIES, ["casadi", "flint"])])
+def test_long_commands_open_their_bar_before_they_import_libraries(
+    tmp_path: Path, lines: tuple[str, ...], read: list[str]
+) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, *LONG], cwd=tmp_path, capture_output=True, text=True,
+        [sys.executable, "-c", SCRIPT, *lines], cwd=tmp_path, capture_output=True, text=True,
         check=True,
     )  # fmt: skip
-    assert done.stdout.splitlines() == [f"{line}|[]" for line in LONG]
+    assert done.stdout.splitlines() == [f"{line}|{read}" for line in lines]
     assert list(tmp_path.iterdir()) == []
 
 
