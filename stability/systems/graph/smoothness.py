@@ -211,10 +211,11 @@ def _angle(y: Any, x: Any) -> _Number:
     y, x = _number(y), _number(x)
     jumps = np.equal(y.value, 0) & np.less_equal(x.value, 0)
     ends = x.least & x.most & y.least & y.most
-    found = y._with(
-        x, _PLAIN["atan2"](y.value, x.value), np.True_, np.not_equal(y.value, 0), ends, ends
+    value, moved = _PLAIN["atan2"](y.value, x.value), np.not_equal(y.value, 0)
+    found = y._with(x, value, np.True_, moved, ends, ends)
+    return _Number(
+        found.value, found.moves, found.kinked, found.broken | jumps, found.depends, ends, ends
     )
-    return replace(found, broken=found.broken | jumps)
 
 
 _TABLE: dict[str, Callable[..., Any]] = {name: _function(name) for name in (*UNARY, *MORE)}
