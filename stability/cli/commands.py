@@ -15,7 +15,6 @@ from ..storage.json_text import HELP, json_text
 from .compare import add_arguments as add_compare
 from .map import _boundaries, _map
 from .options import (
-    _disk,
     _family,
     _member,
     _Parser,
@@ -160,7 +159,7 @@ def _atlas(options: argparse.Namespace) -> None:
 def _simulate(options: argparse.Namespace) -> None:
     from .simulate import run
 
-    run(options, _disk(options))
+    run(options)
 
 
 def _scene(options: argparse.Namespace) -> None:
@@ -271,9 +270,12 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                      "100 points, not with --bodies")  # fmt: skip
     overwriting(sub, "replace files in an existing folder")
 
-    sub = command("simulate", _simulate, "Launch a disk, and say what becomes of it",
+    sub = command("simulate", _simulate, "Launch a disk, or a system, and say what becomes of it",
                   "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 "
-                  "--out run.nc --plot run.png --film run.html")  # fmt: skip
+                  "--out run.nc --plot run.png --film run.html",
+                  "stability simulate --system examples/watt_governor.py:running --start "
+                  "x=1,y=0,z=1.4 --parameter e=0.8 --parameter a=0.5 --parameter b=0.5 "
+                  "--time 200")  # fmt: skip
     add_arguments(sub)
 
     sub = command("scene", _scene, "A scene of a TOML file, answered by the least model",

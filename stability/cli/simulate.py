@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 from typing import Any
 
 from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..storage.json_text import json_text
-from .options import PARAMETER_HELP, contact_of, overwriting
+from .options import PARAMETER_HELP, _disk, contact_of, overwriting
+from .system_option import doubles, named_numbers, system_with_families
 from .terminal import progress_bar, waiting
 
 CONTACTS = (
@@ -30,17 +32,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     helps = {
         "theta": "angle of the symmetry axis from the vertical [rad], π/2 is upright (needed)",
-        "theta-dot": "its rate", "phi-dot": "precession rate",
+        "theta-dot": "its rate (default 0, as below)", "phi-dot": "precession rate",
         "omega3": "angular velocity along the symmetry axis",
         "slip-x": "slip of the contact point across the disk",
         "slip-y": "slip along the disk's tangent",
     }  # fmt: skip
     for name, text in helps.items():
-        parser.add_argument(f"--{name}", type=float, default=None if name == "theta" else 0.0,
-                            metavar="X", help=text)  # fmt: skip
+        parser.add_argument(f"--{name}", type=float, metavar="X", help=text)
+    parser.add_argument("--system", metavar="MODULE:NAME",
+                        help="a system of your own in place of the disk, or a family of it: "
+                        "module:name, or file.py:name; it may settle on its families that the "
+                        "module names")  # fmt: skip
+    parser.add_argument("--start", metavar="NAME=X,…",
+                        help="with --system: every state by name, such as q=0.1,v=0")  # fmt: skip
     parser.add_argument("--mu", type=float, help="friction coefficient")
     parser.add_argument("--epsilon", type=float, help="slip speed of coulomb-regularised")
-    parser.add_argument("--contact", default="viscous", help=f"{CONTACTS} (default viscous)")
+    parser.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
     parser.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
     parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
     parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
@@ -65,55 +72,105 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     overwriting(parser, "replace existing files")
 
 
-def run(options: argparse.Namespace, disk: Any) -> None:
+def run(options: argparse.Namespace) -> None:
     """Simulate one launch, write the files of the options, and print the outcome.
 
     Parameters
     ----------
     options
         Parsed options of `add_arguments`.
-    disk
-        The disk.
     """
     from ..storage.files import together
 
-    missing = [f"--{name}" for name in ("theta", "time") if getattr(options, name) is None]
-    if missing:
-        raise ParameterError(f"{absent(missing)}; give a number{' each' * (len(missing) > 1)}.")
-    contact = contact_of(options, motion=True)
+    _check(options)
     targets = _targets(options)
     with waiting("integrating"):
-        dataset = _simulated(options, disk, contact)
+        launch = _of_disk(options) if options.system is None else _of_own(options)
+        from ..motion.simulate import simulate
+
+        dataset = simulate(
+            times=_times(options), method=options.method, tolerance=options.tolerance,
+            check=not options.no_check, max_seconds=options.max_seconds, **launch,
+        )  # fmt: skip
     with together():
         _draw(options, dataset, targets)
         if options.out is not None:
             from ..motion.netcdf import write_motion
 
             write_motion(dataset, targets["out"], overwrite=options.force)
+    disk = launch["disk"] if options.system is None else None
     _report(options, dataset, disk, targets)
 
 
-def _simulated(options: argparse.Namespace, disk: Any, contact: Any) -> Any:
-    """The dataset of the motion."""
+def _of_disk(options: argparse.Namespace) -> dict[str, Any]:
+    """The launch of a disk, as arguments of `simulate`."""
+    from ..bodies.thin_disk.disk_equations import STATES
+
+    contact = contact_of(options, motion=True)
+    start = [getattr(options, name) or 0.0 for name in STATES]
+    pose = options.pose or options.film is not None or options.plot is not None
+    return {"disk": _disk(options), "contact": contact, "start": start, "pose": pose}
+
+
+DISK = (
+    "theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y", "mu", "epsilon", "contact",
+    "disk", "k", "mass", "radius", "gravity", "pose", "film",
+)  # fmt: skip
+"""Options of the disk."""
+
+
+def _of_own(options: argparse.Namespace) -> dict[str, Any]:
+    """The launch of a user's system, as arguments of `simulate`."""
+    system, families = system_with_families(options.system)
+    start = named_numbers("start", options.start.split(","), system.states, system.name)
+    given = named_numbers("parameter", options.parameter or (), system.parameters, system.name)
+    missing = [n for n in system.parameters if n not in given]
+    if missing:
+        how = " ".join(f"--parameter {n}=NUMBER" for n in missing)
+        raise ParameterError(f"{absent(missing)}; give {how}.")
+    return {
+        "disk": system, "start": doubles(start), "contact": doubles(given), "families": families
+    }  # fmt: skip
+
+
+def _check(options: argparse.Namespace) -> None:
+    """Refuse options that do not go together, before anything is imported."""
+    if options.system is None:
+        if options.start is not None:
+            raise ParameterError(
+                "--start belongs to --system; a disk takes --theta and the others."
+            )
+        _need(options, "theta", "time")
+        return
+    for key in DISK:
+        given = getattr(options, key)
+        if given is not None and given is not False:
+            option = key.replace("_", "-")
+            raise ParameterError(f"--{option} belongs to the disk; with --system leave it out.")
+    _need(options, "start", "time")
+
+
+def _need(options: argparse.Namespace, *names: str) -> None:
+    missing = [f"--{name}" for name in names if getattr(options, name) is None]
+    if missing:
+        what = f"a number{' each' * (len(missing) > 1)}"
+        if "--start" in missing:
+            what = "NAME=NUMBER for each state" + ", and a last time" * (len(missing) > 1)
+        raise ParameterError(f"{absent(missing)}; give {what}.")
+
+
+def _times(options: argparse.Namespace) -> Any:
+    """A last time, or evenly spaced times."""
     import numpy as np
 
-    from ..bodies.thin_disk.disk_equations import STATES
-    from ..motion.simulate import simulate
-
-    start = [getattr(options, name) for name in STATES]
-    times: Any = options.time
-    if options.points is not None:
-        if not 2 <= options.points <= MOST or not 0 < options.time < float("inf"):
-            raise ParameterError(
-                f"--points is {options.points} and --time {options.time:g}; give at least 2 "
-                f"points, {MOST} at most, and a finite time above 0."
-            )
-        times = np.linspace(0.0, options.time, options.points)
-    pose = options.pose or options.film is not None or options.plot is not None
-    return simulate(
-        disk, contact, start, times, method=options.method, tolerance=options.tolerance, pose=pose,
-        check=not options.no_check, max_seconds=options.max_seconds,
-    )  # fmt: skip
+    if options.points is None:
+        return options.time
+    if not 2 <= options.points <= MOST or not 0 < options.time < float("inf"):
+        raise ParameterError(
+            f"--points is {options.points} and --time {options.time:g}; give at least 2 "
+            f"points, {MOST} at most, and a finite time above 0."
+        )
+    return np.linspace(0.0, options.time, options.points)
 
 
 def _targets(options: argparse.Namespace) -> dict[str, Path]:
@@ -159,49 +216,89 @@ def _errors(dataset: Any) -> dict[str, float | None]:
 
 
 def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[str, Path]) -> None:
-    from ..bodies.thin_disk.disk_equations import STATES
     from ..motion.result import BY_CODE
     from ..storage.targets import path_text
 
     outcome = BY_CODE[int(dataset.outcome)]
-    final = {name: float(dataset[name][-1]) for name in STATES}
+    audited = "energy_error" in dataset
     record: dict[str, Any] = {
-        "final": final,
+        "final": {name: float(dataset[name][-1]) for name in _states(dataset, disk)},
         "time": float(dataset.end_time),
         "outcome": outcome.word,
-        "energy_error": float(dataset.energy_error),
+        "energy_error": float(dataset.energy_error) if audited else None,
         **_errors(dataset),
         "evidence": str(dataset.evidence.values),
-        "nearest": {
-            "family": str(dataset.nearest_family.values),
-            "at": float(dataset.nearest_at),
-            "distance": float(dataset.nearest_distance),
-        },
+        "nearest": _nearest(dataset, disk),
         "events": [
             {"time": float(t), "kind": str(k)}
             for t, k in zip(dataset.event_time.values, dataset.event_kind.values, strict=True)
         ],
-        "contact": options.contact,
+        **_named(options, dataset, disk),
         "method": dataset.attrs["method"],
         "method_reason": dataset.attrs["method_reason"],
         "tolerance": options.tolerance,
         "steps": int(dataset.steps),
-        "unit": "dimensionless (m = R = g = 1)" if disk.dimensionless else "SI",
+        **_units(dataset, disk),
         "files": {name: str(path) for name, path in targets.items()},
     }
     if options.json:
         print(json_text(record))
         return
-    unit = "" if disk.dimensionless else Kind.TIME.suffix
+    units = {name: _suffix(dataset, disk, name) for name in ("time", *record["final"])}
+    final = (f"{name} = {value:.9g}{units[name]}" for name, value in record["final"].items())
     print(f"outcome   {outcome.value}")
     print(f"evidence  {record['evidence']}")
-    print(f"time      {record['time']:.9g}{unit}")
-    print("final     " + ", ".join(f"{name} = {value:.9g}" for name, value in final.items()))
+    print(f"time      {record['time']:.9g}{units['time']}")
+    print(f"final     {', '.join(final)}")
     for event in record["events"]:
-        print(f"event     {event['kind']} at {event['time']:.9g}{unit}")
+        print(f"event     {event['kind']} at {event['time']:.9g}{units['time']}")
     if record["final_error"] is not None and record["final_error"] < float("inf"):
         print(f"error     of the final state: {record['final_error']:.1e}, estimated")
-    print(f"energy    audited to {record['energy_error']:.1e} of the initial energy")
+    if audited:
+        of = "the initial energy" if disk is not None else "the size of its terms"
+        print(f"energy    audited to {record['energy_error']:.1e} of {of}")
     print(f"method    {record['method']}, {record['steps']} steps: {record['method_reason']}")
     for path in targets.values():
         print(f"wrote     {path_text(path)}")
+
+
+def _states(dataset: Any, disk: Any) -> list[str]:
+    from ..bodies.thin_disk.disk_equations import STATES
+
+    return list(STATES) if disk is not None else json.loads(dataset.attrs["states"])
+
+
+def _nearest(dataset: Any, disk: Any) -> dict[str, Any] | None:
+    """The nearest steady motion; None where a system has none."""
+    if "nearest_family" not in dataset:
+        return None
+    found: dict[str, Any] = {"family": str(dataset.nearest_family.values)}
+    if disk is not None:
+        found["at"] = float(dataset.nearest_at)
+    else:
+        member = dataset.nearest_member.values.tolist()
+        found["member"] = dict(zip(_states(dataset, disk), member, strict=True))
+    return found | {"distance": float(dataset.nearest_distance)}
+
+
+def _named(options: argparse.Namespace, dataset: Any, disk: Any) -> dict[str, Any]:
+    """What was launched."""
+    if disk is not None:
+        return {"contact": options.contact}
+    given = json.loads(dataset.attrs["parameters"])
+    return {"system": dataset.attrs["system"], "parameters": given}
+
+
+def _units(dataset: Any, disk: Any) -> dict[str, Any]:
+    if disk is not None:
+        return {"unit": "dimensionless (m = R = g = 1)" if disk.dimensionless else "SI"}
+    names = ("time", *_states(dataset, disk))
+    return {"units": {n: dataset[n].attrs.get("units", "1") for n in names}}
+
+
+def _suffix(dataset: Any, disk: Any, name: str) -> str:
+    """The unit after a number: of time for a disk, of each state too for a system."""
+    if disk is not None:
+        return Kind.TIME.suffix if name == "time" and not disk.dimensionless else ""
+    unit = dataset[name].attrs.get("units", "1")
+    return "" if unit == "1" else f" {unit}"

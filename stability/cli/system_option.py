@@ -6,7 +6,7 @@ import argparse
 import io
 import os
 import runpy
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import redirect_stdout
 from fractions import Fraction
 from importlib import import_module
@@ -82,6 +82,43 @@ def contents(option: str, what: str, place: str) -> tuple[str, str, dict[str, An
     return module, name, table
 
 
+def system_with_families(place: str) -> tuple[Any, list[Any]]:
+    """The system at `module:name` or `file.py:name`, and its families in the same module.
+
+    Parameters
+    ----------
+    place
+        Module on Python's path or in this folder, or a file; then the name of a `System`, or of a
+        `Family`, whose system is meant.
+
+    Returns
+    -------
+    system
+        The system.
+    families
+        The families of it that the module names, each once.
+
+    Raises
+    ------
+    NameUnknownError
+        If there is no such module, or no system or family of that name in it.
+    """
+    from ..systems.equations import Equations
+    from ..systems.family import Family
+
+    module, name, table = contents("system", "name", place)
+    found = table.get(name)
+    system = found.system if isinstance(found, Family) else found
+    if not isinstance(system, Equations):
+        known = (n for n, v in table.items() if isinstance(v, Equations | Family))
+        names = sorted(known) or ["none"]
+        raise NameUnknownError(
+            f"{shown(name)} is no system and no family of {module}; these are {', '.join(names)}."
+        )
+    own = [f for f in table.values() if isinstance(f, Family) and f.system == system]
+    return system, list(dict.fromkeys(own))
+
+
 DISK = ("mu", "contact", "disk", "k", "mass", "radius", "gravity", "lean", "tilt", "time")
 """Options of the disk."""
 
@@ -136,17 +173,35 @@ def numbers(texts: Any, family: Any) -> dict[str, Fraction]:
     family
         The family.
     """
-    names = (*family.at, *family.parameters)
+    return named_numbers("parameter", texts or (), (*family.at, *family.parameters), family.name)
+
+
+def named_numbers(
+    option: str, texts: Iterable[str], names: Collection[str], owner: str
+) -> dict[str, Fraction]:
+    """Numbers by name from texts NAME=NUMBER, exactly as they are written.
+
+    Parameters
+    ----------
+    option
+        The option that gives them, without dashes.
+    texts
+        The texts.
+    names
+        Names that are known.
+    owner
+        What has these names.
+    """
     out: dict[str, Fraction] = {}
-    for text in texts or ():
+    for text in texts:
         name, equals, value = text.partition("=")
         if not equals:
-            raise ParameterError(f"--parameter is {shown(text)}; give NAME=NUMBER.")
+            raise ParameterError(f"--{option} is {shown(text)}; give NAME=NUMBER.")
         if name in out:
             raise ParameterError(f"{name} is given twice; give it once.")
         if name not in names:
-            known = ", ".join(names)
-            raise NameUnknownError(f"parameter is {shown(name)}; {family.name} has {known}.")
+            known = ", ".join(names) or "none"
+            raise NameUnknownError(f"{option} is {shown(name)}; {owner} has {known}.")
         out[name] = ratio_of_text(name, value)
     return out
 

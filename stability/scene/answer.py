@@ -50,7 +50,8 @@ class Answer(Record):
     rungs: tuple[Rung, ...]
     """Every rung, in the order of its cost, with the reason why it was chosen or not."""
     until: float
-    """Time until which the answer holds, in the user's unit."""
+    """Time until which the answer holds within the tolerance for the inputs as given, in the user's
+    unit; `spread` says how far uncertain inputs move it."""
     sentence: str
     """The answer in words."""
     tolerance: float
@@ -249,7 +250,7 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
     errors = {n: math.inf if lost else relative_error(one) for n, one in found.found.items()}
     until = horizon if track.finish is None else float(track.finish.time) * clock
     if not found.share <= 1:
-        until = min(until, kept_until(problem) * clock)
+        until = min(until, kept_until(problem, track) * clock)
     one = len(values) == 1
     return Answer(
         next(iter(values.values())) if one else values, found.model,
@@ -273,12 +274,9 @@ def _sentence(problem: Problem, found: Climbed, until: float) -> str:
     short = "has no bound" if math.isinf(found.share) else f"is {found.share:.3g} times that"
     who = found.model if found.alone else "No rung"
     verb = "misses" if found.alone else "keeps"
-    kept = f"the answer holds until {until:.4g}{unit}"
-    if end is None and until >= problem.last * float(problem.launches.scales["time"]):
-        kept = "the two finest runs agree to the horizon, but runs from starts near it part"
     return (
         f"{who} {verb} the tolerance {problem.tolerance:g}: the error of {found.model} {short} at "
-        f"the horizon{why}; {kept}."
+        f"the horizon{why}; the answer holds until {until:.4g}{unit}."
     )
 
 

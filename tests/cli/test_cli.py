@@ -14,7 +14,8 @@ from command_line import output, refused
 
 from stability.cli import main
 
-COMMANDS = ("spectrum", "map", "boundaries", "atlas", "table", "scene")
+COMMANDS = ("spectrum", "map", "boundaries", "atlas", "table", "scene", "simulate")
+OWN = ("spectrum", "map", "boundaries", "table", "simulate")
 MAP = ["map", "rolling", "--x", "at:1:2:6", "--y", "mu:0.1:1:5"]
 
 
@@ -119,7 +120,7 @@ def test_every_command_has_help_with_an_example_that_parses(
     assert stop.value.code == 0
     text = " ".join(capsys.readouterr().out.split())
     examples = text.split("example: stability ")[1:]
-    assert len(examples) >= (2 if command in ("spectrum", "map", "boundaries", "table") else 1)
+    assert len(examples) >= (2 if command in OWN else 1)
     from stability.cli.commands import _parser
 
     for example in examples:

@@ -129,6 +129,108 @@ def test_bad_questions_get_one_sentence_and_no_file(
     assert list(tmp_path.iterdir()) == []
 
 
+# --- a system of one's own ---
+
+SWING = """
+import casadi as ca, stability as st
+x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+swing = st.System(
+    "swing", x, p, ca.vertcat(x[1], -p[0] * x[0] - p[1] * x[1]), states=("q", "v"),
+    parameters=("k", "c"), units={"q": "m", "v": "m/s"},
+    observables={"energy": (p[0] * x[0] ** 2 + x[1] ** 2) / 2, "power": p[1] * x[1] ** 2},
+)
+rest = st.Family(swing, "rest", at=("k",), held={"q": 0, "v": 0})
+alone = st.System("alone", x[0], p[0], -p[0] * x[0], states=("q",), parameters=("k",))
+plain = st.System.from_function(lambda x, p: -x, name="plain", states=("q",))
+number = 3
+"""
+
+
+@pytest.fixture
+def swing(tmp_path: Path) -> str:
+    (tmp_path / "swing.py").write_text(SWING)
+    return str(tmp_path / "swing.py")
+
+
+def start_swing(place: str) -> list[str]:
+    return ["simulate", "--system", place, "--start", "q=1/10,v=0", "--param", "k=4",
+            "--param", "c=0.4"]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["swing", "rest"])
+def test_simulate_takes_ones_own_system_or_a_family_of_it(
+    capsys: pytest.CaptureFixture[str], swing: str, tmp_path: Path, name: str
+) -> None:
+    """The closed form: q = e^(-ct/2) (cos wt + c/(2w) sin wt) / 10 with w² = k - c²/4."""
+    words = [*start_swing(f"{swing}:{name}"), "--time", "10", "--tolerance", "1e-12"]
+    files = [str(tmp_path / n) for n in ("run.nc", "run.png")]
+    found = json.loads(output(capsys, *words, "--out", files[0], "--plot", files[1], "--json"))
+    w = math.sqrt(4 - 0.04)
+    q = math.exp(-2) * (math.cos(10 * w) + 0.2 / w * math.sin(10 * w)) / 10
+    assert found["final"]["q"] == pytest.approx(q, abs=1e-12)
+    assert list(found)[:4] == ["final", "time", "outcome", "energy_error"]
+    assert found["energy_error"] < 1e-11
+    assert (found["system"], found["parameters"]) == ("swing", {"k": 4.0, "c": 0.4})
+    assert found["units"] == {"time": "s", "q": "m", "v": "m/s"}
+    assert (found["nearest"]["family"], found["nearest"]["member"]) == ("rest", {"q": 0, "v": 0})
+    assert float(st.read_motion(files[0]).q[-1]) == found["final"]["q"]
+    assert Path(files[1]).stat().st_size > 10_000
+    assert found["files"] == {"out": files[0], "plot": files[1]}
+    text = output(capsys, *start_swing(f"{swing}:{name}"), "--time", "60")
+    assert text.startswith("outcome   settled:")
+    assert "time      60 s\nfinal     q = " in text
+    assert " from rest at k = 4" in text
+
+
+def test_a_system_without_families_runs_without_a_nearest_motion(
+    capsys: pytest.CaptureFixture[str], swing: str
+) -> None:
+    words = ["simulate", "--system", f"{swing}:alone", "--start", "q=1", "--param", "k=1"]
+    found = json.loads(output(capsys, *words, "--time", "2", "--points", "3", "--json"))
+    assert found["final"]["q"] == pytest.approx(math.exp(-2), rel=1e-8)
+    assert found["nearest"] is None
+    assert found["energy_error"] is None
+    assert "energy " not in output(capsys, *words, "--time", "2")
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "sentence"),
+    [
+        ("rest", ["--time", "1"], "--start is missing; give NAME=NUMBER for each state"),
+        ("rest", [], "--start and --time are missing; give NAME=NUMBER for each state, and a last"),
+        ("rest", ["--start", "q=1,v=0", "--time", "1"],
+         "k and c are missing; give --parameter k=NUMBER --parameter c=NUMBER"),
+        ("rest", ["--start", "q=0.1,v=0"], "--time is missing"),
+        ("rest", ["--start", "q=0.1", "--time", "1", "--param", "k=4", "--param", "c=1"],
+         "start does not name v; give q, v"),
+        ("rest", ["--start", "q=0.1,w=0", "--time", "1"], "start is 'w'; swing has q, v"),
+        ("rest", ["--start", "q=0.1,q=0", "--time", "1"], "q is given twice"),
+        ("rest", ["--start", "q=x,v=0", "--time", "1"], "q is 'x'; a number such as"),
+        ("rest", ["--start", "0.1,0", "--time", "1"], "--start is '0.1'; give NAME=NUMBER"),
+        ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--param", "k=4"],
+         "c is missing; give --parameter c=NUMBER"),
+        ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--param", "m=4"],
+         "parameter is 'm'; swing has k, c"),
+        ("rest", ["--start", "q=0.1,v=0", "--theta-dot", "0", "--time", "1"],
+         "--theta-dot belongs to the disk"),
+        ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--film", "f.html"],
+         "--film belongs to the disk"),
+        ("number", ["--start", "q=1", "--time", "1"],
+         "'number' is no system and no family of"),
+        ("number", ["--start", "q=1", "--time", "1"], "these are alone, plain, rest, swing"),
+        ("plain", ["--start", "q=1", "--time", "1"], "a Python function gives numbers"),
+    ],
+)  # fmt: skip
+def test_bad_launches_of_ones_own_system_get_one_sentence(
+    capsys: pytest.CaptureFixture[str], swing: str, name: str, words: list[str], sentence: str
+) -> None:
+    assert sentence in refused(capsys, "simulate", "--system", f"{swing}:{name}", *words)
+
+
+def test_start_by_name_is_for_a_system(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "--start belongs to --system" in refused(capsys, *ASK, "--start", "q=1", "--time", "1")
+
+
 def test_an_existing_file_is_kept_unless_forced(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -79,3 +79,23 @@ def test_a_cell_without_a_member_says_why() -> None:
     )
     said = family.search(np.array([[2.0, 1.0]]), np.zeros((1, 0))).why(0)
     assert "it stopped at a fold at p = 1, where this branch turns; branch with arc" in said
+
+
+def test_on_the_line_through_a_cusp_the_end_is_called_a_cusp() -> None:
+    """On one side of this line x³ = q x + p is followed to x < 0, on the other it ends at a fold.
+
+    So the members next to a cell on the line are of two kinds, and the line itself decides nothing.
+    """
+    rate, other, start, guess, *_ = CASES["cusp, from one member"]
+    family = built(rate, other).steady(
+        ("p", "q"), held={"y": 0.0}, guess={"x": guess, "p": start[0], "q": start[1]}
+    )
+    cells = np.array([[-0.3 - 1e-3, 2.0], [-0.3, 2.0], [-0.3 + 1e-3, 2.0]])
+    found = family.search(cells, np.zeros((3, 0)))
+    assert found.good.tolist() == [True, False, False]
+    lowest = Sheets(sp.expand(rate)).real(tuple(cells[0]))[0]
+    assert found.u[0, 0] == pytest.approx(float(lowest), abs=1e-10)
+    assert "it stopped at a cusp at p = 0, q = 0, through which this line runs" in found.why(1)
+    assert "it stopped at a fold at" in found.why(2)
+    near = family.search(np.array([[-0.3 - 1e-12, 2.0]]), np.zeros((1, 0)))
+    assert near.good[0] or "changes too fast to follow" in near.why(0)

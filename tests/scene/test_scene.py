@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stability as st
+from stability.bodies.thin_disk.disk_equations import STATES
 
 FAR = {"theta": 1.1, "omega3": 2.0}
 COIN = {"theta": 1.5, "omega3": 1.6}
@@ -98,6 +99,21 @@ def test_a_motion_beyond_its_horizon_of_prediction_says_until_when_it_holds() ->
     answer = _scene(contact=st.Rough(), start=start, horizon=400.0, tolerance=1e-12).answer()
     assert 0 < answer.until < 400.0
     assert "No rung keeps" in answer.sentence
+
+
+def test_a_rung_alone_that_misses_the_tolerance_holds_until_it_parts_from_the_full_model() -> None:
+    asked = {"start": {"theta": 1.3, "omega3": 2.0}, "horizon": 20.0, "tolerance": 1e-3}
+    scene = _scene(contact=st.Viscous(300.0), quantities="path", **asked)
+    answer = scene.answer(only="rough")
+    times = answer.path.time.values
+    full = st.simulate(st.Disk(), st.Viscous(300.0), asked["start"], times, tolerance=1e-12)
+    far = np.max(
+        [abs(answer.path[n] - full[n]) / np.maximum(1.0, abs(full[n])) for n in STATES], axis=0
+    )
+    parted = times[np.argmax(far > 1e-3)]
+    assert parted - 0.25 < answer.until < parted < 15.0
+    assert answer.sentence.startswith("rough misses the tolerance 0.001")
+    assert answer.sentence.endswith(f"the answer holds until {answer.until:.4g}.")
 
 
 def test_si_units_are_those_of_the_disk() -> None:

@@ -302,6 +302,40 @@ def test_a_third_survives_the_mass_matrix() -> None:
     assert found.abscissa == 0.0
 
 
+def test_the_angle_of_two_numbers_is_imported_exactly() -> None:
+    """The slope of atan2(x + v, 1/3) / 5 at 0 is 3/5 in x and v: λ² + (c - 3/5) λ + 2/5."""
+    x, v, c = symbols("x v c")
+    angle = sm.atan2(x + v, Rational(1, 3)) / 5
+    system = st.System.from_sympy({x: v, v: -x - c * v + angle}, parameters=[c])
+    family = st.Family(system, "rest", at=("c",), held={"x": 0.0, "v": 0.0})
+    edges = st.boundaries(family, axis=("c", 0.1, 2, 9))
+    assert edges.complete
+    assert [abs(e.value - 0.6) <= e.error < 1e-15 for e in edges] == [True]
+    found = st.spectrum(family, at=Rational(3, 5), certify=True)
+    assert found.verdict.word == "neutral"  # exactly at 3/5: a third has stayed a third
+    assert found.eigenvalues[1] == pytest.approx(1j * np.sqrt(0.4))
+
+
+def test_the_angle_has_the_quadrant_of_its_point() -> None:
+    x, v = symbols("x v")
+    system = st.System.from_sympy({x: sm.atan2(x, v), v: sm.atan2(v, -2) + sm.atan2(5, x)})
+    for place in ((1.0, 2.0), (1.0, -2.0), (-1.0, 2.0), (-1.0, -2.0)):
+        a, b = place
+        expected = [np.arctan2(a, b), np.arctan2(b, -2) + np.arctan2(5, a)]
+        assert system.rates(place, []) == pytest.approx(expected)
+
+
+def test_a_function_that_no_graph_has_goes_in_as_a_plain_function() -> None:
+    """The slope of erf at 0 is 2/√π."""
+
+    def rates(x: Any, p: Any) -> Any:
+        return np.array([x[1], -x[0] - p[0] * x[1] + mpmath.erf(x[1])], dtype=float)
+
+    system = st.System.from_function(rates, name="s", states=("x", "v"), parameters=("c",))
+    family = st.Family(system, "rest", at=("c",), held={"x": 0.0, "v": 0.0})
+    assert [st.spectrum(family, at=c).verdict.word for c in (1.12, 1.13)] == ["unstable", "stable"]
+
+
 @pytest.mark.parametrize(
     ("rate", "said"),
     [
@@ -313,6 +347,9 @@ def test_a_third_survives_the_mass_matrix() -> None:
         (lambda x: sm.sign(x), "use SymPy's sign"),
         (lambda x: sm.Piecewise((x, x > 0), (-x, True)), "use SymPy's Piecewise"),
         (lambda x: sm.gamma(x), "use SymPy's gamma"),
+        (lambda x: sm.erf(x), "SymPy's erf;.*System.from_function as a plain Python function, for"),
+        (lambda x: sm.atan2(sm.pi, x), "'pi'"),
+        (lambda x: sm.atan2(x, 2**60 + 1), "which no double is exactly"),
         (lambda x: dynamicsymbols._t * x, "time itself is none"),
         (lambda x: sm.Function("f")(dynamicsymbols._t).diff() + x, "neither a state nor"),
     ],

@@ -5,7 +5,6 @@ Source: tests/boundary/test_algebraic_boundaries.py.
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -75,31 +74,51 @@ class _Conditions:
     def fail(self, low: float, high: float) -> list[Unresolved]:
         """Parts on which a condition fails, or is not decided, neighbours alike as one."""
         least = FINEST * max(abs(low), abs(high))
-        heap = [(low - high, low, high)]
+        level = [(low, high)]
         parts: list[Unresolved] = []
         count = 0
-        while heap:
-            _, first, last = heapq.heappop(heap)
-            count += 1
-            reason = self._reason(first, last)
-            if reason == "":
-                continue
-            cut = first + (last - first) * CUT
-            if reason or count > MOST_PIECES or last - first <= least or not first < cut < last:
-                unsure = UNSURE.format(system=self.family.system.name)
-                parts.append(Unresolved(first, last, f"{reason or unsure}."))
-                continue
-            for part in ((first, cut), (cut, last)):
-                heapq.heappush(heap, (part[0] - part[1], *part))
+        while level:
+            cuts = [first + (last - first) * CUT for first, last in level]
+            wider, level = level, []
+            for (first, last), cut, near in zip(wider, cuts, self._members(wider), strict=True):
+                count += 1
+                reason = self._reason(first, last, near)
+                if reason == "":
+                    continue
+                if reason or count > MOST_PIECES or last - first <= least or not first < cut < last:
+                    unsure = UNSURE.format(system=self.family.system.name)
+                    parts.append(Unresolved(first, last, f"{reason or unsure}."))
+                    continue
+                level += [(first, cut), (cut, last)]
         return _joined(parts)
 
-    def _reason(self, low: float, high: float) -> str | None:
-        """Empty where all conditions hold on a piece; None where this is open."""
+    def _members(self, level: Sequence[tuple[float, float]]) -> list[list[float] | None]:
+        """Unknowns at the middle of each piece in double precision, followed all at once."""
+        family = self.family
+        if not family.unknown or family.closed:
+            return [[]] * len(level)
         with precision(BITS):
-            half = (arb(high) - arb(low)) / 2
-            middle = arb(low) + half
+            given = [self._given(arb(_ball(*ends).mid())) for ends in level]
+        a, q = (
+            np.array([[float(v.mid()) for v in part[i]] for part in given]).reshape(len(level), -1)
+            for i in (0, 1)
+        )
+        found = family.search(a, q)
+        return [u.tolist() if good else None for good, u in zip(found.good, found.u, strict=True)]
+
+    def _given(self, place: Any) -> tuple[list[Any], list[Any]]:
+        """Family parameters and parameters at a value of the axis, as balls."""
+        given = self.line.exact() | {self.line.axis: place}
+        at, others = self.family.at, self.family.parameters
+        return [arb(given[n]) for n in at], [arb(given[n]) for n in others]
+
+    def _reason(self, low: float, high: float, near: list[float] | None) -> str | None:
+        """Empty where all conditions hold on a piece; None where this is open."""
+        if near is None:
+            return None
+        with precision(BITS):
             try:
-                values = self._values(arb(middle.mid(), (half + middle.rad()).abs_upper()))
+                values = self._values(_ball(low, high), near)
             except (StabilityError, ZeroDivisionError):
                 return None
             if all(v > 0 for v in values):
@@ -111,22 +130,24 @@ class _Conditions:
                     return FAILS.format(sentence=said, **names)
         return None
 
-    def _values(self, place: Any) -> list[Any]:
-        family, given = self.family, self.line.exact()
-        given[self.line.axis] = place
-        a, q = ([given[n] for n in names] for names in (family.at, family.parameters))
-        near = None
-        if family.unknown and not family.closed:
-            point = given | {self.line.axis: arb(place.mid())}
-            here = [[point[n] for n in names] for names in (family.at, family.parameters)]
-            near = [float(v.mid()) for v in ball_unknowns(family, *here)]
+    def _values(self, place: Any, near: list[float]) -> list[Any]:
+        family = self.family
+        a, q = self._given(place)
         u = ball_unknowns(family, a, q, near)
         states = [arb(row[0]) for row in family.graph.state.dense(balls(), [a, u, q])]
-        own = [given[n] for n in family.system.parameters]
+        known = dict(zip((*family.at, *family.parameters), (*a, *q), strict=True))
+        own = [known[n] for n in family.system.parameters]
         return [
             arb(v[0]) if v else arb(0)
             for v in family.system.condition_program.run(balls(), [states, own])
         ]
+
+
+def _ball(low: float, high: float) -> Any:
+    """A ball that holds a piece."""
+    half = (arb(high) - arb(low)) / 2
+    middle = arb(low) + half
+    return arb(middle.mid(), (half + middle.rad()).abs_upper())
 
 
 def _joined(parts: list[Unresolved]) -> list[Unresolved]:

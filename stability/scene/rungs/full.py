@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...base.types import Floats
+from ...motion.neighbours import ROUNDING, signs
 from ...motion.result import Outcome, Result, Settings
 from ...motion.run import results
 from .track import Finish, Problem, Track, decade, relative
@@ -90,26 +91,37 @@ def truth_of(problem: Problem) -> tuple[Problem, Track]:
     return fine, full(fine)
 
 
-def kept_until(problem: Problem) -> float:
-    """The time up to which two fine runs of the full model agree within the tolerance.
+def kept_until(problem: Problem, track: Track) -> float:
+    """The time up to which an answer that misses the tolerance at its end holds.
+
+    Up to there two fine runs of the full model, and runs from starts that differ from the given
+    one by rounding, agree within the tolerance, and the track agrees with these.
 
     Parameters
     ----------
     problem
         The problem.
+    track
+        The track of the model that gave the answer.
     """
     times = np.linspace(0.0, problem.last, LOOKS)
-    problem = replace(problem, max_seconds=BRIEF * problem.max_seconds)
-    one, other = (
+    brief = replace(problem, max_seconds=BRIEF * problem.max_seconds)
+    off = np.outer([0.0, 1.0, -1.0], signs(len(problem.start))) * ROUNDING * problem.start
+    fine, *others = (
         problem.flow.reported(run.path.states)
-        for tolerance in (100 * FINEST, FINEST)
-        for run in _results(problem, problem.start[None], times, tolerance, check=False)
+        for starts, tolerance in ((off[:1], FINEST), (off, 100 * FINEST))
+        for run in _results(brief, problem.start + starts, times, tolerance, check=False)
     )
-    both = min(len(one), len(other))
-    apart = relative(one[:both] - other[:both], other[:both])
-    bad = np.flatnonzero(~(SAFETY * apart <= problem.tolerance))
-    last = int(bad[0]) - 1 if bad.size else both - 1
-    return float(times[max(last, 0)])
+    end = times[-1] if track.finish is None else min(times[-1], track.finish.time)
+    both = min(len(fine), *map(len, others), int(np.searchsorted(times, end, side="right")))
+    if not both:
+        return 0.0
+    fine, times = fine[:both], times[:both]
+    apart = [SAFETY * relative(other[:both] - fine, fine) for other in others]
+    apart.append(relative(track.at(times) - fine, fine))
+    bad = ~(np.max(apart, axis=0) <= problem.tolerance)
+    bad[-1] |= end == problem.last  # an error above the tolerance is stated there
+    return float(times[max(int(np.argmax(bad)) - 1, 0) if bad.any() else -1])
 
 
 def _stiff(problem: Problem) -> bool:

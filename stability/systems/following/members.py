@@ -12,7 +12,7 @@ from ...base.types import Floats
 from ..graph.family_graph import FamilyGraph
 from .roots import newton_step, roots
 from .sheet import follow
-from .singular_points import Curve, locate_branch_point, locate_fold
+from .singular_points import Curve, Located, locate_branch_point, locate_fold
 
 NEXT = 1e-4
 """Longest way from the end of a line to the fold or branch point that ended it, as a share."""
@@ -20,13 +20,20 @@ LAST = 1e-2
 """Largest correction of an unknown at the end of a line, relative to 1 or to the unknown."""
 TINY = 1e-6
 """Largest correction after three Newton steps there."""
-FOLD, CROSSING = "a fold at ", "a branch point at "
+UPRIGHT = 1e-5
+"""Curvature of the line's parameter over the unknowns at a fold, both over 1 or their size, below
+which it is a cusp: there the parameter does not turn."""
+FOLD, CROSSING, CUSP = "a fold at ", "a branch point at ", "a cusp at "
 BEYOND = {
+    CUSP: ", through which this line runs: lines on one side of it go on, and those on the other "
+    "end at a fold; take a known member from which the line does not meet it",
     FOLD: ", where this branch turns; branch with arclength=True goes round it",
     CROSSING: ", where another branch crosses; branch lists this point in branch_points, and "
     "its switch follows the other branch",
 }
 """What is on the other side of each singular point, and how to get there."""
+STEEP = ", where it changes too fast to follow; a known member closer by may reach it"
+"""The same where no singular point is resolved."""
 
 
 class Found(NamedTuple):
@@ -132,6 +139,7 @@ def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequ
     if share == 1 and wrong:
         return f"{family.name} has no member at {place}: {wrong[0]} is not positive there."
     curve = Curve(family.graph, len(family.at), anchor, asked - anchor)
+    beyond = STEEP if share < 1 else ""
     what, share = _singular(curve, u, share)
     stop = anchor + share * (asked - anchor)
     stop[np.abs(stop) < 1e-12 * np.abs(asked - anchor)] = 0.0
@@ -139,15 +147,28 @@ def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequ
         f"{family.name} has no member at "
         f"{listing([names[i] for i in moved], asked[moved])} that continuation from {start} "
         f"reaches: it stopped at {what}{listing([names[i] for i in moved], stop[moved])}"
-        f"{BEYOND.get(what, '')}."
+        f"{BEYOND.get(what, beyond)}."
     )
 
 
 def _singular(curve: Curve, u: Floats, share: float) -> tuple[str, float]:
-    """The words `a fold at ` or `a branch point at ` and its place, where one ends the line."""
+    """The words `a fold at `, `a cusp at ` or `a branch point at ` and the place of the end."""
     end = np.array([*u, share])
     for what, locate in ((FOLD, locate_fold), (CROSSING, locate_branch_point)):
         found = locate(curve, end)
         if found.resolved and abs(found.z[-1] - share) <= NEXT:
-            return what, float(found.z[-1])
+            upright = what == FOLD and _upright(curve, found)
+            return CUSP if upright else what, float(found.z[-1])
     return "", share
+
+
+@np.errstate(all="ignore")
+def _upright(curve: Curve, fold: Located) -> bool:
+    """Whether the curve's parameter does not turn at a fold: ψ r_uu φ φ = 0."""
+    z, left = fold.z, fold.left
+    n = len(z) - 1
+    slope = curve.at(z[None])[1][0]
+    phi = np.linalg.svd(slope[:, :n])[2][-1]
+    bend = np.einsum("i,kij,k,j->", left, curve.turning(z)[:n, :, :n], phi, phi)
+    size = float(np.max(1 + np.abs(z[:n]))) ** 2 / (1 + abs(float(z[-1])))
+    return bool(abs(bend) * size <= UPRIGHT * abs(left @ slope[:, -1]))

@@ -15,7 +15,7 @@ from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ..equations import Equations
 from .constants import Constants, exact_numbers, rounded
-from .implicit import Asked, Implicit, solvable
+from .implicit import Asked, Implicit, solvable, solved_rates
 from .slopes import rates_and_slopes
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
@@ -75,7 +75,7 @@ class FamilyGraph:
             self._conditions(table)
             return
         values, slopes = self._read(table)
-        residual = ca.vertcat(*[values[i] for i in rows]) if rows else ca.SX(0, 1)
+        residual = self._vanishing(values, table, rows)
         at_guess = self._read(guessed) if u else (values, slopes)
         self.closed = bool(u) and all(at_guess[0][i].is_zero() for i in rows)
         """Whether the first guess solves the equations identically."""
@@ -85,6 +85,34 @@ class FamilyGraph:
         self.matrix = self._program("matrix", slopes)
         self._equations(residual, self._numbers(guessed if self.closed else table, system.states))
         self._conditions(table)
+
+    def _vanishing(self, values: ca.SX, table: Mapping[str, Any], rows: Sequence[int]) -> ca.SX:
+        """What vanishes at a member: these rates, but F in place of M⁻¹ F where all of it does.
+
+        The roots are the same where M is regular, as it is wherever the rates have values; a graph
+        of F is much smaller than one that has eliminated M, and so are its enclosures.
+        """
+        system = self._system
+        found = {i: values[i] for i in rows}
+        if rows and system.mass is not None and system.forcing is not None:
+            solved = solved_rates(system)
+            if len(solved) == system.mass.size1() and set(solved) <= set(rows):
+                forcing = self._forcing(system.forcing, table)
+                if exact_numbers(system.mass, system.forcing, forcing) and solvable(system):
+                    found |= {i: forcing[j] for i, j in solved.items()}
+        return ca.vertcat(*found.values()) if found else ca.SX(0, 1)
+
+    def _forcing(self, forcing: ca.SX, table: Mapping[str, Any]) -> ca.SX:
+        """The forcing with these values for the symbols, zeros folded."""
+        system = self._system
+        bare = Program(ca.Function("forcing", [system.x, system.p], [ca.densify(forcing)]))
+        given = [[table[n] for n in names] for names in (system.states, system.parameters)]
+        for strict in (False, True):
+            values = bare.run(self._constants.algebra(strict=strict), given)[0]
+            found = ca.vertcat(*map(ca.SX, values))
+            if exact_numbers(found):
+                break
+        return found
 
     @property
     def numbers(self) -> tuple[list[float], tuple[float, ...]]:

@@ -3,10 +3,15 @@
 There the slope of such a function g(s) is infinite or has no value, and s often has the slope 0.
 CasADi folds 0 · ∞ to 0, so the linearisation alone does not show it.  Each number of the graph
 therefore answers two questions, from the instructions before it: may it move with the states to
-first order, and may it lack a slope.  At a distance r, an s that does not move changes by o(r), and
-then |s|, √s, s^e with e ≥ 1/2 and arccos(1 - s) by o(√r).  So does |s| of any s.  A product of two
-such numbers, or with a number that is 0, is o(r) again: x |x| has the slope 0.  Every other number
-at an edge stays without a slope.  Arguments are at an edge if their double is.
+first order, and may it lack a slope.  A root, power or arccos that has no value on one side of its
+edge has a slope only if its argument stays on the other side.  Each number therefore also answers
+whether the instructions prove its value at the state to be its least or largest nearby, as that of
+x² or 1 - cos(x) at 0.  Where they do not, as for x v, there is no slope.
+
+At a distance r, an s that does not move changes by o(r), and then |s|, √s, s^e with e ≥ 1/2 and
+arccos(1 - s) by o(√r).  So does |s| of any s.  A product of two such numbers, or with a number that
+is 0, is o(r) again: x |x| has the slope 0.  Every other number at an edge stays without a slope.
+Arguments are at an edge if their double is.
 """
 
 from __future__ import annotations
@@ -27,7 +32,8 @@ from ...base.types import Floats
 from ..equations import Equations
 
 KINKED = (
-    "have no slope there, as |x| or sqrt(x) at 0, or no value on one side, as x**1.5 at 0; a "
+    "have no slope there, as |x| or sqrt(x) at 0, or no value on one side, as x**1.5 or (x*v)**1.5 "
+    "at 0 (a base is known to be no less than 0 if it is written as squares, sizes or roots); a "
     "spectrum needs rates that are differentiable at the member."
 )
 REMOVABLE = (
@@ -35,12 +41,18 @@ REMOVABLE = (
     "gap is removable; cancel the common factor, put the first terms of its series in place of the "
     "quotient, or take a member next to it."
 )
-EDGES: dict[str, tuple[float, ...]] = {
-    "sqrt": (0.0,), "asin": (-1.0, 1.0), "acos": (-1.0, 1.0), "acosh": (1.0,),
+EDGES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
+    "sqrt": ((0.0,), ()), "asin": ((-1.0,), (1.0,)), "acos": ((-1.0,), (1.0,)),
+    "acosh": ((1.0,), ()),
 }  # fmt: skip
-"""Arguments at which a function has a value and no slope."""
+"""Least and largest arguments: there a function has a value and no slope, beyond it no value."""
 LEVEL: dict[str, tuple[float, ...]] = {"cos": (0.0,), "cosh": (0.0,)}
-"""Arguments at which a function has the slope 0."""
+"""Arguments at which a function has the slope 0: its largest value or its least."""
+FALLING = ("cos", "acos")
+"""Functions that fall, cos above 0 and the other everywhere; sin and tan rise near 0, cosh above 0,
+and the others everywhere."""
+STEEP = 1.5
+"""Largest argument at which sin and tan count as rising, half the largest for cos and cosh."""
 _CODES = {
     ca.OP_SQRT, ca.OP_FABS, ca.OP_ASIN, ca.OP_ACOS, ca.OP_POW, ca.OP_CONSTPOW, ca.OP_ACOSH,
     ca.OP_HYPOT, ca.OP_ATAN2,
@@ -62,37 +74,65 @@ class _Number:
     """Whether it may have no slope, and no product with 0 helps."""
     depends: bool = False
     """Whether any state is in it."""
+    least: Any = np.True_
+    """Whether no state nearby gives it a smaller value, by proof; so for a constant."""
+    most: Any = np.True_
+    """Whether none gives it a larger value."""
 
-    def _with(self, other: Any, value: Any, mine: Any, others: Any) -> _Number:
+    def _with(
+        self, other: Any, value: Any, mine: Any, others: Any, least: Any, most: Any
+    ) -> _Number:
         """Of two numbers; mine and others: whether each one's change counts."""
         return _Number(
             value, (self.moves & mine) | (other.moves & others),
             (self.kinked & mine) | (other.kinked & others), self.broken | other.broken,
-            self.depends or other.depends,
+            self.depends or other.depends, least, most,
         )  # fmt: skip
 
     def __add__(self, other: Any) -> _Number:
-        other = _number(other)
-        return self._with(other, self.value + other.value, np.True_, np.True_)
+        other, all_ = _number(other), np.True_
+        ends = self.least & other.least, self.most & other.most
+        return self._with(other, self.value + other.value, all_, all_, *ends)
 
     def __sub__(self, other: Any) -> _Number:
-        other = _number(other)
-        return self._with(other, self.value - other.value, np.True_, np.True_)
+        return self + -_number(other)
 
     def __mul__(self, other: Any) -> _Number:
+        square = self is other
         other = _number(other)
-        value = self.value * other.value
-        return self._with(other, value, np.not_equal(other.value, 0), np.not_equal(self.value, 0))
+        mine, others = np.not_equal(other.value, 0), np.not_equal(self.value, 0)
+        least = _product_least(self, other) | (square & ~others)
+        ends = least, _product_least(self, -other)
+        return self._with(other, self.value * other.value, mine, others, *ends)
 
     def __truediv__(self, other: Any) -> _Number:
         other = _number(other)
-        return self._with(other, self.value / other.value, np.True_, np.not_equal(self.value, 0))
+        inverse = replace(other, value=1 / other.value, least=other.most, most=other.least)
+        ends = _product_least(self, inverse), _product_least(self, -inverse)
+        moved = np.not_equal(self.value, 0)
+        return self._with(other, self.value / other.value, np.True_, moved, *ends)
 
     def __rtruediv__(self, other: Any) -> _Number:
         return _number(other) / self
 
     def __neg__(self) -> _Number:
-        return replace(self, value=-self.value)
+        return replace(self, value=-self.value, least=self.most, most=self.least)
+
+
+def _product_least(one: _Number, other: _Number) -> Any:
+    """Whether a product is least at the state, by the signs and ends of its factors."""
+    a, b = one.value, other.value
+    above = (a >= 0) & one.least & (b >= 0) & other.least
+    below = (a <= 0) & one.most & (b <= 0) & other.most
+    return above | below | _scaled_least(one, other) | _scaled_least(other, one)
+
+
+def _scaled_least(one: _Number, other: _Number) -> Any:
+    """Whether a product is least because one factor keeps its sign, and is constant or scales 0."""
+    a, b = one.value, other.value
+    fixed = one.least & one.most
+    end = ((a > 0) & other.least) | ((a < 0) & other.most) | (np.equal(a, 0) & fixed)
+    return (fixed | np.equal(b, 0)) & end
 
 
 def _number(value: Any) -> _Number:
@@ -102,9 +142,19 @@ def _number(value: Any) -> _Number:
 def _function(name: str) -> Callable[[Any], _Number]:
     def apply(x: Any) -> _Number:
         x = _number(x)
-        level = ~np.isin(x.value, LEVEL.get(name, ()))
-        edge = x.depends & np.isin(x.value, EDGES.get(name, ()))
-        return _at_edge(x, edge, x.moves & level, x.kinked & level, _PLAIN[name](x.value))
+        flat = np.isin(x.value, LEVEL.get(name, ()))
+        low, high = (np.isin(x.value, ends) for ends in EDGES.get(name, ((), ())))
+        edge, out = x.depends & (low | high), (low & ~x.least) | (high & ~x.most)
+        found = _at_edge(x, edge, x.moves & ~flat, x.kinked & ~flat, _PLAIN[name](x.value))
+        rises = (np.abs(x.value) < STEEP) | (name not in ("sin", "tan"))
+        rises &= ((x.value > 0) & (x.value < 2 * STEEP)) | (name not in LEVEL)
+        least, most = x.least & rises, x.most & rises
+        least, most = (most, least) if name in FALLING else (least, most)
+        least, most = least | (flat & (name == "cosh")), most | (flat & (name == "cos"))
+        fixed = x.least & x.most
+        return replace(
+            found, broken=found.broken | (x.depends & out), least=least | fixed, most=most | fixed
+        )
 
     return apply
 
@@ -118,42 +168,54 @@ def _at_edge(x: _Number, edge: Any, moves: Any, kinked: Any, value: Any) -> _Num
 
 def _fabs(x: Any) -> _Number:
     x = _number(x)
-    edge = np.equal(x.value, 0) & (x.moves | x.kinked)
-    return _Number(np.abs(x.value), x.moves & ~edge, x.kinked | edge, x.broken, x.depends)
+    zero = np.equal(x.value, 0)
+    edge = zero & (x.moves | x.kinked)
+    least = zero | np.where(x.value > 0, x.least, x.most)
+    most = np.where(zero, x.least & x.most, np.where(x.value > 0, x.most, x.least))
+    return _Number(
+        np.abs(x.value), x.moves & ~edge, x.kinked | edge, x.broken, x.depends, least, most
+    )
 
 
 def _power(x: Any, exponent: Any) -> _Number:
     """A power with an exponent that does not move: below 1/2 it is steeper than any root.
 
-    One that is not whole has no value on one side of 0, unless its base rests there as x² does.
+    One that is not whole has no value where its base is below 0.
     """
     x, e = _number(x), _number(exponent)
     whole = np.equal(e.value, np.round(e.value))
+    even = whole & np.equal(e.value % 2, 0)
     zero = np.equal(x.value, 0)
     level = ~(zero & (e.value > 1))
     edge = x.depends & zero & ~whole & (e.value < 1)
     found = _at_edge(x, edge, x.moves & level, x.kinked & level, _PLAIN["pow"](x.value, e.value))
     steep = (edge & (e.value < 0.5)) | (zero & e.depends)
-    steep = steep | (zero & ~whole & x.moves)
+    steep = steep | (x.depends & zero & ~whole & ~x.least)
+    rises, fixed = (e.value > 0) & (x.value >= 0) & (not e.depends), x.least & x.most
+    least = (rises & x.least) | (zero & even & (e.value > 0)) | fixed
     return _Number(
         found.value, found.moves | e.moves, found.kinked | e.kinked,
         found.broken | e.broken | steep, x.depends or e.depends,
+        least & (not e.depends), ((rises & x.most) | fixed) & (not e.depends),
     )  # fmt: skip
 
 
 def _sign(x: Any) -> _Number:
     return _Number(
         np.sign(_number(x).value)
-    )  # its own kink is a jump, where the rates have no value
+    )  # constant nearby; its own kink is a jump, where the rates have no value
 
 
 def _angle(y: Any, x: Any) -> _Number:
     """The angle of (x, y), which jumps by a turn at y = 0 ≥ x."""
     y, x = _number(y), _number(x)
     jumps = np.equal(y.value, 0) & np.less_equal(x.value, 0)
-    found = y._with(x, _PLAIN["atan2"](y.value, x.value), np.True_, np.not_equal(y.value, 0))
-    broken = found.broken | jumps
-    return _Number(found.value, found.moves, found.kinked, broken, found.depends)
+    ends = x.least & x.most & y.least & y.most
+    value, moved = _PLAIN["atan2"](y.value, x.value), np.not_equal(y.value, 0)
+    found = y._with(x, value, np.True_, moved, ends, ends)
+    return _Number(
+        found.value, found.moves, found.kinked, found.broken | jumps, found.depends, ends, ends
+    )
 
 
 _TABLE: dict[str, Callable[..., Any]] = {name: _function(name) for name in (*UNARY, *MORE)}
@@ -257,7 +319,8 @@ def sloped(system: Equations, x: Floats, p: Floats) -> NDArray[np.bool_]:
     if program is None:
         return fine
     moving = np.ones(len(x), dtype=bool)
-    states = [_Number(column, moving, depends=True) for column in x.T]
+    no = np.zeros(len(x), dtype=bool)
+    states = [_Number(column, moving, depends=True, least=no, most=no) for column in x.T]
     with np.errstate(all="ignore"):  # a value that is not finite is refused as such
         rates = program.run(_ALGEBRA, [states, [_Number(column) for column in p.T]])[0]
     for rate in map(_number, rates):

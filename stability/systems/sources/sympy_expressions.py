@@ -20,7 +20,9 @@ RECIPROCAL = {
 DIRECT: dict[str, Callable[[Any], Any]] = {n: getattr(ca, n) for n in (*UNARY, *MORE)} | {
     "Abs": ca.fabs
 }
-"""Functions of SymPy that a graph has, by SymPy's name."""
+"""Functions of one number in SymPy that a graph has, by SymPy's name."""
+ANGLE = "atan2"
+"""The one function of two numbers."""
 
 
 class Translation:
@@ -95,7 +97,7 @@ def _parts(one: Any) -> tuple[Any, ...]:
     """Arguments that are read first; a rational exponent is no term."""
     if one.is_Pow:
         return tuple(one.args[:1] if one.exp.is_Rational else one.args)
-    known = one.is_Function and type(one).__name__ in (*DIRECT, *RECIPROCAL)
+    known = one.is_Function and type(one).__name__ in (*DIRECT, *RECIPROCAL, ANGLE)
     return tuple(one.args) if one.is_Add or one.is_Mul or known else ()
 
 
@@ -111,6 +113,8 @@ def _term(one: Any, parts: list[Term]) -> Term:
         return reduce(times, parts, ONE)
     if one.is_Pow:
         return _power(one, parts)
+    if type(one).__name__ == ANGLE and len(parts) == 2:
+        return _angle(one, *parts)
     if one.is_Function and len(parts) == 1:
         return _function(one, parts[0])
     raise _refusal(one)
@@ -146,6 +150,19 @@ def _function(one: Any, part: Term) -> Term:
     return DIRECT[name](part)
 
 
+def _angle(one: Any, y: Term, x: Term) -> Term:
+    """The angle of (x, y); that of (c x, c y) with c > 0 is the same, so a fraction stays exact."""
+    for part in (y, x):
+        if isinstance(part, Fraction):
+            scale = Fraction(part.denominator)
+            y, x = times(scale, y), times(scale, x)
+    if any(isinstance(v, Fraction) and Fraction(float(v)) != v for v in (y, x)) or (
+        isinstance(y, Fraction) and isinstance(x, Fraction)
+    ):
+        raise _irrational(one)
+    return ca.atan2(graph(y), graph(x))
+
+
 def _irrational(one: Any) -> ParameterError:
     return ParameterError(
         f"the equations hold the number {shown(str(one))}, which no double is exactly; put a "
@@ -172,6 +189,8 @@ def _refusal(one: Any) -> ParameterError:
             "parameter; time itself is none, so the equations must not name it."
         )
     return ParameterError(
-        f"the equations use SymPy's {type(one).__name__}; a graph has + - * /, powers, abs, "
-        f"{', '.join(n for n in DIRECT if n != 'Abs')}."
+        f"the equations use SymPy's {type(one).__name__}; a graph has + - * /, powers, abs, sqrt, "
+        "exp, log, sin, sinh and their like, and the inverses, atan2 too: write it by these, or "
+        "give the rates to System.from_function as a plain Python function, for spectra without "
+        "proofs."
     )
