@@ -266,7 +266,8 @@ def test_the_command_prints_what_the_function_returns(
 @pytest.mark.parametrize(("words", "part"), [
     (("drift", "--csv", "--json"), "--json and --csv are both given"),
     (("drift", "--csv", "--out", "a.csv"), "--csv and --out are both given"),
-    (("drift", "--out", "drift.xlsx"), "--out is 'drift.xlsx'; the name must end in"),
+    (("drift", "--out", "drift.xlsx"), "--out is 'drift.xlsx'; the name must end in .csv, "
+     ".json, .tex or .txt."),
     (("drift", "--x", "at:1:2:3"), "x belongs to"),
     (("theorems", "--k", "0.25"), "k belongs to `table conditions`"),
 ])  # fmt: skip
@@ -293,5 +294,5 @@ def test_the_function_says_what_is_wrong(name: str, given: dict[str, Any], part:
 
 
 def test_a_file_of_another_ending_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(st.StabilityError, match=r"must end in \.csv"):
+    with pytest.raises(st.StabilityError, match=r"must end in \.csv, \.json, \.tex or \.txt\."):
         made("drift").write(tmp_path / "drift.docx")
