@@ -308,7 +308,7 @@ def known(name: str, value: Any, names: Collection[str]) -> str:
 def chosen(name: str, given: str | Sequence[str], names: Mapping[str, str]) -> list[str]:
     """Some of several names, or a refusal that lists them.
 
-    What is no name stands for every name in which, or in whose heading, a word begins with it.
+    What is no name chooses every name in which, or in whose heading, a word begins with it.
 
     Parameters
     ----------

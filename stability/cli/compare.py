@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
     what = "hardness classes, `boundary`, or motions" if chart else "hard cases"
     parser.add_argument("--cases", metavar="NAMES",
                         help=f"{what}, comma-separated; a word of a name or of a heading "
-                        "stands for all that have it (default: all)")  # fmt: skip
+                        "chooses all that have it (default: all)")  # fmt: skip
     parser.add_argument("--methods", metavar="NAMES",
                         help="routes or integrators, in the same way (default: all)")  # fmt: skip
     overwriting(parser, "write into a folder that holds other files")

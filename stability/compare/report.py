@@ -63,7 +63,7 @@ def report(
         whose cells are all in the folder.
     cases
         Names of what is asked, all if left out: hardness classes and `boundary` of spectra,
-        motions, scenes, hard cases of the catalogue.  A word of a name or of a heading stands for
+        motions, scenes, hard cases of the catalogue.  A word of a name or of a heading chooses
         all that have it.
     methods
         Who is asked, all if left out: names of routes and integrators, or words of names.
