@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .canvas import BASE, COLUMN, LEAST, STYLE, figure_style, styled  # isort: skip
 
+import io
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -20,6 +21,9 @@ from matplotlib.ticker import MaxNLocator
 from ..base.checks import positive
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, in_latex, plain_text
+
+SCREEN = 144.0
+"""Dots of a page for an inch of a figure: text of 7.5 points is small on a screen at 96."""
 
 
 class StyledFigure(Figure):
@@ -43,6 +47,13 @@ class StyledFigure(Figure):
         """Save in the figure's own settings, as `Figure.savefig` does."""
         with figure_style(self.settings):
             super().savefig(*args, **options)
+
+    def _repr_mimebundle_(self, **_: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The picture in a notebook, sharp, whether or not pyplot is imported there."""
+        kept = io.BytesIO()
+        self.savefig(kept, format="png", dpi=2 * SCREEN)
+        wide, tall = (round(SCREEN * side) for side in self.get_size_inches())
+        return {"image/png": kept.getvalue()}, {"image/png": {"width": wide, "height": tall}}
 
 
 @contextmanager
