@@ -225,7 +225,7 @@ def _diagram(here: Path, body: str, family: str, resolution: int) -> _Drawn:
 
 def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Picture:
     from ..figures.canvas import save
-    from ..figures.loci import plot_locus
+    from ..figures.locus.loci import plot_locus
 
     make, name, inertia = BODIES[body]
     disk = make()
@@ -253,7 +253,7 @@ def _locus(here: Path, body: str, family: str, mu: float, resolution: int) -> Pi
 
 def _lines(spectra: Any) -> str:
     """The caption's words on dashed lines, shared modes and circles, where these are drawn."""
-    from ..figures.locus_modes import mode_groups, tracked
+    from ..figures.locus.modes import mode_groups, tracked
 
     values, radius = tracked(spectra)
     groups = [list(columns) for columns in mode_groups(values) if len(columns) > 1]
@@ -280,7 +280,7 @@ def zeros_of_rates(spectra: Any) -> list[float]:
         Rising; each is a zero of the constant term or of the Hurwitz determinant, whose signs at
         its neighbours are proved.
     """
-    from ..figures.locus_modes import changes_of_sign, crossings, swept, tracked
+    from ..figures.locus.modes import changes_of_sign, crossings, swept, tracked
 
     values, radius = tracked(spectra)
     _, at = swept(spectra)

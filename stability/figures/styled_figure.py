@@ -175,7 +175,9 @@ def spacing(figure: Figure, **pads: float) -> None:
     engine.set(**pads)
 
 
-def key(axes: Axes, handles: Sequence[Any], title: str = "", **options: Any) -> None:
+def key(
+    axes: Axes, handles: Sequence[Any], title: str = "", reach: float = 1.3, **options: Any
+) -> None:
     """A legend above the axes, where it hides no data, and a title above it.
 
     Parameters
@@ -186,6 +188,8 @@ def key(axes: Axes, handles: Sequence[Any], title: str = "", **options: Any) -> 
         Entries; without one there is no legend.
     title
         Title.
+    reach
+        Widest row over the width of the axes.
     **options
         As for `Axes.legend`.
     """
@@ -195,7 +199,7 @@ def key(axes: Axes, handles: Sequence[Any], title: str = "", **options: Any) -> 
         # a swatch takes 2.7 sizes, and the gap between columns 1.2
         widest = max(wide(str(h.get_label())) for h in handles) + 3.9 * small()
         # a panel of the package's figures has margins; that of a user has neighbours
-        beyond = 1.3 if isinstance(axes.get_figure(root=True), StyledFigure) else 0.9
+        beyond = reach if isinstance(axes.get_figure(root=True), StyledFigure) else 0.9
         columns = min(len(handles), max(1, int((beyond * room + 1.2 * small()) / widest)))
         legend = axes.legend(
             handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns,

@@ -21,7 +21,7 @@ from stability.bodies.thin_disk.disk_equations import disk_system
 from stability.bodies.thin_disk.disk_quantities import QUANTITIES, disk_quantities, quantities_of
 from stability.figures.diagram import diagram
 from stability.figures.launch.caption import caption
-from stability.figures.loci import locus
+from stability.figures.locus.loci import locus
 
 PACKAGE = Path(st.__file__).parent
 TABLES = ("base/quantities.py", "bodies/disk_quantities.py")

@@ -10,6 +10,8 @@ import casadi as ca
 import h5py
 import numpy as np
 import pytest
+from figure_audit import faults
+from matplotlib.figure import Figure
 
 import stability as st
 from stability.cli.commands import main
@@ -105,11 +107,12 @@ def test_frequencies_are_the_imaginary_parts_without_sign() -> None:
     assert np.allclose(found, [[4, 4], [0, 0]], atol=1e-12)
 
 
-def test_every_growing_mode_says_so_and_no_other() -> None:
-    for at, c in ((25.0, -6.0), (25.0, 6.0), (-1.0, 0.0)):
+def test_every_mode_says_whether_it_grows_or_decays() -> None:
+    for at, c in ((25.0, -6.0), (25.0, 6.0), (-1.0, 0.0), (25.0, 0.0), (0.0, 1.0)):
         spectrum = st.spectrum(oscillator(), at=at, c=c)
         for value, label in zip(spectrum.eigenvalues, spectrum.modes.labels, strict=True):
-            assert (value.real > 0) == label.startswith(("growing", "growth")), label
+            assert (value.real > 0) == label.startswith("growing "), label
+            assert (value.real < 0) == label.startswith("decaying "), label
 
 
 # --- datasets ---
@@ -171,6 +174,49 @@ def test_plot_draws_the_loci() -> None:
     spectrum = st.spectrum("rolling", at=[1.2, 1.5, 1.8], contact=LAW)
     top = spectrum.plot(title="here").axes[0]
     assert top.get_title() == "here" and "growth rate" in top.get_ylabel()
+
+
+def test_a_single_spectrum_is_drawn_in_the_plane_with_its_verdict() -> None:
+    spectrum = st.spectrum("rolling", at=1.8, contact=LAW)
+    figure = spectrum.plot()
+    [axes] = figure.axes
+    assert axes.get_title() == "rolling: stable"
+    assert axes.get_xlabel() == "growth rate Re $\\lambda$  [$\\sqrt{g/R}$]"
+    spots = [line.get_xydata() for line in axes.lines if line.get_marker() == "o"]
+    drawn = {complex(*spot) for xy in spots for spot in np.asarray(xy)}
+    assert drawn == set(spectrum.eigenvalues.tolist())
+    entries = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert entries[0] == "1: decaying, $v_x$" and entries[-1] == "2 zeros by structure"
+    assert "k$ = 0.25" in figure.texts[-1].get_text()
+    assert faults(figure) == []
+    row = st.spectrum("rolling", at=[1.8], contact=LAW).plot(title="here")
+    assert row.axes[0].get_title() == "here: stable"
+    with pytest.raises(st.StabilityError, match="ax holds 2 axes; a single spectrum is drawn on"):
+        spectrum.plot(ax=Figure().subplots(2))
+    with pytest.raises(st.StabilityError, match="thresholds belongs to a spectrum along a"):
+        spectrum.plot(thresholds=[1.0])
+    with pytest.raises(st.StabilityError, match=r"has shape \(1, 2\); give a single one, or one"):
+        st.spectrum("rolling", at=[[1.2, 1.8]], contact=LAW).plot()
+
+
+@pytest.mark.parametrize(
+    ("at", "c", "markers", "scale"),
+    [(25.0, -6.0, "^", "linear"), (25.0, 0.0, "D", "linear"), (-1.0, 0.0, "o^", "linear"),
+     (1e-4, 10.0, "o", "asinh"), (0.0, 1.0, "Do", "linear")],
+)  # fmt: skip
+def test_a_marker_says_what_a_mode_does_and_no_rate_lies_on_the_axis_unseen(
+    at: float, c: float, markers: str, scale: str
+) -> None:
+    figure = st.spectrum(oscillator(), at=at, c=c).plot()
+    [axes] = figure.axes
+    found = {str(line.get_marker()) for line in axes.lines} - {"None", "+"}
+    assert found == set(markers)
+    assert axes.get_xscale() == scale
+    assert faults(figure) == []
+    low, high = axes.get_xlim()
+    assert low < 0 < high
+    (left, _), (zero, _), (right, _) = (axes.transData.transform((x, 0)) for x in (low, 0, high))
+    assert min(zero - left, right - zero) > 0.1 * (right - left)
 
 
 # --- names in calls ---

@@ -108,8 +108,8 @@ def test_the_time_of_a_motion_has_the_unit_of_the_system() -> None:
 def test_a_growing_oscillation_says_so() -> None:
     family = rest(oscillator())
     assert st.spectrum(family, at=1.0, c=0.2).modes.labels == ("growing oscillation of q, v",) * 2
-    assert st.spectrum(family, at=1.0, c=-0.2).modes.labels == ("oscillation of q, v",) * 2
-    assert st.spectrum(decay(), at=2.0).modes.labels == ("growth of level",)
+    assert st.spectrum(family, at=1.0, c=-0.2).modes.labels == ("decaying oscillation of q, v",) * 2
+    assert st.spectrum(decay(), at=2.0).modes.labels == ("growing mode of level",)
 
 
 def test_a_parameter_with_the_name_of_an_argument_is_given_in_parameters() -> None:
