@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..base.errors import ParameterError, StabilityWarning, shown
 from ..bodies.disk import Disk
-from ..bodies.law_names import law_given
+from ..bodies.law_names import law_only
 from ..bodies.round_body.body import Body
 from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import CASADI, flow_of
@@ -265,7 +265,7 @@ def _moving(first: Any, body: Any) -> Any:
 def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:
     """The contact law, or the parameters of a system, with those that are given by name."""
     if not parameters:
-        return law_given(contact, {}, motion=True) if not isinstance(disk, System) else contact
+        return law_only(contact, {}, motion=True) if not isinstance(disk, System) else contact
     if isinstance(disk, System):
         if contact is not None:
             raise ParameterError(
@@ -273,13 +273,7 @@ def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:
                 "argument; give all in one place."
             )
         return parameters
-    law = law_given(contact, parameters, motion=True)
-    if parameters:
-        raise ParameterError(
-            f"{shown(next(iter(parameters)))} is not an argument here; the disk's numbers go in "
-            "disk=Disk(...), and in contact=Viscous(mu) or contact='viscous' with mu=NUMBER."
-        )
-    return law
+    return law_only(contact, parameters, motion=True)
 
 
 def _not_flat(launches: Starts, settings: Settings) -> None:

@@ -14,6 +14,7 @@ from ..base.errors import ParameterError, shown
 from ..base.quantities import Kind
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.law_names import law_only
 from ..bodies.model import Model, system_model
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_model import disk_model
@@ -21,6 +22,26 @@ from ..motion.starts import Starts, gather
 from ..motion.system_starts import gather_system
 from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
+
+
+def law_in(disk: Any, contact: Any, mu: float | None) -> Any:
+    """The law of a scene; anything else than a word or a class is returned as it is.
+
+    Parameters
+    ----------
+    disk, contact, mu
+        As for `Scene`.
+
+    Raises
+    ------
+    ParameterError
+        If a number belongs to no law, or a law lacks its own.
+    """
+    if isinstance(disk, Disk):
+        return law_only(contact, {} if mu is None else {"mu": mu}, motion=True)
+    if mu is not None:
+        raise ParameterError("mu belongs to the disk; give a system's parameters in contact.")
+    return contact
 
 
 def laws_of(disk: Any, contact: Any) -> dict[str, Any]:

@@ -1,6 +1,8 @@
 """Spectra for a reader: text, HTML, labelled datasets, reasons, figures, and names in calls."""
 
+import enum
 import html.parser
+import inspect
 import json
 import re
 from pathlib import Path
@@ -238,6 +240,51 @@ def test_a_law_is_given_by_name_class_or_instance() -> None:
     assert one.abscissa.identical(
         st.stability_map("rolling", x=("omega3", 1, 2, 3), y=("mu", 1, 2, 3)).abscissa
     )
+
+
+SPINS = {"x": ("at", 1, 3, 4), "y": ("k", 0.2, 0.3, 3)}
+CALLS: dict[str, Any] = {
+    "spectrum": lambda **law: st.spectrum("rolling", at=1.8, **law),
+    "boundaries": lambda **law: st.boundaries("rolling", axis=("at", 1, 2, 5), **law),
+    "hopf": lambda **law: st.hopf("spinning", **law),
+    "drift": lambda **law: st.drift(at=1.8, tilt=0.01, **law),
+    "codimension_two": lambda **law: st.codimension_two("spinning", **SPINS, **law),
+    "stability_map": lambda **law: st.stability_map("spinning", **SPINS, **law).abscissa,
+    "stream_map": lambda **law: st.stream_map("spinning", **SPINS, **law),
+    "simulate": lambda **law: st.simulate(start={"theta": 1.5}, times=1.0, **law).theta,
+    "Scene": lambda **law: st.Scene(start={"theta": 1.5}, horizon=1.0, **law),
+}  # fmt: skip
+"""A call of every public name that takes a contact law."""
+
+
+def test_every_function_that_takes_a_law_is_called_here() -> None:
+    named = {name: getattr(st, name) for name in st.__all__}
+    no_call = (enum.Enum, Exception)
+    takes = {
+        name for name, one in named.items() if callable(one)
+        and not (isinstance(one, type) and issubclass(one, no_call))
+        and "contact" in inspect.signature(one).parameters
+    }  # fmt: skip
+    # a table takes the name alone, with mu as numbers of its rows
+    assert takes == {*CALLS, "table"}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_law_by_name_or_class_gives_what_the_law_gives(name: str, tmp_path: Path) -> None:
+    def result(**law: Any) -> Any:
+        if name != "stream_map":
+            return CALLS[name](**law)
+        path = CALLS[name](**law, out=tmp_path / "map.nc", overwrite=True)
+        return st.read_map(path).verdict
+
+    plain = result(contact=LAW)
+    for law in ("viscous", st.Viscous):
+        found = result(contact=law, mu=0.3)
+        assert found.equals(plain) if hasattr(plain, "equals") else found == plain
+    with pytest.raises(st.StabilityError, match="mu is missing; give Viscous"):
+        result(contact="viscous")
+    with pytest.raises(st.StabilityError, match="'mu' is not an argument here"):
+        result(contact=LAW, mu=0.3)
 
 
 @pytest.mark.parametrize(
