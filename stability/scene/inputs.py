@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base.checks import one_number
 from ..base.errors import ParameterError, shown
-from ..base.quantities import Kind
+from ..base.quantities import Kind, readable
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
@@ -164,7 +164,7 @@ def in_words(name: str, width: float, launches: Starts) -> str:
     if name not in launches.model.states:
         return f"{name} ± {100 * width:g} %"
     unit = launches.unit(name)
-    return f"{name} ± {width:g}" + ("" if unit == "1" else f" {unit}")
+    return f"{name} ± {width:g}" + ("" if unit == "1" else f" {readable(unit)}")
 
 
 def label(model: Model, name: str, *, dimensionless: bool) -> str:
@@ -181,7 +181,7 @@ def label(model: Model, name: str, *, dimensionless: bool) -> str:
     """
     found = model.attributes(name, dimensionless=dimensionless)
     unit = found.get("unit_in_words", found["units"])
-    return "" if unit == "1" else unit
+    return "" if unit == "1" else readable(unit)
 
 
 def setting(disk: Any, laws: Mapping[str, Any], start: Any, *asked: float) -> tuple[str, ...]:
@@ -204,7 +204,7 @@ def setting(disk: Any, laws: Mapping[str, Any], start: Any, *asked: float) -> tu
     else:
         model, plain = disk_model(type(next(iter(laws.values())))), disk.dimensionless
         sizes = (("mass", Kind.MASS), ("radius", Kind.LENGTH), ("gravity", Kind.ACCELERATION))
-        told = [f"{n} = {_told(getattr(disk, n))} {kind.si}" for n, kind in sizes]
+        told = [f"{n} = {_told(getattr(disk, n))}{kind.suffix}" for n, kind in sizes]
         about = "m = R = g = 1, without units" if plain else _listed(told)
         body = [f"disk: {about}, k = {_told(disk.k)}"]
         body += ["; ".join(_of_law(name, law, plain=plain) for name, law in laws.items())]
