@@ -182,7 +182,7 @@ BIRTHS = Definition(
         Column("at", "quantity of the axis at the boundary", form="{:.8g}"),
         _bound("error", "at", "{:.8g}"),
         word("kind", "how oscillation begins", share=0.13),
-        Column("stable_below", "whether it is stable below the boundary"),
+        Column("stable_below", "whether it is stable below the boundary", share=0.08),
         Column("frequency", "frequency of the crossing pair", latex=r"\omega", form="{:.6g}"),
         _bound("frequency_error", "frequency", "{:.6g}"),
         Column("crossing", "d Re λ by the axis", latex="c", form="{:.6g}"),

@@ -159,6 +159,19 @@ def test_latex_compiles_without_overfull_lines(case: str, tmp_path: Path) -> Non
 
 
 @needs_tex
+def test_long_units_of_a_users_system_leave_no_overfull_line(tmp_path: Path) -> None:
+    x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    rates = ca.vertcat(x[1], -ca.sin(x[0]) + c * (x[1] - x[1] ** 3))
+    system = st.System("swing", x, c, rates, states=("q", "v"), parameters=("c",),
+                       units={"q": "rad", "v": "rad/s", "c": "N*m^2*s"})  # fmt: skip
+    family = st.Family(system, "rest", at=("c",), held={"q": 0, "v": 0})
+    for text in (st.table("hopf", family, x=("c", -1, 1, 9)).to_latex(),
+                 st.table("conditions", family).to_latex()):  # fmt: skip
+        assert r"[N$\cdot$m$^{2}$$\cdot$s]" in text
+        assert re.findall(r"(Overfull .*|Undefined .*)", pages(text, tmp_path)) == []
+
+
+@needs_tex
 def test_the_log_shows_a_line_that_is_too_long(tmp_path: Path) -> None:
     text = made("drift").to_latex().replace("Spectrally", "Spectrally" * 20)
     assert "Overfull" in pages(text, tmp_path)

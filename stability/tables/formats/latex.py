@@ -125,10 +125,10 @@ def _head(column: Column) -> str:
 
 def _unit(column: Column, table: Content) -> str:
     text = column.unit(dimensionless=table.dimensionless)
+    if not text or column.latex == r"\pm":  # an error has the unit of the column before it
+        return ""
     plain = table.dimensionless and not isinstance(column.kind, str)
-    return (
-        f"{{[{unit(text, dimensionless=plain)}]}}" if text else ""
-    )  # a bare [ would belong to the line before
+    return f"{{[{unit(text, dimensionless=plain)}]}}"  # a bare [ would belong to the line before
 
 
 def _blocks(table: Content) -> list[list[str]]:
