@@ -279,8 +279,7 @@ def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
         return
     x = dataset[f"boundary_{_x(dataset)}"].values
     y = dataset[f"boundary_{_y(dataset)}"].values
-    curve = dataset.boundary_curve.values
-    kind = _without_specks(dataset.boundary_kind.values, curve)
+    kind, curve = dataset.boundary_kind.values, dataset.boundary_curve.values
     by_code = {code: crossing for crossing, code in KINDS.items()}
     seen: set[Crossing] = set()
     # on a certified map the line is thin, so that the strip shows on both its sides
@@ -307,16 +306,6 @@ def _handles(axes: Axes, dataset: xarray.Dataset, nameless: set[Verdict]) -> lis
         handles.append(Patch(facecolor=DIVERGING(0.2), edgecolor="white", linewidth=0.8,
                              label="proved box"))  # fmt: skip
     return handles + [patch(v) for v in Verdict if v in nameless]
-
-
-def _without_specks(kind: NDArray[Any], curve: NDArray[Any]) -> NDArray[Any]:
-    """Kinds along curves, where one point alone, such as the end on the frame, is as the next."""
-    found = kind.copy()
-    for start, stop in _runs(kind, curve):
-        near = [i for i in (start - 1, stop) if 0 <= i < len(kind) and curve[i] == curve[start]]
-        if stop == start + 1 and near:
-            found[start] = kind[near[0]]
-    return found
 
 
 def _runs(kind: NDArray[Any], curve: NDArray[Any]) -> list[tuple[int, int]]:

@@ -219,7 +219,7 @@ def test_the_legend_lists_no_boundary_of_one_point() -> None:
         "tumbling", x=("at", 0.02, math.pi / 2, 40), y=("mu", 0.01, 100, 30, "log"),
         disk=st.Disk.hoop(),
     )  # fmt: skip
-    assert (hoop.boundary_kind == 0).sum() == 1 and hoop.sizes["boundary_point"] > 20
+    assert hoop.sizes["boundary_point"] > 20
     spinning = st.stability_map("spinning", x=("at", 0.5, 5, 40), y=("mu", 0.01, 10, 30, "log"))
     both = ["flutter boundary", "static boundary"]
     for found, said in ((hoop, both[:1]), (spinning, both)):
