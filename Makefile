@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: atlas report peers test test-long lint bench derive lock clean
+.PHONY: atlas report notebooks pictures peers test test-long lint bench derive lock clean
 
 # The main job: the stability diagrams of three bodies, in atlas/index.html.
 atlas: $(READY)
@@ -13,6 +13,18 @@ atlas: $(READY)
 # report/index.html; what was finished before an interruption is kept.
 report: $(READY)
 	$(BIN)/stability report --out report
+
+# Jupyter with the notebooks; what is saved there goes to NAME.ipynb and NAME.py both.
+notebooks: .venv/.jupyter
+	$(BIN)/jupyter lab notebooks
+
+# Every notebook run from NAME.py, and kept with its output and pictures as NAME.ipynb.
+pictures: .venv/.jupyter
+	$(BIN)/python docs/notebooks.py
+
+.venv/.jupyter: $(READY)
+	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[notebook]'
+	@touch $@
 
 # Lint, types and every test.
 test: lint

@@ -1,6 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
+#     formats: ipynb,py:percent
 #     text_representation:
 #       extension: .py
 #       format_name: percent
@@ -23,9 +24,6 @@
 
 # %%
 import casadi as ca
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -89,4 +87,4 @@ for axis, title in zip(axes, titles, strict=True):
 figure.legend(fontsize=6.5, frameon=False, loc="outside lower center", ncols=2)
 axes[0].set_xlabel(r"$\dot\varphi$ from the boundary  [$\sqrt{g/R}$]")
 axes[1].set_xlabel(r"$\theta$ from the boundary  [rad]")
-figure.savefig("flutter_lines.png", dpi=200)
+plt.show()

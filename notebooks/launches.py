@@ -1,6 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
+#     formats: ipynb,py:percent
 #     text_representation:
 #       extension: .py
 #       format_name: percent
@@ -19,10 +20,6 @@
 # %%
 import math
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 
 import stability as st
@@ -43,8 +40,7 @@ run = st.simulate(disk, friction, start, np.linspace(0, 100, 2001), pose=True)
 print(st.spectrum("rolling", at=1.2, contact=friction).verdict.value)
 print(caption(run))
 figure = st.plot_motion(run, width=3.39)  # one journal column, the parts one below the other
-figure.savefig("launch.png", dpi=200)
-plt.close(figure)
+figure
 
 # %% [markdown]
 # Kinetic and potential energy plus the work of friction stay constant to the tolerance:

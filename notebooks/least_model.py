@@ -1,6 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
+#     formats: ipynb,py:percent
 #     text_representation:
 #       extension: .py
 #       format_name: percent
@@ -24,9 +25,6 @@
 # %%
 import math
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 import stability as st
@@ -91,8 +89,7 @@ for (name, part), style in zip(
     axes.plot(part.path.time, 1e3 * (part.path.theta - UPRIGHT), style, label=name)
 axes.set(xlabel="time [s]", ylabel="tilt [mrad]")
 figure.legend(fontsize=6.5, frameon=False, loc="outside upper center", ncols=3)
-figure.savefig("least_model.png", dpi=200)
-plt.close(figure)
+plt.show()
 
 # %% [markdown]
 # ## Which model answers?

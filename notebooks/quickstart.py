@@ -1,6 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
+#     formats: ipynb,py:percent
 #     text_representation:
 #       extension: .py
 #       format_name: percent
@@ -14,9 +15,11 @@
 # # From a coin to its stability diagram
 #
 # A coin can roll, spin on its edge, or tumble on its rim.  Which of these can be seen?  This
-# notebook answers for a US quarter on a table with viscous friction.  The notebook is stored as
-# text: open it with Jupytext, or run it as a script.  The tests run it; its assertions state the
-# expected output.
+# notebook answers for a US quarter on a table with viscous friction.
+#
+# `make notebooks` opens this page in Jupyter, to run and to change.  It is kept twice: as
+# `quickstart.ipynb` with its output and pictures, and as `quickstart.py`, a script with the same
+# cells.  The tests run it; its assertions state the expected output.
 
 # %%
 from pathlib import Path
@@ -73,10 +76,12 @@ found = st.stability_map(
     "spinning", x=("at", 20, 120, 160), y=("mu", 0.02, 50, 120, "log"), disk=coin
 )
 print(found)
-files = save(st.plot_map(found, title="a quarter spinning on its edge"), Path("quarter"))
+figure = st.plot_map(found, title="a quarter spinning on its edge")
+save(figure, Path("quarter"))
 st.write_map(found, "quarter.nc", overwrite=True)
 assert set(found.verdict.values.ravel().tolist()) == {1, 2}
 assert st.read_map("quarter.nc").identical(found)
+figure
 
 # %% [markdown]
 # The flutter curve starts on the static curve where mu √(gR) = 1, and falls to a limit for fast

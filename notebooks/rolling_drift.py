@@ -1,6 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
+#     formats: ipynb,py:percent
 #     text_representation:
 #       extension: .py
 #       format_name: percent
@@ -24,9 +25,6 @@
 
 # %%
 import casadi as ca
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import sympy
@@ -111,12 +109,8 @@ k, mu, start = 0.25, 0.3, 1.5 * np.sqrt(2)
 system = st.disk_system("viscous")
 problem = {"x": system.x, "p": system.p, "ode": system.rhs}
 options = {"reltol": 1e-11, "abstol": 1e-14, "max_num_steps": 10**9}
-plt.rc("font", size=7.5)  # one journal column wide
-plt.rc("axes", labelsize=7.5, titlesize=7.5)
-figure, axes = plt.subplots(2, 1, figsize=(3.39, 4.4), layout="constrained", sharex=True)
-differences = []
-for lean, colour, dashes in ((0.08, "#d55e00", "-"), (0.04, "#0072b2", "--"),
-                             (0.02, "#000000", ":")):  # fmt: skip
+runs, differences = [], []
+for lean in (0.08, 0.04, 0.02):
     told = st.drift(at=start, tilt=lean, contact=st.Viscous(mu))
     times = np.linspace(0, 1.02 * told.time, 600)[1:]
     integrator = ca.integrator("flow", "cvodes", problem, 0.0, list(times), options)
@@ -126,17 +120,23 @@ for lean, colour, dashes in ((0.08, "#d55e00", "-"), (0.04, "#0072b2", "--"),
     crossed = np.polyfit(path[3, near] - told.threshold, times[near], 3)[-1]
     differences.append(crossed / told.time - 1)
     print(f"tilt {lean}: crossed at {crossed:.1f}, formula {told.time:.1f}")
-    axes[0].plot(times / told.time, path[3], dashes, color=colour, label=f"tilt {lean}")
-    axes[1].plot(times / told.time, (path[0] - np.pi / 2) / lean, dashes, color=colour, lw=0.8)
+    runs.append((lean, times / told.time, path))
 orders = np.diff(np.log(np.abs(differences))) / np.log(0.5)
 print("observed order in the tilt:", orders.round(2))
 assert abs(differences[-1]) < 0.003
 assert np.all(np.abs(orders - 2) < 0.3)
 
 # %%
+plt.rc("font", size=7.5)  # one journal column wide
+plt.rc("axes", labelsize=7.5, titlesize=7.5)
+figure, axes = plt.subplots(2, 1, figsize=(3.39, 4.4), layout="constrained", sharex=True)
+looks = (("#d55e00", "-"), ("#0072b2", "--"), ("#000000", ":"))
+for (lean, times, path), (colour, dashes) in zip(runs, looks, strict=True):
+    axes[0].plot(times, path[3], dashes, color=colour, label=f"tilt {lean}")
+    axes[1].plot(times, (path[0] - np.pi / 2) / lean, dashes, color=colour, lw=0.8)
 axes[0].axhline(np.sqrt(2), color="0.4", lw=0.8, label="linear threshold")
 axes[0].set(ylabel=r"spin $\omega_3$  [$\sqrt{g/R}$]")
 figure.legend(fontsize=6.5, frameon=False, loc="outside lower center", ncols=2)
 axes[1].set(xlabel="time / formula", ylabel="tilt / tilt of the launch")
 figure.suptitle("Straight rolling drifts to its threshold (k = 1/4, mu = 0.3)", fontsize=7.5)
-figure.savefig("rolling_drift.png", dpi=200)
+plt.show()

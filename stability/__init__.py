@@ -67,7 +67,7 @@ _HOME = {
     "motion.starts": ("launch",),
     "figures.launch.animate": ("animate",),
     "figures.diagram": ("plot_map",),
-    "figures.loci": ("plot_locus",),
+    "figures.locus.loci": ("plot_locus",),
     "figures.launch.motion": ("plot_motion",),
     "motion.result": ("Outcome",),
     "motion.netcdf": ("read_motion", "write_motion"),
@@ -82,7 +82,7 @@ _HOME = {
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
-_FIGURES = {"spectrum": ("figures.loci", "plot_locus")}
+_FIGURES = {"spectrum": ("figures.locus.loci", "plot_locus")}
 """Kind of result: where the function is that `.plot()` calls."""
 
 __all__ = sorted(_WHERE)  # noqa: PLE0605
@@ -150,7 +150,7 @@ if TYPE_CHECKING:
     from .figures.diagram import plot_map as plot_map
     from .figures.launch.animate import animate as animate
     from .figures.launch.motion import plot_motion as plot_motion
-    from .figures.loci import plot_locus as plot_locus
+    from .figures.locus.loci import plot_locus as plot_locus
     from .maps.netcdf import read_map as read_map
     from .maps.netcdf import write_map as write_map
     from .maps.stability_map import stability_map as stability_map

@@ -237,7 +237,7 @@ def _diagram(here: Path, body: str, family: str, resolution: int) -> tuple[Any, 
 
 def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, _Drawn]:
     from ..boundary.changes import boundaries
-    from ..figures.loci import plot_locus
+    from ..figures.locus.loci import plot_locus
     from ..spectra.spectrum import spectrum
 
     make, name, inertia = BODIES[body]
@@ -267,7 +267,7 @@ def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, _Dr
 
 def _lines(spectra: Any) -> str:
     """The caption's words on dashed lines, shared modes and circles, where these are drawn."""
-    from ..figures.locus_modes import mode_groups, tracked
+    from ..figures.locus.modes import mode_groups, tracked
 
     values, radius = tracked(spectra)
     groups = [list(columns) for columns in mode_groups(values) if len(columns) > 1]
@@ -295,7 +295,7 @@ def zeros_of_rates(spectra: Any) -> list[float]:
         its neighbours are proved.
     """
     from ..boundary.brackets import AxisScan, zeros
-    from ..figures.locus_modes import changes_of_sign, crossings, swept, tracked
+    from ..figures.locus.modes import changes_of_sign, crossings, swept, tracked
     from ..spectra.disk_problem import disk_problem
 
     values, radius = tracked(spectra)

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from functools import wraps
+import re
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import NameUnknownError, ParameterError, StabilityError, shown
+from .errors import NameUnknownError, ParameterError, shown
 from .exact_numbers import warn_rounded
 
 Number = float | NDArray[np.float64]
 MOST_WORKERS = 1024
 """Largest number of threads or processes."""
 Kind = TypeVar("Kind")
-Method = TypeVar("Method", bound=Callable[..., Any])
 
 
 def checked(name: str, value: ArrayLike) -> Number:
@@ -220,41 +219,6 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
         ) from None
 
 
-def arithmetic(remedy: str) -> Callable[[Method], Method]:
-    """Wrap a formula over any number type; a failed operation becomes a refusal in a sentence.
-
-    Parameters
-    ----------
-    remedy
-        Accepted arguments of the formula, for the message.
-
-    Returns
-    -------
-    function
-        A decorator of methods.
-    """
-
-    def wrap(method: Method) -> Method:
-        @wraps(method)
-        def formula(self: Any, *values: Any, **named: Any) -> Any:
-            try:
-                with np.errstate(divide="raise", invalid="raise", over="ignore"):
-                    found = method(self, *values, **named)
-                parts = found if isinstance(found, list) else [found]
-                if any(isinstance(v, (float, np.ndarray)) and np.isnan(v).any() for v in parts):
-                    raise FloatingPointError
-                return found
-            except StabilityError:
-                raise
-            except Exception as error:  # the numbers' own code may raise anything
-                given = ", ".join(map(shown, (*values, *named.values())))
-                raise ParameterError(f"{given}: {type(error).__name__}; {remedy}.") from None
-
-        return formula  # type: ignore[return-value]
-
-    return wrap
-
-
 def flag(name: str, value: Any) -> bool:
     """True or False, or a refusal.
 
@@ -339,6 +303,47 @@ def known(name: str, value: Any, names: Collection[str]) -> str:
     if not isinstance(value, str) or value not in names:
         raise NameUnknownError(f"{name} is {shown(value)}; known are {', '.join(names)}.")
     return str(value)
+
+
+def chosen(name: str, given: str | Sequence[str], names: Mapping[str, str]) -> list[str]:
+    """Some of several names, or a refusal that lists them.
+
+    What is no name chooses every name in which, or in whose heading, a word begins with it.
+
+    Parameters
+    ----------
+    name
+        Name of the argument in the message.
+    given
+        Words: several, or one text with commas.
+    names
+        Heading of each known name; empty without one.
+
+    Returns
+    -------
+    list of str
+        In the order of `names`.
+
+    Examples
+    --------
+    >>> chosen("method", "ad, MP", {"ad": "", "radau": "", "mpmath-30": ""})
+    ['ad', 'mpmath-30']
+    """
+    words = given.split(",") if isinstance(given, str) and given not in names else given
+    words = [words] if isinstance(words, str) else words
+    if not isinstance(words, Sequence) or not words:
+        raise ParameterError(f"{name} is {shown(given)}; give a list of names.")
+    found: set[str] = set()
+    for word in words:
+        part = word.strip().lower() if isinstance(word, str) else ""
+        begins = re.compile(rf"(?<!\w){re.escape(part)}", re.IGNORECASE)
+        parts = [n for n, head in names.items() if part and begins.search(f"{n} {head}")]
+        exact = [n for n in names if part == n.lower()]
+        if not parts:
+            known = ", ".join(dict.fromkeys(head or n for n, head in names.items()))
+            raise NameUnknownError(f"{name} is {shown(word)}; known are {known}.")
+        found |= set(exact or parts)
+    return [n for n in names if n in found]
 
 
 def instance(name: str, value: Any, kind: type[Kind], remedy: str) -> Kind:

@@ -48,7 +48,7 @@ class Kind(Enum):
     @property
     def suffix(self) -> str:
         """The SI unit after a number in a sentence; nothing for a number without a unit."""
-        return "" if self is Kind.NUMBER else f" {self.si.replace('2', '²')}"
+        return "" if self is Kind.NUMBER else f" {readable(self.si)}"
 
 
 @dataclass(frozen=True)
@@ -203,6 +203,44 @@ def unit_of(attributes: Mapping[str, Any]) -> str:
     return str(attributes.get("unit_in_words", attributes.get("units", "1")))
 
 
+RAISED = dict(zip("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻", strict=True))
+"""Digits of an exponent in plain text."""
+KNOWN_UNIT = re.compile(
+    "(da|[yzafpnuµμmcdhkMGTPEZY])?(m|s|g|N|J|W|Pa|rad|sr|A|V|K|mol|cd|Hz|C|F|Ω|H|T|Wb|S|l|L|eV|bar)"
+    "|min|h|d|days?|a|yr|years?|deg|ft|in|lb|mi|yd"
+)
+"""Words after which a digit is an exponent, also without a sign for it."""
+_POWER = re.compile(r"(?<!\w)([^\W\d_]+)(\*\*|\^)?(\(-?\d+\)|-?\d+)(?![\w.])")
+
+
+def readable(unit: str) -> str:
+    """A unit as a reader expects it: exponents are raised, a dot is for a product.
+
+    Parameters
+    ----------
+    unit
+        As it was typed.
+
+    Returns
+    -------
+    str
+        The same where nothing is recognised.
+
+    Examples
+    --------
+    >>> [readable(u) for u in ("kg m2", "m/s^2", "kg*m**2", "s-1", "beat2", "√(g/R)")]
+    ['kg m²', 'm/s²', 'kg·m²', 's⁻¹', 'beat2', '√(g/R)']
+    """
+
+    def raised(match: re.Match[str]) -> str:
+        word, sign, digits = match.groups()
+        if not sign and not (KNOWN_UNIT.fullmatch(word) and digits[0] != "("):
+            return match[0]
+        return word + "".join(RAISED[c] for c in digits.strip("()"))
+
+    return re.sub(r" ?(?<!\*)\*(?!\*) ?", "·", _POWER.sub(raised, unit))
+
+
 def axis_label(quantity: Quantity | None, name: str, unit: str) -> str:
     """Name in words, symbol and unit of an axis; the bare name where its quantity is not known."""
     words = f"{quantity.long_name} {quantity.typeset}".strip() if quantity else plain_text(name)
@@ -210,14 +248,14 @@ def axis_label(quantity: Quantity | None, name: str, unit: str) -> str:
 
 
 def in_latex(unit: str) -> str:
-    """The unit of a kind as a figure shows it; an unknown unit unchanged.
+    """The unit of a kind as a figure shows it; any other unit as a reader expects it.
 
     Examples
     --------
-    >>> in_latex("m g"), in_latex("m/s2"), in_latex("furlong")
-    ('$mg$', 'm/s$^2$', 'furlong')
+    >>> in_latex("m g"), in_latex("m/s2"), in_latex("kg m2")
+    ('$mg$', 'm/s$^2$', 'kg m²')
     """
-    return _IN_LATEX.get(unit, plain_text(unit))
+    return _IN_LATEX.get(unit) or plain_text(readable(unit))
 
 
 def _in_latex(words: str) -> str:

@@ -1,14 +1,18 @@
-"""Names in a user's own modules: found from a folder too, and refused in one sentence."""
+"""A user's own modules and formulas: what they raise becomes one sentence."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import TypeVar
+from functools import wraps
+from typing import Any, TypeVar
 
-from .errors import NameUnknownError, shown
+import numpy as np
+
+from .errors import NameUnknownError, ParameterError, StabilityError, shown
 
 T = TypeVar("T")
+Method = TypeVar("Method", bound=Callable[..., Any])
 
 
 def imported(what: str, place: str, load: Callable[[], T], folder: str, remedy: str) -> T:
@@ -46,3 +50,38 @@ def imported(what: str, place: str, load: Callable[[], T], folder: str, remedy: 
         ) from None
     finally:
         sys.path[:] = before
+
+
+def arithmetic(remedy: str) -> Callable[[Method], Method]:
+    """Wrap a formula over any number type; a failed operation becomes a refusal in a sentence.
+
+    Parameters
+    ----------
+    remedy
+        Accepted arguments of the formula, for the message.
+
+    Returns
+    -------
+    function
+        A decorator of methods.
+    """
+
+    def wrap(method: Method) -> Method:
+        @wraps(method)
+        def formula(self: Any, *values: Any, **named: Any) -> Any:
+            try:
+                with np.errstate(divide="raise", invalid="raise", over="ignore"):
+                    found = method(self, *values, **named)
+                parts = found if isinstance(found, list) else [found]
+                if any(isinstance(v, (float, np.ndarray)) and np.isnan(v).any() for v in parts):
+                    raise FloatingPointError
+                return found
+            except StabilityError:
+                raise
+            except Exception as error:  # the numbers' own code may raise anything
+                given = ", ".join(map(shown, (*values, *named.values())))
+                raise ParameterError(f"{given}: {type(error).__name__}; {remedy}.") from None
+
+        return formula  # type: ignore[return-value]
+
+    return wrap

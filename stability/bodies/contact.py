@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ..base.checks import Number, arithmetic, positive
+from ..base.checks import Number, positive
 from ..base.errors import NameUnknownError, ParameterError
 from ..base.types import Record
+from ..base.user_code import arithmetic
 
 ZERO_MU = "friction must be positive (without friction the law is Smooth(), `--contact smooth`)"
 

@@ -140,6 +140,39 @@ def refuse_misspelt(law: type[Contact], given: Collection[str]) -> None:
             raise NameUnknownError(f"{shown(name)} is not an argument here; {near} is.")
 
 
+def law_only(contact: Any, given: dict[str, Any], *, motion: bool = False) -> Any:
+    """The contact law of a call that takes no other numbers by name.
+
+    Parameters
+    ----------
+    contact, given, motion
+        As for `law_given`.
+
+    Returns
+    -------
+    Contact
+        Anything else that was given is returned as it is.
+
+    Raises
+    ------
+    NameUnknownError, ParameterError
+        As for `law_given`, or if a number belongs to no law.
+
+    Examples
+    --------
+    >>> law_only("rough", {}).name
+    'rough'
+    """
+    law = law_given(contact, given, motion=motion)
+    for name in given:
+        refuse_misspelt(Viscous, given)
+        raise ParameterError(
+            f"{shown(name)} is not an argument here; the disk's numbers go in disk=Disk(...), and "
+            "in contact=Viscous(mu) or contact='viscous' with mu=NUMBER."
+        )
+    return law
+
+
 def class_named(name: str, *, motion: bool = False) -> type[Contact]:
     """The class of a contact law by its name; arguments as in `law_named`."""
     own = isinstance(name, str) and ":" in name

@@ -23,7 +23,7 @@ TAKEN = (
     "time", "outcome", "evidence", "end_time", "end_time_error", "settled_time", "energy_error",
     "final_error", "steps", "method", "running", "number", "nearest_family", "nearest_distance",
     "nearest_member", "event_launch", "event_time", "event_kind", "event_state", "event_direction",
-    "dissipated", "audit", "launch", "event", "state", WORK, PROBE,
+    "start_state", "dissipated", "audit", "launch", "event", "state", WORK, PROBE,
 )  # fmt: skip
 """Names of a motion's dataset that no state, parameter or observable can have."""
 

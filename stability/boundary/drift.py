@@ -22,6 +22,7 @@ from ..base.types import Floats, Record
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LinearViscous, Viscous, stored
 from ..bodies.disk import Disk
+from ..bodies.law_names import law_only
 from ..spectra.disk_problem import disk_problem
 
 FORMULAS = {
@@ -69,8 +70,9 @@ def drift(
     at: ArrayLike,
     tilt: ArrayLike,
     disk: Disk | None = None,
-    contact: Contact | None = None,
+    contact: Contact | type[Contact] | str | None = None,
     launch: bool = True,
+    **parameters: ArrayLike,
 ) -> Drift:
     """Duration of spectrally stable rolling with a small tilt under viscous friction.
 
@@ -84,10 +86,13 @@ def drift(
     disk
         The body; the uniform disk with m = R = g = 1 when left out.
     contact
-        `Viscous` or `LinearViscous`.
+        `Viscous` or `LinearViscous`, or the name or class of one of them with its parameter by
+        name, such as `contact="viscous", mu=0.3`.
     launch
         Whether the start is a launch with this tilt, phi_dot = 0 and no slip, after which a fast
         transient changes the tilt at first order.  Otherwise it lies on the slow manifold.
+    **parameters
+        Parameters of a law that is named.
 
     Returns
     -------
@@ -108,6 +113,7 @@ def drift(
     >>> d.time.round().tolist()
     [5075.0, 28471.0]
     """
+    contact = law_only(contact, dict(parameters))
     if not (isinstance(contact, (Viscous, LinearViscous)) and stored(type(contact))):
         raise ParameterError(
             f"contact is {shown(contact)}; drift needs a law with friction: Viscous(mu) or "

@@ -38,6 +38,7 @@ from ..base.checks import instance, whole_number
 from ..base.errors import ParameterError, StabilityError, StabilityWarning, listed, shown
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.law_names import law_only
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.by_name import of_body
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
@@ -67,7 +68,12 @@ MOST_POINTS = 100_000
 
 @overload
 def hopf(
-    family: str, *, contact: Contact | None = None, disk: Disk | None = None, points: int = 400
+    family: str,
+    *,
+    contact: Contact | type[Contact] | str | None = None,
+    disk: Disk | None = None,
+    points: int = 400,
+    **parameters: float,
 ) -> list[HopfPoint]: ...
 @overload
 def hopf(
@@ -105,7 +111,8 @@ def hopf(
         A family of a user's system; or `spinning`, `tumbling`, or another family of the disk with
         `DiskFamily.flutter`.
     contact
-        For the disk: a law with friction; each parameter is one number.
+        For the disk: a law with friction, or the name or class of one with its parameters by name,
+        such as `contact="viscous", mu=0.3`; each parameter is one number.
     disk
         The body, one number each; the uniform disk with m = R = g = 1 when left out.
     body
@@ -116,7 +123,8 @@ def hopf(
         For a body and a user's family: (name, low, high, n) or (name, low, high, n, "log"), as for
         `boundaries`.
     **parameters
-        For a user's family: every other quantity, one number each, or `at` as for `boundaries`.
+        For a user's family: every other quantity, one number each, or `at` as for `boundaries`; for
+        the disk: the parameters of a law that is named.
 
     Returns
     -------
@@ -168,10 +176,10 @@ def hopf(
                 f"axis is missing; {family.name} needs (name, low, high, n), as for boundaries."
             )
         return births(family, axis, dict(parameters))
-    for name in (["axis"] if axis is not None else []) + list(parameters):
+    if axis is not None or "at" in parameters:
         raise ParameterError(
-            f"{name} belongs to a user's family; the disk's lines are searched throughout, with "
-            "disk=Disk(...) and contact=Viscous(mu)."
+            f"{'axis' if axis is not None else 'at'} belongs to a user's family; the disk's lines "
+            "are searched throughout, with disk=Disk(...) and contact=Viscous(mu)."
         )
     record = FAMILIES.get(family) if isinstance(family, str) else None
     if record is None or record.flutter is None:
@@ -180,6 +188,7 @@ def hopf(
             f"family is {shown(family)}; {lines} have such boundaries (rolling passes its own "
             "slowly, see drift)."
         )
+    contact = law_only(contact, dict(parameters))
     if not isinstance(contact, Contact) or not contact.parameters:
         raise ParameterError(f"contact is {shown(contact)}; a law with friction is needed.")
     points = whole_number("points", points, 2, MOST_POINTS, "the search takes time for each")

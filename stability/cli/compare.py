@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..storage.json_text import json_text
 from .options import overwriting
 from .terminal import progress_bar
+
+if TYPE_CHECKING:
+    from ..jobs.processes import Task
 
 CHARTS = ("spectrum", "motion")
 """Subjects of a chart."""
@@ -33,6 +37,12 @@ def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
     parser.add_argument("--workers", type=int, metavar="N",
                         help="processes for the catalogue (default: all cores); charts are timed, "
                         "and take one")  # fmt: skip
+    what = "hardness classes, `boundary`, or motions" if chart else "hard cases"
+    parser.add_argument("--cases", metavar="NAMES",
+                        help=f"{what}, comma-separated; a word of a name or of a heading "
+                        "chooses all that have it (default: all)")  # fmt: skip
+    parser.add_argument("--methods", metavar="NAMES",
+                        help="routes or integrators, in the same way (default: all)")  # fmt: skip
     overwriting(parser, "write into a folder that holds other files")
 
 
@@ -55,14 +65,17 @@ def run(options: argparse.Namespace) -> None:
         parts = ("failures",)
     if options.workers is not None and options.workers < 1:
         raise ParameterError(f"--workers is {options.workers}; give a whole number above 0.")
+    choice = {"cases": options.cases, "methods": options.methods}
     with progress_bar("cells") as progress:
-        from ..compare.report import PARTS, report
+        from ..compare.plan import PARTS, planned
+        from ..compare.report import report
 
         parts = parts or tuple(PARTS)
         page = report(
-            options.out, parts, overwrite=options.force, workers=options.workers, progress=progress
-        )
-        found = summary(page.parent, parts)
+            options.out, parts, **choice, overwrite=options.force, workers=options.workers,
+            progress=progress,
+        )  # fmt: skip
+        found = summary(page.parent, planned(parts, **choice))
     if options.json:
         print(json_text(found))
         return
@@ -71,15 +84,15 @@ def run(options: argparse.Namespace) -> None:
     print(f"open {page}")
 
 
-def summary(folder: Path, parts: tuple[str, ...]) -> dict[str, Any]:
+def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[str, Any]:
     """Contents of a folder, for JSON.
 
     Parameters
     ----------
     folder
         Folder of a report.
-    parts
-        Names of the parts to describe.
+    plan
+        Tasks of the parts to describe.
 
     Returns
     -------
@@ -91,15 +104,16 @@ def summary(folder: Path, parts: tuple[str, ...]) -> dict[str, Any]:
     """
     from ..base.provenance import machine
     from ..compare import failures as catalogue
-    from ..compare.parts import FAILURES, SCENES, standings
+    from ..compare.parts import standings
+    from ..compare.plan import FAILURES, SCENES, asked
     from ..compare.report import part
     from ..compare.scenes import choice
     from ..jobs.journal import Journal
 
     cells = Journal(folder).cells
     out: dict[str, Any] = {"page": str(folder / "index.html"), "machine": machine()}
-    for name in parts:
-        one = part(name, cells)
+    for name, groups in plan.items():
+        one = part(name, asked(groups, cells))
         files = [str(folder / f) for f in one.data]
         files += [str(folder / f"{plate.stem}.png") for plate in one.plates]
         if name == SCENES:
@@ -140,6 +154,8 @@ def lines(found: dict[str, Any]) -> list[str]:
     for name in CHARTS:
         if name in found:
             best = nearest([Standing(**row) for row in found[name]["standings"]]).values()
+            if not best:  # no default route was asked
+                continue
             behind = sorted((s for s in best if not s.on_front), key=lambda s: -s.factor)
             front = len(best) - len(behind)
             out.append(

@@ -14,6 +14,7 @@ from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.exact_numbers import ratio_of_text, written
+from ..base.quantities import readable
 from ..base.user_code import imported
 
 
@@ -255,5 +256,5 @@ def place(family: Any, given: Mapping[str, Fraction]) -> str:
         Numbers by name.
     """
     units = family.system.units
-    named = {n: "" if units.get(n, "1") == "1" else f" {units[n]}" for n in given}
+    named = {n: "" if units.get(n, "1") == "1" else f" {readable(units[n])}" for n in given}
     return ", ".join(f"{n} = {written(v)}{named[n]}" for n, v in given.items())

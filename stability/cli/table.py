@@ -39,7 +39,7 @@ def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     from .system_option import doubles, family_named, numbers
 
     family: Any = options.family
-    plain = ("k", "mu", "contact", "tilt", "at", "time")
+    plain = ("k", "mu", "contact", "tilt", "at", "time", "systems")
     settings = {n: getattr(options, n) for n in plain if getattr(options, n) is not None}
     scales = {n: getattr(options, n) for n in ("mass", "radius", "gravity")}
     scales = {n: v for n, v in scales.items() if v is not None}
@@ -66,7 +66,8 @@ def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
         )
     for key in (*plain, "disk"):
         if key in settings:
-            raise ParameterError(f"{key} belongs to the disk; with --system leave it out.")
+            what = "`table benchmarks`" if key == "systems" else "the disk"
+            raise ParameterError(f"{key} belongs to {what}; with --system leave it out.")
     family = family_named(options.system)
     given = numbers(options.parameter, family)
     return family, settings | (given if options.name == "conditions" else doubles(given))
@@ -102,6 +103,9 @@ def add_arguments(sub: argparse.ArgumentParser) -> None:
                      help="`launches`: initial angular velocities, comma-separated; `codimension "
                      "--family`: what names the member, one, where it is no axis")  # fmt: skip
     sub.add_argument("--time", type=float, help="`launches`: length of each run")
+    sub.add_argument("--systems", metavar="NAMES",
+                     help="`benchmarks`: names of systems or words of names, comma-separated "
+                     "(default: all)")  # fmt: skip
     sub.add_argument("--contact", help=f"`conditions`, `drift`, `hopf`, `launches`, `codimension "
                      f"--family`: one law of {CONTACTS}")  # fmt: skip
     for name in ("mass", "radius", "gravity"):

@@ -134,7 +134,7 @@ def entries(cells: Mapping[str, Cell]) -> list[Entry]:
     Parameters
     ----------
     cells
-        Cells by key, as in `tasks`.
+        Cells by key, as in `tasks`, or some of these.
 
     Returns
     -------
@@ -147,8 +147,9 @@ def entries(cells: Mapping[str, Cell]) -> list[Entry]:
     for part, cases, methods in parts:
         for case in cases.values():
             for method in methods:
-                mark, digits, note = _read(cells[f"failure/{part}/{case.name}/{method}"])
-                found.append(Entry(part, case.group, case.name, method, mark, digits, note))
+                cell = cells.get(f"failure/{part}/{case.name}/{method}")
+                if cell is not None:
+                    found.append(Entry(part, case.group, case.name, method, *_read(cell)))
     return found
 
 
@@ -179,11 +180,12 @@ def ladder(cells: Mapping[str, Cell]) -> dict[str, list[dict[str, int]]]:
     found = {}
     for method in ROUTE_NAMES:
         counts = [dict.fromkeys(("right", "undecided", "wrong"), 0) for _ in DECADES]
-        for case in CASES.values():
-            value = cells[f"failure/{LINEAR}/{case.name}/{method}"].value
-            for count, word in zip(counts, (value or {}).get("steps", ()), strict=False):
+        mine = [c for name in CASES if (c := cells.get(f"failure/{LINEAR}/{name}/{method}"))]
+        for cell in mine:
+            for count, word in zip(counts, (cell.value or {}).get("steps", ()), strict=False):
                 count[word] += 1
-        found[method] = counts
+        if mine:
+            found[method] = counts
     return found
 
 
@@ -260,6 +262,8 @@ def as_markdown(found: Sequence[Entry]) -> str:
     ]
     for part, heading in ((LINEAR, "Linear analysis"), (MOTION, "Motion")):
         mine = [e for e in found if e.part == part]
+        if not mine:
+            continue
         methods = list(dict.fromkeys(e.method for e in mine))
         lines += [f"## {heading}", "", "| case | " + " | ".join(methods) + " |"]
         lines.append("|" + " --- |" * (len(methods) + 1))
@@ -267,7 +271,10 @@ def as_markdown(found: Sequence[Entry]) -> str:
             row = {e.method: e for e in mine if e.case == case}
             lines.append(f"| {case} | " + " | ".join(_word(row[m]) for m in methods) + " |")
         lines += ["", "| case | what happens | how the truth is known |", "| --- | --- | --- |"]
-        lines += [f"| {n} | {what} | {how} |" for n, (what, how) in texts(part).items()]
+        asked = {e.case for e in mine}
+        lines += [
+            f"| {n} | {what} | {how} |" for n, (what, how) in texts(part).items() if n in asked
+        ]
         lines.append("")
     return "\n".join(lines)
 
@@ -293,6 +300,27 @@ def texts(part: str) -> dict[str, tuple[str, str]]:
     cases: dict[str, Mapping[str, Any]] = {LINEAR: CASES, MOTION: MOTION_CASES}
     made = {name: case() for name, case in cases[part].items()}
     return {name: (case.physics, case.known) for name, case in made.items()}
+
+
+def heading(case: str) -> str:
+    """Heading of a hard case's group; empty for what is no hard case.
+
+    Parameters
+    ----------
+    case
+        Name of the case.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> heading("lifts off")
+    'lift-off and other events'
+    """
+    found: Any = CASES.get(case) or MOTION_CASES.get(case)
+    return found.group if found else ""
 
 
 def _word(entry: Entry) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -173,14 +173,23 @@ def _methods(one: Part) -> list[str]:
     if not asked:
         return []
     known: dict[str, Any] = {**spectrum_methods.ROUTES, **DRIVERS}
+    given = set(_asked(one))
     lines = [
         f"<dt{' class=own' if known[n].own else ''}>{n}</dt><dd>{html.escape(known[n].title)}</dd>"
-        for n in asked
-    ]
+        for n in asked if n in given
+    ]  # fmt: skip
     found = ["<h3>Methods</h3>", '<dl class="methods">', *lines, "</dl>"]
     if one.name == "failures":
         found += _crashes(one.chart, known)
     return found
+
+
+def _asked(one: Part) -> Iterable[str]:
+    """Names of the methods that a part asked."""
+    if one.name == "failures":
+        return (e.method for e in one.chart)
+    along = "route" if one.name == "spectrum" else "driver"
+    return [str(name) for name in one.chart[along].values]
 
 
 def _crashes(found: Sequence[catalogue.Entry], known: Mapping[str, Any]) -> list[str]:
@@ -224,6 +233,8 @@ def _standings(one: Part) -> tuple[str, list[str]]:
 
     found = standings(one)
     best = nearest(found).values()
+    if not best:
+        return "", []
     behind = [s for s in best if not s.on_front]
     told = (
         f"<p>In {len(best) - len(behind)} of {len(best)} panels a route that the package "
@@ -284,6 +295,8 @@ def _tables(found: Sequence[catalogue.Entry]) -> list[str]:
     lines = []
     for part, heading in ((catalogue.LINEAR, "Linear analysis"), (catalogue.MOTION, "Motion")):
         mine = [e for e in found if e.part == part]
+        if not mine:
+            continue
         methods = list(dict.fromkeys(e.method for e in mine))
         own = catalogue.own_methods()
         head = "".join(f'<th class="turned{" own" if m in own else ""}">{m}</th>' for m in methods)

@@ -8,16 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from . import failures as catalogue
 from .motion import dataset as motion_data
-from .motion import measure as works
 from .motion.reference_motions import scene
+from .plan import SPECTRUM
 from .spectrum import dataset as spectral_data
-from .spectrum.hardness import classes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-
-SPECTRUM, MOTION, FAILURES, SCENES = "spectrum", "motion", "failures", "scenes"
 
 METRICS = {
     "path": "the whole path", "final": "the last state", "audit": "the energy account",
@@ -94,11 +91,14 @@ def standings(one: Part) -> list[Standing]:
     panels: list[tuple[str, Any]] = []
     if one.name == SPECTRUM:
         for quantity, text in QUANTITIES.items():
-            for kind in classes() if quantity != "boundary" else ("",):
+            kinds = one.chart.hardness.values.tolist()
+            if quantity == "boundary":
+                kinds = [""] if "boundary" in one.chart.sizes else []
+            for kind in kinds:
                 place = spectral_data.standing(one.chart, quantity, kind)
                 panels.append((f"{text}, {kind}".rstrip(", "), place))
     else:
-        for which in works.CHARTED:
+        for which in one.chart.scene.values.tolist():
             for metric, text in METRICS.items():
                 if metric != "event" or scene(which).ends or scene(which).events:
                     place = motion_data.standing(one.chart, which, metric)

@@ -15,29 +15,27 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.checks import flag
-from ..base.errors import FileError, NameUnknownError, shown
+from ..base.errors import FileError
 from ..jobs.journal import JOURNAL, Cell, Journal, is_journal
 from ..jobs.pipeline import check_run, resumable
-from ..jobs.processes import Task, run
+from ..jobs.processes import run
 from ..storage.files import atomic_write, together
 from ..storage.netcdf import packed
 from ..storage.targets import check_folder, path_text, place, refusing
 from . import failures as catalogue
 from . import scenes
 from .motion import dataset as motion_data
-from .motion import measure as works
+from .plan import FAILURES, MOTION, PARTS, SCENES, SPECTRUM, asked, done, planned
 from .spectrum import dataset as spectral_data
 from .spectrum import measure as spectral
+from .spectrum.cases import DECADES, LADDERS
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.figure import Figure
 
-from .parts import FAILURES, METRICS, MOTION, SCENES, SPECTRUM, Part, Plate
+from .parts import METRICS, Part, Plate
 
-PARTS: dict[str, Callable[[], list[list[Task]]]] = {
-    SPECTRUM: spectral.tasks, MOTION: works.tasks, SCENES: scenes.tasks, FAILURES: catalogue.tasks,
-}  # fmt: skip
-"""Parts of a report, each with the function that returns its tasks."""
 ALONE = (SPECTRUM, MOTION, SCENES)
 """Timed parts: their cells run one at a time, so that none disturbs a timing."""
 
@@ -46,6 +44,8 @@ def report(
     out: str | os.PathLike[str],
     parts: Sequence[str] = tuple(PARTS),
     *,
+    cases: str | Sequence[str] | None = None,
+    methods: str | Sequence[str] | None = None,
     overwrite: bool = False,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -61,6 +61,12 @@ def report(
     parts
         Parts to make: `spectrum`, `motion`, `scenes`, `failures`.  The page also shows other parts
         whose cells are all in the folder.
+    cases
+        Names of what is asked, all if left out: hardness classes and `boundary` of spectra,
+        motions, scenes, hard cases of the catalogue.  A word of a name or of a heading chooses
+        all that have it.
+    methods
+        Who is asked, all if left out: names of routes and integrators, or words of names.
     overwrite
         Whether a folder that holds other files may be written into.
     workers
@@ -80,7 +86,9 @@ def report(
     FileError
         If the folder cannot be used.
     NameUnknownError
-        If there is no such part.
+        If there is no such part, case or method.
+    ParameterError
+        If none of the methods is asked any of the cases.
     KeyboardInterrupt
         On Ctrl-C; the folder keeps finished cells.
 
@@ -89,11 +97,11 @@ def report(
     """
     from .page import write
 
-    wanted = _checked(parts, workers, progress)
+    check_run(workers, progress)
+    plan = planned(parts, cases, methods)
     overwrite = flag("overwrite", overwrite if force is None else force)
     folder = _folder(out, overwrite)
     journal = Journal(folder)
-    plan = {name: PARTS[name]() for name in wanted}
     total, before = sum(len(group) for groups in plan.values() for group in groups), 0
     for name, groups in plan.items():
 
@@ -104,13 +112,18 @@ def report(
         lanes = 1 if name in ALONE else workers or os.cpu_count() or 1
         run(groups, journal, workers=lanes, progress=told)
         before += sum(map(len, groups))
+    wanted = set(plan)
     try:
         missing = resumable(folder, said="every cell is kept in", then="have what is missing drawn")
         with missing, together():
-            ready = [part(name, journal.cells) for name in PARTS if _whole(name, journal)]
-            for one in ready:
-                if one.name in wanted or not all((folder / name).exists() for name in one.data):
-                    _write(folder, one, journal.cells)
+            others = {name: tasks() for name, tasks in PARTS.items() if name not in plan}
+            plan |= {n: groups for n, groups in others.items() if done(groups, journal.cells)}
+            ready = []
+            for name in (n for n in PARTS if n in plan):
+                mine = asked(plan[name], journal.cells)
+                ready.append(one := part(name, mine))
+                if name in wanted or not all((folder / file).exists() for file in one.data):
+                    _write(folder, one, mine)
             return write(folder, ready)
     except FileError:
         raise
@@ -119,16 +132,6 @@ def report(
             f"{path_text(journal.path)} holds a cell that cannot be read "
             f"({type(error).__name__}); remove the file to begin again."
         ) from error
-
-
-def _checked(parts: Any, workers: Any, progress: Any) -> list[str]:
-    if isinstance(parts, str) or not isinstance(parts, Sequence) or not parts:
-        raise NameUnknownError(f"parts is {shown(parts)}; give a list of {', '.join(PARTS)}.")
-    for name in parts:
-        if not isinstance(name, str) or name not in PARTS:
-            raise NameUnknownError(f"part is {shown(name)}; known are {', '.join(PARTS)}.")
-    check_run(workers, progress)
-    return [name for name in PARTS if name in parts]
 
 
 def _folder(out: Any, overwrite: bool) -> Path:
@@ -145,10 +148,6 @@ def _folder(out: Any, overwrite: bool) -> Path:
             f"{path_text(target / 'index.html')} is a folder in the way; move it aside."
         )
     return target
-
-
-def _whole(name: str, journal: Journal) -> bool:
-    return all(task.key in journal.cells for group in PARTS[name]() for task in group)
 
 
 # --- parts ---
@@ -173,12 +172,22 @@ def part(name: str, cells: Mapping[str, Cell]) -> Part:
 
 
 def _spectrum(cells: Mapping[str, Cell]) -> Part:
+    chart = spectral_data.dataset(cells)
+    found: list[Plate] = []
+    if chart.sizes["hardness"]:
+        found += _classes(chart)
+    if "boundary" in chart.sizes:
+        found.append(_places(chart))
+    return Part(SPECTRUM, tuple(found), ("spectrum.nc", "spectrum.csv", "boundaries.csv"), chart)
+
+
+def _classes(chart: xarray.Dataset) -> list[Plate]:
+    """Figures of verdicts and of eigenvalues, which some routes have."""
     from .figures import cost_error as drawings
 
-    chart = spectral_data.dataset(cells)
-    count = int(np.nanmax(chart["count"].values))
+    count = int(np.nanmax(chart["count"].values, initial=0))
     truth = f"Truth: {chart.attrs['truth']}."
-    plates = (
+    found = [
         Plate(
             "spectrum-verdict",
             f"Verdicts in {chart.sizes['hardness']} classes of problems, {count} points at most: "
@@ -186,8 +195,10 @@ def _spectrum(cells: Mapping[str, Cell]) -> Part:
             f"classes, in a batch of {spectral.MANY} where the route takes arrays. Bold: the "
             f"package's. {truth}",
             lambda: drawings.verdict_figure(chart),
-        ),
-        Plate(
+        )
+    ]
+    if drawings.answering(chart):
+        found.append(Plate(
             "spectrum-eigenvalues",
             "Eigenvalues, for routes without a wrong verdict: least time per point against the "
             "largest error over the points (its line ends at the median error), relative to the "
@@ -195,19 +206,24 @@ def _spectrum(cells: Mapping[str, Cell]) -> Part:
             "line), the package's, and ad-1e-9 as a reference; other common routes are grey. "
             f"μ* is μ√(gR). {truth}",
             lambda: drawings.spectrum_figure(chart),
-        ),
-        Plate(
-            "spectrum-boundary",
-            "Places of boundaries. Above: time for one boundary against the largest relative error "
-            f"on {chart.sizes['boundary']} boundaries (slow routes on every {spectral.SPARSE}th), "
-            "for routes that miss none; a line goes down to the median error. Below: all errors, "
-            "boundary by boundary; smaller ones are drawn at 10⁻¹⁷. Common routes bisect on their "
-            "verdict from 1 % off; the package calls boundaries() in the same bracket. A boundary "
-            "is missed where a route gives both ends the same verdict. μ means μ√(gR).",
-            lambda: drawings.boundary_figure(chart),
-        ),
+        ))  # fmt: skip
+    return found
+
+
+def _places(chart: xarray.Dataset) -> Plate:
+    """The figure of the places of boundaries."""
+    from .figures import cost_error as drawings
+
+    return Plate(
+        "spectrum-boundary",
+        "Places of boundaries. Above: time for one boundary against the largest relative error "
+        f"on {chart.sizes['boundary']} boundaries (slow routes on every {spectral.SPARSE}th), "
+        "for routes that miss none; a line goes down to the median error. Below: all errors, "
+        "boundary by boundary; smaller ones are drawn at 10⁻¹⁷. Common routes bisect on their "
+        "verdict from 1 % off; the package calls boundaries() in the same bracket. A boundary "
+        "is missed where a route gives both ends the same verdict. μ means μ√(gR).",
+        lambda: drawings.boundary_figure(chart),
     )
-    return Part(SPECTRUM, plates, ("spectrum.nc", "spectrum.csv", "boundaries.csv"), chart)
 
 
 DRAWN = ("path", "event")
@@ -279,21 +295,18 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
             lambda name=name: _failure_figure(found, name),  # type: ignore[misc]
         )
         for name, heading in ((catalogue.LINEAR, "Linear analysis"), (catalogue.MOTION, "Motion"))
+        if any(e.part == name for e in found)
     ]  # fmt: skip
-    plates.append(Plate(
-        "failures-ladder",
-        "Verdicts on both sides of boundaries, at relative distances 10⁻¹ to 10⁻¹⁵: shares of the "
-        f"{len(_ladders())} boundaries for which each route is right, undecided or wrong; "
-        f"blank where it crashed. Bold: the package's.{STRAW}",
-        lambda: _ladder_figure(cells),
-    ))  # fmt: skip
+    edges = len({e.case for e in found} & {case.name for case in LADDERS})
+    if edges:
+        plates.append(Plate(
+            "failures-ladder",
+            "Verdicts on both sides of boundaries, at relative distances 10⁻¹ to 10⁻¹⁵: shares of "
+            f"the {edges} boundaries for which each route is right, undecided or wrong; blank "
+            f"where it crashed. Bold: the package's.{STRAW}",
+            lambda: _ladder_figure(cells, edges),
+        ))  # fmt: skip
     return Part(FAILURES, tuple(plates), ("failures.md", "failures.csv"), found)
-
-
-def _ladders() -> tuple[Any, ...]:
-    from .spectrum.cases import LADDERS
-
-    return LADDERS
 
 
 def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
@@ -313,13 +326,12 @@ def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
     return drawings.failure_figure(methods, own, [(g, len(c)) for g, c in groups.items()], share)
 
 
-def _ladder_figure(cells: Mapping[str, Cell]) -> Figure:
+def _ladder_figure(cells: Mapping[str, Cell], edges: int) -> Figure:
     from .figures import cost_error as drawings
-    from .spectrum.cases import DECADES
 
     counts = catalogue.ladder(cells)
     share = np.array([
-        [[c[w] / len(_ladders()) for w in ("right", "undecided", "wrong")] for c in row]
+        [[c[w] / edges for w in ("right", "undecided", "wrong")] for c in row]
         for row in counts.values()
     ])  # fmt: skip
     own = [name in catalogue.own_methods() for name in counts]

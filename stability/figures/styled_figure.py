@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .canvas import BASE, COLUMN, DOTS, LEAST, STYLE, figure_style, styled  # isort: skip
 
+import io
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -23,6 +24,9 @@ from matplotlib.ticker import MaxNLocator
 from ..base.checks import positive
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, in_latex, plain_text
+
+SCREEN = 144.0
+"""Dots of a page for an inch of a figure: text of 7.5 points is small on a screen at 96."""
 
 
 class _Canvas(FigureCanvasAgg):
@@ -60,6 +64,13 @@ class StyledFigure(Figure):
         """Save in the figure's own settings, as `Figure.savefig` does."""
         with figure_style(self.settings):
             super().savefig(*args, **options)
+
+    def _repr_mimebundle_(self, **_: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The picture in a notebook, sharp, whether or not pyplot is imported there."""
+        kept = io.BytesIO()
+        self.savefig(kept, format="png", dpi=2 * SCREEN)
+        wide, tall = (round(SCREEN * side) for side in self.get_size_inches())
+        return {"image/png": kept.getvalue()}, {"image/png": {"width": wide, "height": tall}}
 
 
 @contextmanager
@@ -182,7 +193,9 @@ def spacing(figure: Figure, **pads: float) -> None:
     engine.set(**pads)
 
 
-def key(axes: Axes, handles: Sequence[Any], title: str = "", **options: Any) -> None:
+def key(
+    axes: Axes, handles: Sequence[Any], title: str = "", reach: float = 1.3, **options: Any
+) -> None:
     """A legend above the axes, where it hides no data, and a title above it.
 
     Parameters
@@ -193,6 +206,8 @@ def key(axes: Axes, handles: Sequence[Any], title: str = "", **options: Any) -> 
         Entries; without one there is no legend.
     title
         Title.
+    reach
+        Widest row over the width of the axes.
     **options
         As for `Axes.legend`.
     """
@@ -202,7 +217,7 @@ def key(axes: Axes, handles: Sequence[Any], title: str = "", **options: Any) -> 
         # a swatch takes 2.7 sizes, and the gap between columns 1.2
         widest = max(wide(str(h.get_label())) for h in handles) + 3.9 * small()
         # a panel of the package's figures has margins; that of a user has neighbours
-        beyond = 1.3 if isinstance(axes.get_figure(root=True), StyledFigure) else 0.9
+        beyond = reach if isinstance(axes.get_figure(root=True), StyledFigure) else 0.9
         columns = min(len(handles), max(1, int((beyond * room + 1.2 * small()) / widest)))
         legend = axes.legend(
             handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns,

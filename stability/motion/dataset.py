@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .starts import Starts
 
 from .observables import ENERGY_ERROR, account, observe, require_values
+from .state_tables import event_log, start_states
 
 FORMAT = "stability trajectory 1"
 """Mark of the motion files that this package writes."""
@@ -97,7 +98,7 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
     if error is not None:
         results = _accounted(results, error)
     variables |= _summary(launches, results, error, dims)
-    variables |= _log(launches, results)
+    variables |= start_states(launches, dims) | event_log(launches, results)
     coordinates = {"time": fast("time", times, labels("time"), fastpath=True)}
     for name, value in launches.given.items():
         kept = ((), value) if value.ndim == 0 else (dims, value.reshape(launches.shape))
@@ -309,48 +310,6 @@ def _accounted(results: list[Result], error: Floats) -> list[Result]:
         )
         for i, result in enumerate(results)
     ]  # fmt: skip
-
-
-def _log(launches: Starts, results: list[Result]) -> dict[str, Any]:
-    """The event log: transitions between sliding and sticking, and early ends."""
-    import xarray
-
-    motion = flow_of(launches.model)
-    count = len(launches.model.states)
-    rows: list[tuple[int, float, str, Floats, float]] = []
-    for i, result in enumerate(results):
-        for t in result.transitions:
-            rows.append((i, t.time, t.kind, t.state[:6], t.direction))
-        end = result.path.end
-        if end is not None:
-            rows.append((i, end.time, result.outcome.word, motion.reported(end.state), 0.0))
-    clock = launches.scales["time"]
-    which = np.array([r[0] for r in rows], dtype=np.int64)
-    times = np.array([r[1] for r in rows], dtype=float)
-    states = np.array([r[3] for r in rows], dtype=float).reshape(len(rows), count)
-    if not launches.dimensionless:
-        for column, name in ((slice(1, 4), "rate"), (slice(4, 6), "speed")):
-            scale = launches.scales[name]
-            states[:, column] *= scale[which][:, None] if scale.ndim else scale
-
-    make: Any = xarray.Variable
-
-    def variable(dims: Any, values: Any, attributes: Any = None) -> Any:
-        return make(dims, values, attributes or {}, fastpath=True)
-
-    log: dict[str, Any] = {
-        "event_launch": variable("event", which, {"long_name": "launch, counted flat"}),
-        "event_time": variable("event", times * (clock[which] if clock.ndim else clock),
-                               {"units": launches.unit("time")}),
-        "event_kind": variable("event", np.array([r[2] for r in rows], dtype="U12")),
-        "event_state": variable(("event", "state"), states, {
-            "long_name": "state at the event", "columns": " ".join(launches.model.states)}),
-    }  # fmt: skip
-    if launches.law is not None:  # no user's system sticks
-        log["event_direction"] = variable("event", np.array([r[4] for r in rows], dtype=float), {
-            "long_name": "direction of slip from x̂, before sticking or at its onset",
-            "units": Kind.ANGLE.si})  # fmt: skip
-    return log
 
 
 def _body(launches: Starts) -> dict[str, Any]:

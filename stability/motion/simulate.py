@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..base.errors import ParameterError, StabilityWarning, shown
 from ..bodies.disk import Disk
-from ..bodies.law_names import law_given
+from ..bodies.law_names import law_only
 from ..bodies.round_body.body import Body
 from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import CASADI, flow_of
@@ -125,10 +125,10 @@ def simulate(
     xarray.Dataset
         States and observables over (…, time), with units; `outcome` (CF flags), `evidence`,
         `end_time`, `energy_error`, `final_error` (estimated: the largest over the states, each over
-        1 or its own size), `end_time_error` and the nearest steady motion for each launch; the
-        event log along `event`; provenance in the attributes.  A single run that ended early has
-        its end as last sample.  Of several runs, each keeps its last state after its end, where
-        `running` is 0.  A system has its own observables; the energy account if `energy` and
+        1 or its own size), `end_time_error`, `start_state` and the nearest steady motion for each
+        launch; the event log along `event`; provenance in the attributes.  A single run that ended
+        early has its end as last sample.  Of several runs, each keeps its last state after its end,
+        where `running` is 0.  A system has its own observables; the energy account if `energy` and
         `power` (the energy lost in a unit of time) are among them; the nearest steady motion if
         families were given.  Its run ends where a condition reaches zero (*domain-end*).
 
@@ -265,7 +265,7 @@ def _moving(first: Any, body: Any) -> Any:
 def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:
     """The contact law, or the parameters of a system, with those that are given by name."""
     if not parameters:
-        return law_given(contact, {}, motion=True) if not isinstance(disk, System) else contact
+        return law_only(contact, {}, motion=True) if not isinstance(disk, System) else contact
     if isinstance(disk, System):
         if contact is not None:
             raise ParameterError(
@@ -273,13 +273,7 @@ def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:
                 "argument; give all in one place."
             )
         return parameters
-    law = law_given(contact, parameters, motion=True)
-    if parameters:
-        raise ParameterError(
-            f"{shown(next(iter(parameters)))} is not an argument here; the disk's numbers go in "
-            "disk=Disk(...), and in contact=Viscous(mu) or contact='viscous' with mu=NUMBER."
-        )
-    return law
+    return law_only(contact, parameters, motion=True)
 
 
 def _not_flat(launches: Starts, settings: Settings) -> None:

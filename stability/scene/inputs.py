@@ -11,9 +11,10 @@ import numpy as np
 
 from ..base.checks import one_number
 from ..base.errors import ParameterError, shown
-from ..base.quantities import Kind
+from ..base.quantities import Kind, readable
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.law_names import law_only
 from ..bodies.model import Model, system_model
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_model import disk_model
@@ -21,6 +22,26 @@ from ..motion.starts import Starts, gather
 from ..motion.system_starts import gather_system
 from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
+
+
+def law_in(disk: Any, contact: Any, mu: float | None) -> Any:
+    """The law of a scene; anything else than a word or a class is returned as it is.
+
+    Parameters
+    ----------
+    disk, contact, mu
+        As for `Scene`.
+
+    Raises
+    ------
+    ParameterError
+        If a number belongs to no law, or a law lacks its own.
+    """
+    if isinstance(disk, Disk):
+        return law_only(contact, {} if mu is None else {"mu": mu}, motion=True)
+    if mu is not None:
+        raise ParameterError("mu belongs to the disk; give a system's parameters in contact.")
+    return contact
 
 
 def laws_of(disk: Any, contact: Any) -> dict[str, Any]:
@@ -143,7 +164,7 @@ def in_words(name: str, width: float, launches: Starts) -> str:
     if name not in launches.model.states:
         return f"{name} ± {100 * width:g} %"
     unit = launches.unit(name)
-    return f"{name} ± {width:g}" + ("" if unit == "1" else f" {unit}")
+    return f"{name} ± {width:g}" + ("" if unit == "1" else f" {readable(unit)}")
 
 
 def label(model: Model, name: str, *, dimensionless: bool) -> str:
@@ -160,7 +181,7 @@ def label(model: Model, name: str, *, dimensionless: bool) -> str:
     """
     found = model.attributes(name, dimensionless=dimensionless)
     unit = found.get("unit_in_words", found["units"])
-    return "" if unit == "1" else unit
+    return "" if unit == "1" else readable(unit)
 
 
 def setting(disk: Any, laws: Mapping[str, Any], start: Any, *asked: float) -> tuple[str, ...]:
@@ -183,7 +204,7 @@ def setting(disk: Any, laws: Mapping[str, Any], start: Any, *asked: float) -> tu
     else:
         model, plain = disk_model(type(next(iter(laws.values())))), disk.dimensionless
         sizes = (("mass", Kind.MASS), ("radius", Kind.LENGTH), ("gravity", Kind.ACCELERATION))
-        told = [f"{n} = {_told(getattr(disk, n))} {kind.si}" for n, kind in sizes]
+        told = [f"{n} = {_told(getattr(disk, n))}{kind.suffix}" for n, kind in sizes]
         about = "m = R = g = 1, without units" if plain else _listed(told)
         body = [f"disk: {about}, k = {_told(disk.k)}"]
         body += ["; ".join(_of_law(name, law, plain=plain) for name, law in laws.items())]

@@ -6,7 +6,7 @@ import math
 import os
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import InitVar, dataclass, field, replace
 from importlib import import_module
 from typing import Any
 
@@ -22,7 +22,7 @@ from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
 from .answer import Answer, held_against, tell
-from .inputs import in_words, known_to, launched, laws_of, names_of, setting, weights_of
+from .inputs import in_words, known_to, launched, law_in, laws_of, names_of, setting, weights_of
 from .ladder import Climbed, climb
 from .laws import compare
 from .linear import LINEAR, Member
@@ -48,9 +48,9 @@ class Scene(Record):
     ----------
     disk
         The disk, dimensionless or SI; or a `System` of the user.
-    contact
-        The law that is taken for the truth.  A mapping of names to laws where none is certain.  For
-        a system its parameters by name.
+    contact, mu
+        The law that is taken for the truth, or its name or class with the coefficient `mu`.  A
+        mapping of names to laws where none is certain.  For a system its parameters by name.
     weights
         Weight of each of several laws by name, above 0; equal if left out.
     start
@@ -114,14 +114,15 @@ class Scene(Record):
     """Reduced models of a user's system."""
     families: Any = ()
     """Families of a user's system."""
+    mu: InitVar[float | None] = None
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, mu: float | None) -> None:
+        object.__setattr__(self, "contact", law_in(self.disk, self.contact, mu))
         laws = laws_of(self.disk, self.contact)
         tolerance = one_number("tolerance", self.tolerance)
         if not TIGHTEST <= tolerance <= LOOSEST:
-            raise ParameterError(
-                f"tolerance is {tolerance:g}; give one from {TIGHTEST:g} to {LOOSEST:g}."
-            )
+            accepted = f"give one from {TIGHTEST:g} to {LOOSEST:g}"
+            raise ParameterError(f"tolerance is {tolerance:g}; {accepted}.")
         horizon = one_number("horizon", self.horizon)
         if not 0 < horizon < math.inf:
             raise ParameterError(f"horizon is {horizon:g}; give a last time above 0.")

@@ -15,7 +15,7 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, Viscous
 from ..bodies.disk import Disk
-from ..bodies.law_names import class_named, law_given, refuse_misspelt
+from ..bodies.law_names import class_named, law_given, law_only, refuse_misspelt
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import PHYSICAL
 from ..systems.family import Family
@@ -330,13 +330,7 @@ def problem_of(
                 f"{', '.join(family.parameters) or 'no parameters'}."
             )
         return system_problem(family, at, _opened(family, parameters))
-    law: Any = law_given(contact, parameters)
-    if parameters:
-        refuse_misspelt(Viscous, parameters)
-        raise ParameterError(
-            f"{shown(next(iter(parameters)))} is not an argument here; the disk's numbers go in "
-            "disk=Disk(...), and in contact=Viscous(mu) or contact='viscous' with mu=NUMBER."
-        )
+    law: Any = law_only(contact, parameters)
     if law is None:
         raise ParameterError(
             "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough()."

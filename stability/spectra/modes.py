@@ -83,17 +83,19 @@ def _match(values: Complexes, given: Complexes) -> NDArray[np.intp]:
 
 
 def mode_labels(values: Complexes, radius: Floats, share: Floats, states: tuple[str, ...]) -> Any:
-    """Names such as `growing oscillation of q, v`: kind of motion, and its leading states."""
+    """Names such as `growing oscillation of q, v`: kind of motion, and its leading states.
+
+    A word on growth is there where the error disc leaves no doubt.
+    """
     flat, r, s = (
         array.reshape(-1, *array.shape[values.ndim - 1 :]) for array in (values, radius, share)
     )
     labels = np.empty(flat.shape, dtype=object)
     for row in np.ndindex(flat.shape):
         value = flat[row]
-        if abs(value.imag) > r[row]:
-            kind = "growing oscillation" if value.real > r[row] else "oscillation"
-        else:
-            kind = "growth" if value.real > 0 else "decay" if value.real < 0 else "standstill"
+        what = "oscillation" if abs(value.imag) > r[row] else "mode"
+        sure = "growing " if value.real > r[row] else "decaying " if value.real < -r[row] else ""
+        kind = f"{sure}{what}" if sure or what == "oscillation" else "slow mode"
         lead = np.argsort(-s[row], kind="stable")
         count = 1 if s[row][lead[0]] > 0.8 else 2
         labels[row] = f"{kind} of {', '.join(states[i] for i in sorted(lead[:count]))}"

@@ -172,7 +172,7 @@ class Spectrum(Record):
         return dataset(self)
 
     def plot(self, **options: Any) -> Any:
-        """Draw the eigenvalues: loci along the one quantity given as an array.
+        """Draw the eigenvalues: loci along the one quantity given as an array, or one in the plane.
 
         Parameters
         ----------

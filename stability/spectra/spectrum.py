@@ -18,6 +18,7 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.by_name import of_body
+from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
@@ -99,7 +100,9 @@ def spectrum(
     (-1.7739+0j)
     """
     if at is None and lean is None:
-        own = f", here {' and '.join(family.at)}" if isinstance(family, Family) else ""
+        known = FAMILIES.get(family) if isinstance(family, str) and body is None else family
+        names = known.at if isinstance(known, (Family, DiskFamily)) else ()
+        own = f", here {' and '.join(names)}" if names else ""
         raise ParameterError(f"at is missing; it names the member of the family{own}.")
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
     family, disk, contact, given = of_body(family, body, disk, contact, parameters)

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..base.errors import FileError, one_line, shown
+from ..base.errors import FileError, listed, one_line, shown
 from .litter import clear
 
 LONGEST = 120
@@ -131,11 +131,7 @@ def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
     if suffix in endings or (not suffix and endings[0] in NETCDF):
         return found
     subject = f"{option} is {shown(str(path))}" if option else path_text(path)
-    if len(endings) < 4:
-        listed = " or ".join([", ".join(endings[:-1]), endings[-1]] if endings[1:] else endings)
-    else:
-        listed = endings[0]
-    raise FileError(f"{subject}; the name must end in {listed}.")
+    raise FileError(f"{subject}; the name must end in {listed(endings, 'or')}.")
 
 
 def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:

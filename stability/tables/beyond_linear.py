@@ -9,7 +9,7 @@ from decimal import ROUND_CEILING, Decimal, localcontext
 from fractions import Fraction
 from typing import Any
 
-from ..base.quantities import Kind, Quantity, rate_unit
+from ..base.quantities import Kind, Quantity, rate_unit, readable
 from ..boundary.beyond_linear.records import CycleBirth, HopfPoint
 from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from .formats.column import Column, word
@@ -92,7 +92,7 @@ def birth_text(
     -------
     str
     """
-    unit = f" [{units[axis]}]" if axis in units else ""
+    unit = f" [{readable(units[axis])}]" if axis in units else ""
     lines = [heading, ""]
     for point in found:
         side = "below" if point.stable_below else "above"
@@ -182,7 +182,7 @@ BIRTHS = Definition(
         Column("at", "quantity of the axis at the boundary", form="{:.8g}"),
         _bound("error", "at", "{:.8g}"),
         word("kind", "how oscillation begins", share=0.13),
-        Column("stable_below", "whether it is stable below the boundary"),
+        Column("stable_below", "whether it is stable below the boundary", share=0.08),
         Column("frequency", "frequency of the crossing pair", latex=r"\omega", form="{:.6g}"),
         _bound("frequency_error", "frequency", "{:.6g}"),
         Column("crossing", "d Re λ by the axis", latex="c", form="{:.6g}"),

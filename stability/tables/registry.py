@@ -78,6 +78,7 @@ def table(
     tilt: float | Sequence[float] | None = None,
     at: float | Sequence[float] | None = None,
     time: float | None = None,
+    systems: str | Sequence[str] | None = None,
     x: Sequence[Any] | None = None,
     y: Sequence[Any] | None = None,
     positive: Sequence[str] = (),
@@ -110,6 +111,8 @@ def table(
         Initial angular velocities, for launches; the member, for codimension.
     time
         Length of each run, for launches.
+    systems
+        Names of systems or words of names, for benchmarks; all if left out.
     x, y
         Axes (name, low, high, points): both for codimension; x for hopf of your own family.
     positive, decimals
@@ -142,6 +145,7 @@ def table(
     """
     given = {
         "k": k, "mu": mu, "contact": contact, "disk": disk, "tilt": tilt, "at": at, "time": time,
+        "systems": systems,
     }  # fmt: skip
     given = {n: v for n, v in given.items() if v is not None}
     axes = {n: v for n, v in (("x", x), ("y", y)) if v is not None}

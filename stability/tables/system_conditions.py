@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from ..algebra.polynomial import Polynomial
 from ..base.exact_numbers import decimal_of, written
+from ..base.quantities import readable
 from .formats.column import Column, word
 from .formats.latex import END
 from .formats.letters import converted, escaped, symbol
+from .formats.letters import unit as unit_in_latex
 from .formats.table import Definition
 
 if TYPE_CHECKING:
@@ -135,7 +137,13 @@ def _number(value: Fraction) -> str:
 def _unit(found: Conditions, name: str, form: str = " [{}]") -> str:
     """The unit of a parameter or state, where the user gave one."""
     unit = found.family.system.units.get(name, "1")
-    return "" if unit == "1" else form.format(unit)
+    return "" if unit == "1" else form.format(readable(unit))
+
+
+def _unit_latex(found: Conditions, name: str, form: str = " [{}]") -> str:
+    """The same in LaTeX."""
+    word = found.family.system.units.get(name, "1")
+    return "" if word == "1" else form.format(unit_in_latex(word))
 
 
 def _rule(found: Conditions, *, labels: bool = False) -> str:
@@ -255,7 +263,7 @@ def latex(found: Conditions) -> str:
         r"  \midrule",
     ]
     out += [
-        rf"  ${symbol(v.name)}$ & {escaped(v.meaning + _unit(found, v.name))} \\"
+        rf"  ${symbol(v.name)}$ & {escaped(v.meaning)}{_unit_latex(found, v.name)} \\"
         for v in found.variables
     ]
     out += [r"  $\lambda$ & eigenvalue \\", r"  \bottomrule", r"\end{tabular}", ""]
@@ -281,7 +289,7 @@ def _latex_assumptions(found: Conditions) -> list[str]:
     """Given numbers, assumptions and closed forms, each as one sentence."""
     names = [v.name for v in found.variables] + [n for n, _ in found.solved]
     given = [
-        rf"${symbol(n)} {_number(v)}$".replace("≈", r"\approx") + escaped(_unit(found, n, " {}"))
+        rf"${symbol(n)} {_number(v)}$".replace("≈", r"\approx") + _unit_latex(found, n, " {}")
         for n, v in found.given.items()
     ]
     assumed = [f"${converted(text, names)}$" for text in found.domain]

@@ -21,7 +21,7 @@ from stability.bodies.thin_disk.disk_equations import disk_system
 from stability.bodies.thin_disk.disk_quantities import QUANTITIES, disk_quantities, quantities_of
 from stability.figures.diagram import diagram
 from stability.figures.launch.caption import caption
-from stability.figures.loci import locus
+from stability.figures.locus.loci import locus
 
 PACKAGE = Path(st.__file__).parent
 TABLES = ("base/quantities.py", "bodies/disk_quantities.py")
@@ -122,7 +122,7 @@ def test_a_unit_in_latex_is_that_of_its_kind() -> None:
     shown = {in_latex(unit) for kind in Kind for unit in (kind.si, kind.words)}
     assert {r"$\sqrt{g/R}$", r"$m\sqrt{g/R}$", r"$1/\sqrt{gR}$", "$mgR$", "m/s$^2$", "m"} <= shown
     assert in_latex("") == ""
-    assert in_latex("m2/s") == "m2/s"  # a user's own unit stays as it is
+    assert in_latex("m2/s") == "m²/s" and in_latex("beat2") == "beat2"  # a user's own units
 
 
 def _labels(figure: object) -> set[str]:

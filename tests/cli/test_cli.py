@@ -177,7 +177,7 @@ def test_numbers_of_ones_own_system_are_exact_as_they_are_written(
     place = f"{tmp_path / 'own.py'}:rest"
     words = ["spectrum", "--system", place, "--at", "0.9", "--parameter", "b=3/10", "--certify"]
     text = output(capsys, *words)
-    assert text.startswith("own, rest, at a = 0.9 1/s2, b = 0.3 m\nverdict     neutral")
+    assert text.startswith("own, rest, at a = 0.9 1/s², b = 0.3 m\nverdict     neutral")
 
 
 def test_map_of_ones_own_system(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

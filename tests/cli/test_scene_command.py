@@ -219,7 +219,7 @@ def test_a_start_that_no_rung_can_take_is_answered_so(
 def test_the_page_begins_with_the_question(capsys: pytest.CaptureFixture[str]) -> None:
     head = output(capsys, "scene", str(FOLDER / "rolled-coin.toml")).split("\n")[1:4]
     assert head == [
-        "disk: mass = 0.00567 kg, radius = 0.01213 m, gravity = 9.81 m/s2, k = 0.25",
+        "disk: mass = 0.00567 kg, radius = 0.01213 m, gravity = 9.81 m/s², k = 0.25",
         "law viscous, mu = 20 s/m; law linear: linear-viscous, mu = 20 s/m; law dry: coulomb, "
         "mu = 0.3; law rough; law smooth",
         "start: theta = 1.56079633 rad, omega3 = 30 rad/s, all others 0; horizon 0.5 s; "

@@ -187,7 +187,7 @@ def small(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> No
     some = {name: hardness.classes()[name] for name in names}
     for module in (spectral, spectral_data):
         monkeypatch.setattr(module, "CHARTED", routes)
-    for module in (spectral, spectral_data, parts):
+    for module in (spectral, spectral_data):
         monkeypatch.setattr(module, "classes", lambda: some)
     charted = {n: works.CHARTED[n] for n in ("gentle", "stiff-10000")[: 1 if few else 2]}
     drivers = ("simulate", "rk4", "rough-model")[: 2 if few else 3]
@@ -323,6 +323,57 @@ def test_the_cheapest_fine_model_is_named_where_it_is_not_taken() -> None:
     said = scenes.sentence({"a": good, "b": rash, "c": slow})
     assert said.startswith("In 2 of 3 scenes")
     assert "c: full (5 times the time of steady)" in said
+
+
+def test_a_subset_of_cases_and_methods_is_asked_and_shown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("stability.figures.canvas.FORMATS", (".png",))
+    out = tmp_path / "r"
+    hoop = "hoop at 5° from flat: verdict"
+    few = ["--cases", f"Lifts off: when,{hoop}", "--methods", "rk4,ad-1e-9,spectrum"]
+    assert main(["failures", "--out", str(out), *few, "--json"]) == 0
+    marks = json.loads(capsys.readouterr().out)["failures"]["marks"]
+    assert {name: sum(m.values()) for name, m in marks.items()} == {
+        "ad-1e-9": 1, "spectrum": 1, "rk4": 1,
+    }  # fmt: skip
+    rows = list(csv.DictReader((out / "failures.csv").read_text().splitlines()))
+    assert [(r["case"], r["method"]) for r in rows] == [
+        (hoop, "ad-1e-9"), (hoop, "spectrum"), ("lifts off: when", "rk4"),
+    ]  # fmt: skip
+    page = (out / "index.html").read_text()
+    assert "<dt>rk4</dt>" in page and "<dt>radau</dt>" not in page
+    assert "failures-ladder" not in page and "dips" not in (out / "failures.md").read_text()
+    assert (
+        main(["chart", "motion", "--out", str(out), "--cases", "gentle", "--methods", "rk4"]) == 0
+    )
+    assert capsys.readouterr().out.startswith("open ")  # no default route has a standing
+    chart = motion_data_of(out / "motion.nc")
+    assert (chart.scene.values.tolist(), chart.driver.values.tolist()) == (["gentle"], ["rk4"])
+    st.report(out, ["spectrum"], cases="near", methods=["hurwitz"])
+    lines = (out / "spectrum.csv").read_text().splitlines()
+    assert [line.split(",")[:3] for line in lines[1:]] == [["near", "hurwitz", "done"]]
+    page = (out / "index.html").read_text()
+    assert "spectrum-verdict.png" in page and "spectrum-boundary" not in page
+
+
+def test_names_of_a_subset_are_refused_with_those_known(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for words, expected in (
+        (["chart", "spectrum", "--cases", "far"], "case is 'far'; known are open, near, very-near"),
+        (["chart", "motion", "--methods", "ad"], "method is 'ad'; known are simulate, unchecked"),
+        (["failures", "--cases", "fire"], "case is 'fire'; known are verdict at 10⁻¹…10⁻¹⁵ from"),
+        (["failures", "--methods", "magic"], "method is 'magic'; known are mpmath, rk45, radau"),
+        (["failures", "--methods", "rk4", "--cases", "Jordan"], "none of these methods is asked"),
+    ):
+        assert main([*words, "--out", str(tmp_path / "r")]) == 2
+        said = capsys.readouterr().err
+        assert said.startswith(f"stability: {expected}") or expected in said
+        assert said.count("\n") == 1 and " … " not in said
+    with pytest.raises(st.StabilityError, match=r"case is \[\]; give a list of names"):
+        st.report(tmp_path / "r", cases=[])
+    assert not (tmp_path / "r").exists()
 
 
 @pytest.mark.usefixtures("small")

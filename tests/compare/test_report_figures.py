@@ -24,7 +24,8 @@ from stability.compare.figures.work_precision import LOOKS
 from stability.compare.marks import BY_WORD, Mark
 from stability.compare.motion.drivers import DRIVERS
 from stability.compare.motion.reference_motions import scene
-from stability.compare.parts import FAILURES, Part
+from stability.compare.parts import Part
+from stability.compare.plan import FAILURES
 from stability.compare.spectrum.measure import ROUTES
 from stability.figures.canvas import COLUMN
 

@@ -50,7 +50,9 @@ def test_an_ending_of_another_format_is_refused(
 
 def test_endings_are_refused_in_python_too(tmp_path: Path) -> None:
     found = st.stability_map("rolling", x=("at", 1, 2, 3), y=("mu", 1, 2, 3))
-    with pytest.raises(st.StabilityError, match="must end in .nc"):
+    with pytest.raises(
+        st.StabilityError, match=r"must end in \.nc, \.nc4, \.netcdf, \.h5 or \.hdf5\."
+    ):
         st.write_map(found, tmp_path / "map.png")
     assert st.read_map(st.write_map(found, tmp_path / "map")).identical(found)
 

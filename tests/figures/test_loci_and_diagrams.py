@@ -1,5 +1,6 @@
 """Loci and diagrams take names, units and textures from the system and from the verdicts."""
 
+import math
 import re
 from typing import Any
 
@@ -12,7 +13,7 @@ from matplotlib.figure import Figure
 import stability as st
 from stability.base.errors import ParameterError
 from stability.figures.diagram import TEXTURES, Strip, caption, diagram
-from stability.figures.loci import locus, mode_groups, swept
+from stability.figures.locus.loci import locus, mode_groups, swept
 
 UNITS = {"lean": "rad", "lean_rate": "rad/s", "k": "1/s2", "c": "1/s", "x y": "mm"}
 
@@ -45,7 +46,7 @@ def test_a_locus_has_the_units_and_names_of_the_system() -> None:
     sweep = np.linspace(1, 2, 5)
     found = texts(locus(st.spectrum(pendulum(UNITS), at=sweep, c=-0.1, **{"x y": 0.0})))
     assert {"growth rate\nRe $\\lambda$  [1/s]", "frequency\n|Im $\\lambda$|  [1/s]",
-            "k  [1/s2]", "1: lean, lean_rate"} <= set(found)  # fmt: skip
+            "k  [1/s²]", "1: lean, lean_rate"} <= set(found)  # fmt: skip
     assert not [t for t in found if "sqrt" in t or "theta" in t]
     bare = texts(locus(st.spectrum(pendulum(), at=sweep, c=-0.1, **{"x y": 0.0})))
     assert {"growth rate\nRe $\\lambda$", "frequency\n|Im $\\lambda$|", "k"} <= set(bare)
@@ -101,7 +102,7 @@ def test_a_spectrum_and_a_map_are_told_apart() -> None:
 def test_a_spectrum_that_is_no_sweep_is_refused() -> None:
     family, other = pendulum(), {"x y": 0.0}
     for at, c, said in (
-        (1.0, 0.1, "shape"), (np.ones((2, 2)), 0.1, "shape"), ([1.0, 1.0], 0.1, "nothing changes"),
+        (np.ones((2, 2)), 0.1, "shape"), ([1.0, 1.0], 0.1, "nothing changes"),
         ([1.0, 2.0], [0.1, 0.2], "c and k changes|k and c changes"),
     ):  # fmt: skip
         with pytest.raises(ParameterError, match=said):
@@ -188,7 +189,7 @@ def test_a_thin_region_is_named_in_the_legend(crossed: Any) -> None:
 
 def test_a_diagram_has_the_units_of_the_system_under_any_name(crossed: Any) -> None:
     found = texts(diagram(crossed))
-    assert {"k  [1/s2]", "c  [1/s]", r"largest growth rate max Re $\lambda$  [1/s]"} <= set(found)
+    assert {"k  [1/s²]", "c  [1/s]", r"largest growth rate max Re $\lambda$  [1/s]"} <= set(found)
     assert caption(crossed).startswith("Up right of disk, viscous.")
 
 
@@ -210,6 +211,25 @@ def test_a_dollar_in_a_name_is_drawn_as_it_is() -> None:
     figure = locus(st.spectrum(family, at=[1.0, 2.0], **{"b_{": 3.0}))
     figure.canvas.draw()
     assert r"\$a\$" in texts(figure) and r"1: \$n\$" in texts(figure)
+
+
+def test_the_legend_lists_no_boundary_of_one_point() -> None:
+    """Tumbling meets spinning at upright, where an eigenvalue is zero: one point on the frame."""
+    hoop = st.stability_map(
+        "tumbling", x=("at", 0.02, math.pi / 2, 40), y=("mu", 0.01, 100, 30, "log"),
+        disk=st.Disk.hoop(),
+    )  # fmt: skip
+    assert hoop.sizes["boundary_point"] > 20
+    spinning = st.stability_map("spinning", x=("at", 0.5, 5, 40), y=("mu", 0.01, 10, 30, "log"))
+    both = ["flutter boundary", "static boundary"]
+    for found, said in ((hoop, both[:1]), (spinning, both)):
+        axes = diagram(found).axes[0]
+        entries = (text.get_text() for text in axes.get_legend().get_texts())
+        assert sorted(words for words in entries if words.endswith("boundary")) == said
+        for line in axes.lines:  # each is long enough to be seen
+            if "boundary" in str(line.get_label()):
+                assert np.ptp(axes.transAxes.inverted().transform(
+                    axes.transData.transform(line.get_xydata())), axis=0).max() > 0.1  # fmt: skip
 
 
 def test_a_strip_is_hatched_by_its_verdicts(crossed: Any) -> None:

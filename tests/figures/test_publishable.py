@@ -1,5 +1,6 @@
 """Every figure can be printed: no text over text or data, none too small, fonts that stay fonts."""
 
+import io
 import re
 import warnings
 import zlib
@@ -14,6 +15,7 @@ import pytest
 from figure_audit import DEFICIENT, drawn, faults, lab, linear
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
 
 import stability as st
 from stability.atlas.build import atlas
@@ -335,3 +337,14 @@ def test_labels_of_ticks_keep_their_distance() -> None:
     places = 170 * np.asarray(norm(ticks))
     assert np.diff(places).min() >= 10 and 0 in ticks and len(ticks) == len(labels)
     assert [-t for t in reversed(ticks)] == ticks and max(ticks) == 1
+
+
+def test_a_figure_is_a_sharp_picture_in_a_notebook(quarter: Any) -> None:
+    """Also where pyplot, which makes figures pictures there, was never imported."""
+    figure = st.plot_map(quarter)
+    data, shown = figure._repr_mimebundle_()
+    assert isinstance(figure, Figure)
+    with Image.open(io.BytesIO(data["image/png"])) as image:
+        size = shown["image/png"]
+        assert image.size == (2 * size["width"], 2 * size["height"])
+        assert 450 < size["width"] < 550  # a phone shows it whole

@@ -181,7 +181,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stability.figures.canvas.save",
                         lambda _, stem, __: stem.with_suffix(".png").write_text("x"))  # fmt: skip
     monkeypatch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
-    monkeypatch.setattr("stability.figures.loci.plot_locus", lambda *_, **__: None)
+    monkeypatch.setattr("stability.figures.locus.loci.plot_locus", lambda *_, **__: None)
 
 
 @pytest.mark.usefixtures("undrawn")

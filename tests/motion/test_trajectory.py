@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 import xarray
@@ -212,3 +213,28 @@ def test_other_files_are_refused_in_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(st.StabilityError, match="give what simulate returns"):
         st.write_motion(m, tmp_path / "b.nc")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["map.nc", "run.nc", "text.nc"]
+
+
+def test_every_launch_keeps_its_start_also_without_a_sample_at_time_0(tmp_path: Path) -> None:
+    disk = st.Disk(mass=0.3, radius=0.2, k=0.25, gravity=9.81)
+    names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
+    given = {"theta": [[1.4], [1.5]], "omega3": [10.0, 12.0, 14.0], "slip_x": 0.3}
+    many = st.simulate(disk, st.Viscous(0.3), given, [0.5, 1.0])
+    found = many.start_state
+    assert found.dims == ("launch_0", "launch_1", "state") and found.attrs["columns"].split() == [
+        *names
+    ]
+    for name, values in zip(names, np.moveaxis(found.values, -1, 0), strict=True):
+        expected = np.broadcast_to(np.asarray(given.get(name, 0.0)), (2, 3))
+        assert np.allclose(values, expected, rtol=1e-15, atol=0), name
+    read = st.read_motion(st.write_motion(many, tmp_path / "many.nc"))
+    assert read.start_state.identical(found)
+    one = st.simulate(disk, st.Viscous(0.3), {"theta": 1.4, "omega3": 10.0, "slip_x": 0.3}, 1.0)
+    assert np.array_equal(one.start_state, found[0, 0])
+    again = st.simulate(disk, st.Viscous(0.3), found.values, [0.5, 1.0])
+    assert np.allclose(again.theta, many.theta, rtol=1e-8)
+    x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    system = st.System("own", x, c, ca.vertcat(x[1], -x[0] - c * x[1]), states=("q", "v"),
+                       parameters=("c",))  # fmt: skip
+    own = st.simulate(system, {"c": 0.1}, {"q": [0.1, 0.2], "v": 1.0}, [1.0])
+    assert own.start_state.values.tolist() == [[0.1, 1.0], [0.2, 1.0]]

@@ -19,7 +19,7 @@ CHANGES = (
     "contact law", "body", "source of systems", "family", "integrator", "route to a verdict",
     "figure", "table", "command", "hard case", "output format", "eigenvalue backend",
 )  # fmt: skip
-QUESTIONS = ("spectrum", "stability_map", "simulate")
+QUESTIONS = ("spectrum", "boundaries", "stability_map", "simulate")
 FOLDERS = sorted(p.parent.name for p in PACKAGE.glob("*/__init__.py"))
 ROOMS = sorted(p.parent for p in PACKAGE.glob("*/**/__init__.py"))
 

@@ -81,7 +81,7 @@ def test_the_report_begins_with_the_question_and_shows_the_digits_that_are_known
     answer = scene(4.0, 1e-2).answer()
     head, told, *_ = answer.report().split("\n\n")
     assert head == (
-        "system castor: v = 3 m/s, e = 0.1 m, sigma = 0.3 m, c = 1 N m s, I = 0.5 kg m2, "
+        "system castor: v = 3 m/s, e = 0.1 m, sigma = 0.3 m, c = 1 N m s, I = 0.5 kg m², "
         "K = 30000 N/m, z0 = 0.02 m\n"
         "start: psi = 0.05 rad, all others 0; horizon 4 s; tolerance 0.01"
     )

@@ -1,6 +1,8 @@
 """Spectra for a reader: text, HTML, labelled datasets, reasons, figures, and names in calls."""
 
+import enum
 import html.parser
+import inspect
 import json
 import re
 from pathlib import Path
@@ -10,6 +12,8 @@ import casadi as ca
 import h5py
 import numpy as np
 import pytest
+from figure_audit import faults
+from matplotlib.figure import Figure
 
 import stability as st
 from stability.cli.commands import main
@@ -105,11 +109,12 @@ def test_frequencies_are_the_imaginary_parts_without_sign() -> None:
     assert np.allclose(found, [[4, 4], [0, 0]], atol=1e-12)
 
 
-def test_every_growing_mode_says_so_and_no_other() -> None:
-    for at, c in ((25.0, -6.0), (25.0, 6.0), (-1.0, 0.0)):
+def test_every_mode_says_whether_it_grows_or_decays() -> None:
+    for at, c in ((25.0, -6.0), (25.0, 6.0), (-1.0, 0.0), (25.0, 0.0), (0.0, 1.0)):
         spectrum = st.spectrum(oscillator(), at=at, c=c)
         for value, label in zip(spectrum.eigenvalues, spectrum.modes.labels, strict=True):
-            assert (value.real > 0) == label.startswith(("growing", "growth")), label
+            assert (value.real > 0) == label.startswith("growing "), label
+            assert (value.real < 0) == label.startswith("decaying "), label
 
 
 # --- datasets ---
@@ -173,6 +178,49 @@ def test_plot_draws_the_loci() -> None:
     assert top.get_title() == "here" and "growth rate" in top.get_ylabel()
 
 
+def test_a_single_spectrum_is_drawn_in_the_plane_with_its_verdict() -> None:
+    spectrum = st.spectrum("rolling", at=1.8, contact=LAW)
+    figure = spectrum.plot()
+    [axes] = figure.axes
+    assert axes.get_title() == "rolling: stable"
+    assert axes.get_xlabel() == "growth rate Re $\\lambda$  [$\\sqrt{g/R}$]"
+    spots = [line.get_xydata() for line in axes.lines if line.get_marker() == "o"]
+    drawn = {complex(*spot) for xy in spots for spot in np.asarray(xy)}
+    assert drawn == set(spectrum.eigenvalues.tolist())
+    entries = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert entries[0] == "1: decaying, $v_x$" and entries[-1] == "2 zeros by structure"
+    assert "k$ = 0.25" in figure.texts[-1].get_text()
+    assert faults(figure) == []
+    row = st.spectrum("rolling", at=[1.8], contact=LAW).plot(title="here")
+    assert row.axes[0].get_title() == "here: stable"
+    with pytest.raises(st.StabilityError, match="ax holds 2 axes; a single spectrum is drawn on"):
+        spectrum.plot(ax=Figure().subplots(2))
+    with pytest.raises(st.StabilityError, match="thresholds belongs to a spectrum along a"):
+        spectrum.plot(thresholds=[1.0])
+    with pytest.raises(st.StabilityError, match=r"has shape \(1, 2\); give a single one, or one"):
+        st.spectrum("rolling", at=[[1.2, 1.8]], contact=LAW).plot()
+
+
+@pytest.mark.parametrize(
+    ("at", "c", "markers", "scale"),
+    [(25.0, -6.0, "^", "linear"), (25.0, 0.0, "D", "linear"), (-1.0, 0.0, "o^", "linear"),
+     (1e-4, 10.0, "o", "asinh"), (0.0, 1.0, "Do", "linear")],
+)  # fmt: skip
+def test_a_marker_says_what_a_mode_does_and_no_rate_lies_on_the_axis_unseen(
+    at: float, c: float, markers: str, scale: str
+) -> None:
+    figure = st.spectrum(oscillator(), at=at, c=c).plot()
+    [axes] = figure.axes
+    found = {str(line.get_marker()) for line in axes.lines} - {"None", "+"}
+    assert found == set(markers)
+    assert axes.get_xscale() == scale
+    assert faults(figure) == []
+    low, high = axes.get_xlim()
+    assert low < 0 < high
+    (left, _), (zero, _), (right, _) = (axes.transData.transform((x, 0)) for x in (low, 0, high))
+    assert min(zero - left, right - zero) > 0.1 * (right - left)
+
+
 # --- names in calls ---
 
 
@@ -189,9 +237,53 @@ def test_a_law_is_given_by_name_class_or_instance() -> None:
         run = st.simulate(start=start, times=1.0, **words)
         assert run.theta.identical(st.simulate(st.Disk(), LAW, start, 1.0).theta)
     one = st.stability_map("rolling", x=("at", 1, 2, 3), y=("mu", 1, 2, 3), contact="viscous")
-    assert one.abscissa.identical(
-        st.stability_map("rolling", x=("omega3", 1, 2, 3), y=("mu", 1, 2, 3)).abscissa
-    )
+    own = st.stability_map("rolling", x=("omega3", 1, 2, 3), y=("mu", 1, 2, 3)).abscissa
+    assert one.abscissa.equals(own.drop_vars("omega3"))  # the axis keeps its own name too
+
+
+SPINS = {"x": ("at", 1, 3, 4), "y": ("k", 0.2, 0.3, 3)}
+CALLS: dict[str, Any] = {
+    "spectrum": lambda **law: st.spectrum("rolling", at=1.8, **law),
+    "boundaries": lambda **law: st.boundaries("rolling", axis=("at", 1, 2, 5), **law),
+    "hopf": lambda **law: st.hopf("spinning", **law),
+    "drift": lambda **law: st.drift(at=1.8, tilt=0.01, **law),
+    "codimension_two": lambda **law: st.codimension_two("spinning", **SPINS, **law),
+    "stability_map": lambda **law: st.stability_map("spinning", **SPINS, **law).abscissa,
+    "stream_map": lambda **law: st.stream_map("spinning", **SPINS, **law),
+    "simulate": lambda **law: st.simulate(start={"theta": 1.5}, times=1.0, **law).theta,
+    "Scene": lambda **law: st.Scene(start={"theta": 1.5}, horizon=1.0, **law),
+}  # fmt: skip
+"""A call of every public name that takes a contact law."""
+
+
+def test_every_function_that_takes_a_law_is_called_here() -> None:
+    named = {name: getattr(st, name) for name in st.__all__}
+    no_call = (enum.Enum, Exception)
+    takes = {
+        name for name, one in named.items() if callable(one)
+        and not (isinstance(one, type) and issubclass(one, no_call))
+        and "contact" in inspect.signature(one).parameters
+    }  # fmt: skip
+    # a table takes the name alone, with mu as numbers of its rows; slow_flow is for other bodies
+    assert takes == {*CALLS, "slow_flow", "table"}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_law_by_name_or_class_gives_what_the_law_gives(name: str, tmp_path: Path) -> None:
+    def result(**law: Any) -> Any:
+        if name != "stream_map":
+            return CALLS[name](**law)
+        path = CALLS[name](**law, out=tmp_path / "map.nc", overwrite=True)
+        return st.read_map(path).verdict
+
+    plain = result(contact=LAW)
+    for law in ("viscous", st.Viscous):
+        found = result(contact=law, mu=0.3)
+        assert found.equals(plain) if hasattr(plain, "equals") else found == plain
+    with pytest.raises(st.StabilityError, match="mu is missing; give Viscous"):
+        result(contact="viscous")
+    with pytest.raises(st.StabilityError, match="'mu' is not an argument here"):
+        result(contact=LAW, mu=0.3)
 
 
 @pytest.mark.parametrize(
@@ -220,6 +312,8 @@ def test_an_axis_takes_the_members_own_name(family: str, own: str, low: float) -
         st.boundaries(family, axis=(n, low, 1.5, 5), contact=st.Viscous(0.97)) for n in ("at", own)
     )
     assert one == two
+    with pytest.raises(st.StabilityError, match=f"at is missing; .* family, here {own}"):
+        st.spectrum(family, contact=LAW, **{own: 1.2})
     part = f"axis is 'omga3'; known for {family} are at, {own}"
     with pytest.raises(st.StabilityError, match=part):
         st.stability_map(family, x=("omga3", 1, 2, 3), y=("mu", 1, 2, 3))

@@ -272,8 +272,13 @@ def test_modes_are_eigenvectors_of_the_full_linearisation() -> None:
 def test_labels_name_what_a_mode_does_and_the_states_that_lead_it() -> None:
     s = st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3))
     kinds = [label.split(" of ")[0] for label in s.modes.labels]
-    assert kinds == ["decay", "decay", "oscillation", "oscillation"]
-    assert "growth" in st.spectrum("spinning", at=1.5, contact=st.Viscous(0.3)).modes.labels[-1]
+    assert kinds == [*["decaying mode"] * 2, *["decaying oscillation"] * 2]
+    fast = st.spectrum("spinning", at=1.5, contact=st.Viscous(0.3))
+    assert fast.modes.labels[-1].startswith("growing mode of ")
+    edge = st.spectrum("spinning", at=2.0, contact=st.Viscous(0.3))  # one eigenvalue is zero
+    assert edge.modes.labels[-1] == "slow mode of theta"
+    rough = st.spectrum("rolling", at=1.8, contact=st.Rough())  # a pair on the imaginary axis
+    assert {label.split(" of ")[0] for label in rough.modes.labels} == {"oscillation"}
 
 
 def test_tracked_modes_do_not_swap() -> None:

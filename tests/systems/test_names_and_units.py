@@ -102,14 +102,35 @@ def test_the_time_of_a_motion_has_the_unit_of_the_system() -> None:
     assert "at time 0 to 5 day" in caption(run)
 
 
+def test_units_are_raised_for_a_reader_and_kept_as_typed_in_files() -> None:
+    system = oscillator(units={"q": "m", "v": "m/s", "c": "kg*m2/s^3"})
+    family = rest(system)
+    loci = st.spectrum(family, at=1.0, c=np.linspace(-1.0, -0.2, 5)).plot()
+    assert loci.axes[-1].get_xlabel() == "c  [kg·m²/s³]"
+    plane = st.spectrum(family, at=1.0, c=-0.2).plot()
+    assert "c = -0.2 kg·m²/s³" in plane.texts[-1].get_text()
+    grid = st.stability_map(family, x=("k", 1, 2, 4), y=("c", -1, -0.1, 4))
+    assert st.plot_map(grid).axes[0].get_ylabel() == "c  [kg·m²/s³]"
+    assert grid.c.attrs["units"] == "kg*m2/s^3"
+    table = st.table("hopf", family, x=("c", -1, 1, 9), k=1.0)
+    assert "c = 0 [kg·m²/s³]" in table.to_text() and "at [kg·m²/s³]" in table._repr_html_()
+    assert r"[kg$\cdot$m$^{2}$/s$^{3}$]" in table.to_latex()
+    assert table.to_csv().startswith("at [kg*m2/s^3]")
+    run = st.simulate(system, {"k": 1.0, "c": -0.2}, {"q": 0.3, "v": 0.0}, [0.0, 1.0])
+    assert "c = -0.2 kg·m²/s³" in caption(run)
+    conditions = st.table("conditions", family)
+    assert "c: parameter of beam [kg·m²/s³]" in conditions.to_text()
+    assert r"[kg$\cdot$m$^{2}$/s$^{3}$]" in conditions.to_latex()
+
+
 # --- names ---
 
 
 def test_a_growing_oscillation_says_so() -> None:
     family = rest(oscillator())
     assert st.spectrum(family, at=1.0, c=0.2).modes.labels == ("growing oscillation of q, v",) * 2
-    assert st.spectrum(family, at=1.0, c=-0.2).modes.labels == ("oscillation of q, v",) * 2
-    assert st.spectrum(decay(), at=2.0).modes.labels == ("growth of level",)
+    assert st.spectrum(family, at=1.0, c=-0.2).modes.labels == ("decaying oscillation of q, v",) * 2
+    assert st.spectrum(decay(), at=2.0).modes.labels == ("growing mode of level",)
 
 
 def test_a_parameter_with_the_name_of_an_argument_is_given_in_parameters() -> None:

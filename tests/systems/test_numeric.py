@@ -112,7 +112,7 @@ def test_arrays_and_modes_work() -> None:
     assert found.eigenvalues.shape == (3, 2)
     assert found.states[:, 0] == pytest.approx(np.arcsin(np.array([0, 0.5, 1]) / 9.81), abs=1e-12)
     one = st.spectrum(rest(), at=0.5, g=9.81, c=0.2)
-    assert one.modes.labels == ("oscillation of v", "oscillation of v")
+    assert one.modes.labels == ("decaying oscillation of v", "decaying oscillation of v")
 
 
 def test_motions_that_are_not_steady_or_not_reached_are_refused() -> None:

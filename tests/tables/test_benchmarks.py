@@ -9,10 +9,12 @@ import pytest
 import sympy
 from mpmath import mpf
 
+import stability as st
+from stability.base.checks import chosen
 from stability.base.errors import NameUnknownError
 from stability.cli.commands import main
 from stability.tables.benchmarks import catalogue
-from stability.tables.benchmarks.catalogue import CASES, benchmark_lines, benchmark_rows
+from stability.tables.benchmarks.catalogue import CASES, benchmark_notes, benchmark_rows
 from stability.tables.benchmarks.linear_bicycle import EIGENVALUES, ENTRIES, EXACT, SPEEDS
 from stability.tables.benchmarks.row import AGREES, CLOSED, BenchmarkRow, Source, compared
 from stability.tables.registry import definition
@@ -432,7 +434,7 @@ def test_the_command_prints_rows_and_writes_json(
     text = capsys.readouterr().out
     assert "found 250 rad/s, difference 0.0e+00: agrees to all digits" in text
     assert "below stable, above unstable (certified)" in text
-    assert "6 known values, 6 agree." in text
+    assert text.count("6 known values, 6 agree.") == 1
     assert main(["table", "benchmarks", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["rows"]
     assert found[0]["recomputed"] == 250.0
@@ -447,4 +449,19 @@ def test_progress_counts_systems_and_unknown_ones_are_refused() -> None:
     assert seen == [(1, 2), (2, 2)]
     with pytest.raises(NameUnknownError, match="'pendulum'"):
         benchmark_rows(["pendulum"])
-    assert "0 known values, 0 agree." in benchmark_lines([])
+    assert "0 known values, 0 agree." in benchmark_notes([])
+
+
+def test_a_subset_is_asked_by_names_or_parts_of_names(capsys: pytest.CaptureFixture[str]) -> None:
+    found = st.table("benchmarks", systems=["rotor", "rotating saddle"])
+    assert {row["system"] for row in found} == {"Jeffcott rotor", "rotating saddle"}
+    assert main(["table", "benchmarks", "--systems", "Rotor,rotating saddle"]) == 0
+    assert capsys.readouterr().out == f"{found.to_text()}\n"
+    assert main(["table", "benchmarks", "--systems", "rotor,pendulum"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("stability: system is 'pendulum'; known are bicycle, top, wheelset")
+    assert " … " not in said
+    for word in said.rstrip(".\n").split("known are ")[1].split(", "):
+        assert chosen("system", word, dict.fromkeys(CASES, "")), word
+    assert main(["table", "drift", "--systems", "rotor"]) == 2
+    assert "systems belongs to `table benchmarks` only" in capsys.readouterr().err

@@ -159,6 +159,19 @@ def test_latex_compiles_without_overfull_lines(case: str, tmp_path: Path) -> Non
 
 
 @needs_tex
+def test_long_units_of_a_users_system_leave_no_overfull_line(tmp_path: Path) -> None:
+    x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    rates = ca.vertcat(x[1], -ca.sin(x[0]) + c * (x[1] - x[1] ** 3))
+    system = st.System("swing", x, c, rates, states=("q", "v"), parameters=("c",),
+                       units={"q": "rad", "v": "rad/s", "c": "N*m^2*s"})  # fmt: skip
+    family = st.Family(system, "rest", at=("c",), held={"q": 0, "v": 0})
+    for text in (st.table("hopf", family, x=("c", -1, 1, 9)).to_latex(),
+                 st.table("conditions", family).to_latex()):  # fmt: skip
+        assert r"[N$\cdot$m$^{2}$$\cdot$s]" in text
+        assert re.findall(r"(Overfull .*|Undefined .*)", pages(text, tmp_path)) == []
+
+
+@needs_tex
 def test_the_log_shows_a_line_that_is_too_long(tmp_path: Path) -> None:
     text = made("drift").to_latex().replace("Spectrally", "Spectrally" * 20)
     assert "Overfull" in pages(text, tmp_path)
@@ -266,7 +279,8 @@ def test_the_command_prints_what_the_function_returns(
 @pytest.mark.parametrize(("words", "part"), [
     (("drift", "--csv", "--json"), "--json and --csv are both given"),
     (("drift", "--csv", "--out", "a.csv"), "--csv and --out are both given"),
-    (("drift", "--out", "drift.xlsx"), "--out is 'drift.xlsx'; the name must end in"),
+    (("drift", "--out", "drift.xlsx"), "--out is 'drift.xlsx'; the name must end in .csv, "
+     ".json, .tex or .txt."),
     (("drift", "--x", "at:1:2:3"), "x belongs to"),
     (("theorems", "--k", "0.25"), "k belongs to `table conditions`"),
 ])  # fmt: skip
@@ -293,5 +307,5 @@ def test_the_function_says_what_is_wrong(name: str, given: dict[str, Any], part:
 
 
 def test_a_file_of_another_ending_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(st.StabilityError, match=r"must end in \.csv"):
+    with pytest.raises(st.StabilityError, match=r"must end in \.csv, \.json, \.tex or \.txt\."):
         made("drift").write(tmp_path / "drift.docx")

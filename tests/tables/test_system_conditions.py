@@ -189,14 +189,14 @@ def test_print_says_what_was_given_and_assumed_with_units() -> None:
     exact = Fraction("0.07")
     found = st.conditions(family, positive=("v", "c"), trail=exact, k=0.3)
     text = "\n".join(lines(found))
-    assert "given: trail = 0.07 m, k ≈ 0.3 1/s^2" in text
+    assert "given: trail = 0.07 m, k ≈ 0.3 1/s²" in text
     assert "assumed: v > 0, c > 0" in text
     assert "m/s, c = " in text  # a witness, without the numbers that are given
     assert "C1 decides" in text
     assert "9007199254740992" not in text.split("λ^3")[1].split("Numbers such as")[0]
     formula = latex(found)
     check_latex(formula)
-    for part in (r"\mathit{trail} = 0.07$ m", r"$k \approx 0.3$ 1/s\^{}2",
+    for part in (r"\mathit{trail} = 0.07$ m", r"$k \approx 0.3$ 1/s$^{2}$",
                  "Assumed: $v > 0$, $c > 0$", r"\tag{C1}", "Stable where C1 $>$ 0",
                  "nearest doubles"):  # fmt: skip
         assert part in formula

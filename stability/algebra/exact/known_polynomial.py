@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...base.checks import arithmetic
 from ...base.errors import ParameterError, shown
 from ...base.types import content
+from ...base.user_code import arithmetic
 from ..number_types import Algebra
 from ..polynomial import Polynomial
 

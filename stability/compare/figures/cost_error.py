@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-__all__ = ["boundary_figure", "failure_figure", "first_call_figure", "ladder_figure",
+__all__ = ["answering", "boundary_figure", "failure_figure", "first_call_figure", "ladder_figure",
            "motion_figure", "panels_of", "spectrum_figure", "verdict_figure"]  # fmt: skip
 LOWEST, FLOOR = 3e-18, 1e-17
 """Lower end of an axis of errors, and the least error that is drawn."""
@@ -72,7 +72,7 @@ def spectrum_figure(chart: xarray.Dataset) -> Figure:
         A journal column wide.  Routes on the front and references have names, others are grey; a
         route with a wrong verdict has no mark.
     """
-    names = _answering(chart)
+    names = answering(chart)
     kinds = chart.hardness.values.tolist()
     with figure_style(STYLE):
         figure, panels = page(len(kinds), 0.82, 0.5)
@@ -94,8 +94,18 @@ def spectrum_figure(chart: xarray.Dataset) -> Figure:
     return figure
 
 
-def _answering(chart: xarray.Dataset) -> list[str]:
-    """Routes that have eigenvalues anywhere."""
+def answering(chart: xarray.Dataset) -> list[str]:
+    """Routes that have eigenvalues anywhere.
+
+    Parameters
+    ----------
+    chart
+        From `stability.compare.spectrum.dataset.dataset`.
+
+    Returns
+    -------
+    list of str
+    """
     some = np.isfinite(chart.eigenvalues.values).any(axis=(1, 2))
     return [n for n, has in zip(chart.route.values.tolist(), some, strict=True) if has]
 

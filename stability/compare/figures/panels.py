@@ -30,7 +30,7 @@ DIGIT = 0.1
 
 
 def page(count: int, body: float, below: float) -> tuple[Figure, list[Axes]]:
-    """A figure with rows of two panels.
+    """A figure with rows of two panels; a single panel is as wide as the figure.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def page(count: int, body: float, below: float) -> tuple[Figure, list[Axes]]:
         Row by row.
     """
     height = -(-count // 2) * (HEAD + body + FOOT) + below
-    wide = (WIDTH - LEFT - RIGHT - BETWEEN) / 2
+    wide = WIDTH - LEFT - RIGHT if count == 1 else (WIDTH - LEFT - RIGHT - BETWEEN) / 2
     figure = Figure(figsize=(WIDTH, height))
     found = []
     for index in range(count):

@@ -37,7 +37,8 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     Parameters
     ----------
     cells
-        Cells by key, as in `stability.compare.motion.measure.tasks`; missing cells are gaps.
+        Cells by key, as in `stability.compare.motion.measure.tasks`; missing cells are gaps;
+        scenes and drivers without any are left out.
 
     Returns
     -------
@@ -48,7 +49,8 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     """
     import xarray
 
-    kinds, names = list(CHARTED), list(NAMES)
+    kinds = [k for k in CHARTED if any(key.startswith(f"motion/{k}/") for key in cells)]
+    names = [n for n in NAMES if any(key.endswith(f"/{n}") for key in cells)]
     rungs = max(len(DRIVERS[n].tolerances) for n in names)
     repeats = max((len(r.get("seconds", ())) for key, c in cells.items()
                    if key.startswith("motion/") and c.value for r in c.value["rows"]),
@@ -94,7 +96,7 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     truths = [scene(k) for k in kinds]
     coordinates = {
         "scene": kinds, "driver": names,
-        "scene_title": ("scene", list(CHARTED.values())),
+        "scene_title": ("scene", [CHARTED[k] for k in kinds]),
         "title": ("driver", [DRIVERS[n].title for n in names]),
         "own": ("driver", [DRIVERS[n].own for n in names]),
         "default": ("driver", [DRIVERS[n].default for n in names]),

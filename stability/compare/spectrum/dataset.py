@@ -58,20 +58,22 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     Parameters
     ----------
     cells
-        Cells by key, as in `stability.compare.spectrum.measure.tasks`.
+        Cells by key, as in `stability.compare.spectrum.measure.tasks`: of some of the hardness
+        classes, with or without boundaries, by the same routes.
 
     Returns
     -------
     xarray.Dataset
-        Over (route, hardness, point | call) and (route, boundary).  NaN marks missing numbers: a
-        route without that answer, fewer points or calls than another's, or a cell whose `status`
-        is not done.
+        Over (route, hardness, point | call) and, if asked, (route, boundary).  NaN marks
+        missing numbers: a route without that answer, fewer points or calls than another's, or a
+        cell whose `status` is not done.
     """
     import xarray
 
-    names, kinds = list(CHARTED), list(classes())
+    names = [n for n in CHARTED if any(key.endswith(f"/{n}") for key in cells)]
+    kinds = [c for c in classes() if any(key.startswith(f"spectrum/{c}/") for key in cells)]
     grid = [cells[f"spectrum/{c}/{n}"] for n in names for c in kinds]
-    edges = [cells[f"boundary/{n}"] for n in names]
+    edges = [cell for n in names if (cell := cells.get(f"boundary/{n}")) is not None]
     shape = (len(names), len(kinds))
 
     def rows(key: str, from_: Sequence[Cell]) -> list[Any]:
@@ -97,10 +99,31 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     data["first"] = (two, number("first"), {"long_name": "time of the first call", "units": "s"})
     data["status"] = (two, np.array([c.status for c in grid], dtype="U10").reshape(shape))
     data["message"] = (two, np.array([c.message for c in grid], dtype="U200").reshape(shape))
+    coordinates: dict[str, Any] = {
+        "route": names, "hardness": kinds,
+        "title": ("route", [ROUTES[n].title for n in names]),
+        "own": ("route", [ROUTES[n].own for n in names]),
+        "default": ("route", [ROUTES[n].default for n in names]),
+        "class_title": ("hardness", [classes()[c] for c in kinds]),
+    }  # fmt: skip
+    attributes = {
+        "format": FORMAT, "title": "routes to a spectrum: time against error",
+        "machine": json.dumps(machine()), "created": today(),
+        "truth": "characteristic polynomial of the graph in balls of 1024 bits and more",
+    }  # fmt: skip
+    if edges:
+        data |= _boundaries(edges)
+        coordinates["boundary"] = [" ".join(str(part) for part in e[:4]) for e in EDGES]
+    return xarray.Dataset(data, coordinates, attributes)
+
+
+def _boundaries(edges: Sequence[Cell]) -> dict[str, Any]:
+    """Variables over (route, boundary)."""
+    data: dict[str, Any] = {}
     for key, unit, text in (("error", "1", "relative error of a boundary found"),
                             ("seconds", "s", "time to find it"),
                             ("width", "1", "stated half-width, relative")):  # fmt: skip
-        values = padded(rows(key, edges), (len(names),))
+        values = padded([c.value and c.value[key] for c in edges], (len(edges),))
         values = np.pad(values, ((0, 0), (0, len(EDGES) - values.shape[1])),
                         constant_values=np.nan)  # fmt: skip
         data[f"boundary_{key}"] = (
@@ -111,20 +134,7 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     asked = [[r is not None for r in c.value["seconds"]] if c.value else [True] * len(EDGES)
              for c in edges]  # fmt: skip
     data["boundary_asked"] = (("route", "boundary"), np.array(asked))
-    coordinates = {
-        "route": names, "hardness": kinds,
-        "title": ("route", [ROUTES[n].title for n in names]),
-        "own": ("route", [ROUTES[n].own for n in names]),
-        "default": ("route", [ROUTES[n].default for n in names]),
-        "class_title": ("hardness", list(classes().values())),
-        "boundary": [" ".join(str(part) for part in e[:4]) for e in EDGES],
-    }  # fmt: skip
-    attributes = {
-        "format": FORMAT, "title": "routes to a spectrum: time against error",
-        "machine": json.dumps(machine()), "created": today(),
-        "truth": "characteristic polynomial of the graph in balls of 1024 bits and more",
-    }  # fmt: skip
-    return xarray.Dataset(data, coordinates, attributes)
+    return data
 
 
 def seconds(chart: xarray.Dataset, route: str, hardness: str) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...base.quantities import Kind, Quantity
+from ...base.quantities import Kind, Quantity, readable
 from ...bodies.thin_disk.disk_equations import STATES
 from ...bodies.thin_disk.disk_quantities import SYSTEM, quantities_of
 from ...motion.result import BY_CODE
@@ -57,10 +57,8 @@ def caption(dataset: xarray.Dataset) -> str:
         for name, q in _quantities(dataset).items()
         if name in data.coords and not data[name].ndim
     ]  # fmt: skip
-    start = [
-        f"{name} = {float(data[name][0]):.4g}{'' if plain else ' ' + data[name].attrs['units']}"
-        for name in STATES
-    ]
+    units = {n: "" if plain else f" {readable(data[n].attrs['units'])}" for n in STATES}
+    start = [f"{name} = {float(data[name][0]):.4g}{units[name]}" for name in STATES]
     return (
         f"Motion of {_body_of(dataset)} with {law} contact "
         f"({', '.join(given)}{', dimensionless' if plain else ''}) from {', '.join(start)} at time "
@@ -99,7 +97,8 @@ def _of_system(dataset: xarray.Dataset, names: tuple[str, ...]) -> str:
 
     def value(name: str) -> str:
         unit = str(data[name].attrs.get("units", "1"))
-        return f"{name} = {float(data[name].values.flat[0]):.4g}" + f" {unit}" * (unit != "1")
+        number = f"{name} = {float(data[name].values.flat[0]):.4g}"
+        return number if unit == "1" else f"{number} {readable(unit)}"
 
     second = f" {u}" if (u := data.time.attrs["units"]) != "1" else ""
     given = ", ".join(value(n) for n in json.loads(dataset.attrs.get("parameters", "{}")))

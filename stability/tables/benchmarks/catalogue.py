@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
-from ...base.checks import known
+from ...base.checks import chosen
 from ...base.errors import listed
 from ..formats.column import Column, word
 from ..formats.plain import framed
@@ -44,14 +44,14 @@ CASES: dict[str, Case] = {
 
 
 def benchmark_rows(
-    systems: Sequence[str] | None = None, progress: Callable[[int, int], None] | None = None
+    systems: str | Sequence[str] | None = None, progress: Callable[[int, int], None] | None = None
 ) -> list[BenchmarkRow]:
     """Every known value, recomputed.
 
     Parameters
     ----------
     systems
-        Names from `CASES`; every system when left out.
+        Names from `CASES`, or words of names; every system when left out.
     progress
         Called with (systems done, systems in all).
 
@@ -72,7 +72,8 @@ def benchmark_rows(
     ...     print(row.recomputed, row.below, row.above, row.status)
     250.0 stable unstable agrees to all digits
     """
-    names = list(CASES) if systems is None else [known("system", n, CASES) for n in systems]
+    known = {name: name.split()[-1] for name in CASES}  # a refusal has room for these
+    names = list(known) if systems is None else chosen("system", systems, known)
     rows: list[BenchmarkRow] = []
     for done, name in enumerate(names, start=1):
         rows += CASES[name]()
@@ -100,7 +101,7 @@ def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
             title = row["system"]
             lines += ["", f"{title}  ({row['source']})"]
         lines += _lines_of(row)
-    return [*lines[1:], "", *benchmark_notes(rows)]
+    return lines[1:]
 
 
 def benchmark_notes(rows: Sequence[dict[str, object]]) -> list[str]:
@@ -156,7 +157,7 @@ TABLE = Definition(
         word("above", "certified verdict above a threshold", "below"),
     ),
     lambda **options: [asdict(row) for row in benchmark_rows(**options)],
-    ("progress",),
+    ("systems", "progress"),
     lambda table: benchmark_notes(table.rows),
     lambda table: framed(table, benchmark_lines(table.rows)),
     home=f"{__name__}:TABLE",

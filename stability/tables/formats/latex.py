@@ -125,7 +125,10 @@ def _head(column: Column) -> str:
 
 def _unit(column: Column, table: Content) -> str:
     text = column.unit(dimensionless=table.dimensionless)
-    return f"{{[{unit(text)}]}}" if text else ""  # a bare [ would belong to the line before
+    if not text or column.latex == r"\pm":  # an error has the unit of the column before it
+        return ""
+    plain = table.dimensionless and not isinstance(column.kind, str)
+    return f"{{[{unit(text, dimensionless=plain)}]}}"  # a bare [ would belong to the line before
 
 
 def _blocks(table: Content) -> list[list[str]]:
@@ -205,7 +208,8 @@ def symbols(table: Content) -> list[str]:
     for column in table.columns:
         named = []
         for word, quantity in column.quantities(table.rows).items():
-            words = unit(quantity.kind.label(dimensionless=table.dimensionless))
+            label = quantity.kind.label(dimensionless=table.dimensionless)
+            words = unit(label, dimensionless=table.dimensionless)
             named.append(f"{prose(word)}: ${quantity.latex or quantity.symbol}$ in {words}")
         units = f" ({', '.join(named)})" if named else ""
         said.append(f"{_head(column)}: {prose(column.meaning)}{units}")

@@ -6,6 +6,7 @@ import re
 import unicodedata
 from collections.abc import Collection
 
+from ...base.quantities import KNOWN_UNIT, RAISED, readable
 from ...bodies.thin_disk.disk_quantities import QUANTITIES
 
 GREEK = frozenset(
@@ -319,6 +320,8 @@ def _plain(word: str) -> str:
     if _CODE.fullmatch(core.rstrip(".")):
         broken = re.sub(r"([/_.]|::)", r"\1\\allowbreak ", core.rstrip("."))
         return word.replace(core.rstrip("."), rf"\texttt{{{broken}}}").replace("_", r"\_")
+    if (core := core.strip("[].")) in UNITS:
+        return word.replace(core, unit(core))
     quoted = re.sub(r"^(\(?)`", r"\1@@", word).replace("`", "''")
     return escaped(quoted).replace("@@", "``")
 
@@ -346,17 +349,29 @@ def escaped(text: str) -> str:
     return _breaking(found)
 
 
-def unit(text: str) -> str:
+def unit(text: str, *, dimensionless: bool = False) -> str:
     r"""A unit in LaTeX.
+
+    Parameters
+    ----------
+    text
+        The unit.
+    dimensionless
+        Whether m, R and g are a mass, a length and gravity, not metres and grams.
 
     Examples
     --------
-    >>> print(unit("√(g/R)"), unit("rad/s"), unit("m/s2"))
-    $\sqrt{g/R}$ rad/s m/s$^{2}$
+    >>> print(unit("√(g/R)"), unit("m/s2"), unit("kg m^2"), unit("beat2"))
+    $\sqrt{g/R}$ m/s$^{2}$ kg\,m$^{2}$ beat2
     """
-    if "√" in text or text in ("R", "g", "m", "m g", "m g R"):
+    if "√" in text or dimensionless and text in ("R", "g", "m", "m g", "m g R"):
         return f"${mathematics(text)}$"
-    return re.sub(r"(?<=[a-z])(-?\d)", r"$^{\1}$", escaped(text))
+    plain = {raised: digit for digit, raised in RAISED.items()}
+    parts = re.split(f"([{''.join(plain)}]+)", readable(text))
+    parts[::2] = map(escaped, parts[::2])
+    parts[1::2] = (f"$^{{{''.join(plain[c] for c in part)}}}$" for part in parts[1::2])
+    words = re.findall(r"[^\W\d_]+", text)
+    return "".join(parts).replace(" ", r"\," if all(map(KNOWN_UNIT.fullmatch, words)) else " ")
 
 
 def number(text: str) -> str:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from ...base.quantities import readable
 from ...base.types import Record
 from ...storage.files import atomic_write
 from ...storage.json_text import json_text
@@ -144,7 +146,13 @@ class Table(Record):
         return pd.DataFrame(cells, columns=header)
 
     def _repr_html_(self) -> str:
-        return str(self.to_pandas().to_html(index=False, na_rep=""))
+        frame = self.to_pandas()
+        words = (re.fullmatch(r"(.*) \[(.*)\]", name) for name in frame.columns)
+        frame.columns = [
+            f"{m[1]} [{readable(m[2])}]" if m else name
+            for m, name in zip(words, frame.columns, strict=True)
+        ]
+        return str(frame.to_html(index=False, na_rep=""))
 
     def printed(self, form: str) -> str:
         """The table in a form of `FORMS`: text, csv, json or latex."""

@@ -1,27 +1,24 @@
-"""Eigenvalue loci: growth rate and frequency against the family parameter, modes labelled."""
+"""Eigenvalue loci: growth rate and frequency along a quantity, or one spectrum in the plane."""
 
 from __future__ import annotations
 
-from .styled_figure import (  # isort: skip
-    drawing, fixed, key, note, settle, signed_ticks, small, ticks_along,
-)  # fmt: skip
+from ..styled_figure import drawing, key, note, settle, small, ticks_along  # isort: skip
 
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from ..base.checks import instance
-from ..base.errors import ParameterError
-from ..base.quantities import axis_label, in_latex, without_dimension
-from ..base.types import Complexes, Floats
-from ..bodies.thin_disk.disk_quantities import disk_quantities
-from ..spectra.result import Spectrum
-from .locus_modes import (
+from ...base.checks import instance
+from ...base.errors import ParameterError
+from ...base.quantities import axis_label, in_latex, without_dimension
+from ...base.types import Complexes, Floats
+from ...bodies.thin_disk.disk_quantities import disk_quantities
+from ...spectra.result import Spectrum
+from .modes import (
     crossings,
     even_in_logarithm,
     linear_width,
@@ -29,15 +26,14 @@ from .locus_modes import (
     mode_names,
     tracked,
 )
-from .locus_modes import swept as swept
+from .modes import swept as swept
+from .plane import asinh_scale, fixed_numbers, plane
 
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
 """Okabe & Ito's colours, safe for colour-blind readers."""
 DASHES: tuple[Any, ...] = ("-", (0, (3, 1.5)), (0, (1, 1)), (0, (4, 1.2, 1, 1.2)))
 """Lines of one mode: the second and later ones show only where a pair splits."""
 HALO = [withStroke(linewidth=2, foreground="white")]
-SHARE = 0.22
-"""Least share of the upper panel on each side of zero."""
 Groups = list[tuple[int, ...]]
 
 
@@ -57,11 +53,13 @@ def plot_locus(
     hyperbolic sine: linear near zero, so far as shows every arc between two crossings, and
     logarithmic beyond.
 
+    A single spectrum is drawn in the plane of eigenvalues, with its verdict.
+
     Parameters
     ----------
     spectrum
-        Spectrum along one axis, of one quantity given as an array; eigenvalues of shape
-        (points, n).
+        Spectrum along one axis, of one quantity given as an array, eigenvalues of shape
+        (points, n); or a single one.
     thresholds
         Values of the swept quantity at which the verdict changes; circles lie exactly on them.
     title
@@ -69,8 +67,8 @@ def plot_locus(
     unit
         Unit of rates; that of the spectrum when left out.
     ax
-        Axes to draw on: two, the upper one first, or one for the growth rates alone; a figure of
-        its own when left out.
+        Axes to draw on: two, the upper one first, or one for the growth rates alone, or for a
+        single spectrum; a figure of its own when left out.
     width
         Width of a figure of its own [in]; a journal column, 3.39, when left out.
     fontsize
@@ -84,7 +82,7 @@ def plot_locus(
     Raises
     ------
     ParameterError
-        If the spectrum has not one axis, or not one quantity changes along it, or a size is not
+        If the spectrum has several axes, or not one quantity changes along it, or a size is not
         accepted.
 
     Examples
@@ -95,6 +93,10 @@ def plot_locus(
     'growth rate\nRe $\\lambda$  [$\\sqrt{g/R}$]'
     """
     instance("spectrum", spectrum, Spectrum, "give what spectrum returns, or plot_map for a map")
+    if spectrum.codes.size == 1:
+        if np.size(thresholds):
+            raise ParameterError("thresholds belongs to a spectrum along a quantity; leave it out.")
+        return plane(spectrum, title, _unit(spectrum, unit), ax, width, fontsize)
     name, at = swept(spectrum)
     if ax is not None and np.size(ax) not in (1, 2):
         raise ParameterError(f"ax holds {np.size(ax)} axes; give one or two.")
@@ -104,8 +106,7 @@ def plot_locus(
     with drawing(ax, width, fontsize, lambda wide: min(1.15 * wide, 2.2 + 0.5 * wide)) as figure:
         panels = np.ravel(_panels(figure) if ax is None else ax).tolist()
         top, lowest = panels[0], panels[-1]
-        word = spectrum.rate_unit if unit is None else unit
-        units = "" if word in ("1", "") else f"  [{in_latex(word)}]"
+        units = _unit(spectrum, unit)
         top.set_ylabel("growth rate\nRe $\\lambda$" + units)
         lowest.set_xlabel(_axis(spectrum, name))
         if even_in_logarithm(at):
@@ -128,12 +129,18 @@ def plot_locus(
                 panel.axvline(threshold, color="black", linewidth=0.8, linestyle=(0, (1, 1.5)),
                               label="change of verdict")  # fmt: skip
         key(top, _entries(top), title)
-        note(lowest, _fixed(spectrum, name))
+        note(lowest, fixed_numbers(spectrum, name))
     return figure
 
 
 locus = plot_locus
 """The name before version 0.5."""
+
+
+def _unit(spectrum: Spectrum, unit: str | None) -> str:
+    """The unit of rates as the end of a label."""
+    word = spectrum.rate_unit if unit is None else unit
+    return "" if word in ("1", "") else f"  [{in_latex(word)}]"
 
 
 def _panels(figure: Figure) -> Any:
@@ -144,21 +151,6 @@ def _entries(top: Axes) -> list[Any]:
     """Entries of the legend, each label once."""
     handles, labels = top.get_legend_handles_labels()
     return [h for i, h in enumerate(handles) if labels[i] not in labels[:i]]
-
-
-def _fixed(spectrum: Spectrum, name: str) -> str:
-    """The numbers that do not change along the axis."""
-    family, law = spectrum.family, spectrum.law
-    held = {n: v for n, v in spectrum.values.items() if n != name and np.size(v) == 1}
-    if law is None:
-        system = family.system
-        body = system.name if system.quantities else ""
-        plain = without_dimension(system.quantities, system.units)
-        return fixed(held, system.quantities, system.units, law=body, dimensionless=plain)
-    return fixed(
-        {family.at[0] if n == "at" else n: v for n, v in held.items()},
-        disk_quantities(type(law)), {}, law=law.name, dimensionless=spectrum.dimensionless,
-    )  # fmt: skip
 
 
 def _axis(spectrum: Spectrum, name: str) -> str:
@@ -187,7 +179,7 @@ def _growth(
             axes.plot(at, values[:, column].real, color=_colour(index), zorder=3,
                       linestyle=DASHES[position % len(DASHES)],
                       label=None if position else f"{index + 1}: {names[index]}")  # fmt: skip
-    _scale(axes, values.real, linear_width(values.real, radius))
+    asinh_scale(axes, "y", values.real, linear_width(values.real, radius))
     axes.axhspan(0, axes.get_ylim()[1], facecolor="#fdebdc", zorder=0)
     zero = float(axes.transAxes.inverted().transform(axes.transData.transform((at[0], 0.0)))[1])
     for word, height, colour in (("growth", (1 + zero) / 2, "#7f2704"),
@@ -204,25 +196,6 @@ def _growth(
 
 def _colour(index: int) -> str:
     return MODE_COLOURS[index % len(MODE_COLOURS)]
-
-
-def _scale(axes: Axes, real: Floats, linear: float) -> None:
-    """Rates span many orders of magnitude on both sides of zero; the scale has no kink."""
-    axes.set_yscale("asinh", linear_width=linear)
-
-    def place(value: float) -> float:
-        return float(np.arcsinh(value / linear))
-
-    ends = [place(1.6 * max(float((sign * real).max()), linear)) for sign in (-1, 1)]
-    ends = [max(end, SHARE / (1 - SHARE) * other) for end, other in zip(ends, ends[::-1],
-                                                                        strict=True)]  # fmt: skip
-    low, high = (linear * float(np.sinh(end)) for end in ends)
-    axes.set_ylim(-low, high)
-    box, dpi = axes.get_window_extent(), axes.get_figure(root=True).dpi  # type: ignore[union-attr]
-    unit = box.height * 72 / dpi / sum(ends)
-    gap = 1.35 * matplotlib.rcParams["ytick.labelsize"]
-    axes.set_yticks(*signed_ticks(lambda v: unit * place(v), -low, high, linear, gap))
-    axes.minorticks_off()
 
 
 def _frequencies(axes: Axes, at: Floats, values: Complexes, groups: Groups) -> None:

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.errors import ParameterError, listed
-from ..base.quantities import plain_text
-from ..base.types import Complexes, Floats
-from ..bodies.thin_disk.disk_quantities import disk_quantities
-from ..spectra.result import Spectrum
+from ...base.errors import ParameterError, listed
+from ...base.quantities import plain_text
+from ...base.types import Complexes, Floats
+from ...bodies.thin_disk.disk_quantities import disk_quantities
+from ...spectra.result import Spectrum
 
 LINEAR_SHARE, LEAST_SHARE = 1e-3, 1e-9
 """Largest and smallest linear part of the axis, over the power of ten of the largest rate."""
@@ -39,7 +39,7 @@ def swept(spectrum: Spectrum) -> tuple[str, Floats]:
     shape = spectrum.codes.shape
     if len(shape) != 1 or shape[0] < 2:
         raise ParameterError(
-            f"the spectrum has shape {shape}; give one along one axis, of two points or more."
+            f"the spectrum has shape {shape}; give a single one, or one along one axis."
         )
     given = spectrum.values or {spectrum.family.at[0]: np.asarray(spectrum.at)[:, 0]}
     along = {n: np.asarray(v, dtype=float) for n, v in given.items() if np.size(v) > 1}
@@ -68,9 +68,16 @@ def even_in_logarithm(at: Floats) -> bool:
 
 def tracked(spectrum: Spectrum) -> tuple[Complexes, Floats]:
     """Eigenvalues followed along a spectrum, and the radii of their error discs, (points, n)."""
-    order = spectrum.tracked()
-    values = np.take_along_axis(spectrum.eigenvalues, order, axis=-1)
-    return values, np.take_along_axis(spectrum.radius, order, axis=-1)
+    order = _order(spectrum)
+    values, radius = spectrum.eigenvalues.reshape(order.shape), spectrum.radius.reshape(order.shape)
+    return np.take_along_axis(values, order, axis=-1), np.take_along_axis(radius, order, axis=-1)
+
+
+def _order(spectrum: Spectrum) -> NDArray[np.intp]:
+    """Order of the eigenvalues at each point that follows the modes; one row if it is single."""
+    if spectrum.codes.size > 1:
+        return spectrum.tracked()
+    return np.arange(spectrum.eigenvalues.shape[-1])[None]
 
 
 def mode_groups(values: NDArray[np.complex128]) -> list[tuple[int, ...]]:
@@ -129,8 +136,10 @@ def mode_states(share: Floats, columns: Sequence[int], states: Sequence[str]) ->
     return [states[i] for i in np.argsort(-mean, kind="stable")]
 
 
-def mode_names(spectrum: Spectrum, groups: Sequence[tuple[int, ...]]) -> list[str]:
-    """A name for each mode: the states that lead it, as many as it takes to have no name twice.
+def mode_names(
+    spectrum: Spectrum, groups: Sequence[tuple[int, ...]], *, apart: bool = True
+) -> list[str]:
+    """A name for each mode: the states that lead it.
 
     Parameters
     ----------
@@ -138,14 +147,17 @@ def mode_names(spectrum: Spectrum, groups: Sequence[tuple[int, ...]]) -> list[st
         The spectrum.
     groups
         Columns of each mode among the tracked eigenvalues.
+    apart
+        Whether a name has as many states as it takes to have no name twice; otherwise at most two.
 
     Returns
     -------
     list of str
         Symbols of the disk, or names of the user.
     """
-    states, order = spectrum.family.system.states, spectrum.tracked()
-    share = np.take_along_axis(spectrum.modes.participation, order[..., None], axis=1)
+    states, order = spectrum.family.system.states, _order(spectrum)
+    share = spectrum.modes.participation.reshape(*order.shape, len(states))
+    share = np.take_along_axis(share, order[..., None], axis=1)
     leads = [mode_states(share, columns, states) for columns in groups]
     mean = [share[:, list(columns)].mean(axis=(0, 1)).max() for columns in groups]
     count = [1 if largest > 0.8 else min(2, len(states)) for largest in mean]
@@ -153,7 +165,7 @@ def mode_names(spectrum: Spectrum, groups: Sequence[tuple[int, ...]]) -> list[st
     def names() -> list[frozenset[str]]:
         return [frozenset(lead[:n]) for lead, n in zip(leads, count, strict=True)]
 
-    for _ in states:
+    for _ in states if apart else ():
         found = names()
         twice = [i for i, name in enumerate(found) if found.count(name) > 1]
         count = [n + (i in twice and n < len(states)) for i, n in enumerate(count)]
