@@ -25,17 +25,18 @@ def test_notebook_runs(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     drawn: list[Figure] = []
-    savefig = Figure.savefig
+    draw = Figure.draw
 
-    def keep(self: Figure, *args: Any, **options: Any) -> None:
-        drawn.append(self)
-        savefig(self, *args, **options)
+    def keep(self: Figure, renderer: Any) -> None:
+        if self not in drawn:
+            drawn.append(self)
+        draw(self, renderer)
 
-    monkeypatch.setattr(Figure, "savefig", keep)
+    monkeypatch.setattr(Figure, "draw", keep)
     with plt.rc_context():
         runpy.run_path(str(path))
     plt.close("all")  # what a notebook draws it shows, and leaves to its reader
-    assert drawn and [said for f in drawn for said in faults(f, COLUMN)] == []
+    assert drawn and [said for f in tuple(drawn) for said in faults(f, COLUMN)] == []
     assert capsys.readouterr().out
     names = {p.name for p in tmp_path.iterdir()}
     wanted = {
