@@ -1,6 +1,7 @@
 # ---
 # jupyter:
 #   jupytext:
+#     formats: ipynb,py:percent
 #     text_representation:
 #       extension: .py
 #       format_name: percent
@@ -24,9 +25,6 @@
 import math
 
 import casadi as ca
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -123,7 +121,7 @@ for panel, run, name in zip(axes, (rising, turning), ("egg", "tippe top"), stric
     panel.plot(early.time, np.degrees(early.theta), color="#0072b2", lw=0.8)
     panel.set(ylabel="axis from vertical [°]", title=name, ylim=(-5, 185), yticks=(0, 90, 180))
 axes[1].set_xlabel(r"time [$\sqrt{R/g}$]")
-figure
+plt.show()
 
 # %% [markdown]
 # Energy only falls on the way.

@@ -31,8 +31,14 @@ if TYPE_CHECKING:
     from .result import Result, Settings
     from .starts import Starts
 
-from .observables import ENERGY_ERROR, account, observe, require_values
-from .state_tables import event_log, start_states
+from .observables import (
+    ENERGY_ERROR,
+    account,
+    event_log,
+    observe,
+    require_values,
+    start_states,
+)
 
 FORMAT = "stability trajectory 1"
 """Mark of the motion files that this package writes."""
