@@ -168,7 +168,10 @@ def _upright(curve: Curve, fold: Located) -> bool:
     z, left = fold.z, fold.left
     n = len(z) - 1
     slope = curve.at(z[None])[1][0]
-    phi = np.linalg.svd(slope[:, :n])[2][-1]
+    _, sizes, ways = np.linalg.svd(slope[:, :n])
+    if n > 1 and not sizes[-2] > UPRIGHT * np.abs(slope).max():
+        return False  # φ is not the only direction
+    phi = ways[-1]
     bend = np.einsum("i,kij,k,j->", left, curve.turning(z)[:n, :, :n], phi, phi)
     size = float(np.max(1 + np.abs(z[:n]))) ** 2 / (1 + abs(float(z[-1])))
     return bool(abs(bend) * size <= UPRIGHT * abs(left @ slope[:, -1]))
