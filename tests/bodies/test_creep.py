@@ -169,9 +169,9 @@ def test_a_spectrum_is_refused_there_too() -> None:
 
 
 def test_a_slip_at_the_start_is_refused_and_none_is_needed() -> None:
-    with pytest.raises(st.StabilityError, match=r"creep-2 disk follows from the other states"):
+    with pytest.raises(st.StabilityError, match=r"creep-2 contact follows from the other states"):
         run(Creep2(30.0), 1.0, (*START, 0.1, 0.0))
-    with pytest.raises(st.StabilityError, match=r"rough disk is 0"):
+    with pytest.raises(st.StabilityError, match=r"rough contact is 0"):
         run(st.Rough(), 1.0, (*START, 0.1, 0.0))
     with_zeros, without = (run(Creep2(30.0), 1.0, (*START, *more)) for more in ((0.0, 0.0), ()))
     assert four(with_zeros).tolist() == four(without).tolist()

@@ -82,8 +82,8 @@ def test_a_branch_point_is_named_wherever_the_question_lies(plus: Any) -> None:
 def test_a_branch_of_a_bare_system_is_refused_with_the_way_to_a_family(lorenz: Any) -> None:
     with pytest.raises(
         st.StabilityError,
-        match=r"family is a System; give a stability.Family, such "
-        r"as system\.steady\(at, guess=\{…\}\) or body\.family\(…\)\.",
+        match=r"family is a System; give a stability.Family: "
+        r"system\.steady\(at, guess=\{…\}\), disk_family\(…\), body\.family\(…\)\.",
     ):
         st.branch(lorenz, 2, 28, [10, B])
 

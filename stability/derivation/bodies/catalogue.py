@@ -13,6 +13,7 @@ import sympy
 
 from ...bodies.round_body.body import Body
 from ...bodies.round_body.shapes.named import EccentricSphere, Spheroid, ThickDisk, Torus
+from ...bodies.thin_disk.disk_quantities import QUANTITIES
 from ..characteristic import K
 from ..proof import Proof, Step, Theorem
 from .completeness import branches, jellett, rough_and_smooth, steady_motions
@@ -41,7 +42,7 @@ PROOFS: dict[str, Callable[[], Theorem]] = {
 PARTS = ("theorem", "polynomial", "known result", "rounded rim", "Painlevé limit")
 """Parts of the table."""
 _SUPER = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-_NAMES = {"phi_dot": "φ̇", "omega3": "ω₃", "lam": "λ"}
+_NAMES = {n: QUANTITIES[n].symbol for n in ("phi_dot", "omega3")} | {"lam": "λ"}
 
 
 @dataclass(frozen=True)
