@@ -228,12 +228,12 @@ def test_the_atlas_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
     assert [*page.drawn()] == ["rolling", "spinning", "tumbling", "edge-on"]
     monkeypatch.setattr(page, "drawn", lambda: {"edge-on": EDGE_ON.drawn})
-    drawn = build._job("disk", "edge-on", None, str(tmp_path), 8)
-    pages = [build._page("disk", "edge-on", {("disk", "edge-on", None): drawn})]
+    drawn = build._job("disk", "edge-on", None, str(tmp_path), 8, draft=True)
+    pages = [build._page("disk", "edge-on", {("disk", "edge-on", None): drawn}, ())]
     assert st.read_map(tmp_path / "edge-on-disk.nc").attrs["family"] == "edge-on"
     at = [row[6] for row in pages[0].rows if row[3] == "rough"]
     assert at == pytest.approx([2 / math.sqrt(5)])  # phi_dot² = 1/(1 + k)
-    assert '<h2 id="edge-on">Edge-on</h2>\n<p>θ = π/2</p>' in page._html(pages, 8)
+    assert '<h2 id="edge-on">Edge-on</h2>\n<p>θ = π/2</p>' in page._html(pages, 8, draft=True)
 
 
 def test_flutter_points_are_those_of_the_same_motion(family: str) -> None:

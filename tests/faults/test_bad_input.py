@@ -38,7 +38,7 @@ def derived(k: Any) -> Any:
 
 CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("drift without at", lambda: fall(at=None), "at is missing"),
-    ("drift by a law's name", lambda: fall(contact="viscous"), "law with friction"),
+    ("drift by a law's name", lambda: fall(contact="viscous"), "mu is missing"),
     ("drift of a tiny tilt", lambda: fall(tilt=1e-300), "leaves double precision"),
     ("drift far out", lambda: fall(at=1e300), "double precision"),
     ("drift of huge friction", lambda: fall(contact=V(1.7e308)), "double precision"),

@@ -63,7 +63,7 @@ def even_in_logarithm(at: Floats) -> bool:
     if len(at) < 3 or not (at > 0).all():
         return False
     steps = np.diff(np.log(at))
-    return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0)) and abs(steps[0]) > 1e-3
+    return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0) and abs(steps[0]) > 1e-3)
 
 
 def tracked(spectrum: Spectrum) -> tuple[Complexes, Floats]:
