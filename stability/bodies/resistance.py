@@ -170,3 +170,27 @@ def resistances(given: Any) -> tuple[Resistance, ...]:
     if double:
         raise ParameterError(f"two resistances have the coefficient {min(double)}; give one.")
     return tuple(found)
+
+
+def total_moment(
+    against: Sequence[tuple[type[Resistance], Any]], turn: Sequence[Any], normal: Any
+) -> list[Any]:
+    """Moment of several resistances along two horizontal axes and the vertical.
+
+    Parameters
+    ----------
+    against
+        Classes, each with its coefficient.
+    turn, normal
+        As for `Resistance.moment`.
+
+    Examples
+    --------
+    >>> total_moment([(AirTorque, 0.5), (RollingResistance, 0.1)], (1.0, 2.0, 4.0), 10.0)
+    [-1.5, -3.0, -2.0]
+    """
+    total: list[Any] = [0, 0, 0]
+    for kind, value in against:
+        form = kind.__new__(kind)  # only its formula is used, never its coefficient
+        total = [a + b for a, b in zip(total, form.moment(turn, normal, value), strict=True)]
+    return total

@@ -20,7 +20,7 @@ from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep
 from ..newton_euler import STATES, NewtonEuler
-from ..resistance import Resistance
+from ..resistance import Resistance, total_moment
 from ..round_quantities import round_quantities
 from .height.pole_height import height_of_angle
 from .shape import RoundShape
@@ -157,13 +157,7 @@ class RoundBody(NewtonEuler):
 
     def moment(self, normal: Any) -> list[Any]:
         """Moment of all resistances along (x̂, ŷ, ẑ)."""
-        total: list[Any] = [0, 0, 0]
-        for kind, value in self.against:
-            form = kind.__new__(kind)  # only its formula is used, never its coefficient
-            total = [
-                a + b for a, b in zip(total, form.moment(self.turn(), normal, value), strict=True)
-            ]
-        return total
+        return total_moment(self.against, self.turn(), normal)
 
     def law_force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """The force in the units of the equations."""

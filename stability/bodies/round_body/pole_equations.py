@@ -21,7 +21,7 @@ from ...systems.equations import eliminate
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep
-from ..resistance import Resistance
+from ..resistance import Resistance, total_moment
 from .equations import Resistances, with_quantities
 from .height.pole_height import NotSmoothError, height_of_cosine
 from .shape import RoundShape
@@ -218,11 +218,7 @@ class PoleBody:
 
     def moment(self, normal: Any) -> ca.SX:
         """Moment of all resistances along fixed axes."""
-        total = ca.SX.zeros(3)
-        for kind, value in self.against:
-            form = kind.__new__(kind)  # only its formula is used, never its coefficient
-            total += ca.vertcat(*form.moment(ca.vertsplit(self.turn), normal, value))
-        return total
+        return ca.SX(ca.vertcat(*total_moment(self.against, ca.vertsplit(self.turn), normal)))
 
     def solved(self) -> tuple[ca.SX, dict[str, ca.SX]]:
         """Rates of angular velocity and slip, and the observables."""
