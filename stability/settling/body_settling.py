@@ -318,10 +318,7 @@ def body_settling(body: Body, law: type[Contact], given: tuple[str, ...]) -> Bod
     """
     system = round_system(body, law, given, physical=False, slip_states=True)
     theta, *own = (ca.SX.sym(n) for n in ("theta", *body.shape))
-    h = [ca.SX(body.height(theta, *own))]
-    for _ in range(2):
-        h.append(ca.jacobian(h[-1], theta))
-    height = ca.Function("height", [theta, *own], h)
+    height = ca.Function("height", [theta, *own], [f(theta, *own) for f in body.slopes()])
     shape = ca.vertsplit(system.p)[: len(own)]
     moments = ca.vertcat(*(
         system.p[system.parameters.index(n)] if n in system.parameters
