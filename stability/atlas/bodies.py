@@ -30,8 +30,8 @@ from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered, resumable
 from ..maps.stability_map import stability_map
 from ..storage.files import atomic_write
-from ..storage.targets import check_folder, path_text, place, refusing
-from .build import FINEST, move
+from ..storage.targets import path_text, refusing
+from .build import FINEST, folder_for, move
 from .page import FRICTION, Picture, _diagram_caption, _figure, _foot, _head, drawn
 
 RESOLUTION = 48
@@ -109,11 +109,7 @@ def atlas_of_bodies(
     """
     resolution = whole_number("resolution", resolution, 8, FINEST)
     check_run(workers, progress, executor)
-    taken = (
-        f"{path_text(out)} exists and is not empty; choose another, or replace its files with "
-        "--overwrite (overwrite=True)."
-    )
-    target = check_folder(place(out), "" if overwrite else taken)
+    target = folder_for(out, overwrite=overwrite)
     jobs, absent = _jobs()
     keep = _Figures(target, resolution)
     counted = Counted(progress, len(jobs))

@@ -105,11 +105,7 @@ def atlas(
     draft = resolution < DRAFT if draft is None else flag("draft", draft)
     frictions = () if draft else LOCUS_FRICTION
     check_run(workers, progress, executor)
-    taken = (
-        f"{path_text(out)} exists and is not empty; choose another, or replace its files with "
-        "--overwrite (overwrite=True)."
-    )
-    target = check_folder(place(out), "" if overwrite else taken)
+    target = folder_for(out, overwrite=overwrite)
     with _temporary_folder(target) as folder:
         pairs = [(body, family) for body in BODIES for family in drawn()]
         # the loci first, since each is soon done; then the diagrams, the longest first
@@ -170,6 +166,23 @@ def move(folder: Path, target: Path) -> None:
             for path in sorted(folder.iterdir(), key=lambda p: p.name == "index.html"):
                 path.replace(target / path.name)  # the page last: it links to the others
         record(target)
+
+
+def folder_for(out: str | os.PathLike[str], *, overwrite: bool) -> Path:
+    """The folder of an atlas, or a refusal where it holds files that may not be replaced.
+
+    Parameters
+    ----------
+    out
+        Folder as the user gave it.
+    overwrite
+        Whether files in an existing folder may be replaced.
+    """
+    taken = (
+        f"{path_text(out)} exists and is not empty; choose another, or replace its files with "
+        "--overwrite (overwrite=True)."
+    )
+    return check_folder(place(out), "" if overwrite else taken)
 
 
 # --- one job ---
