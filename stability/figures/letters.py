@@ -81,8 +81,8 @@ def _dark(colour: str) -> tuple[float, ...]:
 
 def _half(text: str) -> tuple[float, float]:
     """Half the width and height of a text [pt]; words are measured, letters take the same room."""
-    if len(text) <= 3:
-        return 0.3 * SMALL * len(text) + 0.8, 0.42 * SMALL
+    if len(text) <= 1:
+        return 0.3 * SMALL + 0.8, 0.42 * SMALL
     with figure_style(STYLE):
         box = TextPath((0, 0), text, size=SMALL).get_extents()
     return box.width / 2 + 1.0, 0.6 * SMALL

@@ -87,6 +87,34 @@ def test_no_text_overlaps_leaves_the_figure_or_is_small(figures: dict[str, Figur
     assert {f.get_figwidth() for f in figures.values()} == {COLUMN}
 
 
+def elsewhere(data: xarray.Dataset, rng: np.random.Generator, *names: str) -> xarray.Dataset:
+    """A chart as measured on another machine: all times by a factor, and each by some more."""
+    speed = rng.uniform(-1.5, 1.5)
+    times = {n: 10 ** (speed + 0.5 * rng.normal(size=data[n].shape[:2])) for n in names}
+    return data.assign({n: data[n].copy(data=data[n].values * f.reshape(f.shape + (1,) *
+                        (data[n].ndim - f.ndim))) for n, f in times.items()})  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "seed", [140, 157, 160, *(pytest.param(s, marks=pytest.mark.long) for s in range(200, 300))]
+)
+def test_no_text_overlaps_on_a_machine_of_another_speed(
+    spectrum: xarray.Dataset, motion: xarray.Dataset, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    kinds = rng.permutation(spectrum.hardness.values)[: rng.integers(1, 5)]
+    of_spectra = elsewhere(spectrum, rng, "one", "many", "boundary_seconds").sel(hardness=kinds)
+    scenes = rng.permutation(motion.scene.values)[: rng.integers(1, 5)]
+    of_motion = elsewhere(motion, rng, "seconds", "first").sel(scene=scenes)
+    drawn = [
+        drawings.spectrum_figure(of_spectra),
+        drawings.boundary_figure(of_spectra),
+        drawings.motion_figure(of_motion, "path"),
+        drawings.first_call_figure(of_motion),
+    ]
+    assert [faults(f) for f in drawn] == [[]] * 4
+
+
 def test_every_method_is_known_by_its_shape_and_every_mark_by_its_shade() -> None:
     """So that nothing is lost in grey or with a deficiency of colour vision."""
     shapes = [(look["marker"], look.get("mfc", "")) for look in LOOKS.values()]

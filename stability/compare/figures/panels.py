@@ -23,6 +23,10 @@ LEFT, RIGHT, BETWEEN = 0.46, 0.09, 0.12
 """Margins next to and between panels [in]."""
 HEAD, FOOT = 0.4, 0.2
 """Room over a panel for its title and a note, and under it for its ticks [in]."""
+CORNER = 0.1
+"""Part of an x axis at each of its ends that has no tick [in]; half a number is as wide."""
+NUMBER = 0.25
+"""Least distance of ticks on an x axis, by the width of their numbers [in]."""
 LETTERS = 29
 """Letters in a line of a title."""
 DIGIT = 0.1
@@ -84,6 +88,9 @@ def title(axes: Axes, text: str, note: str = "", width: int = LETTERS) -> None:
 def log_axis(axis: Any, low: float, high: float, step: int) -> None:
     """A log axis with a tick at every `step` decades.
 
+    An x axis has no tick at its ends, where a number would reach into those of the y axis or of
+    the next panel, and fewer ticks where the numbers would touch.  Set the panel's place before.
+
     Parameters
     ----------
     axis
@@ -93,8 +100,15 @@ def log_axis(axis: Any, low: float, high: float, step: int) -> None:
     step
         Decades between ticks; one tick is at 1.
     """
-    axis.axes.set(**{f"{axis.axis_name}scale": "log", f"{axis.axis_name}lim": (low, high)})
-    powers = np.arange(np.ceil(np.log10(low)), np.floor(np.log10(high)) + 1)
+    axes = axis.axes
+    axes.set(**{f"{axis.axis_name}scale": "log", f"{axis.axis_name}lim": (low, high)})
+    start, end = np.log10([low, high])
+    room = 0.0
+    if axis.axis_name == "x":
+        wide = axes.get_position().width * axes.get_figure().get_figwidth()
+        room = CORNER / wide * (end - start)
+        step *= int(np.ceil(NUMBER / wide * (end - start) / step))
+    powers = np.arange(np.ceil(start + room), np.floor(end - room) + 1)
     axis.set_major_locator(FixedLocator(10.0 ** powers[powers % step == 0]))
     axis.set_minor_locator(NullLocator())
 
