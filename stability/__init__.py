@@ -64,7 +64,7 @@ _HOME = {
         "PointKind",
     ),
     "motion.simulate": ("simulate",),
-    "motion.starts": ("launch",),
+    "bodies.thin_disk.launch": ("launch",),
     "figures.launch.animate": ("animate",),
     "figures.diagram": ("plot_map",),
     "figures.locus.loci": ("plot_locus",),
@@ -122,6 +122,7 @@ if TYPE_CHECKING:
     from .bodies.thin_disk.disk_equations import disk_system as disk_system
     from .bodies.thin_disk.disk_families import disk_family as disk_family
     from .bodies.thin_disk.disk_polynomials import exact_polynomial as exact_polynomial
+    from .bodies.thin_disk.launch import launch as launch
     from .boundary.beyond_linear.records import CycleBirth as CycleBirth
     from .boundary.beyond_linear.records import Onset as Onset
     from .boundary.beyond_linear.slow_flow import SlowFlow as SlowFlow
@@ -159,7 +160,6 @@ if TYPE_CHECKING:
     from .motion.netcdf import write_motion as write_motion
     from .motion.result import Outcome as Outcome
     from .motion.simulate import simulate as simulate
-    from .motion.starts import launch as launch
     from .scene.answer import Answer as Answer
     from .scene.ladder import Rung as Rung
     from .scene.rungs.reduced import ReducedModel as ReducedModel

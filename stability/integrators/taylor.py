@@ -65,7 +65,7 @@ def unread(flow: Flow) -> str:
     str
     """
     try:
-        _expressions(flow)
+        expressions(flow)
     except StabilityError as error:
         return str(error)
     except KeyError as error:
@@ -73,7 +73,7 @@ def unread(flow: Flow) -> str:
     return ""
 
 
-def _expressions(flow: Flow) -> tuple[list[Any], list[Any], list[Any]]:
+def expressions(flow: Flow) -> tuple[list[Any], list[Any], list[Any]]:
     """Symbols, rates and events; lanes of a batch have one event, the product of the guards."""
     hy = heyoka()
     product, own = ca.SX(1), flow.model.parking is None
@@ -122,7 +122,7 @@ class _Held:
 def _single(flow: Flow, tolerance: float) -> _Held:
     def build() -> Any:
         hy = heyoka()
-        symbols, rates, guards = _expressions(flow)
+        symbols, rates, guards = expressions(flow)
         down = hy.event_direction.negative
         return hy.taylor_adaptive(
             list(zip(symbols, rates, strict=True)), np.zeros(len(symbols)),
@@ -266,7 +266,7 @@ class _Stop:
 def _batch(flow: Flow, tolerance: float, width: int) -> _Held:
     def build() -> Any:
         hy = heyoka()
-        symbols, rates, guards = _expressions(flow)
+        symbols, rates, guards = expressions(flow)
         down, events, more = hy.event_direction.negative, [], {}
         if flow.model.parking is not None:
             more = {"pars": np.ones((flow.p.numel(), width))}

@@ -21,6 +21,7 @@ from ..bodies.round_body.models.angle_model import round_model
 from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.round_body.shape import SCALES
+from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import flow_of
 from ..settling.body_settling import body_settling
 from .starts import (
@@ -29,21 +30,24 @@ from .starts import (
     LONGEST,
     ROUGHEST,
     Starts,
+    Unfit,
     counted,
     six_states,
     times_of,
+    unfit_of,
 )
 
 
 def gather_body(
-    body: Body, contact: Contact, start: Any, times: ArrayLike, *, pose: bool = False
-) -> Starts:
+    body: Body, contact: Contact, start: Any, times: ArrayLike, *, pose: bool = False,
+    mark: bool = False,
+) -> Starts:  # fmt: skip
     """Check the arguments of `simulate` for a body of revolution and make them dimensionless.
 
     Parameters
     ----------
-    body, contact, start, times, pose
-        As for `simulate`.
+    body, contact, start, times, pose, mark
+        As for `gather`.
 
     Returns
     -------
@@ -56,7 +60,7 @@ def gather_body(
     """
     law = _accepted(body, contact)
     with np.errstate(all="ignore"):  # an overflow is refused by _check
-        return _gathered(body, contact, law, start, times, pose=pose)
+        return _gathered(body, contact, law, start, times, pose=pose, mark=mark)
 
 
 def _accepted(body: Body, contact: Any) -> type[Contact]:
@@ -76,8 +80,9 @@ def _accepted(body: Body, contact: Any) -> type[Contact]:
 
 
 def _gathered(
-    body: Body, contact: Contact, law: type[Contact], start: Any, times: ArrayLike, *, pose: bool
-) -> Starts:
+    body: Body, contact: Contact, law: type[Contact], start: Any, times: ArrayLike, *, pose: bool,
+    mark: bool,
+) -> Starts:  # fmt: skip
     six, when = six_states(start, contact), times_of(times)
     fields = body.given | contact.given
     model = _model(body, law, tuple(contact.given), pose=pose)
@@ -106,10 +111,10 @@ def _gathered(
             f"times end at {when[-1]:g}; in units of √(length/g) give a last time from "
             f"{BRIEFEST:g} to {LONGEST:g}."
         )
-    energies = _check(body, model, contact, shape, starts, p)
+    energies, unfit = _check(body, model, contact, shape, starts, p, mark=mark)
     return Starts(
         model, shape, starts, p, when, flat, scales, body.dimensionless, energies,
-        body_settling(body, law, tuple(contact.given)), law,
+        body_settling(body, law, tuple(contact.given)), law, unfit,
     )  # fmt: skip
 
 
@@ -146,9 +151,10 @@ def _check_names(body: Body, model: Model) -> None:
 
 
 def _check(
-    body: Body, model: Model, contact: Contact, shape: tuple[int, ...], starts: Floats, p: Floats
-) -> Floats:
-    """Energies of the starts; a start without contact is refused with the reason."""
+    body: Body, model: Model, contact: Contact, shape: tuple[int, ...], starts: Floats, p: Floats,
+    *, mark: bool,
+) -> tuple[Floats, Unfit | None]:  # fmt: skip
+    """Energies of the starts; a start without contact is marked, or refused with the reason."""
     if not (np.isfinite(starts).all() and np.isfinite(p).all() and np.abs(starts).max() < FASTEST):
         raise ParameterError(
             "a dimensionless number of the start or the body leaves the range of double precision "
@@ -166,7 +172,7 @@ def _check(
     if model.chart:  # a smooth pole belongs to the motion
         for pole, end in ((1, low), (-1, high)):
             inside |= (theta == end) & smooth_at(body, pole)
-    if not inside.all():
+    if not (mark or inside.all()):
         row = int(np.argmin(inside))
         where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
         raise DomainError(
@@ -182,7 +188,8 @@ def _check(
     own = flow_of(model).pack(starts)[:, : len(system.states)]
     values = look.arrays([list(own.T), list(p.T)], starts.shape[:1])[0][..., 0]
     bad = np.argwhere(~(values[:, :-1] > 0))
-    if len(bad):
+    fit = np.column_stack([inside, values[:, :-1] > 0])
+    if len(bad) and not mark:
         row, column = (int(i) for i in bad[0])
         where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
         value = float(values[row, column])
@@ -193,4 +200,4 @@ def _check(
             "the body is not in contact; turn it slower."
         )
     found: Floats = values[:, -1]
-    return found
+    return found, unfit_of(fit, [FLAT], len(conditions) + 1)

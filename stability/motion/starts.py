@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra.program import Program
-from ..algebra.upright import UPRIGHT
-from ..base.checks import checked, known
+from ..base.checks import checked
 from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact, Scales
@@ -22,99 +21,11 @@ from ..bodies.contact_laws import MOTION_LAWS, Rough, spelled
 from ..bodies.disk import Disk
 from ..bodies.model import Model
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
-from ..bodies.thin_disk.disk_families import FAMILIES
-from ..bodies.thin_disk.disk_model import disk_model, moving_system
+from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT, disk_model, moving_system
 from ..integrators.friction_at_rest import continuations
 from ..integrators.stick_slip import REST
 from ..settling.disk_settling import DiskSettling
 from ..settling.nearest import Settling
-
-TILT, TIME = 0.1, 1000.0
-"""Tilt of the symmetry axis [rad] and length of a run [√(R/g)]."""
-
-
-def launch(
-    family: str, *, at: ArrayLike, tilt: ArrayLike = TILT, disk: Disk | None = None
-) -> Floats:
-    """The start of a launch near a steady motion, its symmetry axis tilted.
-
-    Parameters
-    ----------
-    family
-        A family whose members one number names: rolling, spinning or tumbling.
-    at
-        omega3, phi_dot or theta of the steady motion, shape (…) [rad/s or rad].
-    tilt
-        Angle subtracted from theta, shape (…) [rad].
-    disk
-        The body; needed for tumbling, whose rate depends on it.
-
-    Returns
-    -------
-    ndarray
-        The six states, shape (…, 6), for `simulate`.
-
-    Raises
-    ------
-    NameUnknownError
-        If there is no such family.
-    ParameterError
-        If tumbling has no disk, or an angle leaves (0, π).
-
-    Examples
-    --------
-    >>> launch("rolling", at=1.2, tilt=0.1).round(3).tolist()
-    [1.471, 0.0, 0.0, 1.2, 0.0, 0.0]
-    """
-    known("family", family, [name for name, one in FAMILIES.items() if one.line])
-    record = FAMILIES[family]
-    if disk is None and record.solution is not None:
-        raise ParameterError(
-            f"disk is missing; {', '.join(record.unknown)} of {family} depends on the body: give "
-            "disk=stability.Disk(...)."
-        )
-    body = _body(disk)
-    where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
-    shapes = where.shape, lean.shape, np.shape(body.k), np.shape(body.rate)
-    try:
-        shape = np.broadcast_shapes(*shapes)
-    except ValueError:
-        raise ParameterError(
-            f"at, tilt and the disk have shapes {', '.join(map(str, shapes))}; make them fit."
-        ) from None
-    if record.by_angle and ((where <= 0) | (where >= math.pi)).any():
-        bad = where[(where <= 0) | (where >= math.pi)].flat[0]
-        raise ParameterError(
-            f"at of {family} is theta = {bad:g}; it must lie strictly between 0 and π"
-            f"{if_degrees(bad)}."
-        )
-    with np.errstate(all="ignore"):  # an overflow is refused
-        member = record.member(np, where, body.k, body.rate)
-    six = np.zeros((*shape, 6))
-    for column, name in enumerate(STATES):
-        six[..., column] = math.pi / 2 if member[name] is UPRIGHT else member[name]
-    if not np.isfinite(six).all():
-        raise ParameterError(
-            f"at of {family} is {where.min():g}, where its rate overflows double precision, "
-            "or where there is no such motion; give another."
-        )
-    six[..., 0] -= lean
-    bad = six[..., 0][(six[..., 0] <= 0) | (six[..., 0] >= math.pi)]
-    if bad.size:
-        raise ParameterError(
-            f"the tilt takes theta to {bad.flat[0]:g}; it must stay strictly between 0 and π"
-            f"{if_degrees(float(lean.flat[np.abs(lean).argmax()]))}."
-        )
-    return six
-
-
-def _body(disk: Disk | None) -> Disk:
-    if disk is None:
-        return Disk()
-    if not isinstance(disk, Disk):
-        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
-    return disk
-
 
 FASTEST = 1e9
 """Largest dimensionless rate or slip of a start: beyond it forces are lost in rounding."""
@@ -126,6 +37,10 @@ MOST_LAUNCHES, MOST_SAMPLES = 1_000_000, 20_000_000
 """Most launches of one call, and most samples (launches by times): all are held in memory."""
 POINTS = 201
 """Samples of a run for which only a last time is given."""
+
+
+Unfit = dict[int, str]
+"""The end that a start has had already, by its number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +69,8 @@ class Starts:
     """The steady motions that the launches may settle on."""
     law: type[Contact] | None = None
     """The contact law; None for a user's system."""
+    unfit: Unfit | None = None
+    """Which starts are no launches, as marked by `gather`; None where all were checked."""
 
     @property
     def count(self) -> int:
@@ -171,14 +88,17 @@ class Starts:
 
 
 def gather(
-    disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool = False
-) -> Starts:
+    disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool = False,
+    mark: bool = False,
+) -> Starts:  # fmt: skip
     """Check the arguments of `simulate` and make them dimensionless.
 
     Parameters
     ----------
     disk, contact, start, times, pose
         As for `simulate`.
+    mark
+        Whether a start without contact is marked, in place of an error.
 
     Returns
     -------
@@ -194,10 +114,12 @@ def gather(
     if not isinstance(contact, Contact) or not contact.name:
         raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(MOTION_LAWS)}.")
     with np.errstate(all="ignore"):  # an overflow is refused by _check
-        return _gathered(disk, contact, start, times, pose=pose)
+        return _gathered(disk, contact, start, times, pose=pose, mark=mark)
 
 
-def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool) -> Starts:
+def _gathered(
+    disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pose: bool, mark: bool
+) -> Starts:
     six = six_states(start, contact)
     when = times_of(times)
     fields = {n: getattr(disk, n) for n in ("mass", "radius", "gravity", "k")} | contact.given
@@ -226,12 +148,35 @@ def _gathered(disk: Disk, contact: Contact, start: Any, times: ArrayLike, *, pos
             f"times end at {when[-1]:g}; in units of √(R/g) give a last time from {BRIEFEST:g} to "
             f"{LONGEST:g}."
         )
-    energies = _check(type(contact), shape, starts, p)
     law = type(contact)
+    seen = _check(law, starts, p)
+    fit = seen[:, :-1] > 0
+    if not (mark or fit.all()):
+        _refuse(law, shape, seen)
     return Starts(
         disk_model(law, pose=pose), shape, starts, p, when, {n: flat[n] for n in fields},
-        {n: flat[n] for n in scales}, disk.dimensionless, energies, DiskSettling(law), law,
+        {n: flat[n] for n in scales}, disk.dimensionless, seen[:, -1],
+        DiskSettling(law), law, unfit_of(fit, [FLAT, FLAT], len(disk_system(law).conditions)),
     )  # fmt: skip
+
+
+def unfit_of(fit: Any, first: list[str], conditions: int) -> Unfit | None:
+    """The ends that starts without contact have had already.
+
+    Parameters
+    ----------
+    fit
+        Whether each condition and then the normal force is positive, shape (N, conditions + 1).
+    first
+        Ends that the first conditions stand for; the others stand for `NO_CONTACT`.
+    conditions
+        Number of conditions.
+    """
+    if fit.all():
+        return None
+    kinds = (first + [NO_CONTACT] * conditions)[:conditions] + [LIFT_OFF]
+    rows = np.flatnonzero(~fit.all(axis=1))
+    return {int(i): kinds[int(np.argmin(fit[i]))] for i in rows}
 
 
 def counted(shape: tuple[int, ...], when: Floats) -> int:
@@ -331,8 +276,8 @@ def _look(law: type[Contact], x: Floats, p: Floats) -> Floats:
     return np.asarray(_first_look(law).arrays(columns, x.shape[:-1])[0][..., 0])  # type: ignore[arg-type]  # a class is hashable
 
 
-def _check(law: type[Contact], shape: tuple[int, ...], starts: Floats, p: Floats) -> Floats:
-    """Energies of the starts; a start without contact is refused with the reason."""
+def _check(law: type[Contact], starts: Floats, p: Floats) -> Floats:
+    """What a start needs to be positive, and its energy; numbers out of range are refused."""
     zeros = {one.place for one in law.parameters if one.zero}
     may = np.array([False, *(n in zeros for n in law.symbols())])
     finite = np.isfinite(starts).all() and np.isfinite(p).all() and ((p > 0) | may & (p == 0)).all()
@@ -359,9 +304,7 @@ def _check(law: type[Contact], shape: tuple[int, ...], starts: Floats, p: Floats
             seen[i, 3] = max(seen[i, 3], 1e-300) if pressed else min(seen[i, 3], 0.0)
     else:
         seen = _look(law, starts[:, :own], p)
-    if not (seen[:, :-1] > 0).all():
-        _refuse(law, shape, seen)
-    return seen[:, -1]
+    return seen
 
 
 def _refuse(law: type[Contact], shape: tuple[int, ...], seen: Floats) -> None:

@@ -15,16 +15,19 @@ from ..bodies.model import system_model
 from ..settling.system_settling import SystemSettling
 from ..systems.family import Family
 from ..systems.system import System
-from .starts import Starts, counted, times_of
+from .starts import Starts, Unfit, counted, times_of
 
 ONE = np.asarray(1.0)
+OUTSIDE = "outside"
+"""End of a start at which a condition of the system fails."""
 LARGEST = 1e100
 """Largest state and rate of a start: the norms of step control overflow only far above."""
 
 
 def gather_system(
-    system: System, parameters: Any, start: Any, times: ArrayLike, families: Any = ()
-) -> Starts:
+    system: System, parameters: Any, start: Any, times: ArrayLike, families: Any = (), *,
+    mark: bool = False,
+) -> Starts:  # fmt: skip
     """Check the arguments of `simulate` for a user's system.
 
     Parameters
@@ -37,6 +40,8 @@ def gather_system(
         As for `simulate`.
     families
         Families on which the system may settle.
+    mark
+        Whether a start at which the equations have no meaning is marked, in place of an error.
 
     Returns
     -------
@@ -55,11 +60,16 @@ def gather_system(
     count = counted(shape, when)
     starts = np.broadcast_to(x, (*shape, x.shape[-1])).reshape(count, -1).copy()
     values = np.broadcast_to(p, (*shape, p.shape[-1])).reshape(count, -1).copy()
+    unfit: Unfit = {}
     try:
         rates = system.rates(starts, values)
     except DomainError:
-        _refuse(system, shape, starts, values)
-        raise
+        if not mark:
+            _refuse(system, shape, starts, values)
+            raise
+        unfit = _unfit(system, starts, values)
+        fit = np.array([i not in unfit for i in range(count)])
+        rates = system.rates(starts[fit], values[fit]) if fit.any() else np.zeros(1)
     largest = max(np.abs(starts).max(initial=0.0), np.abs(rates).max(initial=0.0))
     if largest > LARGEST:
         raise ParameterError(
@@ -67,7 +77,7 @@ def gather_system(
             "which numbers are nearer to 1."
         )
     energies = np.zeros(count)
-    if model.accounted:
+    if model.accounted and not unfit:
         energies = np.asarray(system.observe(starts, values)["energy"]).reshape(count)
     given = {
         name: values[0, i] if not p.ndim > 1 else values[:, i]
@@ -76,8 +86,19 @@ def gather_system(
     return Starts(
         model, shape, starts, values, when, {n: np.asarray(v) for n, v in given.items()},
         dict.fromkeys(("time", "rate"), ONE), True, energies,
-        SystemSettling(_families(system, families)),
+        SystemSettling(_families(system, families)), unfit=unfit or None,
     )  # fmt: skip
+
+
+def _unfit(system: System, starts: Floats, values: Floats) -> Unfit:
+    """Starts at which the equations have no meaning."""
+    found: Unfit = {}
+    for row, (x, p) in enumerate(zip(starts, values, strict=True)):
+        try:
+            system.rates(x, p)
+        except DomainError:
+            found[row] = OUTSIDE
+    return found
 
 
 def _refuse(system: System, shape: tuple[int, ...], starts: Floats, values: Floats) -> None:

@@ -18,7 +18,7 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.law_names import class_named, law_named
 from ..bodies.thin_disk.disk_equations import STATES
-from ..motion.starts import launch
+from ..bodies.thin_disk.launch import launch
 from ..storage.targets import path_text, place, refusing
 
 TABLES = ("title", "disk", "contact", "start", "question", "uncertain")

@@ -16,10 +16,10 @@ from ..base.verdict import Nonlinear, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
+from ..bodies.thin_disk.launch import TILT, TIME, disk_of, launch
 from ..boundary.drift import drift
 from ..motion.result import BY_CODE, Outcome
 from ..motion.simulate import simulate
-from ..motion.starts import TILT, TIME, _body, launch
 from ..spectra.spectrum import spectrum
 from .conditions import MU, K, member
 from .drift import law_of
@@ -160,7 +160,7 @@ def launch_rows(
     >>> [(r.linear, r.outcome, r.final) for r in rows]
     [('unstable', 'settled', 'tumbling'), ('stable', 'settled', 'spinning')]
     """
-    scale = _body(disk)
+    scale = disk_of(disk)
     if np.ndim(scale.rate) or np.ndim(scale.mass):
         raise ParameterError("disk holds arrays; the table takes one mass, radius and gravity.")
     launched = [name for name, family in FAMILIES.items() if family.launch]

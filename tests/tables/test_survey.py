@@ -7,8 +7,8 @@ import pytest
 
 import stability as st
 from stability.bodies.thin_disk.disk_families import FAMILIES
+from stability.bodies.thin_disk.launch import launch
 from stability.motion.result import BY_CODE
-from stability.motion.starts import launch
 from stability.tables.launches import contact_lines, launch_rows
 
 

@@ -1,0 +1,215 @@
+"""Many launches on the lanes of heyoka's batch mode; a lane takes the next launch when one ends.
+
+No samples are kept.  After every `STRIDE` steps of a lane its state is shown to a watcher, which
+ends the launch where its outcome is proved.  Many batches move by turns, so that the watcher sees
+many states at once.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..algebra.number_types import heyoka
+from ..base.types import Floats
+from ..integrators.flow import ASKING, Flow
+from ..integrators.taylor import FINEST, PIECES, expressions
+
+STRIDE = 64
+"""Steps of a lane between two looks of the watcher."""
+TURNS = 16
+"""Batches of one thread that move by turns."""
+RUNNING, LASTED, EVENT, PROVED, FAILED = range(5)
+"""How a launch stands: it runs, it lasted to its last time, a guard's product reached zero, its
+outcome is proved, or the integrator gave up."""
+
+Watch = Callable[[NDArray[np.intp], Floats, Floats], NDArray[np.bool_]]
+"""(launches, their states y, their times) → whether the outcome of each is proved."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """Ends of N launches, dimensionless for a body."""
+
+    kind: NDArray[np.int8]
+    """One of `LASTED`, `EVENT`, `PROVED`, `FAILED`, shape (N,)."""
+    time: Floats
+    """Time of the end, shape (N,)."""
+    state: Floats
+    """y at the end, shape (N, n)."""
+    steps: NDArray[np.int64]
+    """Steps taken, shape (N,)."""
+
+
+def ends(
+    flow: Flow, starts: Floats, p: Floats, horizon: Floats, tolerance: float, most: int,
+    watch: Watch | None = None,
+) -> Ends:  # fmt: skip
+    """Run launches of one flow to their ends.
+
+    Parameters
+    ----------
+    flow
+        The flow; heyoka must be able to read it.
+    starts, p
+        y and parameters of the launches, shapes (N, n) and (N, m), dimensionless for a body.
+    horizon
+        Last time of each, shape (N,).
+    tolerance
+        Error allowed in a step.
+    most
+        Steps after which a launch fails.
+    watch
+        Watcher, or None.
+
+    Returns
+    -------
+    Ends
+        A launch's end does not depend on the other launches.
+
+    Source: tests/basins/test_lanes.py.
+    """
+    count = len(starts)
+    found = Ends(np.zeros(count, dtype=np.int8), np.zeros(count), np.array(starts, dtype=float),
+                 np.zeros(count, dtype=np.int64))  # fmt: skip
+    if not count:
+        return found
+    with _lent(flow, max(tolerance, FINEST), count) as batches:
+        _Run(flow, batches, p, horizon, tolerance, most, watch, found).to_the_end()
+    return found
+
+
+class _Run:
+    """Lanes in use: which launch each carries, and the launches that wait."""
+
+    def __init__(
+        self, flow: Flow, batches: list[Any], p: Floats, horizon: Floats, tolerance: float,
+        most: int, watch: Watch | None, found: Ends,
+    ) -> None:  # fmt: skip
+        self.batches, self.p, self.horizon, self.most = batches, p, horizon, most
+        self.watch, self.found, self.next = watch, found, 0
+        self.width = batches[0].batch_size
+        self.lanes = np.full((len(batches), self.width), -1, dtype=np.intp)
+        pieces = math.inf if flow.model.turning else PIECES + 7 * abs(math.log10(tolerance))
+        self.longest = horizon / pieces if math.isfinite(pieces) else np.full(len(p), np.inf)
+        self.codes = _outcomes()
+
+    def to_the_end(self) -> None:
+        """Move all lanes until no launch is left."""
+        for at, batch in enumerate(self.batches):
+            # a lane without a launch stands still at a state where the equations have a value
+            batch.state[:] = self.found.state[:1].T
+            batch.pars[:] = self.p[0, : len(batch.pars), None]
+            batch.set_time(0.0)
+            self._refill(at, range(self.width))
+        while (self.lanes >= 0).any():
+            stopped = [self._move(at) for at in range(len(self.batches))]
+            self._look(stopped)
+
+    def _refill(self, at: int, free: Any) -> None:
+        batch, times = self.batches[at], np.array(self.batches[at].time)
+        for lane in free:
+            mine = self.next
+            if mine >= len(self.p):
+                self.lanes[at, lane] = -1
+                batch.state[:, lane] = self.found.state[0]
+                batch.pars[:, lane] = self.p[0, : len(batch.pars)]
+                continue
+            self.next += 1
+            self.lanes[at, lane] = mine
+            batch.state[:, lane] = self.found.state[mine]
+            batch.pars[:, lane] = self.p[mine, : len(batch.pars)]
+            times[lane] = 0.0
+            if batch.with_events:
+                batch.reset_cooldowns(lane)
+        batch.set_time(times)
+
+    def _move(self, at: int) -> NDArray[np.int8]:
+        """Move one batch by a stride; how its lanes stand."""
+        carried, batch = self.lanes[at], self.batches[at]
+        used = carried >= 0
+        stand = np.full(self.width, RUNNING, dtype=np.int8)
+        if not used.any():
+            return stand
+        last = np.where(used, self.horizon[carried], batch.time)
+        batch.propagate_until(
+            last, max_steps=STRIDE, max_delta_t=np.where(used, self.longest[carried], np.inf)
+        )
+        for lane, (outcome, _, _, steps) in enumerate(batch.propagate_res):
+            if used[lane]:
+                stand[lane] = self.codes.get(int(outcome), EVENT)
+                self.found.steps[carried[lane]] += steps
+        # where others are stopped by their steps, the library says so of all lanes
+        stand[used & (stand == RUNNING) & (np.asarray(batch.time) >= last)] = LASTED
+        return stand
+
+    def _look(self, stopped: list[NDArray[np.int8]]) -> None:
+        """Show the states to the watcher, write what has ended, and refill the lanes."""
+        states = np.stack([b.state for b in self.batches])  # (batches, n, lanes)
+        times = np.stack([b.time for b in self.batches])
+        stand = np.stack(stopped)
+        with np.errstate(invalid="ignore"):
+            wild = ~(np.isfinite(states).all(axis=1) & np.isfinite(times))
+        carried = self.lanes
+        stand[(carried >= 0) & wild] = FAILED
+        going = (carried >= 0) & (stand == RUNNING)
+        spent = going & (self.found.steps[carried] >= self.most)
+        stand[spent] = FAILED
+        if self.watch is not None:
+            shown = (carried >= 0) & ((stand == RUNNING) | (stand == LASTED))
+            if shown.any():
+                where = np.nonzero(shown)
+                proved = self.watch(carried[where], states[where[0], :, where[1]], times[where])
+                stand[where[0][proved], where[1][proved]] = PROVED
+        ended = np.nonzero((carried >= 0) & (stand != RUNNING))
+        mine = carried[ended]
+        self.found.kind[mine] = stand[ended]
+        self.found.time[mine] = times[ended]
+        self.found.state[mine] = states[ended[0], :, ended[1]]
+        for at in np.unique(ended[0]):
+            self._refill(int(at), ended[1][ended[0] == at])
+
+
+@lru_cache(maxsize=1)
+def _outcomes() -> dict[int, int]:
+    """Standing of a lane by the library's outcome; any other is an event."""
+    known = heyoka().taylor_outcome
+    return {
+        int(known.success): RUNNING, int(known.step_limit): RUNNING,
+        int(known.time_limit): LASTED, int(known.err_nf_state): FAILED,
+        int(known.cb_stop): FAILED,
+    }  # fmt: skip
+
+
+@contextmanager
+def _lent(flow: Flow, tolerance: float, launches: int) -> Iterator[list[Any]]:
+    """Compiled batches that no other thread uses."""
+    with ASKING:  # one thread compiles, and CasADi's graph is read
+        first, spare = _compiled(flow, tolerance)
+        count = min(TURNS, -(-launches // first.batch_size))
+        taken = [spare.pop() for _ in range(min(count, len(spare)))]
+    taken += [copy.deepcopy(first) for _ in range(count - len(taken))]
+    yield taken
+    spare += taken
+
+
+@lru_cache(maxsize=32)
+def _compiled(flow: Flow, tolerance: float) -> tuple[Any, list[Any]]:
+    """A batch integrator, and the copies of it that are not in use."""
+    hy = heyoka()
+    symbols, rates, guards = expressions(flow)
+    width = hy.recommended_simd_size()
+    down = hy.event_direction.negative
+    batch = hy.taylor_adaptive_batch(
+        list(zip(symbols, rates, strict=True)), np.zeros((len(symbols), width)), tol=tolerance,
+        t_events=[hy.t_event_batch(g, direction=down) for g in guards],
+    )  # fmt: skip
+    return batch, []
