@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -21,8 +21,6 @@ Block = tuple[int, ...]
 """Indices of a chunk in its grid."""
 Arrays = Mapping[str, NDArray[Any]]
 """Arrays of some cells by variable: cells in row-major order, then the further axes."""
-Writer = Callable[[Block, Arrays], None]
-"""Writes the whole chunk; picklable."""
 
 
 @dataclass(frozen=True)
@@ -182,17 +180,34 @@ def check_chunk(variables: tuple[Variable, ...], arrays: Arrays, cells: int) -> 
     return found
 
 
+class Writer(Protocol):
+    """What a worker writes chunks with; picklable."""
+
+    def there(self, block: Block) -> bool:
+        """Whether a chunk is there."""
+
+    def write(self, block: Block, arrays: Arrays) -> None:
+        """Write a whole chunk, the marker last."""
+
+
 class Store(Protocol):
     """Chunks of a result, each there whole or not at all."""
 
-    layout: Layout
-    """The grid of chunks."""
-    variables: tuple[Variable, ...]
-    """The arrays, the marker first."""
-    folder: Path | None
-    """Folder that survives this process; None for memory."""
-    writer: Writer | None
-    """What a worker writes with, in any process; None where only this process can write."""
+    @property
+    def layout(self) -> Layout:
+        """The grid of chunks."""
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """The arrays, the marker first."""
+
+    @property
+    def folder(self) -> Path | None:
+        """Folder that survives this process; None for memory."""
+
+    @property
+    def writer(self) -> Writer | None:
+        """What a worker writes with, in any process; None where only this process can write."""
 
     def missing(self) -> list[Block]:
         """Chunks that are not there, in row-major order."""
