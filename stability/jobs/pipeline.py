@@ -10,18 +10,17 @@ import os
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import (
-    FIRST_COMPLETED,
     BrokenExecutor,
     CancelledError,
     Executor,
     Future,
     ThreadPoolExecutor,
-    wait,
 )
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import Any, Generic, Protocol, TypeVar
 
 from ..base.checks import MOST_WORKERS, callback, instance, whole_number
@@ -29,7 +28,7 @@ from ..base.errors import ParameterError, StabilityError, one_line
 from ..base.types import Progress
 from ..storage.files import postponed
 from ..storage.targets import path_text
-from .following import follow_starter
+from .following import follow_starter, worker_ended
 from .shared import SHORT
 
 K = TypeVar("K")
@@ -165,6 +164,10 @@ def ordered(
     keep: Keep[K, T] | None = None,
     progress: Counted | None = None,
     size: Callable[[K], int] = lambda _: 1,
+    ahead: int = AHEAD,
+    in_order: bool = True,
+    lost: Callable[[K], T] | None = None,
+    broken: str = ENDED,
 ) -> Generator[tuple[K, T], None, None]:
     """Do pieces of work, a limited number at once, and yield their results in order.
 
@@ -178,7 +181,7 @@ def ordered(
     executor
         Any executor of the protocol of `concurrent.futures`; it is not shut down.
     workers
-        Number of workers; at most `AHEAD` pieces for each are in flight.
+        Number of workers; at most `ahead` pieces for each are in flight.
     own
         Starts the workers where there is no executor.
     keep
@@ -187,6 +190,15 @@ def ordered(
         Count that grows with each finished piece, in any order.
     size
         Size of a piece in that count.
+    ahead
+        Pieces in flight for each worker.
+    in_order
+        Whether results come in the order of the keys; as soon as they are there otherwise.
+    lost
+        Result for a piece whose worker ended, by its key, from an executor that replaces such a
+        worker.  The error ends the work when left out.
+    broken
+        Sentence for a worker that ended where that ends the work.
 
     Yields
     ------
@@ -208,17 +220,17 @@ def ordered(
     [('a', 'A'), ('b', 'B')]
     """
     with own(workers) if executor is None else nullcontext(executor) as pool:
-        work = _Work(pool, task, keep, progress, size)
-        most = AHEAD * workers if pool is not None else 1
+        work = _Work(pool, task, keep, progress, size, in_order, lost)
+        most = ahead * workers if pool is not None else 1
         try:
             for key in keys:
                 work.begin(key)
-                if len(work.flight) == most:
-                    yield work.first()
+                if work.flight == most:
+                    yield work.following()
             while work.flight:
-                yield work.first()
+                yield work.following()
         except BrokenExecutor:
-            raise StabilityError(ENDED) from None
+            raise StabilityError(broken) from None
         except CancelledError:
             raise StabilityError(
                 "the executor has cancelled the work; give one that runs."
@@ -236,16 +248,23 @@ class _Work(Generic[K, T]):
     def __init__(
         self, pool: Executor | None, task: Callable[[K], Callable[[], T]],
         keep: Keep[K, T] | None, progress: Counted | None, size: Callable[[K], int],
+        in_order: bool, lost: Callable[[K], T] | None,
     ) -> None:  # fmt: skip
         self.pool, self.task, self.keep = pool, task, keep
         self.progress, self.size = progress, size
-        self.flight: deque[tuple[K, list[T]]] = deque()
+        self.in_order, self.lost = in_order, lost
+        self.flight = 0
+        self.queue: deque[tuple[K, list[T]]] = deque()
         self.unfinished: dict[Future[T], tuple[K, list[T]]] = {}
+        self.ended: SimpleQueue[Future[T]] = SimpleQueue()
 
     def begin(self, key: K) -> None:
         """Fetch a stored piece, or send its work."""
         piece: tuple[K, list[T]] = (key, [])
         kept = self.keep.get(key) if self.keep is not None and self.keep.done(key) else None
+        self.flight += 1
+        if self.in_order:
+            self.queue.append(piece)
         if kept is not None:
             self._told(piece, kept)
         elif self.pool is None:
@@ -253,19 +272,32 @@ class _Work(Generic[K, T]):
         else:
             work = _Piece(self.task(key), os.getpid())
             with postponed():
-                self.unfinished[_sent(self.pool, work)] = piece
-        self.flight.append(piece)
+                future = _sent(self.pool, work)
+                self.unfinished[future] = piece
+                future.add_done_callback(self.ended.put)
 
-    def first(self) -> tuple[K, T]:
-        """Wait for the earliest piece, and return its key and result."""
-        key, found = self.flight[0]
-        while not found:
-            with postponed():
-                done, _ = wait(self.unfinished, LOOK, FIRST_COMPLETED)
-            for future in done:
-                self._finished(self.unfinished.pop(future), future.result())
-        self.flight.popleft()
+    def following(self) -> tuple[K, T]:
+        """Wait for the next piece, and return its key and result."""
+        while not (self.queue and self.queue[0][1]):
+            self._wait()
+        key, found = self.queue.popleft()
+        self.flight -= 1
         return key, found[0]
+
+    def _wait(self) -> None:
+        """Take the result of a future; the time of that does not grow with their number."""
+        future = None
+        while future is None:
+            with suppress(Empty):
+                future = self.ended.get(timeout=LOOK)
+        piece = self.unfinished.pop(future)
+        try:
+            result = future.result()
+        except Exception as error:
+            if self.lost is None or not worker_ended(error):
+                raise
+            result = self.lost(piece[0])
+        self._finished(piece, result)
 
     def _finished(self, piece: tuple[K, list[T]], result: T) -> None:
         if self.keep is not None:
@@ -274,6 +306,8 @@ class _Work(Generic[K, T]):
 
     def _told(self, piece: tuple[K, list[T]], result: T) -> None:
         piece[1].append(result)
+        if not self.in_order:
+            self.queue.append(piece)
         if self.progress is not None:
             self.progress.add(self.size(piece[0]))
 

@@ -99,8 +99,9 @@ def record(path: Path) -> None:
 
 @contextmanager
 def atomic_write(
-    path: str | os.PathLike[str], *, overwrite: bool = False, result: bool = True
-) -> Iterator[Path]:
+    path: str | os.PathLike[str], *, overwrite: bool = False, result: bool = True,
+    durable: bool = False,
+) -> Iterator[Path]:  # fmt: skip
     """A temporary name in the target's folder; renamed if all goes well, removed otherwise.
 
     Within `together` the file is renamed with the others at the end.
@@ -113,6 +114,8 @@ def atomic_write(
         Whether an existing file may be replaced.
     result
         Whether the file is a result, not only a help for a later run.
+    durable
+        Whether its bytes are on the disk before it has its name, for a file that proves another.
 
     Yields
     ------
@@ -144,6 +147,9 @@ def atomic_write(
             os.close(os.open(ready.temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
             yield ready.temporary
             ready.temporary.chmod(0o666 & ~mask)
+            if durable:
+                with ready.temporary.open("rb+") as handle:
+                    os.fsync(handle.fileno())
             if group is None:
                 _name([ready])
             else:

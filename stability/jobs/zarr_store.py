@@ -1,0 +1,370 @@
+"""A store of chunks in a Zarr folder: one file for each variable of each chunk.
+
+Zarr's own writer is atomic, but a killed one leaves files that nothing removes, and it leaves out
+chunks of fill values, by which a chunk could not be seen to be there.  So it makes the metadata
+and the coordinates, in memory, and the chunks are written here, by its own codec.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import warnings
+from collections.abc import Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import FileError, ParameterError, StabilityError, shown
+from ..base.version import __version__
+from ..storage.files import atomic_write
+from ..storage.litter import clear, temporary
+from ..storage.targets import check_folder, path_text, refusing
+from .chunks import Arrays, Block, Layout, Variable, check_chunk
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import xarray
+
+FORMAT = 1
+"""Version of the way in which stores are written; another one is another question."""
+HEAD = "zarr.json"
+"""Name of the metadata of a group or array, by Zarr's format 3."""
+QUESTION, PRINT = "question", "fingerprint"
+"""Attributes of a store: what its numbers depend on, and the checksum of that."""
+LEVEL = 3
+"""Level of compression."""
+LARGEST = 2**22
+"""Largest number of values in a chunk of a coordinate."""
+RESUME = "; the finished chunks are kept: give the same command again to go on"
+
+
+@dataclass(frozen=True)
+class ChunkFiles:
+    """Writes chunks of a store, in any process."""
+
+    folder: Path
+    """Folder of the store."""
+    layout: Layout
+    """The grid of chunks."""
+    variables: tuple[Variable, ...]
+    """The arrays, the marker first."""
+
+    def there(self, block: Block) -> bool:
+        """Whether a chunk is there."""
+        return self._path(self.variables[0], block).is_file()
+
+    def write(self, block: Block, arrays: Arrays) -> None:
+        """Write the files of a chunk, the marker last; each has its name when it is whole."""
+        whole = check_chunk(self.variables, arrays, self.layout.count(block))
+        marker, *others = self.variables
+        for variable in (*others, marker):
+            content = self._encoded(variable, block, whole[variable.name])
+            path = self._path(variable, block)
+            with _resumable(path), atomic_write(
+                path, overwrite=True, result=False, durable=True
+            ) as draft:  # fmt: skip
+                draft.write_bytes(content)
+
+    def listed(self) -> set[str]:
+        """Names of the markers that are there."""
+        with refusing(self.folder, "read"):
+            return set(os.listdir(self.folder / self.variables[0].name))
+
+    def clean(self) -> None:
+        """Remove what killed writers left."""
+        for folder in (self.folder, *(self.folder / v.name for v in self.variables)):
+            clear(folder, always=True)
+
+    def _path(self, variable: Variable, block: Block) -> Path:
+        return self.folder / variable.name / file_name(variable, block)
+
+    def _encoded(self, variable: Variable, block: Block, values: NDArray[Any]) -> bytes:
+        """Bytes of a chunk file; a chunk at an edge is filled up, as Zarr asks."""
+        from numcodecs.zstd import Zstd
+
+        lengths = tuple(n for _, n in variable.more)
+        sizes = self.layout.sizes(block)
+        array = np.full((*self.layout.chunk, *lengths), variable.fill, _little(variable))
+        array[tuple(map(slice, sizes))] = values.reshape(*sizes, *lengths)
+        return bytes(Zstd(level=LEVEL, checksum=True).encode(array))
+
+
+@contextmanager
+def _resumable(path: Path) -> Iterator[None]:
+    try:
+        with refusing(path):
+            yield
+    except FileError as error:
+        raise FileError(f"{str(error).rstrip('.')}{RESUME}.") from None
+
+
+def file_name(variable: Variable, block: Block) -> str:
+    """Name of a chunk's file in the folder of its array.
+
+    Examples
+    --------
+    >>> file_name(Variable("last", "float64", 0.0, more=(("state", 6),)), (2, 0))
+    'c.2.0.0'
+    """
+    return ".".join(["c", *map(str, block), *("0" for _ in variable.more)])
+
+
+def _little(variable: Variable) -> np.dtype[Any]:
+    return np.dtype(variable.dtype).newbyteorder("<")
+
+
+class ZarrStore:
+    """A store in a Zarr folder, readable by `xarray.open_zarr`, created or resumed.
+
+    A folder has its name once every coordinate and attribute is in it.  A chunk is there exactly
+    if the file of its marker is.  Several runs may fill one store at the same time: each file is
+    whole and all write the same bytes.
+
+    Parameters
+    ----------
+    path
+        Folder of the store; resumed where it holds the same question.
+    layout
+        The grid of chunks.
+    variables
+        The arrays, the marker first.
+    coords
+        Coordinates by name, as `xarray.Dataset` takes them.
+    attrs
+        Attributes of the dataset; they must fit JSON.
+    question
+        What the numbers depend on, as JSON: a store of another question is refused.
+    overwrite
+        Whether a store of another question may be replaced.
+
+    Raises
+    ------
+    FileError
+        If the folder cannot be used, or holds another question or other files.
+    StabilityError
+        If the package zarr is missing.
+
+    Source: Zarr core specification, version 3; tests/jobs/test_stores.py.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     layout = Layout(("x",), (3,), (2,))
+    ...     parts = (layout, (Variable("outcome", "int8", -1),), {"x": [0.1, 0.2, 0.3]})
+    ...     store = ZarrStore(Path(folder) / "a.zarr", *parts)
+    ...     store.write((1,), {"outcome": np.array([5], dtype=np.int8)})
+    ...     again = ZarrStore(Path(folder) / "a.zarr", *parts)
+    ...     again.missing(), again.dataset().outcome.values.tolist()
+    ([(0,)], [-1, -1, 5])
+    """
+
+    def __init__(
+        self, path: str | PathLike[str], layout: Layout, variables: tuple[Variable, ...],
+        coords: Mapping[str, Any] | None = None, attrs: Mapping[str, Any] | None = None,
+        question: Mapping[str, Any] | None = None, *, overwrite: bool = False,
+    ) -> None:  # fmt: skip
+        self.layout, self.variables = layout, tuple(variables)
+        self.folder: Path = check_folder(path).resolve()
+        self.writer = ChunkFiles(self.folder, layout, self.variables)
+        asked = _asked(layout, self.variables, coords or {}, attrs or {}, question or {})
+        head = self._head()
+        if head is not None and head[PRINT] != _fingerprint(asked):
+            if not overwrite:
+                raise FileError(
+                    f"{path_text(path)} belongs to another question ({_difference(head, asked)}); "
+                    "choose another name, or replace it with --overwrite (overwrite=True)."
+                )
+            self._remove()
+            head = None
+        if head is None:
+            self._create(_skeleton(layout, self.variables, coords or {}, attrs or {}, asked), asked)
+        self.writer.clean()
+
+    def missing(self) -> list[Block]:
+        """Chunks that are not there, in row-major order."""
+        there, marker = self.writer.listed(), self.variables[0]
+        return [b for b in self.layout.blocks() if file_name(marker, b) not in there]
+
+    def write(self, block: Block, arrays: Arrays) -> None:
+        """Add a whole chunk, the marker last."""
+        self.writer.write(block, arrays)
+
+    def dataset(self) -> xarray.Dataset:
+        """The dataset, read when it is used."""
+        import xarray
+
+        found: xarray.Dataset = xarray.open_zarr(self.folder, chunks=None)
+        return found
+
+    def _head(self) -> dict[str, Any] | None:
+        """Attributes of a store that is there; None where there is no folder, or an empty one."""
+        path = self.folder / HEAD
+        with refusing(self.folder, "used"):
+            if not self.folder.is_dir() or not any(self.folder.iterdir()):
+                return None
+            text = path.read_bytes() if path.is_file() else b""
+        with suppress(ValueError, KeyError, TypeError):
+            attributes = json.loads(text)["attributes"]
+            if isinstance(attributes[PRINT], str):
+                return dict(attributes)
+        raise FileError(
+            f"{path_text(self.folder)} is no store of ours, or is damaged; choose another name."
+        )
+
+    def _create(self, files: Mapping[str, bytes], asked: Mapping[str, Any]) -> None:
+        """Write a folder under a temporary name, and rename it."""
+        draft = self.folder.parent / temporary(self.folder.suffix)
+        clear(self.folder.parent)
+        try:
+            with refusing(self.folder):
+                for name, content in files.items():
+                    (draft / name).parent.mkdir(parents=True, exist_ok=True)
+                    (draft / name).write_bytes(content)
+                try:
+                    if self.folder.is_dir():
+                        self.folder.rmdir()
+                    draft.rename(self.folder)
+                except OSError:  # another run has made it meanwhile
+                    head = self._head()
+                    if head is None or head[PRINT] != _fingerprint(asked):
+                        raise
+        finally:
+            shutil.rmtree(draft, ignore_errors=True)
+
+    def _remove(self) -> None:
+        """Take the name from a store at once, then remove its files."""
+        old = self.folder.parent / temporary(self.folder.suffix)
+        with refusing(self.folder):
+            self.folder.rename(old)
+            shutil.rmtree(old)
+
+
+# --- questions ---
+
+
+def _asked(
+    layout: Layout, variables: tuple[Variable, ...], coords: Mapping[str, Any],
+    attrs: Mapping[str, Any], question: Mapping[str, Any],
+) -> dict[str, str]:  # fmt: skip
+    """Everything that the files depend on, as texts by name."""
+    import xarray
+
+    digest = hashlib.sha256()
+    for name, values in sorted(xarray.Dataset(coords=dict(coords)).variables.items()):
+        content = np.ascontiguousarray(values.values)
+        text = content.astype(str) if content.dtype.kind in "OT" else content
+        digest.update(f"{name} {values.dims} {content.shape} {content.dtype.kind}".encode())
+        digest.update(_json(dict(values.attrs)).encode())
+        digest.update(text.tobytes())
+    arrays = [[v.name, v.dtype, v.fill, v.attrs, v.more] for v in variables]
+    return {
+        **{f"its {name}": _json(value) for name, value in question.items()},
+        **{f"attribute {name}": _json(value) for name, value in attrs.items()},
+        "the number of cells": _json([layout.dims, layout.shape]),
+        "the chunk": _json(layout.chunk),
+        "the arrays": _json(arrays, allow_nan=True),
+        "the coordinates": digest.hexdigest(),
+        "the format": _json([FORMAT, __version__]),
+    }
+
+
+def _json(value: Any, *, allow_nan: bool = False) -> str:
+    try:
+        return json.dumps(value, default=_plain, allow_nan=allow_nan, sort_keys=True)
+    except (TypeError, ValueError):
+        raise ParameterError(f"{shown(value)} does not fit JSON, which a store needs.") from None
+
+
+def _plain(value: Any) -> Any:
+    """Arrays, numbers of NumPy and mappings as those of JSON."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return dict(value)
+    raise TypeError
+
+
+def _fingerprint(asked: Mapping[str, Any]) -> str:
+    return hashlib.sha256(_json(asked).encode()).hexdigest()
+
+
+def _difference(head: Mapping[str, Any], asked: Mapping[str, str]) -> str:
+    """The first difference between the question of a store and the one that is asked."""
+    try:
+        there = json.loads(head[QUESTION])
+        names = [n for n in {**asked, **there} if asked.get(n) != there.get(n)]
+        name = names[0]
+    except (ValueError, KeyError, TypeError, IndexError):
+        return "its question cannot be read"
+    if name == "the coordinates":
+        return "the coordinates differ"
+    old, new = (_short(side.get(name, "missing")) for side in (there, asked))
+    return f"{name}: {old} there, {new} here"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 40 else f"{text[:18]} … {text[-18:]}"
+
+
+# --- metadata ---
+
+
+def _skeleton(
+    layout: Layout, variables: tuple[Variable, ...], coords: Mapping[str, Any],
+    attrs: Mapping[str, Any], asked: Mapping[str, str],
+) -> dict[str, bytes]:  # fmt: skip
+    """Files of a store without chunks, by path: equal for equal questions."""
+    try:
+        import xarray
+        import zarr
+        from zarr.codecs import ZstdCodec
+        from zarr.storage import MemoryStore
+    except ImportError:
+        raise StabilityError(
+            "a Zarr store needs the package zarr; `pip install stability[scale]`, or give a "
+            "NetCDF file."
+        ) from None
+    memory = MemoryStore()
+    frame = xarray.Dataset(coords=dict(coords)).map(_storable, keep_attrs=True)
+    frame = frame.assign_coords({n: _storable(c) for n, c in frame.coords.items()})
+    frame.attrs = json.loads(_json(dict(attrs)))
+    frame.attrs |= {QUESTION: _json(dict(asked)), PRINT: _fingerprint(asked)}
+    chunks = {n: {"chunks": tuple(min(s, LARGEST) for s in c.shape)} for n, c in
+              frame.coords.items() if c.size > LARGEST}  # fmt: skip
+    with warnings.catch_warnings():
+        # consolidated metadata and strings are extensions of the format
+        warnings.filterwarnings("ignore", module=r"(zarr|xarray)\b")
+        frame.to_zarr(memory, zarr_format=3, consolidated=False, encoding=chunks)
+        group = zarr.open_group(memory, mode="r+", zarr_format=3)
+        for variable in variables:
+            lengths = tuple(n for _, n in variable.more)
+            dims = (*layout.dims, *(n for n, _ in variable.more))
+            near = sorted(str(n) for n, c in frame.coords.items()
+                          if n not in frame.dims and set(c.dims) <= set(dims))  # fmt: skip
+            group.create_array(
+                variable.name, shape=(*layout.shape, *lengths), chunks=(*layout.chunk, *lengths),
+                dtype=_little(variable), fill_value=variable.fill, dimension_names=dims,
+                attributes=json.loads(_json(dict(variable.attrs)))
+                | ({"coordinates": " ".join(near)} if near else {}),
+                filters=None, compressors=ZstdCodec(level=LEVEL, checksum=True),
+                chunk_key_encoding={"name": "default", "separator": "."},
+            )  # fmt: skip
+        zarr.consolidate_metadata(memory)
+    return {name: value.to_bytes() for name, value in sorted(memory._store_dict.items())}
+
+
+def _storable(values: xarray.DataArray) -> xarray.DataArray:
+    """Texts as those of variable length, which Zarr specifies."""
+    if values.dtype.kind not in "UO":
+        return values
+    return values.astype(np.dtypes.StringDType())
