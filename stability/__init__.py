@@ -71,6 +71,8 @@ _HOME = {
     "figures.launch.motion": ("plot_motion",),
     "motion.result": ("Outcome",),
     "motion.netcdf": ("read_motion", "write_motion"),
+    "basin.basins": ("basins",),
+    "basin.samples": ("Ball", "LogUniform", "Normal", "Uniform"),
     "scene.scene": ("Scene",),
     "scene.answer": ("Answer",),
     "scene.ladder": ("Rung",),
@@ -95,6 +97,11 @@ if TYPE_CHECKING:
     from .base.errors import StabilityWarning as StabilityWarning
     from .base.verdict import Nonlinear as Nonlinear
     from .base.verdict import Verdict as Verdict
+    from .basin.basins import basins as basins
+    from .basin.samples import Ball as Ball
+    from .basin.samples import LogUniform as LogUniform
+    from .basin.samples import Normal as Normal
+    from .basin.samples import Uniform as Uniform
     from .bodies.contact import Contact as Contact
     from .bodies.contact import Parameter as Parameter
     from .bodies.contact_laws import Coulomb as Coulomb

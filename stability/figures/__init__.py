@@ -1,7 +1,7 @@
 """Datasets to figures and films.
 
 Only this folder and the floors above import Matplotlib.
-May import `basins`, `scene` and the floors below.
+May import `basin`, `scene` and the floors below.
 To add a figure: a module with one function from a dataset to a Matplotlib `Figure`, drawn within
 `figure_style` of `canvas.py`; it computes nothing.  Figures and films of a motion are in
 `launch`, figures of spectra and maps here.

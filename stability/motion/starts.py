@@ -168,7 +168,7 @@ def unfit_of(fit: Any, first: list[str], conditions: int) -> Unfit | None:
     fit
         Whether each condition and then the normal force is positive, shape (N, conditions + 1).
     first
-        Ends that the first conditions stand for; the others stand for `NO_CONTACT`.
+        Ends that the first conditions mean; the others mean `NO_CONTACT`.
     conditions
         Number of conditions.
     """

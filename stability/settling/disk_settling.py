@@ -60,7 +60,7 @@ class DiskSettling:
         return found
 
 
-def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
+def deviation(six: Floats, k: float | Floats, family: str) -> tuple[Floats, Floats]:
     """The member of a family that belongs to a state, and the deviation from it.
 
     Parameters
@@ -68,7 +68,7 @@ def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
     six
         States, shape (…, 6), dimensionless.
     k
-        Inertia factor.
+        Inertia factor, shape () or (…).
     family
         Name of a family of the disk whose members one number names.
 
@@ -90,7 +90,7 @@ def deviation(six: Floats, k: float, family: str) -> tuple[Floats, Floats]:
 
 
 def _parts(
-    family: DiskFamily, six: Any, k: float, functions: Any, sign: Any = None,
+    family: DiskFamily, six: Any, k: Any, functions: Any, sign: Any = None,
     right_angle: Any = None,
 ) -> tuple[Any, list[Any]]:  # fmt: skip
     """The family's parameter and the five deviations, over any number type."""

@@ -10,7 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from stability.base.errors import ParameterError
-from stability.basins.borders import Borders, borders
+from stability.basin.borders import Borders, borders
 
 X, Y = ("x", -1.013, 1.027, 9), ("y", -1.041, 0.987, 7)
 Label = Callable[[np.ndarray], np.ndarray]

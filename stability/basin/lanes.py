@@ -75,7 +75,7 @@ def ends(
     Ends
         A launch's end does not depend on the other launches.
 
-    Source: tests/basins/test_lanes.py.
+    Source: tests/basin/test_lanes.py.
     """
     count = len(starts)
     found = Ends(np.zeros(count, dtype=np.int8), np.zeros(count), np.array(starts, dtype=float),

@@ -1,0 +1,366 @@
+"""Which launch ends where: maps over starts and parameters, and random samples of launches."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.axis import Axis, AxisLike
+from ..base.checks import flag, one_number, whole_number
+from ..base.errors import ParameterError
+from ..base.types import Floats, Progress
+from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
+from ..bodies.thin_disk.disk_families import FAMILIES
+from ..integrators.flow import CASADI
+from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable
+from ..jobs.dask import engine
+from ..jobs.filling import Filled, fill
+from ..jobs.pipeline import check_run
+from ..jobs.shared import shared
+from ..jobs.zarr_store import ZarrStore
+from ..motion.starts import Starts
+from ..systems.family import Family
+from ..systems.system import System
+from .dataset import arrays, attributes, blank, coordinates, label, question, variables
+from .launches import Launches, prepare
+from .outcomes import Judging, outcomes
+from .samples import DistributionLike, Independent, sample
+
+if TYPE_CHECKING:
+    import xarray
+
+TILE = 4096
+"""Launches of a chunk, about: some seconds of work."""
+LEAST = 512
+"""Fewest launches of a chunk: fewer would leave lanes idle."""
+MOST = 1_000_000_000
+"""Most launches of a call."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The launches of a call, cut into chunks."""
+
+    launches: Launches
+    """What is launched."""
+    horizon: float
+    """Last time."""
+    judging: Judging
+    """Settings of the runs."""
+    layout: Layout
+    """The grid of chunks."""
+    axes: tuple[Axis, ...] = ()
+    """Axes of a map, the slowest first; none for a sample."""
+    distribution: Any = None
+    """Distribution of a sample; None for a map."""
+    seed: int = 0
+    """Seed of a sample."""
+
+    def points(self, block: Block, part: slice) -> dict[str, Floats]:
+        """Values of the numbers that vary, for a part of the launches of a chunk."""
+        where = self.layout.slices(block)
+        if self.distribution is not None:
+            first, stop, _ = part.indices(self.layout.count(block))
+            first += where[0].start
+            table = sample(self.distribution, first, where[0].start + stop - first, self.seed)
+            return dict(zip(self.launches.varied, table.T, strict=True))
+        values = [a.values[s] for a, s in zip(self.axes, where, strict=True)]
+        grid = np.meshgrid(*values, indexing="ij")
+        return {a.name: v.ravel()[part] for a, v in zip(self.axes, grid, strict=True)}
+
+    def starts(self, block: Block, part: slice) -> Starts:
+        """The launches of a part of a chunk, checked."""
+        with CASADI:  # calls from several threads take turns
+            return self.launches.starts(self.points(block, part), self.horizon)
+
+
+@dataclass(frozen=True)
+class _Work:
+    """Work of a chunk, for any thread or process."""
+
+    plan: Any
+    """Function that gives this worker's copy of the plan."""
+
+    def __call__(self, block: Block, part: slice) -> Arrays:
+        plan: Plan = self.plan()
+        launches = plan.starts(block, part)
+        found = arrays(outcomes(launches, plan.judging), launches)
+        return found | (plan.points(block, part) if plan.distribution is not None else {})
+
+
+@dataclass(frozen=True)
+class _Blank:
+    """Arrays of launches that ended their worker."""
+
+    states: int
+    """States of a launch."""
+    varied: tuple[str, ...]
+    """Numbers of a sample that vary; none for a map."""
+
+    def __call__(self, count: int) -> Arrays:
+        nan = np.full(count, np.nan)
+        return {**blank(count, self.states), **dict.fromkeys(self.varied, nan)}
+
+
+def basins(
+    disk: Disk | Body | System | None = None,
+    contact: Any = None,
+    *,
+    x: AxisLike | None = None,
+    y: AxisLike | None = None,
+    more: Sequence[AxisLike] = (),
+    distribution: DistributionLike | None = None,
+    count: int | None = None,
+    seed: int = 0,
+    held: Mapping[str, float] | None = None,
+    family: str = "",
+    horizon: float,
+    body: Body | Disk | None = None,
+    families: Family | Sequence[Family] = (),
+    tolerance: float = 1e-9,
+    check: bool = True,
+    settle: float = 0.05,
+    flat: float = 1e-6,
+    max_steps: int = 1_000_000,
+    max_seconds: float = 8.0,
+    store: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
+    chunk: int | None = None,
+    executor: Executor | str | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    **parameters: ArrayLike,
+) -> xarray.Dataset:
+    """Outcomes of launches over two or more numbers, or of a random sample of launches.
+
+    Parameters
+    ----------
+    disk
+        A `Disk`, a `Body` or a `System`; the dimensionless uniform disk when left out.
+    contact
+        As for `simulate`; None for a system.
+    x, y, more
+        Axes of a map as (name, low, high, n) or (name, low, high, n, "log"): states at the start
+        (`theta`, `phi_dot`, …), numbers of the body (`k`) or of the law (`mu`), a system's states
+        and parameters.  With `family` also `tilt` and the number that names its members.
+    distribution, count, seed
+        A random sample in place of axes: distributions by name (`Uniform`, `Normal`, `LogUniform`),
+        or a `Ball`; the number of launches; and the seed.  Launch i of a seed is always the same.
+    held
+        Other numbers by name.  States of a disk that are not named are 0; a system needs them all.
+    family
+        Family of the disk (rolling, spinning, tumbling): launches start near its member, with the
+        axis tilted by `tilt` [rad].
+    horizon
+        Last time [s].
+    body
+        A `Body` or a `Disk`, in place of the first argument.
+    families
+        Families on which a system may settle; a disk and a body have their own.
+    tolerance
+        Error allowed in one step, relative.
+    check
+        Whether each launch is run again at a tolerance 100 times looser, from a slightly changed
+        start.  The difference is its `error`.  Where the two end differently, `simulate` with all
+        its neighbours decides.
+    settle
+        Largest distance from a steady motion, dimensionless, at which a proof of settling is tried.
+        A launch ends where the proof succeeds.
+    flat
+        Angle from 0 or π that counts as flat [rad].
+    max_steps, max_seconds
+        As for `simulate`.
+    store
+        Folder of a Zarr store.  It holds every chunk that is finished, and the same call continues
+        an interrupted one.  Without it the result is in memory.
+    overwrite
+        Whether a store of another question may be replaced.
+    chunk
+        Launches of a chunk, about; a worker computes and writes one at a time.
+    executor
+        `threads`, `processes`, `dask` (a scheduler and workers on this machine), the address of a
+        running scheduler, or any `concurrent.futures.Executor`.
+    workers
+        Number of workers; one for each core when left out.
+    progress
+        Called with (launches done, launches in all).
+    **parameters
+        Numbers of a law that is named (`contact="viscous", mu=0.3`), or of a system.
+
+    Returns
+    -------
+    xarray.Dataset
+        `outcome` (CF flags), `end_time`, `family` (CF flags), `member` and `member_error`, `error`,
+        `steps` and `start_state` over the axes, or over `launch` for a sample.  Axes, held numbers
+        and those of a sample are coordinates.  A start without contact has ended at time 0: *flat*,
+        *no-contact* or *lift-off*.  Attributes hold units, settings and versions, and no date: the
+        same call gives the same bytes.
+
+    Raises
+    ------
+    StabilityError
+        In one sentence, if something is not accepted.
+
+    Source: tests/basin/test_basins.py compares outcomes with `simulate`, and borders with an
+    integrator that shares no code.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.basins(contact="viscous", mu=0.3, family="spinning",
+    ...                   x=("phi_dot", 1.0, 3.0, 3), y=("tilt", 0.1, 0.2, 2), horizon=200.0)
+    >>> found.outcome.dims, found.outcome.values.tolist()
+    (('tilt', 'phi_dot'), [[1, 1, 1], [1, 1, 1]])
+    """
+    plan = planned(
+        disk, contact, x=x, y=y, more=more, distribution=distribution, count=count, seed=seed,
+        held=held, family=family, horizon=horizon, body=body, families=families,
+        tolerance=tolerance, check=check, settle=settle, flat=flat, max_steps=max_steps,
+        max_seconds=max_seconds, chunk=chunk, **parameters,
+    )  # fmt: skip
+    given = executor if isinstance(executor, Executor) or executor is None else None
+    check_run(workers, progress, given)
+    kept, _ = run(plan, store, overwrite, executor, workers, progress)
+    return labelled(kept, plan)
+
+
+def labelled(kept: Store, plan: Plan) -> xarray.Dataset:
+    """The dataset of a store, the starts among its coordinates."""
+    varied = plan.launches.varied if plan.distribution is not None else ()
+    return kept.dataset().set_coords(["start_state", *varied])
+
+
+def planned(
+    disk: Any, contact: Any, *, x: Any = None, y: Any = None, more: Sequence[Any] = (),
+    distribution: Any = None, count: Any = None, seed: Any = 0, held: Any = None,
+    family: str = "", horizon: Any, body: Any = None, families: Any = (), tolerance: Any = 1e-9,
+    check: Any = True, settle: Any = 0.05, flat: Any = 1e-6, max_steps: Any = 1_000_000,
+    max_seconds: Any = 8.0, chunk: Any = None, **parameters: Any,
+) -> Plan:  # fmt: skip
+    """Check the arguments of `basins`; parameters and errors are its own.
+
+    Returns
+    -------
+    Plan
+    """
+    if body is not None and disk is not None:
+        raise ParameterError("body is given, and another one in the first place; give one of them.")
+    judging = _judging(tolerance, check, settle, flat, max_steps, max_seconds)
+    last = one_number("horizon", horizon)
+    if not last > 0:
+        raise ParameterError(f"horizon is {last:g}; give a last time above 0.")
+    axes: tuple[Axis, ...] = ()
+    if distribution is None:
+        axes = _axes(x, y, more, family)
+        names, shape = tuple(a.name for a in axes), tuple(a.count for a in axes)
+    else:
+        if x is not None or y is not None or more:
+            raise ParameterError("a sample has no axes; give a distribution, or x and y.")
+        if count is None:
+            raise ParameterError("count is missing; give the number of launches of the sample.")
+        if isinstance(distribution, Mapping):
+            distribution = Independent(distribution)
+        names, shape = tuple(distribution.names), (whole_number("count", count, most=MOST),)
+    if math.prod(shape) > MOST:
+        raise ParameterError(f"{math.prod(shape):.3g} launches are asked; give at most {MOST:.0e}.")
+    launches = prepare(disk if body is None else body, contact, names, held, family, families,
+                       dict(parameters))  # fmt: skip
+    size = TILE if chunk is None else whole_number("chunk", chunk)
+    dims = names if axes else ("launch",)
+    seed = whole_number("seed", seed, least=0)
+    layout = Layout(dims, shape, _tile(shape, size))
+    return Plan(launches, last, judging, layout, axes, distribution, seed)
+
+
+def _judging(
+    tolerance: Any, check: Any, settle: Any, flat: Any, max_steps: Any, max_seconds: Any
+) -> Judging:
+    found = Judging(tolerance, flag("check", check), settle, flat, max_steps, max_seconds)
+    single = found.single
+    single.refuse()
+    return replace(found, tolerance=single.tolerance, settle=single.settle, flat=single.flat,
+                   most=single.max_steps, seconds=single.max_seconds)  # fmt: skip
+
+
+def _axes(x: Any, y: Any, more: Sequence[Any], family: str) -> tuple[Axis, ...]:
+    """The axes of a map, the slowest first; `at` is the number that names the family's members."""
+    if x is None or y is None:
+        raise ParameterError("x and y are missing; give two axes, or a distribution and count.")
+    found = []
+    given = [*more, y, x]
+    for axis, which in zip(given, [*("more",) * len(more), "y", "x"], strict=True):
+        one = Axis.of(axis, which)
+        if one.name == "at" and family in FAMILIES:
+            one = replace(one, name=FAMILIES[family].at[0])
+        found.append(one)
+    return tuple(found)
+
+
+def _tile(shape: tuple[int, ...], size: int) -> tuple[int, ...]:
+    """A chunk of about `size` launches, as even as the axes allow."""
+    tile, left = [1] * len(shape), float(size)
+    for i, axis in enumerate(sorted(range(len(shape)), key=lambda a: shape[a])):
+        side = left ** (1 / (len(shape) - i))
+        tile[axis] = max(1, min(shape[axis], round(side)))
+        left /= tile[axis]
+    return tuple(tile)
+
+
+def run(
+    plan: Plan, store: Any, overwrite: bool, executor: Any, workers: int | None,
+    progress: Progress | None,
+) -> tuple[Store, Filled]:  # fmt: skip
+    """Fill the store of a plan.
+
+    Parameters
+    ----------
+    plan
+        The launches.
+    store, overwrite, executor, workers, progress
+        As for `basins`.
+
+    Returns
+    -------
+    Store, Filled
+        The full store, and what was done.
+    """
+    some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
+    varied = plan.launches.varied if plan.distribution is not None else ()
+    asked = variables(some) + tuple(
+        Variable(n, "float64", np.nan, label(plan.launches, some, n)) for n in varied
+    )
+    kept = _store(plan, some, asked, store, overwrite)
+    with _engine(executor, workers) as (pool, number):
+        work = _Work(shared(plan, pool))
+        done = fill(kept, work, blank=_Blank(len(some.model.states), varied), executor=pool,
+                    workers=number, progress=progress)  # fmt: skip
+    return kept, done
+
+
+def _engine(executor: Any, workers: int | None) -> AbstractContextManager[Any]:
+    if isinstance(executor, str) and executor != "threads":
+        return engine(executor, workers)
+    return nullcontext((None if isinstance(executor, str) else executor, workers))
+
+
+def _store(
+    plan: Plan, some: Starts, asked: tuple[Variable, ...], store: Any, overwrite: bool
+) -> Store:
+    more = {} if plan.distribution is None else {
+        "sample": repr(plan.distribution), "seed": plan.seed}  # fmt: skip
+    coords = coordinates(plan.launches, some, plan.axes)
+    told = attributes(plan.launches, some, plan.horizon, plan.judging, more)
+    if store is None:
+        return Memory(plan.layout, asked, coords, told)
+    about = question(plan.launches, some, plan.horizon, plan.judging, more)
+    about["axes"] = [[a.name, a.low, a.high, a.count, a.log] for a in plan.axes]
+    return ZarrStore(store, plan.layout, asked, coords, told, about, overwrite=overwrite)

@@ -1,0 +1,226 @@
+"""The arrays of a map or sample of launches, with units, flags and provenance."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..base.axis import Axis
+from ..base.errors import listed
+from ..base.quantities import Kind
+from ..base.types import Floats
+from ..base.version import __version__
+from ..bodies.disk import Disk
+from ..bodies.thin_disk.disk_families import FAMILIES
+from ..jobs.chunks import Arrays, Variable
+from ..motion.result import CODES, Outcome, outcome_flags
+from ..motion.starts import Starts
+from ..systems.system import System
+from .launches import TILT, Launches
+from .outcomes import Judging, Outcomes
+from .proofs import Proofs
+
+FORMAT = "stability basins 1"
+"""Mark of the datasets and stores of this module."""
+MISSING = -1
+"""Outcome of a launch that is not there yet: no flag value of an outcome."""
+NO_FAMILY = 0
+"""Flag value of `family` where none is settled on; families count from 1."""
+
+
+def variables(sample: Starts) -> tuple[Variable, ...]:
+    """The arrays of a result, the outcome first.
+
+    Parameters
+    ----------
+    sample
+        Some of the launches, for names and units.
+
+    Returns
+    -------
+    tuple of Variable
+    """
+    body = sample.law is not None
+    second, names = sample.unit("time"), Proofs(sample.settling, sample.law).names
+    units = "1" if sample.dimensionless or not body else f"{Kind.ANGULAR_VELOCITY.si} "\
+        f"(theta: {Kind.ANGLE.si})"  # fmt: skip
+    own = listed(list(dict.fromkeys(FAMILIES[n].at[0] for n in names if n in FAMILIES)), "or")
+    named = f"its {own}" if own else "the number that names it"
+    flags = outcome_flags(disk=body)
+    codes = np.arange(len(names) + 1, dtype=np.int8)
+    meanings = " ".join(["none", *(n.replace(" ", "_") for n in names)])
+    states = (("state", len(sample.model.states)),)
+    number = dict.fromkeys(("units",), "1")
+    return (
+        Variable("outcome", "int8", MISSING, {
+            "long_name": "what became of the launch",
+            "flag_values": [int(v) for v in flags["flag_values"]],
+            "flag_meanings": flags["flag_meanings"]}),
+        Variable("end_time", "float64", np.nan, {
+            "long_name": "time of the event, of the proof of settling, or the last time",
+            "units": second}),
+        Variable("family", "int8", MISSING, {
+            "long_name": "family of the steady motion that is settled on",
+            "flag_values": codes.tolist(), "flag_meanings": meanings}),
+        Variable("member", "float64", np.nan, {
+            "long_name": f"steady motion that is settled on: {named}", "units": units}),
+        Variable("member_error", "float64", np.nan, {
+            "long_name": "error of member: a proved bound for the computed state, and the "
+            "estimated effect of the integration's error", "units": units}),
+        Variable("error", "float64", np.nan, {
+            "long_name": "estimated effect of the integration's error, dimensionless: on member "
+            "where settled, on the time of an event, on the final state where moving (the largest "
+            "over the states, each over 1 or its own size)"} | number),
+        Variable("steps", "int32", MISSING, {"long_name": "steps of the integrator"}),
+        Variable("start_state", "float64", np.nan, {
+            "long_name": "state at the start", "columns": " ".join(sample.model.states)}, states),
+    )  # fmt: skip
+
+
+def arrays(found: Outcomes, launches: Starts) -> dict[str, Any]:
+    """Outcomes in the user's units.
+
+    Parameters
+    ----------
+    found
+        Outcomes, dimensionless for a body.
+    launches
+        The launches.
+
+    Returns
+    -------
+    dict
+        An array for each name in `variables`.
+    """
+    scales, names = launches.scales, Proofs(launches.settling, launches.law).names
+    rate = np.broadcast_to(scales["rate"] if launches.law else 1.0, (launches.count,))
+    angles = [i for i, n in enumerate(names) if n in FAMILIES and FAMILIES[n].by_angle]
+    unit = np.where(np.isin(found.family, angles), 1.0, rate)
+    settled = found.outcome == CODES[Outcome.SETTLED]
+    off = np.where(settled & np.isfinite(found.error), found.error, 0.0)
+    return {
+        "outcome": found.outcome,
+        "end_time": found.time * scales["time"],
+        "family": (found.family + 1).astype(np.int8),
+        "member": found.member * unit,
+        "member_error": (found.member_error + off) * unit,
+        "error": found.error,
+        "steps": found.steps.astype(np.int32),
+        "start_state": given_states(launches),
+    }
+
+
+def given_states(launches: Starts) -> Floats:
+    """The states at the starts in the user's units, shape (N, s)."""
+    states = launches.starts.copy()
+    if launches.law is not None and not launches.dimensionless:
+        rate, speed = (np.reshape(launches.scales[n], (-1, 1)) for n in ("rate", "speed"))
+        states[:, 1:4] *= rate
+        states[:, 4:] *= speed
+    return states
+
+
+def blank(count: int, states: int) -> Arrays:
+    """Arrays of launches that ended their worker: *unresolved*.
+
+    Parameters
+    ----------
+    count
+        Number of launches.
+    states
+        Number of states of each.
+    """
+    nan = np.full(count, np.nan)
+    return {
+        "outcome": np.full(count, CODES[Outcome.UNRESOLVED], dtype=np.int8),
+        "end_time": nan, "family": np.zeros(count, dtype=np.int8), "member": nan,
+        "member_error": nan, "error": nan, "steps": np.zeros(count, dtype=np.int32),
+        "start_state": np.full((count, states), np.nan),
+    }  # fmt: skip
+
+
+def coordinates(launches: Launches, sample: Starts, axes: tuple[Axis, ...]) -> dict[str, Any]:
+    """The values along the axes, and the numbers that are held.
+
+    Parameters
+    ----------
+    launches
+        What is launched.
+    sample
+        Some of the launches, for names and units.
+    axes
+        The axes of a map, the slowest first; none for a sample.
+    """
+    found: dict[str, Any] = {
+        a.name: (a.name, a.values, label(launches, sample, a.name)) for a in axes
+    }
+    for name, value in launches.held.items():
+        found[name] = ((), float(value), label(launches, sample, name))
+    return found
+
+
+def label(launches: Launches, sample: Starts, name: str) -> dict[str, str]:
+    """Name in words and units of a number that varies or is held."""
+    if name == TILT:
+        return {"long_name": "tilt from the steady motion", "units": Kind.ANGLE.si}
+    if isinstance(launches.thing, System):
+        return sample.model.attributes(name, dimensionless=True)
+    return sample.model.attributes(name, dimensionless=sample.dimensionless)
+
+
+def attributes(
+    launches: Launches, sample: Starts, horizon: float, judging: Judging, more: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Provenance, without a date: two runs of one question give the same bytes.
+
+    Parameters
+    ----------
+    launches, sample, horizon, judging
+        What is launched, some of it, until when, and how.
+    more
+        Further attributes, such as the seed of a sample.
+    """
+    found: dict[str, Any] = {
+        "format": FORMAT,
+        "title": f"outcomes of launches: {sample.model.title}",
+        "horizon": horizon,
+        "tolerance": judging.tolerance,
+        "checked": int(judging.check),
+        "settle": judging.settle,
+        "software": f"stability {__version__}",
+        "source": sample.model.source,
+        "Conventions": "CF-1.11",
+    }
+    if isinstance(launches.thing, System):
+        found["system"] = launches.thing.name
+    else:
+        assert launches.contact is not None
+        swept = set(launches.varied) | set(launches.held)
+        thing = launches.thing
+        numbers = thing.given if not isinstance(thing, Disk) else {
+            n: getattr(thing, n) for n in ("k", "mass", "radius", "gravity")}  # fmt: skip
+        fixed = {n: float(v) for n, v in {**numbers, **launches.contact.given}.items()
+                 if n not in swept and np.ndim(v) == 0}  # fmt: skip
+        found |= {
+            "body": "disk" if isinstance(thing, Disk) else thing.name,
+            "contact": launches.contact.name, "flat": judging.flat,
+            "dimensionless": int(sample.dimensionless),
+            "parameters": json.dumps(fixed, sort_keys=True),
+        }  # fmt: skip
+        if launches.family:
+            found["launched_near"] = launches.family
+    return found | dict(more)
+
+
+def question(
+    launches: Launches, sample: Starts, horizon: float, judging: Judging, more: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Everything that the numbers depend on, for the fingerprint of a store."""
+    return attributes(launches, sample, horizon, judging, more) | {
+        "graph": str(sample.model.rhs), "varied": list(launches.varied),
+        "held": dict(launches.held), "flat": judging.flat, "most": judging.most,
+        "families": [f"{f.name} {f.held} {f.unknown}" for f in launches.families],
+    }  # fmt: skip

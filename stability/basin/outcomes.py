@@ -1,0 +1,312 @@
+"""The outcome of many launches, without samples: each launch ends as soon as it is proved.
+
+A launch ends where its settling is proved, where a guard reaches zero, or at its last time.  It is
+run again at a looser tolerance from a slightly changed start, and the difference is the estimate of
+its error.  Where the two end differently, or an end is of a rare kind, `simulate` with all its
+neighbours decides (`stability.motion.run`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..algebra.program import Program
+from ..base.types import Floats
+from ..bodies.model import WORK
+from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
+from ..integrators.flow import ASKING, Flow, flow_of
+from ..integrators.taylor import available, unread
+from ..motion.neighbours import signs
+from ..motion.result import CODES, OF_END, Outcome, Settings
+from ..motion.run import TOGETHER, results
+from ..motion.starts import Starts
+from .lanes import EVENT, FAILED, LASTED, PROVED, ends
+from .proofs import Proofs
+
+LOOSER = 100.0
+"""Tolerance of the second run over that of the first."""
+NEWTON, SHIFT = 3, 1e-3
+"""Steps that move an event to its guard's zero, and the longest of them."""
+NONE = -1
+"""Code of no family."""
+
+
+@dataclass(frozen=True)
+class Judging:
+    """Settings of the runs."""
+
+    tolerance: float = 1e-9
+    """Error allowed in a step."""
+    check: bool = True
+    """Whether every launch is run again at a looser tolerance."""
+    settle: float = 0.05
+    """Largest distance from a steady motion at which a proof of settling is tried."""
+    flat: float = 1e-6
+    """Angle that counts as flat [rad]."""
+    most: int = 1_000_000
+    """Steps after which a run gives up."""
+    seconds: float = 8.0
+    """Computing time after which a single run gives up [s]."""
+
+    @property
+    def single(self) -> Settings:
+        """Settings of a launch that is decided alone."""
+        return Settings("auto", self.tolerance, False, self.flat, self.settle, self.most, 1,
+                        True, self.seconds)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Outcomes:
+    """Outcomes of N launches, dimensionless for a body."""
+
+    outcome: NDArray[np.int8]
+    """Flag values of `Outcome`, shape (N,)."""
+    time: Floats
+    """Time of the end: of the event, of the proof, or the last time, shape (N,)."""
+    family: NDArray[np.int8]
+    """Number of the family that is settled on, `NONE` for none, shape (N,)."""
+    member: Floats
+    """Value that names the steady motion that is settled on; NaN for none, shape (N,)."""
+    member_error: Floats
+    """Bound on its distance from the true one, for the state that was computed; NaN for none."""
+    error: Floats
+    """Estimated effect of the integration's error on time, member or final state; NaN where the
+    launch was not run again, shape (N,)."""
+    steps: NDArray[np.int64]
+    """Steps of the first run, shape (N,)."""
+
+
+def outcomes(launches: Starts, judging: Judging) -> Outcomes:
+    """Judge every launch.
+
+    Parameters
+    ----------
+    launches
+        Launches, gathered with marks; the last of their times is the horizon.
+    judging
+        Settings.
+
+    Returns
+    -------
+    Outcomes
+
+    Source: tests/basin/test_outcomes.py compares them with `simulate`.
+    """
+    fit = np.ones(launches.count, dtype=bool)
+    found = _blank(launches.count)
+    flow = flow_of(launches.model)
+    for row, kind in _unfit(launches, judging).items():
+        fit[row] = False
+        found.outcome[row] = CODES[OF_END.get(kind, Outcome.DOMAIN_END)]
+        found.error[row] = 0.0
+    rows = np.flatnonzero(fit)
+    if not rows.size:
+        return found
+    if launches.dry or not available() or unread(flow):
+        _singly(found, launches, rows, judging, Proofs(launches.settling, launches.law))
+        return found
+    _together(found, launches, rows, judging, flow)
+    return found
+
+
+def _blank(count: int) -> Outcomes:
+    nan = np.full(count, np.nan)
+    return Outcomes(
+        np.full(count, CODES[Outcome.MOVING], dtype=np.int8), np.zeros(count),
+        np.full(count, NONE, dtype=np.int8), nan.copy(), nan.copy(), nan.copy(),
+        np.zeros(count, dtype=np.int64),
+    )  # fmt: skip
+
+
+def _unfit(launches: Starts, judging: Judging) -> dict[int, str]:
+    """Launches that have ended before they begin."""
+    found = dict(launches.unfit or {})
+    if FLAT in launches.model.guards:
+        theta = launches.starts[:, 0]
+        low = np.minimum(theta, math.pi - theta) <= judging.flat * (1 + 1e-6)
+        found |= dict.fromkeys(np.flatnonzero(low).tolist(), FLAT)
+    return found
+
+
+def _together(
+    found: Outcomes, launches: Starts, rows: NDArray[np.intp], judging: Judging, flow: Flow
+) -> None:
+    """Run launches on lanes, twice, and decide alone those that the two runs leave open."""
+    starts, p, horizon = _numbers(launches, rows, flow, judging)
+    proofs = Proofs(launches.settling, launches.law)
+    tolerance = judging.tolerance
+    first = _judged(flow, starts, p, horizon, tolerance, judging, proofs)
+    alone = first.outcome == CODES[Outcome.UNRESOLVED]
+    if judging.check:
+        loose = min(tolerance * LOOSER, 1e-2)
+        states = launches.starts[rows]
+        moved = flow.pack(states * (1 + tolerance * signs(states.shape[1])))
+        second = _judged(flow, moved, p, horizon, loose, judging, proofs)
+        same = (first.outcome == second.outcome) & (first.family == second.family)
+        alone |= ~same
+        first.error[:] = _differences(first, second)
+    _write(found, rows, first)
+    _singly(found, launches, rows[alone], judging, proofs)
+
+
+def _numbers(
+    launches: Starts, rows: NDArray[np.intp], flow: Flow, judging: Judging
+) -> tuple[Floats, Floats, Floats]:
+    """Y at the starts, parameters and last times of some launches."""
+    starts, p = flow.pack(launches.starts[rows]), launches.p[rows]
+    more = flow.p.numel() - p.shape[1]  # a disk's guards know the sine of the flat angle
+    p = np.column_stack([p, np.full((len(rows), more), math.sin(judging.flat))])
+    clock = np.broadcast_to(launches.scales["time"], (launches.count,))[rows]
+    return starts, p, launches.times[-1] / clock
+
+
+@dataclass(frozen=True, eq=False)
+class _Run(Outcomes):
+    """Outcomes of one run with the states at its ends."""
+
+    state: Floats
+    """y at the end, shape (N, n)."""
+
+
+def _judged(
+    flow: Flow, starts: Floats, p: Floats, horizon: Floats, tolerance: float, judging: Judging,
+    proofs: Proofs,
+) -> _Run:  # fmt: skip
+    """One run of launches, and what its ends mean; rare ends count as unresolved."""
+    lean = _lean(flow)
+    watch = proofs.watcher(flow, p, horizon, judging.settle)
+    done = ends(lean, starts[:, : len(lean.names)], p, horizon, tolerance, judging.most, watch)
+    state = starts.copy()
+    state[:, : len(lean.names)] = done.state
+    run = _Run(**vars(_blank(len(starts))), state=state)
+    run.time[:], run.steps[:] = done.time, done.steps
+    run.outcome[done.kind == FAILED] = CODES[Outcome.UNRESOLVED]
+    proved = done.kind == PROVED
+    if proved.any() and watch is not None:
+        rows = np.flatnonzero(proved)
+        run.outcome[rows] = CODES[Outcome.SETTLED]
+        run.family[rows], run.member[rows], run.member_error[rows] = watch.proofs(rows)
+    with ASKING:
+        kept = np.flatnonzero(proved | (done.kind == LASTED))
+        if kept.size and flow.guards:
+            lost = ~(flow.margins(run.state[kept], p[kept])[0] > 0).all(axis=1)
+            run.outcome[kept[lost]] = CODES[Outcome.UNRESOLVED]
+        rows = np.flatnonzero(done.kind == EVENT)
+        if rows.size:
+            _events(run, flow, rows, p)
+    return run
+
+
+_LEAN: dict[Flow, Flow] = {}
+
+
+def _lean(flow: Flow) -> Flow:
+    """The flow without the energy account, where that comes last."""
+    if flow.names[-1] != WORK:
+        return flow
+    if flow not in _LEAN:
+        n = len(flow.names) - 1
+        _LEAN[flow] = flow.having(x=flow.x[:n], rhs=flow.rhs[:n], names=flow.names[:n])
+    return _LEAN[flow]
+
+
+def _events(run: _Run, flow: Flow, rows: NDArray[np.intp], p: Floats) -> None:
+    """Move events along the motion to their guards' zeros, and name them.
+
+    An event lies on the polynomial of a step, next to the zero.
+    """
+    names = list(flow.guards)
+    y, times, given = run.state[rows].copy(), run.time[rows].copy(), p[rows]
+    values, _ = flow.margins(y, given)
+    which = np.argmin(np.abs(values), axis=1)
+    pick = np.arange(len(rows))
+    rates = Program(flow.rates)
+    for _ in range(NEWTON):
+        values, speeds = flow.margins(y, given)
+        value, speed = values[pick, which], speeds[pick, which]
+        with np.errstate(all="ignore"):
+            step = np.where(speed < 0, -value / speed, 0.0)
+            moving = rates.arrays([list(y.T), list(given.T)], y.shape[:1])[0][..., 0]
+            good = (np.abs(step) < SHIFT) & np.isfinite(moving).all(axis=1)
+        step = np.where(good, step, 0.0)
+        times += step
+        y += step[:, None] * np.where(good[:, None], moving, 0.0)
+    run.state[rows], run.time[rows] = y, times
+    for kind in set(which.tolist()):
+        mine = rows[which == kind]
+        run.outcome[mine] = CODES[OF_END.get(names[kind], Outcome.DOMAIN_END)]
+    if NO_CONTACT in names:  # the contact force may be singular: decided alone
+        near = np.abs(flow.margins(y, given)[0][:, names.index(NO_CONTACT)]) < 1e4 * TOGETHER
+        contact = np.array([names[k] in (LIFT_OFF, NO_CONTACT) for k in which])
+        run.outcome[rows[near & contact]] = CODES[Outcome.UNRESOLVED]
+
+
+def _differences(first: _Run, second: _Run) -> Floats:
+    """What the integration's error changes: member, time of an event, or final state."""
+    found = np.full(len(first.time), np.nan)
+    same = (first.outcome == second.outcome) & (first.family == second.family)
+    settled = same & (first.outcome == CODES[Outcome.SETTLED])
+    found[settled] = np.abs(first.member - second.member)[settled]
+    lasted = same & (first.outcome == CODES[Outcome.MOVING])
+    size = np.maximum(1.0, np.abs(first.state[lasted]))
+    found[lasted] = (np.abs(first.state - second.state)[lasted] / size).max(axis=1)
+    other = same & ~settled & ~lasted
+    found[other] = np.abs(first.time - second.time)[other]
+    return found
+
+
+def _write(found: Outcomes, rows: NDArray[np.intp], run: Outcomes) -> None:
+    for name in Outcomes.__dataclass_fields__:
+        getattr(found, name)[rows] = getattr(run, name)
+
+
+def _singly(
+    found: Outcomes, launches: Starts, rows: NDArray[np.intp], judging: Judging, proofs: Proofs
+) -> None:
+    """Decide some launches one by one, with all their neighbours."""
+    if not rows.size:
+        return
+    some = subset(launches, rows)
+    flow = flow_of(launches.model)
+    for row, p, result in zip(rows, some.p, results(some, judging.single), strict=True):
+        found.outcome[row] = result.outcome.code
+        found.time[row] = result.settled_at if result.outcome is Outcome.SETTLED else result.time
+        found.steps[row] = result.path.steps
+        doubt = result.doubt
+        if doubt is not None:
+            timed = result.outcome not in (Outcome.SETTLED, Outcome.MOVING)
+            error = doubt.time_error if timed else doubt.final_error
+            found.error[row] = error if math.isfinite(error) else np.nan
+        if result.outcome is Outcome.SETTLED:
+            family, member, bound = proofs.of(result.final, flow, p)
+            found.family[row], found.member[row], found.member_error[row] = family, member, bound
+
+
+def subset(launches: Starts, rows: NDArray[np.intp]) -> Starts:
+    """Some of the launches.
+
+    Parameters
+    ----------
+    launches
+        All launches.
+    rows
+        Numbers of those that are kept.
+
+    Returns
+    -------
+    Starts
+    """
+
+    def some(values: Any) -> dict[str, Floats]:
+        return {n: v[rows] if np.ndim(v) else v for n, v in values.items()}
+
+    return replace(
+        launches, shape=(len(rows),), starts=launches.starts[rows], p=launches.p[rows],
+        given=some(launches.given), scales=some(launches.scales),
+        energies=launches.energies[rows], unfit=None,
+    )  # fmt: skip
