@@ -115,7 +115,9 @@ class _Run:
             self._look(stopped)
 
     def _refill(self, at: int, free: Any) -> None:
-        batch, times = self.batches[at], np.array(self.batches[at].time)
+        batch = self.batches[at]
+        # both parts of each time: rounding would change the launches on the other lanes
+        high, low = (np.array(part) for part in batch.dtime)
         for lane in free:
             mine = self.next
             if mine >= len(self.p):
@@ -127,10 +129,10 @@ class _Run:
             self.lanes[at, lane] = mine
             batch.state[:, lane] = self.found.state[mine]
             batch.pars[:, lane] = self.p[mine, : len(batch.pars)]
-            times[lane] = 0.0
+            high[lane] = low[lane] = 0.0
             if batch.with_events:
                 batch.reset_cooldowns(lane)
-        batch.set_time(times)
+        batch.set_dtime(high, low)
 
     def _move(self, at: int) -> NDArray[np.int8]:
         """Move one batch by a stride; how its lanes stand."""
@@ -147,8 +149,10 @@ class _Run:
             if used[lane]:
                 stand[lane] = self.codes.get(int(outcome), EVENT)
                 self.found.steps[carried[lane]] += steps
-        # where others are stopped by their steps, the library says so of all lanes
-        stand[used & (stand == RUNNING) & (np.asarray(batch.time) >= last)] = LASTED
+        # one lane that stops stops the others, of which the library says the same
+        there = np.asarray(batch.time) >= last
+        stand[used & ((stand == RUNNING) | (stand == LASTED))] = RUNNING
+        stand[used & (stand == RUNNING) & there] = LASTED
         return stand
 
     def _look(self, stopped: list[NDArray[np.int8]]) -> None:

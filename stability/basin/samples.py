@@ -16,7 +16,7 @@ from scipy.special import ndtri
 
 from ..base.checks import one_number, positive, whole_number
 from ..base.errors import ParameterError, shown
-from ..base.types import Floats
+from ..base.types import Floats, Record
 
 BLOCK = 4
 """Words of 64 bits that the generator gives for each value of its counter."""
@@ -120,8 +120,8 @@ class Distribution(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class Independent:
+@dataclass(frozen=True, eq=False)
+class Independent(Record):
     """Independent quantities by name; a box if all are `Uniform`.
 
     Examples
@@ -158,8 +158,8 @@ class Independent:
         return np.stack([one.at(share) for one, share in columns], axis=1)
 
 
-@dataclass(frozen=True)
-class Ball:
+@dataclass(frozen=True, eq=False)
+class Ball(Record):
     """Even distribution in a ball, whose radius each quantity measures in its own unit.
 
     Examples

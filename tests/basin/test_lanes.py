@@ -1,0 +1,92 @@
+"""Launches on lanes end as each of them does alone."""
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import stability as st
+from stability.basin import lanes
+from stability.basin.lanes import EVENT, FAILED, LASTED, PROVED, ends
+from stability.bodies.model import system_model
+from stability.integrators.flow import flow, flow_of
+from stability.integrators.taylor import available
+
+pytestmark = pytest.mark.skipif(not available(), reason="heyoka is not installed")
+REFERENCE = st.launch("rolling", at=1.2)
+STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
+
+
+def many(count: int, spread: float, seed: int = 1) -> tuple[Any, Any]:
+    rng = np.random.default_rng(seed)
+    starts = REFERENCE + rng.uniform(-spread, spread, (count, 6))
+    return flow("viscous").pack(starts), np.tile([0.25, 0.3, 1e-6], (count, 1))
+
+
+def test_a_lane_ends_where_the_launch_alone_does() -> None:
+    f = flow("viscous")
+    y = f.pack(st.launch("spinning", at=np.linspace(3.2, 3.9, 60), tilt=0.55))  # fast ones lift off
+    p = np.tile([0.25, 0.3, 1e-6], (60, 1))
+    found = ends(f, y, p, np.full(60, 40.0), 1e-9, 10**6)
+    run = st.simulate(st.Disk(), st.Viscous(0.3), y[:, :6], [20.0, 40.0], check=False)
+    lifted = found.kind == EVENT
+    words = np.array(run.outcome.attrs["flag_meanings"].split())[run.outcome.values]
+    assert 3 < lifted.sum() < 57, lifted.sum()
+    assert (lifted == (words == "lift-off")).all()
+    assert (found.kind[~lifted] == LASTED).all() and (found.time[~lifted] == 40.0).all()
+    last = np.stack([run[n].values[:, -1] for n in STATES], axis=-1)
+    assert np.abs(found.state[~lifted, :6] - last[~lifted]).max() < 1e-6
+    # an event lies on a step's polynomial, next to the guard's zero
+    assert np.abs(found.time - run.end_time.values)[lifted].max() < 1e-6
+
+
+def test_a_launch_does_not_depend_on_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    f, (y, p) = flow("viscous"), many(40, 0.1)
+    whole = ends(f, y, p, np.full(40, 20.0), 1e-9, 10**6)
+    order = np.random.default_rng(2).permutation(40)[:23]
+    monkeypatch.setattr(lanes, "TURNS", 1)
+    some = ends(f, y[order], p[order], np.full(23, 20.0), 1e-9, 10**6)
+    assert (some.state == whole.state[order]).all() and (some.time == whole.time[order]).all()
+    assert (some.steps == whole.steps[order]).all()
+
+
+def test_each_launch_has_its_own_horizon() -> None:
+    f, (y, p) = flow("viscous"), many(30, 0.01)
+    horizon = np.linspace(0.5, 30.0, 30)
+    found = ends(f, y, p, horizon, 1e-9, 10**6)
+    assert (found.time == horizon).all() and (found.kind == LASTED).all()
+
+
+def test_a_watcher_ends_launches_and_sees_them_at_their_last_time() -> None:
+    f, (y, p) = flow("viscous"), many(30, 0.05)
+    seen: dict[int, list[float]] = {i: [] for i in range(30)}
+
+    def watch(rows: Any, states: Any, times: Any) -> Any:
+        assert states.shape == (len(rows), 7)
+        for row, time in zip(rows, times, strict=True):
+            seen[int(row)].append(float(time))
+        return (rows % 2 == 0) & (times > 3.0)
+
+    found = ends(f, y, p, np.full(30, 20.0), 1e-9, 10**6, watch)
+    assert (found.kind[::2] == PROVED).all() and (found.kind[1::2] == LASTED).all()
+    assert all(3.0 < times[-1] < 20.0 for times in list(seen.values())[::2])
+    assert all(times[-1] == 20.0 for times in list(seen.values())[1::2])
+
+
+def test_a_launch_that_takes_too_many_steps_or_overflows_fails_and_the_others_go_on() -> None:
+    f, (y, p) = flow("viscous"), many(12, 0.05)
+    assert (ends(f, y, p, np.full(12, 50.0), 1e-9, 100).kind == FAILED).all()
+    x = ca.SX.sym("x")
+    system = st.System("blow-up", x, ca.SX(0, 1), x**2, states=("x",), parameters=())
+    grown = flow_of(system_model(system))
+    starts = grown.pack(np.array([[-1.0], [0.5], [-2.0], [0.1]]))
+    found = ends(grown, starts, np.zeros((4, 0)), np.full(4, 5.0), 1e-9, 10**5)
+    assert found.kind.tolist() == [LASTED, FAILED, LASTED, LASTED]
+    exact = 1 / (1 / starts[[0, 2, 3], 0] - 5.0)
+    assert np.abs(found.state[[0, 2, 3], 0] - exact).max() < 1e-8
+
+
+def test_no_launches_are_no_error() -> None:
+    f = flow("viscous")
+    assert len(ends(f, np.zeros((0, 7)), np.zeros((0, 3)), np.zeros(0), 1e-9, 10).kind) == 0

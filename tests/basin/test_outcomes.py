@@ -1,0 +1,145 @@
+"""The lean route's outcomes are those of `simulate` with all its neighbours."""
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import stability as st
+from stability.basin import outcomes as engine
+from stability.basin.launches import prepare
+from stability.basin.outcomes import Judging, Outcomes, outcomes
+from stability.motion.result import BY_CODE, CODES, Outcome
+
+DISKS = {"uniform": 0.25, "annulus": 0.4, "hoop": 0.5}
+
+
+def launched(family: str, own: str, count: int, seed: int, horizon: float, k: float = 0.25) -> Any:
+    rng = np.random.default_rng(seed)
+    asked = prepare(st.Disk(k=k), "viscous", (own, "tilt"), {}, family, (), {"mu": 0.3})
+    points = {own: rng.uniform(0.3, 4, count), "tilt": rng.uniform(0.0, 0.6, count)}
+    return asked.starts(points, horizon)
+
+
+def compared(found: Outcomes, run: Any, open_: int) -> int:
+    """Launches that end differently although neither calls itself undetermined."""
+    unsure = {CODES[Outcome.UNDETERMINED], CODES[Outcome.UNRESOLVED]}
+    sure = ~np.isin(found.outcome, list(unsure)) & ~np.isin(run.outcome.values, list(unsure))
+    assert (~sure).sum() <= open_
+    return int((found.outcome != run.outcome.values)[sure].sum())
+
+
+@pytest.mark.parametrize(("family", "own"), [("spinning", "phi_dot"), ("rolling", "omega3")])
+@pytest.mark.parametrize(
+    ("body", "count"),
+    [("uniform", 40), *(pytest.param(b, 1700, marks=pytest.mark.long) for b in DISKS)],
+)
+@pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
+def test_outcomes_are_those_of_the_checked_single_run(
+    family: str, own: str, body: str, count: int
+) -> None:
+    horizon = 400.0 if count < 100 else 1000.0
+    launches = launched(family, own, count, len(body), horizon, DISKS[body])
+    found = outcomes(launches, Judging())
+    fit = np.array([i not in (launches.unfit or {}) for i in range(count)])
+    run = st.simulate(st.Disk(k=DISKS[body]), st.Viscous(0.3), launches.starts[fit], horizon,
+                      settle=0.05)  # fmt: skip
+    part = Outcomes(**{n: getattr(found, n)[fit] for n in Outcomes.__dataclass_fields__})
+    assert compared(part, run, count // 50) == 0
+    settled = part.outcome == CODES[Outcome.SETTLED]
+    assert settled.sum() > count / 5
+    # the proved member, and the nearest one at the last time
+    late = np.abs(part.member - run.nearest_at.values)[settled]
+    distance = run.nearest_distance.values[settled]
+    allowed = part.member_error[settled] + part.error[settled] + distance
+    assert (late <= allowed + 1e-9).all()
+
+
+def test_a_start_without_contact_has_ended_already() -> None:
+    asked = prepare(None, "viscous", ("theta", "theta_dot", "slip_x"), {}, "", (), {"mu": 3.0})
+    points = {"theta": np.array([1.5, 1.0, 1e-7, 4.0, 1.0]), "theta_dot": np.array([0.0, 3, 0, 0, 0]),
+              "slip_x": np.array([0.0, 0, 0, 0, 5.0])}  # fmt: skip
+    found = outcomes(asked.starts(points, 1.0), Judging())
+    words = [BY_CODE[c].word for c in found.outcome.tolist()]
+    assert words == ["moving", "lift-off", "flat", "flat", "no-contact"]
+    assert (found.time[1:] == 0).all() and found.time[0] == 1.0
+
+
+def test_what_the_two_runs_leave_open_is_decided_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    launches = launched("spinning", "phi_dot", 12, 3, 60.0)
+    usual = outcomes(launches, Judging())
+    alone: list[int] = []
+    single = engine._singly
+
+    def counted(found: Any, launches: Any, rows: Any, *rest: Any) -> None:
+        alone.extend(rows.tolist())
+        single(found, launches, rows, *rest)
+
+    plain = engine._judged
+    calls: list[float] = []
+
+    def other(flow: Any, starts: Any, p: Any, horizon: Any, tolerance: float, *rest: Any) -> Any:
+        run = plain(flow, starts, p, horizon, tolerance, *rest)
+        calls.append(tolerance)
+        if len(calls) == 2:  # the looser run contradicts the first one in two launches
+            run.outcome[[2, 5]] = CODES[Outcome.FLAT]
+        return run
+
+    monkeypatch.setattr(engine, "_singly", counted)
+    monkeypatch.setattr(engine, "_judged", other)
+    found = outcomes(launches, Judging())
+    assert calls == pytest.approx([1e-9, 1e-7]) and len(alone) == 2
+    assert (found.outcome == usual.outcome).all()
+
+
+def pendulum() -> Any:
+    x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    system = st.System("pendulum", x, c, ca.vertcat(x[1], -ca.sin(x[0]) - c * x[1]),
+                       states=("angle", "rate"), parameters=("c",))  # fmt: skip
+    turns = {n: st.Family(system, f"rest {n}", at=("c",), held={"angle": a, "rate": 0.0})
+             for n, a in (("a", 0.0), ("b", 2 * np.pi), ("c", -2 * np.pi))}  # fmt: skip
+    return system, tuple(turns.values())
+
+
+def test_a_systems_launches_settle_where_an_independent_integration_ends() -> None:
+    system, rests = pendulum()
+    asked = prepare(system, None, ("angle", "rate"), {"c": 0.3}, "", rests, {})
+    rng = np.random.default_rng(4)
+    points = {"angle": rng.uniform(-3, 3, 24), "rate": rng.uniform(-4, 4, 24)}
+    found = outcomes(asked.starts(points, 200.0), Judging())
+    for row in range(24):
+        end = solve_ivp(
+            lambda _, y: [y[1], -np.sin(y[0]) - 0.3 * y[1]],
+            (0, 100),
+            [points["angle"][row], points["rate"][row]],
+            rtol=1e-9,
+            atol=1e-11,
+        ).y[0, -1]
+        turn = round(end / (2 * np.pi))
+        name = {0: 0, 1: 1, -1: 2}.get(turn, -1)
+        settled = found.outcome[row] == CODES[Outcome.SETTLED]
+        assert settled == (name >= 0) and (not settled or found.family[row] == name)
+    assert {0, 1, 2} <= set(found.family.tolist())
+
+
+@pytest.mark.parametrize("contact", [st.Rough(), st.Smooth(), st.Coulomb(0.3)])
+def test_laws_that_settle_on_nothing_give_the_outcomes_of_simulate(contact: Any) -> None:
+    asked = prepare(None, contact, ("phi_dot", "tilt"), {}, "spinning", (), {})
+    points = {"phi_dot": np.array([0.5, 1.5, 2.5, 3.4]), "tilt": np.array([0.5, 0.3, 0.2, 0.5])}
+    launches = asked.starts(points, 8.0)
+    found = outcomes(launches, Judging())
+    fit = np.array([i not in (launches.unfit or {}) for i in range(4)])
+    run = st.simulate(st.Disk(), contact, launches.starts[fit], 8.0, settle=0.05)
+    assert (found.outcome[fit] == run.outcome.values).all()
+
+
+def test_a_body_that_passes_its_pole_is_launched_too() -> None:
+    top = st.EccentricSphere(0.2)
+    asked = prepare(top, st.Viscous(0.3), ("theta", "phi_dot"), {}, "", (), {})
+    points = {"theta": np.array([0.1, 0.5, 2.8]), "phi_dot": np.array([0.5, 2.0, 1.0])}
+    launches = asked.starts(points, 20.0)
+    found = outcomes(launches, Judging())
+    run = st.simulate(top, st.Viscous(0.3), launches.starts, 20.0, settle=0.05)
+    assert (found.outcome == run.outcome.values).all()
