@@ -6,9 +6,9 @@ f ≥ |F|, Z⁻¹ = X (1 + F)⁻¹, |(1 + F)⁻¹| ≤ κ = 1/(1 - f), and |(1 +
     |row of Z⁻¹| ≤ κ |row of X|,   |v Z⁻¹| ≤ κ |v X|,
     entry (i, j) of Z J Z⁻¹ within f κ Σ_k |(Z J X)_ik| of that of Z J X.
 
-Every bound is rounded up as in `stability.algebra.kernels.double_balls`.  A length is the root of a
-sum of squares, to which TINY is added before the root, since squares may underflow.  Arrays end
-with an axis of launches.
+Every bound is rounded up as in `stability.algebra.kernels.double_balls`, by WIDE in place of UP.
+A length is the root of a sum of squares, to which TINY is added before the root, since squares may
+underflow.  Arrays end with an axis of launches.
 """
 
 from __future__ import annotations
@@ -17,7 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra.kernels.double_balls import TINY, UP, U, product
+from ..algebra.kernels.double_balls import TINY, U, product
+
+WIDE = 1.0 + 2.0**-40
+"""Rounds up what at most 8000 roundings made: sums over m² entries, m ≤ 60."""
 
 
 def length(m: Any, r: Any) -> Any:
@@ -26,7 +29,7 @@ def length(m: Any, r: Any) -> Any:
     for i in range(m.shape[0]):
         v = np.abs(m[i]) + r[i]
         s = s + v * v
-    return np.sqrt(s * UP + TINY) * UP
+    return np.sqrt(s * WIDE + TINY) * WIDE
 
 
 def product_right(b: Any, rb: Any, a: Any, c: Any, rc: Any) -> None:
@@ -39,7 +42,7 @@ def product_right(b: Any, rb: Any, a: Any, c: Any, rc: Any) -> None:
                 s = s + b[i, k] * a[k, j]
                 r = r + np.abs(a[k, j]) * (rb[i, k] + 64.0 * U * np.abs(b[i, k]))
             c[i, j] = s
-            rc[i, j] = r * UP + TINY
+            rc[i, j] = r * WIDE + TINY
 
 
 def start(z: Any, x: Any, slow: Any, y: Any, ry: Any, e: Any, re: Any, centre: Any) -> Any:
@@ -68,17 +71,17 @@ def start(z: Any, x: Any, slow: Any, y: Any, ry: Any, e: Any, re: Any, centre: A
     for i in range(m):
         mid[i, i] = mid[i, i] - 1.0
         for j in range(m):
-            f = f + (np.abs(mid[i, j]) * UP + rad[i, j])
-    f = f * UP
+            f = f + (np.abs(mid[i, j]) * WIDE + rad[i, j])
+    f = f * WIDE
     gap = 1.0 - f
-    kappa = UP / (0.5 * (gap + np.abs(gap)))
+    kappa = WIDE / (0.5 * (gap + np.abs(gap)))
     along, off = np.zeros((m, 1, lanes)), np.zeros((m, 1, lanes))
     product(z, e, re, along, off)
     r = length(along[:, 0], off[:, 0])
     none = np.zeros((m, lanes))
     rows, eta, sideways = np.zeros((m, lanes)), np.zeros((n, lanes)), np.zeros((n, lanes))
     for i in range(m):
-        rows[i] = length(x[i], none) * kappa * UP
+        rows[i] = length(x[i], none) * kappa * WIDE
     if n > 0:
         moved, over = np.zeros((n, 1, lanes)), np.zeros((n, 1, lanes))
         product(slow, e, re, moved, over)
@@ -87,8 +90,8 @@ def start(z: Any, x: Any, slow: Any, y: Any, ry: Any, e: Any, re: Any, centre: A
         for i in range(n):
             near = y[i] - moved[i, 0]
             far = near - centre[i]
-            eta[i] = (np.abs(far) + U * np.abs(near) + ry[i] + over[i, 0]) * UP + TINY
-            sideways[i] = length(turned[i], wide[i]) * kappa * UP
+            eta[i] = (np.abs(far) + U * np.abs(near) + ry[i] + over[i, 0]) * WIDE + TINY
+            sideways[i] = length(turned[i], wide[i]) * kappa * WIDE
     return f, kappa, r, eta, rows, sideways
 
 
@@ -118,14 +121,15 @@ def turn(
     for i in range(m):
         for k in range(m):
             loose[i] = loose[i] + (np.abs(w[i, k]) + rw[i, k])
-        loose[i] = loose[i] * (f * kappa) * UP + TINY
+        loose[i] = loose[i] * (f * kappa) * WIDE + TINY
     highest = np.full(lanes, -np.inf)
     for i in range(m):
         s = rw[i, i] + loose[i]
         for k in range(m):
             if k != i:
-                s = s + 0.5 * (np.abs(w[i, k] + w[k, i]) + rw[i, k] + rw[k, i] + loose[i] + loose[k])
-        s = s * UP + TINY
+                both = np.abs(w[i, k] + w[k, i]) + rw[i, k] + rw[k, i]
+                s = s + 0.5 * (both + loose[i] + loose[k])
+        s = s * WIDE + TINY
         top = w[i, i] + s
         highest = np.maximum(highest, top + 4.0 * U * (np.abs(w[i, i]) + s))
     beta = -highest
@@ -136,10 +140,10 @@ def turn(
         for i in range(n):
             for k in range(m):
                 moved[i, k] = j[m + i, k] - moved[i, k]
-                wide[i, k] = (rj[m + i, k] + wide[i, k] + U * np.abs(moved[i, k])) * UP + TINY
+                wide[i, k] = (rj[m + i, k] + wide[i, k] + U * np.abs(moved[i, k])) * WIDE + TINY
         drift, more = np.zeros((n, m, lanes)), np.zeros((n, m, lanes))
         product_right(moved, wide, x, drift, more)
         for i in range(n):
-            push = length(drift[i], more[i]) * kappa * UP
-            error[i] = (eta[i] + push * r / beta) * UP + TINY
+            push = length(drift[i], more[i]) * kappa * WIDE
+            error[i] = (eta[i] + push * r / beta) * WIDE + TINY
     return beta, error

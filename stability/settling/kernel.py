@@ -21,13 +21,18 @@ from ..algebra.kernels.compiled import compiled
 from ..algebra.kernels.double_balls import UP
 from ..algebra.kernels.tape import LANES, Tape, recorded
 from ..algebra.number_types import Algebra
+from ..base.errors import StabilityError
 from ..base.types import Floats
 from . import box_kernel
 from .attraction import ROOM, TURNS, WIDEN, Surroundings
 
 KERNELS: tuple[ModuleType, ...] = (double_balls, box_kernel)
+MOST = 60
+"""Most states across a family for which the roundings are bounded."""
 STEP = 2.0**-12
 """Spacing of the members whose bases launches share."""
+APART = 0.05
+"""Largest part of the slowest rate that a shared basis may cost a launch."""
 SPARE = 2.0**-46
 """Half-width of the first box along the family, over the size of its centre: above rounding."""
 
@@ -74,9 +79,11 @@ def tapes(around: Surroundings) -> Tapes:
     Raises
     ------
     StabilityError
-        If its graph has a function without a kernel.
+        If its graph has a function without a kernel, or too many states.
     """
-    n, count, _ = sizes = around.slopes.inputs
+    n, count, across = sizes = around.slopes.inputs[:3]
+    if across > MOST:
+        raise StabilityError(f"{across} states across a family are too many for the kernel.")
     inputs = sum(sizes)
 
     def split(a: list[Any]) -> list[list[Any]]:
@@ -164,7 +171,8 @@ class _Test:
         m, n = self.around.across, self.around.along
         points = np.concatenate([y, given, np.zeros((len(y), m))], axis=1)
         mid, _ = self.made.box.run(points.T, plain=self.plain)
-        return mid[: (m + n) * m].T.reshape(-1, m + n, m)
+        found: Floats = mid[: (m + n) * m].T.reshape(-1, m + n, m)
+        return found
 
     def centres(self) -> tuple[Any, Floats, Floats, Floats]:
         """Launches, centres y_c = y - ℓᵀe, rows ℓ with ℓᵀA = ∂g/∂e there, and A."""
@@ -181,22 +189,23 @@ class _Test:
         return some[good], centre[good], slow[good], a[good]
 
     def bases(self, some: Any, centre: Floats, a: Floats) -> tuple[Any, Floats, Floats]:
-        """Whether each launch is near a stable member, their Z and X, by members on a grid where many share one."""
-        if not len(some):
-            return np.zeros(0, bool), a, a
-        given, rows = self.given[some], np.arange(len(some))
-        if self.around.along == 1 and (given == given[0]).all():
+        """Whether each launch is near a stable member, and Z and X of those that are.
+
+        Launches with the same parameters share the bases of members on a grid.
+        """
+        given, rows, own = self.given[some], np.arange(len(some)), a
+        if self.around.along == 1 and len(some) and (given == given[0]).all():
             nodes, shared = np.unique(np.rint(centre[:, 0] / STEP), return_inverse=True)
             if 2 * len(nodes) < len(some):
                 both = self.slopes(nodes[:, None] * STEP, np.tile(given[0], (len(nodes), 1)))
                 a, rows = both[:, : self.around.across], shared
-        a = np.where(np.isfinite(a).all((1, 2))[:, None, None], a, 0.0)
-        values, vectors = np.linalg.eig(a)
-        x = np.where(values.imag[:, None] < 0, vectors.imag, vectors.real)
-        z = _solved(x, np.broadcast_to(np.eye(x.shape[1]), x.shape))
-        good = ((values.real < 0).all(1) & np.isfinite(z).all((1, 2)))[rows]
-        return good, z[rows[good]], x[rows[good]]
-
+        stable, z, x, rate = _modal(a)
+        stable, z, x, rate = stable[rows], z[rows], x[rows], rate[rows]
+        if a is not own:
+            off = z @ (own - a[rows]) @ x
+            poor = ~(np.square(off).sum((1, 2)) < np.square(APART * rate))
+            stable[poor], z[poor], x[poor], _ = _modal(own[poor])
+        return stable, z[stable], x[stable]
 
     def boxes(self, some: Any, centre: Floats, slow: Floats, z: Floats, x: Floats) -> None:
         """Widen the boxes of launches until each is proved or given up."""
@@ -233,9 +242,7 @@ class _Test:
                 for v in (c, ell, z, x, given, f, kappa, r, eta, across, sideways, rho, rows)
             )
 
-    def _remainder(
-        self, kernel: Any, given: Floats, z: Floats, x: Floats
-    ) -> tuple[Floats, Floats]:
+    def _remainder(self, kernel: Any, given: Floats, z: Floats, x: Floats) -> tuple[Floats, Floats]:
         """|Z G| at e = 0, and the rate at which deviations fall there, in double precision."""
         m, made = self.around.across, self.made
         points = np.vstack([given, np.zeros((m, given.shape[1]))])
@@ -260,10 +267,23 @@ def _lanes(v: Floats) -> Floats:
     return np.ascontiguousarray(np.moveaxis(v, 0, -1))
 
 
+def _modal(a: Floats) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
+    """Whether matrices are stable, their real modal bases Z and X = Z⁻¹, and their slowest rates.
+
+    The columns of X are real and imaginary parts of the eigenvectors.
+    """
+    whole: Any = np.isfinite(a).all((1, 2))
+    values, vectors = np.linalg.eig(np.where(whole[:, None, None], a, 0.0))
+    x = np.where(values.imag[:, None] < 0, vectors.imag, vectors.real)
+    z = _solved(x, np.broadcast_to(np.eye(x.shape[1]), x.shape))
+    rate = -values.real.max(1, initial=-np.inf)
+    return whole & (rate > 0) & np.isfinite(z).all((1, 2)), z, x, rate
+
+
 def _solved(a: Floats, b: Floats) -> Floats:
     """Solutions of many linear systems, nan where the matrix is singular."""
     with np.errstate(all="ignore"):
-        regular = np.isfinite(a).all((1, 2)) & (np.linalg.det(a) != 0)
-        found: Floats = np.linalg.solve(np.where(regular[:, None, None], a, np.eye(a.shape[1])), b)
+        regular: Any = np.isfinite(a).all((1, 2)) & (np.linalg.det(a) != 0)
+        found: Any = np.linalg.solve(np.where(regular[:, None, None], a, np.eye(a.shape[1])), b)
     found[~regular] = np.nan
-    return found
+    return np.asarray(found)

@@ -3,9 +3,9 @@
 A ball (m, r) holds every x with |x - m| ≤ r; r = inf or nan holds everything, and no comparison
 accepts it.  With u = 2⁻⁵³, a rounded sum errs by at most u |m|, a rounded product, quotient or root
 by at most u |m| + 2⁻¹⁰⁷⁵ (round to nearest, gradual underflow).  Each radius is a sum of products
-of numbers ≥ 0 with at most 10 roundings, so that (computed) UP + TINY, UP = 1 + 64 u, TINY = 2⁻¹⁰⁰⁰,
-is no smaller than its exact value: 10 roundings cost a factor of at most 1 + 11 u, the factor UP and
-the sum at most 1 + 3 u more, and each underflow at most 2⁻¹⁰⁷⁵.
+of numbers ≥ 0 with at most 10 roundings.  So (computed) UP + TINY, with UP = 1 + 64 u and
+TINY = 2⁻¹⁰⁰⁰, is no smaller than its exact value: 10 roundings cost a factor of at most 1 + 11 u,
+the factor UP and the last sum at most 1 + 3 u more, and each underflow at most 2⁻¹⁰⁷⁵.
 
 Sine and cosine: for |a| ≤ 10⁵ the quarter turns k = rint(2 a/π) are below 2¹⁶, PI1 and PI2 have 33
 bits, so k PI1 and k PI2 are exact and a - k PI1 is exact by Sterbenz; two differences below 1 are
