@@ -31,6 +31,8 @@ class Algebra:
     """Function from a double to the same number in this type, exactly."""
     functions: dict[str, Callable[..., Any]]
     """sin, cos, tan, sqrt, exp, log, … by name."""
+    lasting: bool = True
+    """Whether a program may keep its constants in this type for its next run."""
 
 
 TESTED = ("7.13.2",)

@@ -156,7 +156,7 @@ class Program:
         list of list
             For each output, its stored entries in column order (see `places`).
         """
-        if algebra.name not in self._held:
+        if algebra.name not in self._held or not algebra.lasting:
             self._held[algebra.name] = [algebra.constant(value) for value in self._constants]
         out: list[list[Any]] = self._run(algebra.functions, self._held[algebra.name], arguments)
         return out

@@ -19,14 +19,17 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..algebra.number_types import balls
+from ..algebra.kernels.tape import Tape, recorded
+from ..algebra.number_types import Algebra, balls
 from ..algebra.upright import UPRIGHT, Upright
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
 from ..bodies.thin_disk.disk_families import AT_REST, FAMILIES, DiskFamily, lines_under
 from .attraction import Attraction, Surroundings, attraction
+from .kernel import Balls
 from .lines import line_surroundings
+from .many import RIGHT_ANGLE, NearestMany, nearest_many
 from .nearest import Nearest
 
 TURNING = STATES.index("phi_dot")
@@ -54,10 +57,56 @@ class DiskSettling:
         six = [math.pi / 2 if member[n] is UPRIGHT else float(member[n]) for n in STATES]
         return Nearest(family, at, distance, False, 0.0, where, np.array(six))
 
+    def many(self, states: Floats, p: Floats, within: float, *, plain: bool = False) -> NearestMany:
+        """The nearest family of many states, and which have settled, as `nearest_many`."""
+        places = [_Line(self.law, family) for family in lines_under(self.law.name)]
+        return nearest_many(places, states, p, within, plain=plain)
+
     def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
         """Distances of states, shape (t, 6), from the family of a nearest member, shape (t,)."""
         found: Floats = np.linalg.norm(deviation(states, float(p[0]), near.family)[1], axis=-1)
         return found
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A family of the disk, for many states."""
+
+    law: type[Contact]
+    family: DiskFamily
+
+    @property
+    def name(self) -> str:
+        """Name of the family."""
+        return self.family.name
+
+    @property
+    def attracting(self) -> Surroundings | None:
+        """Surroundings of the family; None where no motion settles on it."""
+        if self.law.conservative or self.law.sticks or self.family.drifts:
+            return None
+        return surroundings(self.law, self.name)
+
+    def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:
+        """Parameters, deviations and second arguments of the programs, launch by launch."""
+        sign = np.copysign(1.0, states[:, TURNING])
+        right = np.broadcast_to(RIGHT_ANGLE, (2, len(states)))
+        mid = np.vstack([states.T, p[:, 0], sign, right[0]])
+        rad = np.vstack([np.zeros_like(mid[:-1]), right[1]])
+        m, r = _deviations(self.family).run(mid, rad, plain=plain)
+        return Balls(m[:1].T, r[:1].T), Balls(m[1:].T, r[1:].T), np.column_stack([sign, p])
+
+
+@lru_cache(maxsize=16)
+def _deviations(family: DiskFamily) -> Tape:
+    """(six states, k, sign of φ̇, π/2) → at, then the five deviations."""
+
+    def parts(a: list[Any], number: Algebra) -> list[Any]:
+        six, (k, sign, right) = a[:6], a[6:]
+        at, e = _parts(family, six, k, SimpleNamespace(**number.functions), sign, right)
+        return [at, *e]
+
+    return recorded(parts, 9)
 
 
 def deviation(six: Floats, k: float | Floats, family: str) -> tuple[Floats, Floats]:

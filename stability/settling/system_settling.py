@@ -15,6 +15,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ..algebra.kernels.double_balls import add
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.errors import StabilityError
@@ -23,6 +24,8 @@ from ..base.types import Floats
 from ..systems.family import Family, listing
 from ..systems.graph.constants import Constants
 from .attraction import Surroundings, Tilted, attraction
+from .kernel import Balls
+from .many import RIGHT_ANGLE, NearestMany, nearest_many
 from .nearest import Nearest
 
 
@@ -89,6 +92,11 @@ class SystemSettling:
         )
         return Nearest(family.name, 0.0, distance, True, proof.reach, where, member)
 
+    def many(self, states: Floats, p: Floats, within: float, *, plain: bool = False) -> NearestMany:
+        """The nearest family of many states, and which have settled, as `nearest_many`."""
+        places = [_Place(family) for family in self.families]
+        return nearest_many(places, states, p, within, plain=plain)
+
     def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
         """Distances of states, shape (t, n), from the family of a nearest member, shape (t,)."""
         family = next(f for f in self.families if f.name == near.family)
@@ -101,6 +109,49 @@ class SystemSettling:
                 one = members(family, state[None], p)
                 found[i] = np.inf if one is None else length(state - one[0])
         return found
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A family, for many states."""
+
+    family: Family
+
+    @property
+    def name(self) -> str:
+        """Name of the family."""
+        return self.family.name
+
+    @property
+    def attracting(self) -> Surroundings | None:
+        """Surroundings of the family; None where nothing is proved about it."""
+        found = surroundings(self.family)
+        return None if isinstance(found, str) else found
+
+    def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:  # noqa: ARG002
+        """Parameters, deviations and second arguments of the programs, launch by launch."""
+        family, names = self.family, self.family.system.states
+        known = dict(zip(names, states.T, strict=True))
+        known |= dict(zip(family.system.parameters, p.T, strict=True))
+        count = len(states)
+        a = _columns([known[n] for n in family.at], count)
+        q = _columns([known[n] for n in family.parameters], count)
+        found = family.members(a, q)
+        u = np.where(found.good[:, None], found.u, np.nan)
+        there = dict(zip(family.unknown, u.T, strict=True))
+        y = _columns([known[n] for n in names if n in family.at], count)
+        mid = np.zeros((count, len(names) - y.shape[1]))
+        rad = np.zeros_like(mid)
+        for i, name in enumerate(n for n in names if n not in family.at):
+            value: Any = there.get(name, family.fixed.get(name))
+            m, r = RIGHT_ANGLE if isinstance(value, Upright) else (np.asarray(value), 0.0)
+            mid[:, i], rad[:, i] = add(known[name], 0.0, -m, r)
+        mid[~found.good] = np.nan
+        return Balls(y, np.zeros_like(y)), Balls(mid, rad), np.hstack([p, u])
+
+
+def _columns(rows: list[Floats], count: int) -> Floats:
+    return np.column_stack(rows) if rows else np.zeros((count, 0))
 
 
 def length(vectors: Floats) -> Floats:

@@ -1,0 +1,289 @@
+"""Settling of many states at once: the proof of `stability.settling.attraction` by a kernel.
+
+The same box and the same inequality, in balls of doubles.  The basis is the real modal basis of a
+member nearby, by LAPACK; launches with the same parameters share the bases of members on a grid.
+Any basis is sound: its inverse is enclosed (`stability.settling.box_kernel`).  Where Numba is
+missing NumPy runs the same functions, with the same results to the last bit of each bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..algebra.kernels import double_balls
+from ..algebra.kernels.compiled import compiled
+from ..algebra.kernels.double_balls import UP
+from ..algebra.kernels.tape import LANES, Tape, recorded
+from ..algebra.number_types import Algebra
+from ..base.errors import StabilityError
+from ..base.types import Floats
+from . import box_kernel
+from .attraction import ROOM, TURNS, WIDEN, Surroundings
+
+KERNELS: tuple[ModuleType, ...] = (double_balls, box_kernel)
+MOST = 60
+"""Most states across a family for which the roundings are bounded."""
+STEP = 2.0**-12
+"""Spacing of the members whose bases launches share."""
+APART = 0.05
+"""Largest part of the slowest rate that a shared basis may cost a launch."""
+SPARE = 2.0**-46
+"""Half-width of the first box along the family, over the size of its centre: above rounding."""
+
+
+class Balls(NamedTuple):
+    """Centres and radii."""
+
+    mid: Floats
+    """Centres."""
+    rad: Floats
+    """Radii, of the same shape."""
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """Which of many launches are proved to converge to one steady motion."""
+
+    proved: NDArray[np.bool_]
+    """Whether convergence is proved, shape (launches,)."""
+    limit: Floats
+    """Parameters y of a member near that steady motion, shape (launches, n); nan if not proved."""
+    error: Floats
+    """Bound on the distance of the limit from that motion, as `Attraction.error`."""
+    rate: Floats
+    """Least rate at which the deviation falls, in the norm of the basis."""
+    reach: Floats
+    """Half the diagonal of the box across the family."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tapes:
+    """Surroundings of a family as tapes."""
+
+    box: Tape
+    """(y, given, e) → ∂G/∂e and ∂g/∂e by rows, then the guards."""
+    rest: Tape | None
+    """(y, given, e) → G."""
+
+
+@lru_cache(maxsize=32)
+def tapes(around: Surroundings) -> Tapes:
+    """Surroundings of a family as tapes.
+
+    Raises
+    ------
+    StabilityError
+        If its graph has a function without a kernel, or too many states.
+    """
+    n, count, across = sizes = around.slopes.inputs[:3]
+    if across > MOST:
+        raise StabilityError(f"{across} states across a family are too many for the kernel.")
+    inputs = sum(sizes)
+
+    def split(a: list[Any]) -> list[list[Any]]:
+        return [a[:n], a[n : n + count], a[n + count :]]
+
+    def box(a: list[Any], number: Algebra) -> list[Any]:
+        rows = around.slopes.dense(number, split(a))
+        return [v for row in rows for v in row] + around.positive.run(number, split(a))[0]
+
+    rest = around.remainder
+    if rest is None:
+        return Tapes(recorded(box, inputs), None)
+    return Tapes(
+        recorded(box, inputs),
+        recorded(lambda a, number: [v for [v] in rest.dense(number, split(a))], inputs),
+    )
+
+
+def settled_many(
+    around: Surroundings, y: Balls, given: Floats, e: Balls, *, plain: bool = False
+) -> Settled:
+    """Which launches are proved to converge to one steady motion.
+
+    Parameters
+    ----------
+    around
+        The family's surroundings.
+    y, e
+        Parameters of the nearest members and deviations, as balls that contain the true values,
+        shapes (launches, n) and (launches, m).
+    given
+        Second argument of its programs, shape (launches, ·).
+    plain
+        Whether NumPy does the work although Numba is installed.
+
+    Returns
+    -------
+    Settled
+
+    Raises
+    ------
+    StabilityError
+        If the family's graph has a function without a kernel, such as exp.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> from stability.settling.disk_settling import surroundings
+    >>> y, e = np.array([[2.5], [1.9]]), np.full((2, 5), 1e-5)
+    >>> given = np.array([[1, 0.25, 0.3]] * 2)
+    >>> around = surroundings(st.Viscous, "spinning")
+    >>> settled_many(around, Balls(y, 0 * y), given, Balls(e, 0 * e)).proved
+    array([ True, False])
+    """
+    made, count, n = tapes(around), len(given), around.along
+    found = Settled(
+        np.zeros(count, bool), np.full((count, n), np.nan),
+        *(np.full(count, np.nan) for _ in range(3)),
+    )  # fmt: skip
+    test = _Test(around, made, y, given, e, found, plain)
+    with np.errstate(all="ignore"):  # nan is never proved
+        some, centre, slow, a = test.centres()
+        good, z, x = test.bases(some, centre, a)
+        some, centre, slow = some[good], centre[good], slow[good]
+        for low in range(0, len(some), LANES):
+            part = slice(low, low + LANES)
+            test.boxes(some[part], centre[part], slow[part], z[part], x[part])
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Test:
+    """One call of `settled_many`; `some` are numbers of launches that may still be proved."""
+
+    around: Surroundings
+    made: Tapes
+    y: Balls
+    given: Floats
+    e: Balls
+    found: Settled
+    plain: bool
+
+    def slopes(self, y: Floats, given: Floats) -> Floats:
+        """∂G/∂e and ∂g/∂e at members, shape (launches, m + n, m)."""
+        m, n = self.around.across, self.around.along
+        points = np.concatenate([y, given, np.zeros((len(y), m))], axis=1)
+        mid, _ = self.made.box.run(points.T, plain=self.plain)
+        found: Floats = mid[: (m + n) * m].T.reshape(-1, m + n, m)
+        return found
+
+    def centres(self) -> tuple[Any, Floats, Floats, Floats]:
+        """Launches, centres y_c = y - ℓᵀe, rows ℓ with ℓᵀA = ∂g/∂e there, and A."""
+        m = self.around.across
+        some = np.flatnonzero(np.isfinite(np.hstack([self.y.mid, self.given, self.e.mid])).all(1))
+        y, e, given = self.y.mid[some], self.e.mid[some], self.given[some]
+        centre, slow, a = y, np.zeros((len(y), self.around.along, m)), np.zeros((len(y), m, m))
+        for _ in range(2):
+            both = self.slopes(centre, given)
+            a, right = both[:, :m], both[:, m:].swapaxes(1, 2)
+            slow = _solved(a.swapaxes(1, 2), right).swapaxes(1, 2)
+            centre = y - (slow @ e[..., None])[..., 0]
+        good = np.isfinite(a).all((1, 2)) & np.isfinite(centre).all(1)
+        return some[good], centre[good], slow[good], a[good]
+
+    def bases(self, some: Any, centre: Floats, a: Floats) -> tuple[Any, Floats, Floats]:
+        """Whether each launch is near a stable member, and Z and X of those that are.
+
+        Launches with the same parameters share the bases of members on a grid.
+        """
+        given, rows, own = self.given[some], np.arange(len(some)), a
+        if self.around.along == 1 and len(some) and (given == given[0]).all():
+            nodes, shared = np.unique(np.rint(centre[:, 0] / STEP), return_inverse=True)
+            if 2 * len(nodes) < len(some):
+                both = self.slopes(nodes[:, None] * STEP, np.tile(given[0], (len(nodes), 1)))
+                a, rows = both[:, : self.around.across], shared
+        stable, z, x, rate = _modal(a)
+        stable, z, x, rate = stable[rows], z[rows], x[rows], rate[rows]
+        if a is not own:
+            off = z @ (own - a[rows]) @ x
+            poor = ~(np.square(off).sum((1, 2)) < np.square(APART * rate))
+            stable[poor], z[poor], x[poor], _ = _modal(own[poor])
+        return stable, z[stable], x[stable]
+
+    def boxes(self, some: Any, centre: Floats, slow: Floats, z: Floats, x: Floats) -> None:
+        """Widen the boxes of launches until each is proved or given up."""
+        kernel, made, m = compiled(*KERNELS, plain=self.plain), self.made, self.around.across
+        c, ell, z, x = (_lanes(v) for v in (centre, slow, z, x))
+        y, ry, e, re = (_lanes(v[some]) for v in (*self.y, *self.e))
+        given = _lanes(self.given[some])
+        f, kappa, r, eta, rows, turned = kernel.start(z, x, ell, y, ry, e[:, None], re[:, None], c)
+        rho = np.zeros_like(r)
+        if made.rest is not None:
+            rho, slowest = self._remainder(kernel, given, z, x)
+            r = (r + ROOM * rho / slowest) * UP + 2.0**-64
+        across, sideways = rows * r * UP, turned * r * UP
+        delta = 2 * (eta + sideways) + SPARE * (1 + np.abs(c))
+        for _ in range(TURNS):
+            mid, rad = np.zeros((2, made.box.inputs, len(some)))
+            mid[: len(c)], mid[len(c) : -m], rad[: len(c)], rad[-m:] = c, given, delta, across
+            mid, rad = made.box.run(mid, rad, plain=self.plain)
+            cut = (len(c) + m) * m
+            j, rj = (v[:cut].reshape(-1, m, len(some)) for v in (mid, rad))
+            beta, error = kernel.turn(z, x, ell, j, rj, f, kappa, r, eta)
+            fine = (mid[cut:] > rad[cut:]).all(0) & (beta > 0) & (beta * r > rho * UP)
+            needed = (error + sideways) * UP
+            done = fine & (needed <= delta).all(0)
+            if made.rest is not None:
+                error = (np.sqrt((rows * rows).sum(0)) * rho / beta)[None] * UP
+            self._keep(some[done], c[:, done], error[:, done], beta[done], across[:, done])
+            go = fine & ~done
+            if not go.any():
+                return
+            some, delta = some[go], WIDEN * needed[:, go]
+            c, ell, z, x, given, f, kappa, r, eta, across, sideways, rho, rows = (
+                np.ascontiguousarray(v[..., go])
+                for v in (c, ell, z, x, given, f, kappa, r, eta, across, sideways, rho, rows)
+            )
+
+    def _remainder(self, kernel: Any, given: Floats, z: Floats, x: Floats) -> tuple[Floats, Floats]:
+        """|Z G| at e = 0, and the rate at which deviations fall there, in double precision."""
+        m, made = self.around.across, self.made
+        points = np.vstack([given, np.zeros((m, given.shape[1]))])
+        assert made.rest is not None
+        rest, off = (v[:, None] for v in made.rest.run(points, plain=self.plain))
+        moved, wide = np.zeros_like(rest), np.zeros_like(rest)
+        kernel.product(z, rest, off, moved, wide)
+        zs, xs = np.moveaxis(z, -1, 0), np.moveaxis(x, -1, 0)
+        j = zs @ self.slopes(np.zeros((len(zs), 0)), given.T) @ xs
+        highest = np.linalg.eigvalsh((j + j.swapaxes(1, 2)) / 2).max(1)
+        return kernel.length(moved[:, 0], wide[:, 0]), np.maximum(-highest, 1e-300)
+
+    def _keep(self, some: Any, c: Floats, error: Floats, beta: Floats, across: Floats) -> None:
+        found = self.found
+        found.proved[some], found.limit[some] = True, c.T
+        found.error[some] = error.max(0)
+        found.rate[some], found.reach[some] = beta, np.sqrt((across * across).sum(0))
+
+
+def _lanes(v: Floats) -> Floats:
+    """An array with its launches along the last axis."""
+    return np.ascontiguousarray(np.moveaxis(v, 0, -1))
+
+
+def _modal(a: Floats) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
+    """Whether matrices are stable, their real modal bases Z and X = Z⁻¹, and their slowest rates.
+
+    The columns of X are real and imaginary parts of the eigenvectors.
+    """
+    whole: Any = np.isfinite(a).all((1, 2))
+    values, vectors = np.linalg.eig(np.where(whole[:, None, None], a, 0.0))
+    x = np.where(values.imag[:, None] < 0, vectors.imag, vectors.real)
+    z = _solved(x, np.broadcast_to(np.eye(x.shape[1]), x.shape))
+    rate = -values.real.max(1, initial=-np.inf)
+    return whole & (rate > 0) & np.isfinite(z).all((1, 2)), z, x, rate
+
+
+def _solved(a: Floats, b: Floats) -> Floats:
+    """Solutions of many linear systems, nan where the matrix is singular."""
+    with np.errstate(all="ignore"):
+        regular: Any = np.isfinite(a).all((1, 2)) & (np.linalg.det(a) != 0)
+        found: Any = np.linalg.solve(np.where(regular[:, None, None], a, np.eye(a.shape[1])), b)
+    found[~regular] = np.nan
+    return np.asarray(found)
