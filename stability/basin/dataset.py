@@ -21,7 +21,6 @@ from ..motion.starts import Starts
 from ..systems.system import System
 from .launches import TILT, Launches
 from .outcomes import Judging, Outcomes
-from .proofs import Proofs
 
 FORMAT = "stability basins 1"
 """Mark of the datasets and stores of this module."""
@@ -44,7 +43,7 @@ def variables(sample: Starts) -> tuple[Variable, ...]:
     tuple of Variable
     """
     body = sample.law is not None
-    second, names = sample.unit("time"), Proofs(sample.settling, sample.law).names
+    second, names = sample.unit("time"), sample.settling.names
     units = "1" if sample.dimensionless or not body else f"{Kind.ANGULAR_VELOCITY.si} "\
         f"(theta: {Kind.ANGLE.si})"  # fmt: skip
     own = listed(list(dict.fromkeys(FAMILIES[n].at[0] for n in names if n in FAMILIES)), "or")
@@ -95,7 +94,7 @@ def arrays(found: Outcomes, launches: Starts) -> dict[str, Any]:
     dict
         An array for each name in `variables`.
     """
-    scales, names = launches.scales, Proofs(launches.settling, launches.law).names
+    scales, names = launches.scales, launches.settling.names
     rate = np.broadcast_to(scales["rate"] if launches.law else 1.0, (launches.count,))
     angles = [i for i, n in enumerate(names) if n in FAMILIES and FAMILIES[n].by_angle]
     unit = np.where(np.isin(found.family, angles), 1.0, rate)

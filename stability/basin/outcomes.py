@@ -25,15 +25,14 @@ from ..motion.neighbours import signs
 from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
 from ..motion.starts import Starts
+from ..settling.nearest import Settling
 from .lanes import EVENT, FAILED, LASTED, PROVED, ends
-from .proofs import Proofs
+from .proofs import NONE, Watcher, limits
 
 LOOSER = 100.0
 """Tolerance of the second run over that of the first."""
 NEWTON, SHIFT = 3, 1e-3
 """Steps that move an event to its guard's zero, and the longest of them."""
-NONE = -1
-"""Code of no family."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +107,7 @@ def outcomes(launches: Starts, judging: Judging) -> Outcomes:
     if not rows.size:
         return found
     if launches.dry or not available() or unread(flow):
-        _singly(found, launches, rows, judging, Proofs(launches.settling, launches.law))
+        _singly(found, launches, rows, judging)
         return found
     _together(found, launches, rows, judging, flow)
     return found
@@ -138,20 +137,19 @@ def _together(
 ) -> None:
     """Run launches on lanes, twice, and decide alone those that the two runs leave open."""
     starts, p, horizon = _numbers(launches, rows, flow, judging)
-    proofs = Proofs(launches.settling, launches.law)
-    tolerance = judging.tolerance
-    first = _judged(flow, starts, p, horizon, tolerance, judging, proofs)
+    tolerance, settling = judging.tolerance, launches.settling
+    first = _judged(flow, starts, p, horizon, tolerance, judging, settling)
     alone = first.outcome == CODES[Outcome.UNRESOLVED]
     if judging.check:
         loose = min(tolerance * LOOSER, 1e-2)
         states = launches.starts[rows]
         moved = flow.pack(states * (1 + tolerance * signs(states.shape[1])))
-        second = _judged(flow, moved, p, horizon, loose, judging, proofs)
+        second = _judged(flow, moved, p, horizon, loose, judging, settling)
         same = (first.outcome == second.outcome) & (first.family == second.family)
         alone |= ~same
         first.error[:] = _differences(first, second)
     _write(found, rows, first)
-    _singly(found, launches, rows[alone], judging, proofs)
+    _singly(found, launches, rows[alone], judging)
 
 
 def _numbers(
@@ -175,11 +173,11 @@ class _Run(Outcomes):
 
 def _judged(
     flow: Flow, starts: Floats, p: Floats, horizon: Floats, tolerance: float, judging: Judging,
-    proofs: Proofs,
+    settling: Settling,
 ) -> _Run:  # fmt: skip
     """One run of launches, and what its ends mean; rare ends count as unresolved."""
     lean = _lean(flow)
-    watch = proofs.watcher(flow, p, horizon, judging.settle)
+    watch = Watcher(settling, flow, p, horizon, judging.settle)
     done = ends(lean, starts[:, : len(lean.names)], p, horizon, tolerance, judging.most, watch)
     state = starts.copy()
     state[:, : len(lean.names)] = done.state
@@ -187,10 +185,8 @@ def _judged(
     run.time[:], run.steps[:] = done.time, done.steps
     run.outcome[done.kind == FAILED] = CODES[Outcome.UNRESOLVED]
     proved = done.kind == PROVED
-    if proved.any() and watch is not None:
-        rows = np.flatnonzero(proved)
-        run.outcome[rows] = CODES[Outcome.SETTLED]
-        run.family[rows], run.member[rows], run.member_error[rows] = watch.proofs(rows)
+    run.outcome[proved] = CODES[Outcome.SETTLED]
+    run.family[:], run.member[:], run.member_error[:] = watch.family, watch.member, watch.error
     with ASKING:
         kept = np.flatnonzero(proved | (done.kind == LASTED))
         if kept.size and flow.guards:
@@ -265,9 +261,7 @@ def _write(found: Outcomes, rows: NDArray[np.intp], run: Outcomes) -> None:
         getattr(found, name)[rows] = getattr(run, name)
 
 
-def _singly(
-    found: Outcomes, launches: Starts, rows: NDArray[np.intp], judging: Judging, proofs: Proofs
-) -> None:
+def _singly(found: Outcomes, launches: Starts, rows: NDArray[np.intp], judging: Judging) -> None:
     """Decide some launches one by one, with all their neighbours."""
     if not rows.size:
         return
@@ -283,8 +277,9 @@ def _singly(
             error = doubt.time_error if timed else doubt.final_error
             found.error[row] = error if math.isfinite(error) else np.nan
         if result.outcome is Outcome.SETTLED:
-            family, member, bound = proofs.of(result.final, flow, p)
-            found.family[row], found.member[row], found.member_error[row] = family, member, bound
+            near = launches.settling.many(flow.reported(result.final)[None], p[None], math.inf)
+            found.family[row], found.member[row] = near.family[0], limits(near)[0]
+            found.member_error[row] = near.settled.error[0]
 
 
 def subset(launches: Starts, rows: NDArray[np.intp]) -> Starts:

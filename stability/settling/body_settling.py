@@ -16,7 +16,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..algebra.number_types import balls
+from ..algebra.kernels.tape import Tape, recorded
+from ..algebra.number_types import Algebra, balls
 from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT
 from ..base.errors import NoMemberError, StabilityError
@@ -30,7 +31,9 @@ from ..bodies.round_body.pole_equations import pole_system, smooth_at
 from ..systems.family import Family
 from ..systems.system import System
 from .attraction import Attraction, Surroundings, attraction
+from .kernel import Balls
 from .lines import line_surroundings
+from .many import RIGHT_ANGLE, NearestMany, nearest_many
 from .nearest import Nearest
 
 TURNING = STATES.index("phi_dot")
@@ -134,6 +137,33 @@ class Line:
         found: Floats = np.nan_to_num(values[:, 1:, 0], nan=np.inf)  # where there is no member
         return found
 
+    @property
+    def attracting(self) -> Surroundings | None:
+        """Surroundings of the family; None where no motion is proved to settle on it."""
+        # an inclination that leans is not known exactly
+        return None if self.conservative or self.level is not None else self.around
+
+    @cached_property
+    def _tape(self) -> Tape:
+        n, held = len(self.system.states), 2 + self.system.p.numel()
+
+        def parts(a: list[Any], number: Algebra) -> list[Any]:
+            rows = self.deviation.dense(number, [a[:n], a[n : n + held], a[n + held :]])
+            return [v for [v] in rows]
+
+        return recorded(parts, n + held + 1)
+
+    def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:
+        """Parameters, deviations and second arguments of the programs, launch by launch."""
+        signs = np.copysign(1.0, states[:, TURNING])
+        heights = np.array([self._level(tuple(q)) for q in p.tolist()])
+        given = np.column_stack([signs, heights, p])
+        right = np.broadcast_to(RIGHT_ANGLE, (2, len(states)))
+        mid = np.vstack([states[:, : len(self.system.states)].T, given.T, right[0]])
+        rad = np.vstack([np.zeros_like(mid[:-1]), right[1]])
+        m, r = self._tape.run(mid, rad, plain=plain)
+        return Balls(m[:1].T, r[:1].T), Balls(m[1:].T, r[1:].T), given
+
     def at(self, state: Floats) -> float:
         """The number that names the member of a state."""
         return float(state[self.system.states.index(self.own)])
@@ -191,6 +221,18 @@ class Vertical:
         off[self.pole * np.cos(states[:, 0]) <= 0] = np.inf
         return off
 
+    @property
+    def attracting(self) -> Surroundings | None:
+        """Surroundings of the family; None where no motion is proved to settle on it."""
+        return None if self.conservative else self.around
+
+    def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:  # noqa: ARG002
+        """Parameters, deviations and second arguments of the programs, launch by launch."""
+        own, off = self._chart(states)
+        off[self.pole * np.cos(states[:, 0]) <= 0] = np.inf
+        y = np.asarray(own)[:, None]
+        return Balls(y, np.zeros_like(y)), Balls(off, np.zeros_like(off)), p
+
     def at(self, state: Floats) -> float:
         """The number that names the member of a state."""
         return float(self._chart(state)[0])
@@ -246,9 +288,20 @@ class BodySettling:
         """The families, for the verdicts of their members."""
         return tuple(line.family for line in self.lines)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the families."""
+        return tuple(line.name for line in self.lines)
+
     def closest(self, state: Floats, p: Floats) -> Nearest:
         """The steady motion nearest to a state, with its states; settling is not tested."""
         return self._closest(state, p)[0]
+
+    def many(
+        self, states: Floats, p: Floats, within: float | Floats, *, plain: bool = False
+    ) -> NearestMany:
+        """The nearest family of many states, and which have settled, as `nearest_many`."""
+        return nearest_many(self.lines, states, p, within, plain=plain)
 
     def at_of(self, family: Family, state: Floats, p: Floats) -> Floats:  # noqa: ARG002
         """The number that names the nearest member of a family, shape (1,)."""

@@ -42,6 +42,11 @@ class DiskSettling:
     law: type[Contact]
     """The law."""
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the families."""
+        return tuple(family.name for family in lines_under(self.law.name))
+
     def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
         """As `nearest`."""
         return nearest(state, self.law, p, within)
@@ -57,7 +62,9 @@ class DiskSettling:
         six = [math.pi / 2 if member[n] is UPRIGHT else float(member[n]) for n in STATES]
         return Nearest(family, at, distance, False, 0.0, where, np.array(six))
 
-    def many(self, states: Floats, p: Floats, within: float, *, plain: bool = False) -> NearestMany:
+    def many(
+        self, states: Floats, p: Floats, within: float | Floats, *, plain: bool = False
+    ) -> NearestMany:
         """The nearest family of many states, and which have settled, as `nearest_many`."""
         places = [_Line(self.law, family) for family in lines_under(self.law.name)]
         return nearest_many(places, states, p, within, plain=plain)

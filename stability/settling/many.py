@@ -61,8 +61,9 @@ class NearestMany:
 
 
 def nearest_many(
-    places: Sequence[Place], states: Floats, p: Floats, within: float, *, plain: bool = False
-) -> NearestMany:
+    places: Sequence[Place], states: Floats, p: Floats, within: float | Floats, *,
+    plain: bool = False,
+) -> NearestMany:  # fmt: skip
     """The nearest family of each state, and whether its motion is proved to converge there.
 
     Parameters
@@ -72,7 +73,7 @@ def nearest_many(
     states, p
         States, shape (launches, s), taken as exact; parameters, shape (launches, ·) or (·,).
     within
-        Largest distance that counts as settled.
+        Largest distance that counts as settled, shape () or (launches,).
     plain
         Whether NumPy does the work although Numba is installed.
 

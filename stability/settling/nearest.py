@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from ..base.types import Floats
+
+if TYPE_CHECKING:
+    from .many import NearestMany
 
 
 @dataclass(frozen=True)
@@ -31,12 +34,21 @@ class Nearest:
 class Settling(Protocol):
     """Steady motions of a body or system, as a launch needs them."""
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the families."""
+        ...
+
     def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
         """The steady motion nearest to a state, and whether the state has settled on it."""
         ...
 
     def closest(self, state: Floats, p: Floats) -> Nearest:
         """The steady motion nearest to a state, with its states; settling is not tested."""
+        ...
+
+    def many(self, states: Floats, p: Floats, within: float | Floats) -> NearestMany:
+        """The nearest families of many states, shape (N, s), and which of them have settled."""
         ...
 
     def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:

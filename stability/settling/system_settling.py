@@ -36,6 +36,11 @@ class SystemSettling:
     families: tuple[Family, ...]
     """The families that the system may settle on."""
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the families."""
+        return tuple(family.name for family in self.families)
+
     def at_of(self, family: Family, state: Floats, p: Floats) -> Floats:
         """The numbers that name the nearest member of a family, shape (at,)."""
         found: Floats = at_of(family, state[None], p)[0]
@@ -92,7 +97,9 @@ class SystemSettling:
         )
         return Nearest(family.name, 0.0, distance, True, proof.reach, where, member)
 
-    def many(self, states: Floats, p: Floats, within: float, *, plain: bool = False) -> NearestMany:
+    def many(
+        self, states: Floats, p: Floats, within: float | Floats, *, plain: bool = False
+    ) -> NearestMany:
         """The nearest family of many states, and which have settled, as `nearest_many`."""
         places = [_Place(family) for family in self.families]
         return nearest_many(places, states, p, within, plain=plain)

@@ -59,8 +59,11 @@ def test_outcomes_are_those_of_the_checked_single_run(
 
 def test_a_start_without_contact_has_ended_already() -> None:
     asked = prepare(None, "viscous", ("theta", "theta_dot", "slip_x"), {}, "", (), {"mu": 3.0})
-    points = {"theta": np.array([1.5, 1.0, 1e-7, 4.0, 1.0]), "theta_dot": np.array([0.0, 3, 0, 0, 0]),
-              "slip_x": np.array([0.0, 0, 0, 0, 5.0])}  # fmt: skip
+    points = {
+        "theta": np.array([1.5, 1.0, 1e-7, 4.0, 1.0]),
+        "theta_dot": np.array([0.0, 3, 0, 0, 0]),
+        "slip_x": np.array([0.0, 0, 0, 0, 5.0]),
+    }
     found = outcomes(asked.starts(points, 1.0), Judging())
     words = [BY_CODE[c].word for c in found.outcome.tolist()]
     assert words == ["moving", "lift-off", "flat", "flat", "no-contact"]
