@@ -4,15 +4,19 @@ One run measures all routes on the same map, the baseline on some of its rows.  
 turns, since machines are shared and noisy: compare ratios of medians.  The baseline evaluates the
 AD Jacobian of its points at once and calls one batched `eigvals`: no bound, many wrong signs.
 
-Usage: python benchmarks/kernels.py [--large]
+The settling test of many launches is timed against the single test in flint's balls.
+
+Usage: python benchmarks/kernels.py [--large | --settling]
 """
 
 from __future__ import annotations
 
 import json
+import os
 import platform
 import resource
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
@@ -84,8 +88,6 @@ def maps(family: str) -> dict[str, Any]:
         grid(xs, ys)
 
     def growth() -> None:
-        import os
-
         Cells(question, axes, False).fill(os.cpu_count() or 1, None)
 
     rounds: dict[str, list[float]] = {"eigvals": [], "verdicts": [], "growth": []}
@@ -171,13 +173,77 @@ def streamed(side: int) -> dict[str, Any]:
         }  # fmt: skip
 
 
+def settling(count: int = 20_000, singles: int = 1000) -> dict[str, Any]:
+    """CPU time of a settling test, in microseconds, launches side by side in one run.
+
+    `own`: each launch has its own k and mu; `shared`: one body and friction; `far`: states at no
+    family.  flint tests some of the launches of `own`.
+    """
+    from stability.settling.disk_settling import DiskSettling, nearest
+
+    rng = np.random.default_rng(1)
+    near, own = np.zeros((count, 6)), np.column_stack([
+        rng.uniform(0.15, 0.5, count), 10 ** rng.uniform(-0.8, 0.5, count)])  # fmt: skip
+    near[:, 0], near[:, 2] = np.pi / 2, rng.uniform(2.3, 4, count)
+    off = rng.normal(size=near.shape)
+    near += off * (10 ** rng.uniform(-6, -3.2, count) / np.linalg.norm(off, axis=1))[:, None]
+    far, p, test = near + [0.3, 0, 0, 0.5, 0, 0], np.array([0.25, 0.3]), DiskSettling(st.Viscous)
+    runs = {
+        f"{word}_{'numpy' if plain else 'compiled'}":
+            lambda x=x, q=q, plain=plain: test.many(x, q, 1e-3, plain=plain)
+        for word, x, q in (("own", near, own), ("shared", near, p), ("far", far, p))
+        for plain in (False, True)
+    }  # fmt: skip
+    one = [(near[i], own[i]) for i in range(singles)]
+    runs["own_flint"] = lambda: [nearest(x, st.Viscous, q, 1e-3) for x, q in one]
+    for run in runs.values():
+        run()
+    spent: dict[str, list[float]] = {name: [] for name in runs}
+    for _ in range(REPEATS):
+        for name, run in runs.items():
+            start = time.process_time()
+            run()
+            each = singles if name == "own_flint" else count
+            spent[name].append(1e6 * (time.process_time() - start) / each)
+    return {
+        "us_per_test": {name: round(statistics.median(v), 2) for name, v in spent.items()},
+        "proved_share": {"own": float(test.many(near, own, 1e-3).settled.proved.mean()),
+                         "shared": float(test.many(near, p, 1e-3).settled.proved.mean())},
+        "first_call_s": first_calls(),
+    }  # fmt: skip
+
+
+def first_calls() -> dict[str, float]:
+    """CPU time of the first test in a process: with an empty cache, then with a full one."""
+    code = (
+        "import time, numpy as np, stability as st\n"
+        "from stability.settling.disk_settling import DiskSettling\n"
+        "start = time.process_time()\n"
+        "x = np.array([[np.pi / 2, 0, 2.5, 0, 0, 1e-5]])\n"
+        "DiskSettling(st.Viscous).many(x, np.array([0.25, 0.3]), 1e-3)\n"
+        "print(time.process_time() - start)"
+    )
+    with tempfile.TemporaryDirectory() as cache:
+        where = os.environ | {"STABILITY_CACHE_DIR": cache}
+        runs = [
+            subprocess.run([sys.executable, "-c", code], env=where, capture_output=True, check=True)
+            for _ in range(2)
+        ]
+    cold, kept = (round(float(run.stdout), 2) for run in runs)
+    return {"cold": cold, "kept": kept}
+
+
 def main() -> None:
+    if "--settling" in sys.argv[1:]:
+        print(json.dumps({"settling": settling()}), flush=True)
+        return
     large = "--large" in sys.argv[1:]
     if large:  # first, so that the peak memory is that of the stream
         print(json.dumps({"streamed": streamed(31623)}), flush=True)
     print(json.dumps({"machine": platform.machine(), "python": platform.python_version(),
                       "numpy": np.__version__}))  # fmt: skip
     print(json.dumps({"certified_query": queries()}), flush=True)
+    print(json.dumps({"settling": settling()}), flush=True)
     for family in AXES:
         result = maps(family)
         raw = result.pop("raw_seconds_per_point")

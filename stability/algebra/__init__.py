@@ -4,7 +4,7 @@
 May import `base` only.
 To add a number type: an `Algebra` in `number_types.py`, a table of functions by name; `Program.run`
 then reads every graph in this type.
-To add a kernel: `kernels/`, whose `compiled.py` compiles plain functions by Numba.
+To add a kernel: a module of plain functions, compiled by those of the folder `kernels`.
 To add an eigensolver: a function of matrices, given to `eigensolver` in `eigensolver.py`.
 """
 

@@ -95,7 +95,7 @@ class _Line:
         return surroundings(self.law, self.name)
 
     def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:
-        """Parameters, deviations and second arguments of the programs, launch by launch."""
+        """As `Place.place`."""
         sign = np.copysign(1.0, states[:, TURNING])
         right = np.broadcast_to(RIGHT_ANGLE, (2, len(states)))
         mid = np.vstack([states.T, p[:, 0], sign, right[0]])

@@ -37,7 +37,7 @@ class Place(Protocol):
         ...
 
     def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:
-        """Parameters y, deviations e and second arguments of the programs, launch by launch.
+        """Members' y, deviations e and second arguments of the programs, launch by launch.
 
         Entries are nan or infinite where the family has no member for a state.
         """

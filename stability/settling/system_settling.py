@@ -136,7 +136,7 @@ class _Place:
         return None if isinstance(found, str) else found
 
     def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:  # noqa: ARG002
-        """Parameters, deviations and second arguments of the programs, launch by launch."""
+        """As `Place.place`."""
         family, names = self.family, self.family.system.states
         known = dict(zip(names, states.T, strict=True))
         known |= dict(zip(family.system.parameters, p.T, strict=True))

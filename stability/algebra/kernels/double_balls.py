@@ -7,12 +7,12 @@ of numbers ≥ 0 with at most 10 roundings.  So (computed) UP + TINY, with UP = 
 TINY = 2⁻¹⁰⁰⁰, is no smaller than its exact value: 10 roundings cost a factor of at most 1 + 11 u,
 the factor UP and the last sum at most 1 + 3 u more, and each underflow at most 2⁻¹⁰⁷⁵.
 
-Sine and cosine: for |a| ≤ 10⁵ the quarter turns k = rint(2 a/π) are below 2¹⁶, PI1 and PI2 have 33
+Sine and cosine: for |a| ≤ 10⁵ the quarter turns k = rint(a/PI1) are below 2¹⁶, PI1 and PI2 have 33
 bits, so k PI1 and k PI2 are exact and a - k PI1 is exact by Sterbenz; two differences below 1 are
 rounded by at most 2⁻⁵⁴ each, |k (π/2 - PI1 - PI2 - PI3)| < 2⁻¹⁰⁷.  The reduced argument errs by
-less than 1.1 · 2⁻⁵³ and is at most 0.7855 in size.  There Taylor's remainders are below 1e-19 (sine
-to y¹⁷) and 3e-18 (cosine to y¹⁶), and the roundings of Horner's rule below 2⁻⁵² for both.  Together
-the error is below 2⁻⁵¹; SINE = 2⁻⁵⁰ is twice that.
+less than 1.1 · 2⁻⁵³, and its size is at most π/4 + 4e-6 < 0.7855, since PI1 is π/2 within 6.1e-11.
+There Taylor's remainders are below 1e-19 (sine to y¹⁷) and 3e-18 (cosine to y¹⁶), and the roundings
+of Horner's rule below 2⁻⁵² for both.  Together the error is below 2⁻⁵¹; SINE = 2⁻⁵⁰ is twice that.
 
 `follow` runs a tape (`stability.algebra.kernels.tape`).  The functions take rows of any length.
 """
@@ -28,7 +28,9 @@ UP = 1.0 + 2.0**-47
 TINY = 2.0**-1000
 SINE = 2.0**-50
 LARGEST = 1e5
-PI1, PI2, PI3 = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
+PI1 = float.fromhex("0x1.921fb544p+0")
+PI2 = float.fromhex("0x1.0b4611a6p-34")
+PI3 = float.fromhex("0x1.3198a2e037073p-69")
 """π/2 = PI1 + PI2 + PI3 within 2e-37; the first two have 33 bits."""
 SUM, DIFFERENCE, PRODUCT, RATIO, NEGATIVE, ROOT, SINES, SIZE = range(8)
 """Operations of a tape."""
@@ -65,7 +67,7 @@ def root(a: Any, ra: Any) -> Any:
 
 def sines(a: Any, ra: Any) -> Any:
     """Sine and cosine of a ball: |sin x - sin a| ≤ ra |cos a| + ra²/2, and so for the cosine."""
-    k = np.rint(a * 0.6366197723675814)
+    k = np.rint(a / PI1)
     y = ((a - k * PI1) - k * PI2) - k * PI3
     z = y * y
     s = z * (1.0 / 355687428096000.0) - 1.0 / 1307674368000.0
