@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import socket
 from collections.abc import Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -17,6 +18,8 @@ WORDS = ("threads", "processes", "dask", "local")
 """Engines on this machine; the last two are one: a scheduler and its workers."""
 PATIENCE = 10.0
 """Time in which a scheduler must answer [s]."""
+SCHEMES = ("tcp", "tls", "ws", "wss")
+"""Beginnings of an address that a socket can be tried at first: a client tells late and twice."""
 SHORT = 80
 
 
@@ -108,8 +111,13 @@ def _cluster(workers: int) -> Iterator[Any]:
 def _client(address: str) -> Iterator[Any]:
     distributed = _library()
     try:
+        scheme, _, place = address.partition("://")
+        host, _, port = place.rpartition(":")
+        if scheme not in SCHEMES or not port.isdigit():
+            raise ValueError(f"an address is {', '.join(SCHEMES)}, then ://host:port")
+        socket.create_connection((host.strip("[]"), int(port)), PATIENCE).close()
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError, RuntimeError, ImportError) as error:
+    except (OSError, ValueError, OverflowError, RuntimeError, ImportError) as error:
         why = one_line(str(error), SHORT).rstrip(".")
         raise StabilityError(
             f"the scheduler {one_line(address, SHORT)} does not answer ({why}); start it by `dask "

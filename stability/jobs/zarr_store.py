@@ -334,9 +334,14 @@ def _skeleton(
             "a Zarr store needs the package zarr; `pip install stability[scale]`, or give a "
             "NetCDF file."
         ) from None
-    memory = MemoryStore()
-    frame = xarray.Dataset(coords=dict(coords)).map(_storable, keep_attrs=True)
-    frame = frame.assign_coords({n: _storable(c) for n, c in frame.coords.items()})
+    files: dict[str, Any] = {}
+    memory = MemoryStore(files)
+    frame = xarray.Dataset(coords=dict(coords))
+    texts = [name for name, values in frame.coords.items() if values.dtype.kind in "UO"]
+    # of variable length, since Zarr specifies no others
+    frame = frame.assign_coords(
+        {n: frame[n].astype(np.dtypes.StringDType(), keep_attrs=True) for n in texts}
+    )
     frame.attrs = json.loads(_json(dict(attrs)))
     frame.attrs |= {QUESTION: _json(dict(asked)), PRINT: _fingerprint(asked)}
     chunks = {n: {"chunks": tuple(min(s, LARGEST) for s in c.shape)} for n, c in
@@ -347,24 +352,25 @@ def _skeleton(
         frame.to_zarr(memory, zarr_format=3, consolidated=False, encoding=chunks)
         group = zarr.open_group(memory, mode="r+", zarr_format=3)
         for variable in variables:
-            lengths = tuple(n for _, n in variable.more)
-            dims = (*layout.dims, *(n for n, _ in variable.more))
-            near = sorted(str(n) for n, c in frame.coords.items()
-                          if n not in frame.dims and set(c.dims) <= set(dims))  # fmt: skip
             group.create_array(
-                variable.name, shape=(*layout.shape, *lengths), chunks=(*layout.chunk, *lengths),
-                dtype=_little(variable), fill_value=variable.fill, dimension_names=dims,
-                attributes=json.loads(_json(dict(variable.attrs)))
-                | ({"coordinates": " ".join(near)} if near else {}),
-                filters=None, compressors=ZstdCodec(level=LEVEL, checksum=True),
-                chunk_key_encoding={"name": "default", "separator": "."},
+                **_array(layout, variable, frame), filters=None,
+                compressors=ZstdCodec(level=LEVEL, checksum=True),
             )  # fmt: skip
         zarr.consolidate_metadata(memory)
-    return {name: value.to_bytes() for name, value in sorted(memory._store_dict.items())}
+    return {name: value.to_bytes() for name, value in sorted(files.items())}
 
 
-def _storable(values: xarray.DataArray) -> xarray.DataArray:
-    """Texts as those of variable length, which Zarr specifies."""
-    if values.dtype.kind not in "UO":
-        return values
-    return values.astype(np.dtypes.StringDType())
+def _array(layout: Layout, variable: Variable, frame: xarray.Dataset) -> dict[str, Any]:
+    """Metadata of an array, with the coordinates that lie on its axes."""
+    lengths = tuple(n for _, n in variable.more)
+    dims = (*layout.dims, *(n for n, _ in variable.more))
+    near = sorted(str(name) for name, values in frame.coords.items()
+                  if name not in frame.dims and set(values.dims) <= set(dims))  # fmt: skip
+    attributes = json.loads(_json(dict(variable.attrs)))
+    return {
+        "name": variable.name, "dtype": _little(variable), "fill_value": variable.fill,
+        "shape": (*layout.shape, *lengths), "chunks": (*layout.chunk, *lengths),
+        "attributes": attributes | ({"coordinates": " ".join(near)} if near else {}),
+        "dimension_names": dims,
+        "chunk_key_encoding": {"name": "default", "separator": "."},
+    }  # fmt: skip
