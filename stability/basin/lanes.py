@@ -25,8 +25,8 @@ from ..integrators.taylor import FINEST, PIECES, expressions
 
 STRIDE = 64
 """Steps of a lane between two looks of the watcher."""
-TURNS = 16
-"""Batches of one thread that move by turns."""
+TURNS = 64
+"""Most batches of one thread that move by turns."""
 RUNNING, LASTED, EVENT, PROVED, FAILED = range(5)
 """How a launch stands: it runs, it lasted to its last time, a guard's product reached zero, its
 outcome is proved, or the integrator gave up."""
@@ -110,9 +110,8 @@ class _Run:
             batch.pars[:] = self.p[0, : len(batch.pars), None]
             batch.set_time(0.0)
             self._refill(at, range(self.width))
-        while (self.lanes >= 0).any():
-            stopped = [self._move(at) for at in range(len(self.batches))]
-            self._look(stopped)
+        while (used := np.flatnonzero((self.lanes >= 0).any(axis=1))).size:
+            self._look(used, np.stack([self._move(at) for at in used.tolist()]))
 
     def _refill(self, at: int, free: Any) -> None:
         batch = self.batches[at]
@@ -139,8 +138,6 @@ class _Run:
         carried, batch = self.lanes[at], self.batches[at]
         used = carried >= 0
         stand = np.full(self.width, RUNNING, dtype=np.int8)
-        if not used.any():
-            return stand
         last = np.where(used, self.horizon[carried], batch.time)
         batch.propagate_until(
             last, max_steps=STRIDE, max_delta_t=np.where(used, self.longest[carried], np.inf)
@@ -155,14 +152,12 @@ class _Run:
         stand[used & (stand == RUNNING) & there] = LASTED
         return stand
 
-    def _look(self, stopped: list[NDArray[np.int8]]) -> None:
+    def _look(self, used: NDArray[np.intp], stand: NDArray[np.int8]) -> None:
         """Show the states to the watcher, write what has ended, and refill the lanes."""
-        states = np.stack([b.state for b in self.batches])  # (batches, n, lanes)
-        times = np.stack([b.time for b in self.batches])
-        stand = np.stack(stopped)
+        states = np.stack([self.batches[at].state for at in used])  # (batches, n, lanes)
+        times, carried = np.stack([self.batches[at].time for at in used]), self.lanes[used]
         with np.errstate(invalid="ignore"):
             wild = ~(np.isfinite(states).all(axis=1) & np.isfinite(times))
-        carried = self.lanes
         stand[(carried >= 0) & wild] = FAILED
         going = (carried >= 0) & (stand == RUNNING)
         spent = going & (self.found.steps[carried] >= self.most)
@@ -179,7 +174,30 @@ class _Run:
         self.found.time[mine] = times[ended]
         self.found.state[mine] = states[ended[0], :, ended[1]]
         for at in np.unique(ended[0]):
-            self._refill(int(at), ended[1][ended[0] == at])
+            self._refill(int(used[at]), ended[1][ended[0] == at])
+        if self.next >= len(self.p):
+            self._close_up()
+
+    def _close_up(self) -> None:
+        """Move the last launches together: a batch costs the same for one lane as for all."""
+        for at in np.flatnonzero((self.lanes >= 0).any(axis=1))[::-1]:
+            free = np.argwhere((self.lanes < 0) & (np.arange(len(self.lanes)) < at)[:, None])
+            mine = np.flatnonzero(self.lanes[at] >= 0)
+            if len(free) < len(mine):
+                return
+            for lane, (to, place) in zip(mine, free.tolist(), strict=False):
+                self._carry(int(at), int(lane), to, place)
+
+    def _carry(self, at: int, lane: int, to: int, place: int) -> None:
+        """Move a launch to a free lane of another batch."""
+        old, new = self.batches[at], self.batches[to]
+        new.state[:, place], new.pars[:, place] = old.state[:, lane], old.pars[:, lane]
+        high, low = (np.array(part) for part in new.dtime)
+        high[place], low[place] = (part[lane] for part in old.dtime)
+        new.set_dtime(high, low)
+        if new.with_events:
+            new.reset_cooldowns(place)
+        self.lanes[to, place], self.lanes[at, lane] = self.lanes[at, lane], -1
 
 
 @lru_cache(maxsize=1)

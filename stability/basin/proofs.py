@@ -10,8 +10,6 @@ from ..integrators.flow import Flow
 from ..settling.many import NearestMany
 from ..settling.nearest import Settling
 
-AGAIN = 0.6
-"""A proof that failed is tried again where the distance has fallen to this part."""
 NONE = -1
 """Number of no family."""
 
@@ -50,7 +48,8 @@ class Watcher:
         limit = np.where(times < self.horizon[rows], self.limit[rows], self.within)
         found = self.settling.many(self.flow.reported(full), self.p[rows], limit)
         proved = found.settled.proved
-        self.limit[rows[found.distance <= limit]] = AGAIN * found.distance[found.distance <= limit]
+        tried = found.distance <= limit
+        self.limit[rows[tried]] = (found.settled.nearer * found.distance)[tried]
         mine = rows[proved]
         self.family[mine], self.error[mine] = found.family[proved], found.settled.error[proved]
         self.member[mine] = limits(found)[proved]

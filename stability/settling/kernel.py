@@ -33,6 +33,9 @@ STEP = 2.0**-12
 """Spacing of the members whose bases launches share."""
 APART = 0.05
 """Largest part of the slowest rate that a shared basis may cost a launch."""
+NEARER, MARGIN, LEAST = 0.6, 0.8, 0.05
+"""Part of the distance where the next proof may succeed: without an estimate, over the estimate,
+and at least."""
 SPARE = 2.0**-46
 """Half-width of the first box along the family, over the size of its centre: above rounding."""
 
@@ -60,6 +63,8 @@ class Settled:
     """Least rate at which the deviation falls, in the norm of the basis."""
     reach: Floats
     """Half the diagonal of the box across the family."""
+    nearer: Floats
+    """Part of its distance at which a launch that is not proved may be, an estimate in (0, 1)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,16 +146,16 @@ def settled_many(
     made, count, n = tapes(around), len(given), around.along
     found = Settled(
         np.zeros(count, bool), np.full((count, n), np.nan),
-        *(np.full(count, np.nan) for _ in range(3)),
+        *(np.full(count, np.nan) for _ in range(3)), np.full(count, NEARER),
     )  # fmt: skip
     test = _Test(around, made, y, given, e, found, plain)
     with np.errstate(all="ignore"):  # nan is never proved
         some, centre, slow, a = test.centres()
-        good, z, x = test.bases(some, centre, a)
+        good, z, x, rate = test.bases(some, centre, a)
         some, centre, slow = some[good], centre[good], slow[good]
         for low in range(0, len(some), LANES):
             part = slice(low, low + LANES)
-            test.boxes(some[part], centre[part], slow[part], z[part], x[part])
+            test.boxes(some[part], centre[part], slow[part], z[part], x[part], rate[part])
     return found
 
 
@@ -188,8 +193,8 @@ class _Test:
         good = np.isfinite(a).all((1, 2)) & np.isfinite(centre).all(1)
         return some[good], centre[good], slow[good], a[good]
 
-    def bases(self, some: Any, centre: Floats, a: Floats) -> tuple[Any, Floats, Floats]:
-        """Whether each launch is near a stable member, and Z and X of those that are.
+    def bases(self, some: Any, centre: Floats, a: Floats) -> tuple[Any, Floats, Floats, Floats]:
+        """Whether each launch is near a stable member; Z, X and slowest rate of those that are.
 
         Launches with the same parameters share the bases of members on a grid.
         """
@@ -205,9 +210,11 @@ class _Test:
             off = z @ (own - a[rows]) @ x
             poor = ~(np.square(off).sum((1, 2)) < np.square(APART * rate))
             stable[poor], z[poor], x[poor], _ = _modal(own[poor])
-        return stable, z[stable], x[stable]
+        return stable, z[stable], x[stable], rate[stable]
 
-    def boxes(self, some: Any, centre: Floats, slow: Floats, z: Floats, x: Floats) -> None:
+    def boxes(
+        self, some: Any, centre: Floats, slow: Floats, z: Floats, x: Floats, rate: Floats
+    ) -> None:
         """Widen the boxes of launches until each is proved or given up."""
         kernel, made, m = compiled(*KERNELS, plain=self.plain), self.made, self.around.across
         c, ell, z, x = (_lanes(v) for v in (centre, slow, z, x))
@@ -220,13 +227,16 @@ class _Test:
             r = (r + ROOM * rho / slowest) * UP + 2.0**-64
         across, sideways = rows * r * UP, turned * r * UP
         delta = 2 * (eta + sideways) + SPARE * (1 + np.abs(c))
-        for _ in range(TURNS):
+        for turn in range(TURNS):
             mid, rad = np.zeros((2, made.box.inputs, len(some)))
             mid[: len(c)], mid[len(c) : -m], rad[: len(c)], rad[-m:] = c, given, delta, across
             mid, rad = made.box.run(mid, rad, plain=self.plain)
             cut = (len(c) + m) * m
             j, rj = (v[:cut].reshape(-1, m, len(some)) for v in (mid, rad))
             beta, error = kernel.turn(z, x, ell, j, rj, f, kappa, r, eta)
+            if not turn:  # the rate of a box falls in proportion to its size, about
+                share = MARGIN * rate / (rate - beta)
+                self.found.nearer[some] = np.where(beta < 0, np.maximum(share, LEAST), NEARER)
             fine = (mid[cut:] > rad[cut:]).all(0) & (beta > 0) & (beta * r > rho * UP)
             needed = (error + sideways) * UP
             done = fine & (needed <= delta).all(0)

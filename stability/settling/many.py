@@ -17,7 +17,7 @@ from ..algebra.kernels.double_balls import U
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from .attraction import Surroundings, attraction
-from .kernel import Balls, Settled, settled_many
+from .kernel import NEARER, Balls, Settled, settled_many
 
 RIGHT_ANGLE = Balls(np.array([np.pi / 2]), np.array([U]))
 """π/2."""
@@ -103,7 +103,7 @@ def nearest_many(
         part = [Balls(v.mid[some], v.rad[some]) for v in (y, e)]
         found = _settled(around, part[0], given[some], part[1], plain=plain)
         whole.limit[some, :n] = found.limit
-        for name in ("proved", "error", "rate", "reach"):
+        for name in ("proved", "error", "rate", "reach", "nearer"):
             getattr(whole, name)[some] = getattr(found, name)
     return NearestMany(tuple(one.name for one in places), family, at, distance, whole)
 
@@ -111,7 +111,8 @@ def nearest_many(
 def _nothing(count: int, n: int) -> Settled:
     """No launch is proved."""
     rest = (np.full(count, np.nan) for _ in range(3))
-    return Settled(np.zeros(count, bool), np.full((count, n), np.nan), *rest)
+    limit = np.full((count, n), np.nan)
+    return Settled(np.zeros(count, bool), limit, *rest, np.full(count, NEARER))
 
 
 def _settled(around: Surroundings, y: Balls, given: Floats, e: Balls, *, plain: bool) -> Settled:
