@@ -67,6 +67,23 @@ class Settled:
     """Part of its distance at which a launch that is not proved may be, an estimate in (0, 1)."""
 
 
+def nothing(count: int, n: int) -> Settled:
+    """Proofs of no launch.
+
+    Parameters
+    ----------
+    count
+        Number of launches.
+    n
+        Parameters of a member.
+    """
+    blank = np.full((3, count), np.nan)
+    return Settled(
+        np.zeros(count, bool), np.full((count, n), np.nan), blank[0], blank[1], blank[2],
+        np.full(count, NEARER),
+    )  # fmt: skip
+
+
 @dataclass(frozen=True, eq=False)
 class Tapes:
     """Surroundings of a family as tapes."""
@@ -144,10 +161,7 @@ def settled_many(
     array([ True, False])
     """
     made, count, n = tapes(around), len(given), around.along
-    found = Settled(
-        np.zeros(count, bool), np.full((count, n), np.nan),
-        *(np.full(count, np.nan) for _ in range(3)), np.full(count, NEARER),
-    )  # fmt: skip
+    found = nothing(count, n)
     test = _Test(around, made, y, given, e, found, plain)
     with np.errstate(all="ignore"):  # nan is never proved
         some, centre, slow, a = test.centres()

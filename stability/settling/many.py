@@ -17,7 +17,7 @@ from ..algebra.kernels.double_balls import U
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from .attraction import Surroundings, attraction
-from .kernel import NEARER, Balls, Settled, settled_many
+from .kernel import Balls, Settled, nothing, settled_many
 
 RIGHT_ANGLE = Balls(np.array([np.pi / 2]), np.array([U]))
 """π/2."""
@@ -92,7 +92,7 @@ def nearest_many(
     family = np.where(np.isfinite(distance), best, -1)
     most = max((y.mid.shape[1] for y, _, _ in placed), default=0)
     at = np.full((count, most), np.nan)
-    whole = _nothing(count, most)
+    whole = nothing(count, most)
     for i, (one, (y, e, given)) in enumerate(zip(places, placed, strict=True)):
         here, n = family == i, y.mid.shape[1]
         at[here, :n] = y.mid[here]
@@ -108,13 +108,6 @@ def nearest_many(
     return NearestMany(tuple(one.name for one in places), family, at, distance, whole)
 
 
-def _nothing(count: int, n: int) -> Settled:
-    """No launch is proved."""
-    rest = (np.full(count, np.nan) for _ in range(3))
-    limit = np.full((count, n), np.nan)
-    return Settled(np.zeros(count, bool), limit, *rest, np.full(count, NEARER))
-
-
 def _settled(around: Surroundings, y: Balls, given: Floats, e: Balls, *, plain: bool) -> Settled:
     """By the kernel; one by one in balls where the graph has a function without a kernel."""
     try:
@@ -122,7 +115,7 @@ def _settled(around: Surroundings, y: Balls, given: Floats, e: Balls, *, plain: 
     except StabilityError:
         from flint import arb
 
-    found = _nothing(len(given), around.along)
+    found = nothing(len(given), around.along)
     exact = [[[arb(*v) for v in zip(*row, strict=True)] for row in zip(*b, strict=True)]
              for b in (y, e)]  # fmt: skip
     for i, (own, off) in enumerate(zip(*exact, strict=True)):
