@@ -148,8 +148,8 @@ def retrograde_caption(dataset: xarray.Dataset) -> str:
         f"to θ = {dataset.attrs['end']:g} rad. The mean path of the centre turns at φ̇ - Ω, so it "
         "turns back where the ratio exceeds 1 (vermilion, hatched). Colours: start at "
         f"θ = {angle:g}°, {_plain(speed)}; black: edges for {len(ratio)} starts. First order in "
-        f"the coefficients, {ratio.shape[1]} × {ratio.shape[2]} points. From the first start, {'; '.join(said)}."
-        f"{missing}"
+        f"the coefficients, {ratio.shape[1]} × {ratio.shape[2]} points. From the first start, "
+        f"{'; '.join(said)}.{missing}"
     )
 
 
