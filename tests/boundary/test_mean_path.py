@@ -2,9 +2,11 @@
 
 import math
 
+import casadi as ca
 import numpy as np
 import pytest
 from ring_motion import Ring
+from scipy.integrate import solve_ivp
 
 import stability as st
 from stability.boundary.beyond_linear.mean_path import _Circling, retrograde_map, thin_ring
@@ -102,3 +104,34 @@ def test_the_map_does_not_depend_on_its_steps(monkeypatch: pytest.MonkeyPatch) -
 def test_what_is_no_map_is_refused(given: dict, words: str) -> None:  # type: ignore[type-arg]
     with pytest.raises(st.StabilityError, match=words):
         retrograde_map(**given)
+
+
+@pytest.mark.parametrize(("mu", "backward"), [(100.0, False), (300.0, True)])
+def test_slip_hides_the_turn_of_a_hoop(mu: float, backward: bool) -> None:
+    """With viscous friction the nutation dies out, unless the slip is far below the resistance."""
+    body = thin_ring(1.0)
+    flow = st.slow_flow("tumbling", body=body, contact=st.Viscous(mu),
+                        resistance=st.RollingResistance(0.01))  # fmt: skip
+    system = flow.disturbed
+    p = [(flow.numbers | {"rho": 0.01})[n] for n in system.parameters]
+    rates = ca.Function("rates", [system.x, system.p], [system.rhs])
+    theta = math.radians(80)
+    start = [theta, 0.3, 1 / math.sqrt(0.5 * math.sin(theta)), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+
+    def along(_: float, y: np.ndarray) -> np.ndarray:
+        speed = y[4] + math.sin(y[0]) * y[1] + 1j * (y[5] - y[3])
+        speed *= np.exp(1j * y[6])
+        return np.concatenate([np.array(rates(y[:6], p)).ravel(), [y[2], speed.real, speed.imag]])
+
+    def highest(_: float, y: np.ndarray) -> float:
+        return float(y[1])
+
+    def low(_: float, y: np.ndarray) -> float:
+        return float(y[0] - 0.12)
+
+    highest.direction, low.terminal = -1, True  # type: ignore[attr-defined]
+    path = solve_ivp(along, (0, 600), start, "LSODA", events=[highest, low], rtol=1e-8, atol=1e-10)
+    assert path.status == 1
+    shift = np.diff(path.y_events[0][:, 7] + 1j * path.y_events[0][:, 8])
+    mean = np.convolve(np.angle(shift[1:] / shift[:-1]), np.ones(5) / 5, "valid")
+    assert (mean.min() < -0.05) == backward
