@@ -18,9 +18,10 @@ report: $(READY)
 notebooks: .venv/.jupyter
 	$(BIN)/jupyter lab notebooks
 
-# Every notebook run from NAME.py, and kept with its output and pictures as NAME.ipynb.
+# Every notebook run from NAME.py, and kept with its output and pictures as NAME.ipynb; the films of the docs.
 pictures: .venv/.jupyter
 	$(BIN)/python docs/notebooks.py
+	$(BIN)/python docs/films.py
 
 .venv/.jupyter: $(READY)
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[notebook]'

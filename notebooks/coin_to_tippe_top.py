@@ -76,6 +76,27 @@ figure = st.plot_map(chart, width=3.39)
 figure
 
 # %% [markdown]
+# ## A ring that turns back
+#
+# A ring that is spun on a table turns its path back before it lies flat; a coin does not.  The mean
+# path of the centre turns at $\dot\varphi - \Omega$, with the nutation frequency $\Omega$: it turns
+# back where $\Omega > \dot\varphi$.  Resistance moves the ring along its circling motions, and the
+# map follows it for every inner radius and every mixture of rolling resistance and air torque.
+# Rolling resistance alone tells rings from coins.  Air torque turns the coin back too.
+#
+# ![A ring of inner radius 0.97 R under rolling resistance](../docs/films/ring.gif)
+
+# %%
+rings = st.retrograde_map(np.linspace(0, 1, 17), np.linspace(0, 1, 17))
+first = rings.largest_ratio.isel(start=0)
+rolling, air = first.isel(share=0), first.isel(share=-1)
+edge = float(np.interp(1.0, rolling, rings.inner))
+print(f"rolling resistance alone: rings with an inner radius above {edge:.2f} R turn back")
+print(f"air alone: {int((air > 1).sum())} of {air.size} turn back, the coin among them")
+assert 0.77 < edge < 0.79 and bool((air > 1).all())
+st.plot_retrograde(rings)
+
+# %% [markdown]
 # ## An egg that rises
 #
 # A prolate spheroid that lies on its side and turns fast is unstable.  With friction it rises on
@@ -124,7 +145,10 @@ axes[1].set_xlabel(r"time [$\sqrt{R/g}$]")
 plt.show()
 
 # %% [markdown]
-# Energy only falls on the way.
+# ![The tippe top as a film](../docs/films/tippe-top.gif)
+#
+# `st.animate(run, "top.html", body=top)` writes a page to turn and play, for a run with `pose=True`
+# and close times.  Energy only falls on the way.
 
 # %%
 energy = turning.energy.values

@@ -56,6 +56,7 @@ _HOME = {
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
     "boundary.beyond_linear.slow_flow": ("slow_flow", "SlowFlow"),
+    "boundary.beyond_linear.mean_path": ("retrograde_map",),
     "boundary.beyond_linear.records": ("CycleBirth", "Onset"),
     "boundary.beyond_linear.two_parameters.points": ("codimension_two",),
     "boundary.beyond_linear.two_parameters.point_records": (
@@ -67,6 +68,7 @@ _HOME = {
     "bodies.thin_disk.launch": ("launch",),
     "figures.launch.animate": ("animate",),
     "figures.diagram": ("plot_map",),
+    "figures.retrograde": ("plot_retrograde",),
     "figures.locus.loci": ("plot_locus",),
     "figures.launch.motion": ("plot_motion",),
     "motion.result": ("Outcome",),
@@ -130,6 +132,7 @@ if TYPE_CHECKING:
     from .bodies.thin_disk.disk_families import disk_family as disk_family
     from .bodies.thin_disk.disk_polynomials import exact_polynomial as exact_polynomial
     from .bodies.thin_disk.launch import launch as launch
+    from .boundary.beyond_linear.mean_path import retrograde_map as retrograde_map
     from .boundary.beyond_linear.records import CycleBirth as CycleBirth
     from .boundary.beyond_linear.records import Onset as Onset
     from .boundary.beyond_linear.slow_flow import SlowFlow as SlowFlow
@@ -159,6 +162,7 @@ if TYPE_CHECKING:
     from .figures.launch.animate import animate as animate
     from .figures.launch.motion import plot_motion as plot_motion
     from .figures.locus.loci import plot_locus as plot_locus
+    from .figures.retrograde import plot_retrograde as plot_retrograde
     from .maps.netcdf import read_map as read_map
     from .maps.netcdf import write_map as write_map
     from .maps.stability_map import stability_map as stability_map

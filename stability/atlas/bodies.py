@@ -17,15 +17,15 @@ from contextlib import closing, suppress
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from ..base.checks import whole_number
 from ..base.errors import FileError, NoMemberError
 from ..base.version import __version__
 from ..bodies.contact_laws import Viscous
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.families import tumbling_ranges
+from ..bodies.round_body.families import FAMILIES, tumbling_ranges
 from ..bodies.round_body.shapes.named import EccentricSphere, Spheroid, ThickDisk, Torus
-from ..bodies.thin_disk.disk_families import FAMILIES
 from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered, resumable
 from ..maps.stability_map import stability_map
@@ -40,8 +40,12 @@ MU = 0.3
 """Friction coefficient mu* of the diagrams over a number of the shape."""
 CLOSE = 0.03
 """Distance of a diagram of tumbling from flat and from upright [rad]."""
+VERTICAL = (0.05, 8.0)
+"""Interval of the angular velocity of vertical spin [√(g/R)]."""
+POLES = {"vertical": 0, "vertical-pi": "pi"}
+"""Which end is up in vertical spin, by the name of the diagrams."""
 _Key = tuple[str, str, str]
-"""A figure: key of the body, family, name of the upper axis."""
+"""A figure: key of the body, name of the diagrams, name of the upper axis."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,8 @@ class Shown:
     """Its interval in the other diagrams."""
     profile: str
     """What the number is, in words."""
+    ends: tuple[str, ...] = ()
+    """Words for vertical spin on either end, of a body whose ends differ."""
 
 
 BODIES: dict[str, Shown] = {
@@ -69,7 +75,8 @@ BODIES: dict[str, Shown] = {
                      "over R, the radius of the equator; solid, of uniform density"),
     "eccentric": Shown("eccentric sphere", EccentricSphere, 0.2, (0.02, 0.9), "distance e of the "
                        "centre of mass from the centre, over the radius R; a uniform ball with a "
-                       "point of mass on its surface"),
+                       "point of mass on its surface",
+                       ("centre of mass below", "centre of mass above")),
     "thick": Shown("thick disk", ThickDisk, 0.3, (0.05, 1.5), "thickness t over the radius R; a "
                    "uniform cylinder that rolls on the rim of its lower face"),
 }  # fmt: skip
@@ -133,17 +140,32 @@ def _jobs() -> tuple[list[_Key], dict[tuple[str, str], str]]:
     absent = {}
     for key, shown in BODIES.items():
         body = shown.make(shown.number)
-        for family in drawn():
+        for name in _names(shown):
+            family, pole = _family(name)
             try:
-                body.family(family, Viscous)
+                body.family(family, Viscous, pole=pole)
             except NoMemberError as error:
-                absent[key, family] = f"No {family}: {error}"
+                absent[key, name] = f"No {_spoken(family)}: {error}"
                 continue
             if family == "tumbling" and not tumbling_ranges(body):
-                absent[key, family] = f"No tumbling: at no inclination is the {shown.name} steady."
+                absent[key, name] = f"No tumbling: at no inclination is the {shown.name} steady."
                 continue
-            jobs += [(key, family, axis) for axis in ("mu", *body.shape)]
+            jobs += [(key, name, axis) for axis in ("mu", *body.shape)]
     return jobs, absent
+
+
+def _names(shown: Shown) -> list[str]:
+    """Names of a body's diagrams: its families, vertical spin on both ends where these differ."""
+    return [*drawn(), *list(POLES)[: max(1, len(shown.ends))]]
+
+
+def _family(name: str) -> tuple[str, Any]:
+    """The family of a diagram, and the pole of vertical spin."""
+    return ("vertical", POLES[name]) if name in POLES else (name, None)
+
+
+def _spoken(family: str) -> str:
+    return "vertical spin" if family == "vertical" else family
 
 
 class _Figures:
@@ -194,7 +216,7 @@ class _Figures:
 
 def _range(family: str, body: Body) -> tuple[float, float]:
     """The interval of `at` of a diagram."""
-    low, high = drawn()[family]
+    low, high = VERTICAL if family == "vertical" else drawn()[family]
     if family != "tumbling":
         return low, high
     ranges = tumbling_ranges(body)
@@ -203,27 +225,32 @@ def _range(family: str, body: Body) -> tuple[float, float]:
     return ranges[0][0] + CLOSE, high - CLOSE
 
 
-def _job(key: str, family: str, axis: str, folder: str, resolution: int) -> Picture:
+def _job(key: str, name: str, axis: str, folder: str, resolution: int) -> Picture:
     """The diagram of a family over its member and an axis."""
     from ..figures.canvas import save
     from ..figures.diagram import plot_map
     from ..maps.netcdf import write_map
 
-    shown = BODIES[key]
-    body, stem = shown.make(shown.number), f"{family}-{key}-{axis}"
-    [name] = body.shape
+    shown, (family, pole) = BODIES[key], _family(name)
+    body, stem = shown.make(shown.number), f"{name}-{key}-{axis}"
+    [number] = body.shape
     rows = 3 * resolution // 4
     y = ("mu", *FRICTION, rows, "log") if axis == "mu" else (axis, *shown.range, rows)
     contact = "viscous" if axis == "mu" else Viscous(MU)
     x = (FAMILIES[family].at[0], *_range(family, body), resolution)
-    dataset = stability_map(family, x=x, y=y, body=body, contact=contact, workers=1)
+    given = {} if pole is None else {"pole": pole}
+    dataset = stability_map(family, x=x, y=y, body=body, contact=contact, workers=1, **given)
     target = Path(folder)
     write_map(dataset, target / f"{stem}.nc", overwrite=True)
-    save(plot_map(dataset, title=f"{family}: {shown.name}"), target / stem)
-    fixed = f"{name} = {shown.number:g}" if axis == "mu" else f"μ = {MU:g} /√(gR)"
-    caption = _diagram_caption(family, shown.name, fixed, dataset, [], [])
+    end = shown.ends[list(POLES).index(name)] if name in POLES and shown.ends else ""
+    spoken = _spoken(family)
+    title = f"{spoken}: {shown.name}" + (f",\n{end}" if end else "")
+    save(plot_map(dataset, title=title), target / stem)
+    fixed = f"{number} = {shown.number:g}" if axis == "mu" else f"μ = {MU:g} /√(gR)"
+    said = f"{end}, {fixed}" if end else fixed
+    caption = _diagram_caption(spoken, shown.name, said, dataset, [], [])
     over = "friction" if axis == "mu" else axis
-    return Picture(stem, caption, f"Stability diagram of {family} of the {shown.name} over {over}")
+    return Picture(stem, caption, f"Stability diagram of {spoken} of the {shown.name} over {over}")
 
 
 # --- page ---
@@ -252,7 +279,7 @@ def _page(
             f"<p>{name.capitalize()}: {shown.profile}. At {name} = {shown.number:g} the moments of "
             f"inertia are {axial:.4g} (about the axis) and {transverse:.4g} (across it) mR².</p>",
         ]
-        for family in drawn():
+        for family in _names(shown):
             if (key, family) in absent:
                 parts.append(f"<p>{html.escape(absent[key, family])}</p>")
                 continue

@@ -14,7 +14,9 @@ from stability.cli import main
 
 KEYS = ("eccentric", "thick")
 STEMS = {
-    "tumbling-eccentric-mu", "tumbling-eccentric-offset", "rolling-thick-mu",
+    "vertical-eccentric-mu", "vertical-eccentric-offset", "vertical-pi-eccentric-mu",
+    "vertical-pi-eccentric-offset", "tumbling-eccentric-mu", "tumbling-eccentric-offset",
+    "rolling-thick-mu",
     "rolling-thick-thickness", "tumbling-thick-mu", "tumbling-thick-thickness",
 }  # fmt: skip
 
@@ -29,7 +31,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             out, resolution=12, workers=1, progress=lambda *pair: told.append(pair)
         )
     assert page == out / "index.html"
-    assert (told[0], told[-1]) == ((0, 6), (6, 6))
+    assert (told[0], told[-1]) == ((0, 10), (10, 10))
     return out
 
 
@@ -47,6 +49,7 @@ def test_the_page_says_what_was_computed_and_what_does_not_exist(folder: Path) -
     assert "No spinning: eccentric sphere has no spinning" in page
     assert "No spinning: thick disk has no spinning" in page
     assert "the moments of inertia are 0.32 (about the axis) and 0.48 (across it)" in page
+    assert "No vertical spin: thick disk is not smooth at theta = 0" in page
     captions = re.findall(r"<figcaption>(.*?)</figcaption>", page, re.DOTALL)
     assert len(captions) == len(STEMS)
     assert "Tumbling of the eccentric sphere (offset = 0.2) under viscous friction" in captions[0]
@@ -56,7 +59,8 @@ def test_the_page_says_what_was_computed_and_what_does_not_exist(folder: Path) -
         stem = path.stem
         [caption] = [c for c in captions if f'href="{stem}.nc"' in c]
         assert (f"{blank} without a member, left blank" in caption) == (blank > 0)
-        assert f"{int((found.verdict == 1).sum())} stable" in caption
+        stable = int((found.verdict == 1).sum())
+        assert (f"{stable} stable" in caption) == (stable > 0)
 
 
 def test_its_numbers_are_those_of_single_spectra(folder: Path) -> None:
@@ -66,6 +70,21 @@ def test_its_numbers_are_those_of_single_spectra(folder: Path) -> None:
         one = st.spectrum("rolling", at=float(found.omega3[i]), body=body, contact=st.Viscous(MU))
         assert found.verdict.values[j, i] == one.verdict.code
         assert found.abscissa.values[j, i] == pytest.approx(one.abscissa, rel=1e-9)
+
+
+def test_vertical_spin_changes_at_the_tippe_tops_limit_on_each_end(folder: Path) -> None:
+    """ω² = e(1 ∓ e)²/(±(A - C(1 ∓ e))) upright and inverted, for every mu (Ebenfeld & Scheck)."""
+    axial, across, e = 0.32, 0.48, 0.2
+    for stem, end in (("vertical-eccentric-mu", 1), ("vertical-pi-eccentric-mu", -1)):
+        found = st.read_map(folder / f"{stem}.nc")
+        square = e * (1 - end * e) ** 2 / (end * (across - axial * (1 - end * e)))
+        verdict = found.verdict.values
+        if square < 0:  # no limit: the same verdict everywhere
+            assert (verdict == verdict[0, 0]).all() and verdict[0, 0] == 2
+            assert found.sizes["boundary_point"] == 0
+        else:
+            np.testing.assert_allclose(found.boundary_omega_Z, square**0.5, rtol=1e-9)
+            assert ((verdict == 1) == (found.omega_Z.values < square**0.5)).all()
 
 
 def test_an_interrupted_atlas_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -90,13 +109,15 @@ def test_an_interrupted_atlas_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
     assert not out.exists()
     assert asked == ["tumbling-eccentric-mu"]
     atlas_of_bodies(out, resolution=8, workers=1)
-    assert asked == ["tumbling-eccentric-mu", "tumbling-eccentric-offset"]
+    every = [f"{f}-eccentric-{axis}" for f in ("tumbling", "vertical", "vertical-pi")
+             for axis in ("mu", "offset")]  # fmt: skip
+    assert asked == every
     assert [p.name for p in tmp_path.iterdir()] == ["atlas"]
 
     with pytest.raises(KeyboardInterrupt):
         atlas_of_bodies(out, resolution=8, workers=1, progress=stop, overwrite=True)
     atlas_of_bodies(out, resolution=9, workers=1, overwrite=True)  # of another grid: drawn again
-    assert asked[3:] == ["tumbling-eccentric-mu", "tumbling-eccentric-offset"]
+    assert asked[len(every) + 1 :] == every
     assert st.read_map(out / "tumbling-eccentric-mu.nc").abscissa.shape == (6, 9)
 
 

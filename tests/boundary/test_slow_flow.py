@@ -119,7 +119,6 @@ def test_a_system_of_ones_own_drifts_too() -> None:
     [
         ({"family": "rolling", "resistance": None}, "resistance is missing"),
         ({"family": "rolling", "body": None}, "body is missing|known"),
-        ({"family": "circling", "contact": st.Rough()}, "named by theta and phi_dot"),
         ({"family": "rolling", "resistance": 0.1}, "resistance is 0.1; give RollingResistance"),
     ],
 )

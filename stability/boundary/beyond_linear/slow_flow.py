@@ -62,8 +62,8 @@ class SlowFlow(Record):
     """Name of the coefficient."""
     value: float
     """Value of the coefficient, with which the rates are multiplied."""
-    numbers: dict[str, float] = field(default_factory=dict)
-    """The other parameters by name."""
+    numbers: dict[str, Any] = field(default_factory=dict)
+    """The other parameters by name: numbers, or arrays of one for each member."""
 
     __getstate__ = fields_of
 
@@ -75,12 +75,13 @@ class SlowFlow(Record):
         return Program(ca.Function("by_small", [system.x, system.p], [slope]))
 
     def rate(self, at: ArrayLike) -> Any:
-        """Rate of drift of the number that names a member.
+        """Rate of drift of the numbers that name a member.
 
         Parameters
         ----------
         at
-            Numbers that name members, any shape.
+            Numbers that name members, any shape; for a family of several numbers these stand along
+            the last axis.
 
         Returns
         -------
@@ -93,44 +94,58 @@ class SlowFlow(Record):
             If there is no member, its null vectors are not separated from the other directions, or
             the disturbance drives the motion across the family.
         """
-        given = np.asarray(at, dtype=float)
-        a = given.reshape(-1, 1)
-        q = np.tile([self.numbers[n] for n in self.family.parameters], (len(a), 1))
+        given, count = np.asarray(at, dtype=float), len(self.family.at)
+        if count > 1 and given.shape[-1:] != (count,):
+            raise ParameterError(
+                f"at has shape {given.shape}; give {' and '.join(self.family.at)} along its last "
+                "axis."
+            )
+        a = given.reshape(-1, count)
+        table: dict[str, Any] = dict(zip(self.family.at, a.T, strict=True))
+        sizes = self.numbers | {self.small: 0.0}
+        table |= {n: np.broadcast_to(np.ravel(v), len(a)) for n, v in sizes.items()}
+        q = np.array([table[n] for n in self.family.parameters]).reshape(-1, len(a)).T
         u = self.family.solve(a, q)
         x = self.family.states(a, u, q)
-        matrix, tangent = self.family.matrix(a, u, q), self.family.tangent(a, u, q)[..., 0]
-        table: dict[str, Any] = dict(zip(self.family.at, a.T, strict=True))
-        table |= {n: np.full(len(a), v) for n, v in (self.numbers | {self.small: 0.0}).items()}
+        matrix, tangent = self.family.matrix(a, u, q), self.family.tangent(a, u, q)[..., :count]
         p = [table[n] for n in self.disturbed.parameters]
         push = self._slope.arrays([list(x.T), p], (len(a),))[0][..., 0]
-        zeros = structure(self.family).zeros
-        rates = np.array([
-            self._one(*row, zeros) for row in zip(a[:, 0], matrix, tangent, push, strict=True)
-        ])  # fmt: skip
-        found = self.value * rates.reshape(given.shape)
+        found = self.value * self._rates(a, matrix, tangent, push).reshape(given.shape)
         return found if given.ndim else float(found)
 
-    def _one(self, at: float, matrix: Floats, tangent: Floats, push: Floats, zeros: int) -> float:
-        """dy/dt over the coefficient at one member."""
+    def _rates(self, at: Floats, matrix: Floats, tangent: Floats, push: Floats) -> Floats:
+        """dy/dt over the coefficient at members, shape of `at`."""
+        zeros = structure(self.family).zeros
         left, sizes, right = np.linalg.svd(matrix)
-        n = len(sizes)
-        where = f"{self.family.name} at {self.family.at[0]} = {at:.6g}"
-        if zeros < n and sizes[n - zeros - 1] < APART * sizes[0]:
-            raise NoMemberError(
-                f"{where} has a further eigenvalue near zero, so no drift is slow next to it."
+        n = sizes.shape[-1]
+
+        def refuse(bad: Any, why: str) -> None:
+            if bad.any():
+                names = zip(self.family.at, at[np.argmax(bad)], strict=True)
+                member = ", ".join(f"{name} = {value:.6g}" for name, value in names)
+                raise NoMemberError(f"{self.family.name} at {member} {why}")
+
+        if zeros < n:
+            refuse(
+                sizes[:, n - zeros - 1] < APART * sizes[:, 0],
+                "has a further eigenvalue near zero, so no drift is slow next to it.",
             )
-        basis, across = right[n - zeros :].T, left[:, n - zeros :].T
+        basis = right[:, n - zeros :].transpose(0, 2, 1)
+        across = left[:, :, n - zeros :].transpose(0, 2, 1)
         pair = across @ basis
-        if np.linalg.cond(pair) > 1 / APART:
-            raise NoMemberError(f"{where} has zero eigenvalues in a Jordan block; none drifts.")
-        drift = basis @ np.linalg.solve(pair, across @ push)
-        rate = float(drift @ tangent / (tangent @ tangent))
-        off, noise = np.linalg.norm(drift - rate * tangent), 1e-13 * (1 + sizes[0])
-        if off > max(ASIDE * np.linalg.norm(drift), noise):
-            raise NoMemberError(
-                f"{where} is driven across the family by {self.small}, not along it."
-            )
-        return rate if np.linalg.norm(drift) > noise else 0.0
+        refuse(
+            np.linalg.cond(pair) > 1 / APART,
+            "has zero eigenvalues in a Jordan block; none drifts.",
+        )
+        drift = (basis @ np.linalg.solve(pair, across @ push[..., None]))[..., 0]
+        rates = (np.linalg.pinv(tangent) @ drift[..., None])[..., 0]
+        off = np.linalg.norm(drift - (tangent @ rates[..., None])[..., 0], axis=-1)
+        size, noise = np.linalg.norm(drift, axis=-1), 1e-13 * (1 + sizes[:, 0])
+        refuse(
+            off > np.maximum(ASIDE * size, noise),
+            f"is driven across the family by {self.small}, not along it.",
+        )
+        return np.where((size > noise)[:, None], rates, 0.0)
 
     def time(self, start: float, end: float) -> float:
         """Time of the drift from one member to another, of first order in the coefficient.
@@ -150,6 +165,7 @@ class SlowFlow(Record):
         ParameterError
             If the drift leads the other way, or vanishes in between.
         """
+        self._one_number()
         start, end = one_number("start", start), one_number("end", end)
         rates = np.asarray(self.rate(np.linspace(start, end, 33)))
         if (rates * (end - start) <= 0).any():
@@ -177,9 +193,18 @@ class SlowFlow(Record):
         float
             The exponent between the two nearest values.
         """
+        self._one_number()
         gaps = (near - end) * 0.5 ** np.arange(STEPS)
         rates = np.abs(self.rate(end + gaps))
         return float(np.log2(rates[-2] / rates[-1]))
+
+    def _one_number(self) -> None:
+        """Refuse what has no meaning in a family of several numbers."""
+        if len(self.family.at) != 1:
+            raise ParameterError(
+                f"{self.family.name} is named by {' and '.join(self.family.at)}; a drift has no "
+                "single path there. Integrate its rate."
+            )
 
 
 def slow_flow(
@@ -245,10 +270,6 @@ def slow_flow(
         given.pop(small, None)
         if not isinstance(family, Family):
             raise ParameterError("body is missing; give a stability.Body.")
-    if len(family.at) != 1:
-        raise ParameterError(
-            f"{family.name} is named by {' and '.join(family.at)}; a drift has one direction."
-        )
     still = _still(family, small)
     problem = problem_of(still, None, None, None, given)
     numbers = {n: one_number(n, v) for n, v in problem.values.items()}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...base.checks import callback, positive
+from ...base.checks import callback, flag, positive
 from ...base.errors import ParameterError, shown
 from ...base.quantities import unit_of
 from ...bodies.round_body.body import Body
@@ -21,7 +21,7 @@ from ...motion.dataset import FORMAT
 from ...motion.result import BY_CODE
 from ...storage.files import atomic_write
 from ...storage.targets import FILMS, check_suffix, check_target
-from .body_film import BodyCamera, placed
+from .body_film import BodyCamera, on_page, placed
 from .film import FINE, Camera, caption_of, inner_radius, write_gif, write_mp4
 from .pose import LINEAR, POSED, resample
 from .single_run import events_of
@@ -50,6 +50,7 @@ def animate(
     overwrite: bool = False,
     progress: Callable[[int, int], None] | None = None,
     body: Body | None = None,
+    contact_path: bool = True,
 ) -> FilePath:
     """Write a motion as a film (.gif, .mp4) or as a page to turn and play (.html).
 
@@ -69,8 +70,11 @@ def animate(
     progress
         Called with (frames done, frames in all).
     body
-        The `Body` of the dataset, whose shape is drawn (.gif, .mp4); None for a disk.  The
-        dataset's times must be so close that the body turns less than half round between two.
+        The `Body` of the dataset, whose shape is drawn; None for a disk.  The dataset's times must
+        be so close that the body turns less than half round between two.
+    contact_path
+        Whether the path of the contact point is drawn.  Without it the path of the centre is drawn
+        more strongly, and in a film from above too; a page has a switch.
 
     Returns
     -------
@@ -106,21 +110,21 @@ def animate(
     if suffix != ".html" and rate * length > MOST_FRAMES:
         count = f"{rate * length:.6g} frames"
         raise ParameterError(f"fps × seconds is {count}; at most {MOST_FRAMES} are drawn.")
-    if body is not None and suffix == ".html":
-        raise ParameterError(f"a page shows a disk; take a .gif or .mp4 for {body.name}.")
+    paths = {"contact_path": flag("contact_path", contact_path)}
     report = progress or (lambda *_: None)
     with atomic_write(path, overwrite=overwrite) as draft:
         if suffix == ".html":
-            draft.write_text(_page(dataset, motion, length), encoding="utf-8")
+            page = _page(dataset, motion, length, body, **paths)
+            draft.write_text(page, encoding="utf-8")
             report(1, 1)
             return FilePath(path)
         frames = max(2, round(rate * length))
         times, pace = np.linspace(first, last, (frames - 1) * FINE + 1), (last - first) / length
         with figure_style({}):
             if body is None:
-                scene = Camera(resample(motion, times), dataset, pace)
+                scene = Camera(resample(motion, times), dataset, pace, **paths)
             else:
-                scene = BodyCamera(placed(motion, body, times), dataset, pace, body)
+                scene = BodyCamera(placed(motion, body, times), dataset, pace, body, **paths)
             (write_gif if suffix == ".gif" else write_mp4)(draft, scene, rate, report)
     return FilePath(path)
 
@@ -173,15 +177,17 @@ def _single(dataset: Any, body: Any = None) -> dict[str, Any]:
     return motion if body else motion | {"radius": float(dataset.radius)}
 
 
-def _page(dataset: xarray.Dataset, motion: dict[str, Any], length: float) -> str:
+def _page(
+    dataset: xarray.Dataset, motion: dict[str, Any], length: float, body: Body | None, *,
+    contact_path: bool,
+) -> str:  # fmt: skip
     """Text of the page: the template with the motion in it."""
-    times, series = motion["time"], motion
+    times = motion["time"]
     if len(times) > MOST_SAMPLES:
-        series = resample(motion, np.linspace(times[0], times[-1], MOST_SAMPLES))
-    data: dict[str, Any] = {n: _digits(series[n], 9) for n in ("time", *POSED)}
-    data |= {n: _digits(series[n], 6) for n in LINEAR}
+        times = np.linspace(times[0], times[-1], MOST_SAMPLES)
+    data = _disk_data(dataset, motion, times) if body is None else _body_data(motion, times, body)
     if "mode" in dataset:
-        at = np.searchsorted(times, series["time"], side="right") - 1
+        at = np.searchsorted(motion["time"], times, side="right") - 1
         data["mode"] = dataset["mode"].values[at].astype(int).tolist()
     log = events_of(dataset)
     data["event_time"] = _digits([time for time, _ in log], 9)
@@ -190,15 +196,36 @@ def _page(dataset: xarray.Dataset, motion: dict[str, Any], length: float) -> str
     data |= {
         "title": str(dataset.attrs.get("title", "motion of a disk")),
         "caption": caption_of(dataset), "outcome": outcome.word, "sentence": outcome.value,
-        "evidence": str(dataset.evidence.values), "seconds": length,
+        "evidence": str(dataset.evidence.values), "seconds": length, "trail": contact_path,
         "weight": float(dataset.mass * dataset.gravity),
-        "radius": motion["radius"], "inner": inner_radius(dataset),
         "time_unit": unit_of(dataset.time.attrs), "force_unit": unit_of(dataset.normal_force.attrs),
     }  # fmt: skip
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     template = resources.files(__package__).joinpath("animation.html")
     # no "<" in the data, so that no text can end the script element
     return template.read_text(encoding="utf-8").replace("@MOTION@", text.replace("<", "\\u003c"))
+
+
+def _disk_data(dataset: xarray.Dataset, motion: dict[str, Any], times: Any) -> dict[str, Any]:
+    """The disk at times of the page."""
+    series = motion if len(times) == len(motion["time"]) else resample(motion, times)
+    data: dict[str, Any] = {n: _digits(series[n], 9) for n in ("time", *POSED)}
+    data |= {n: _digits(series[n], 6) for n in LINEAR}
+    return data | {"radius": motion["radius"], "inner": inner_radius(dataset)}
+
+
+def _body_data(motion: dict[str, Any], times: Any, body: Body) -> dict[str, Any]:
+    """The body and its shape at times of the page."""
+    series = on_page(motion, body, times)
+    shape, turn = series.pop("shape"), series.pop("turn")
+    size = series.pop("size")
+    data: dict[str, Any] = {n: _digits(v, 9) for n, v in series.items()}
+    data["turn"] = [_digits(row, 9) for row in turn]
+    normal = {"across": np.sin(shape.theta), "along": -np.cos(shape.theta)}
+    rows = {"r": shape.r, "z": shape.z} | normal
+    data["shape"] = {n: _digits(v, 6) for n, v in rows.items()}
+    data["shape"]["mark"] = shape.mark.astype(int).tolist()
+    return data | {"radius": float(body.length), "size": size}
 
 
 def _digits(values: Any, digits: int) -> list[float]:

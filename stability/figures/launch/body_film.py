@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.path import Path
-from scipy.spatial import ConvexHull
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation, Slerp
 
 from ...base.types import Floats
@@ -21,8 +23,9 @@ if TYPE_CHECKING:
 
 STRIPES, ROUND, ALONG = 6, 48, 61
 """Stripes along the surface; points round it and along a meridian."""
-CAP = 0.55
-"""Half opening of the coloured cap at the end of the axis, as an angle of normals [rad]."""
+CAP, WEDGE = 0.55, 2
+"""Half opening of the coloured cap at the end of the axis, as an angle of normals [rad]; on a flat
+end a wedge shows the turning: its half width, in points round the axis."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +68,49 @@ def meridian(body: Body) -> tuple[Floats, Floats, Floats]:
     return size * (h * s + slope * c), size * (slope * s - h * c), theta
 
 
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """The closed surface that is drawn: rows along the meridian."""
+
+    r: Floats
+    """Distance from the axis, shape (m,) [m]."""
+    z: Floats
+    """Place along the axis from the centre of mass, shape (m,) [m]."""
+    theta: Floats
+    """Inclination at which the row touches the plane, shape (m,) [rad]."""
+    mark: NDArray[np.bool_]
+    """Coloured points, shape (m, ROUND)."""
+
+
+def surface(body: Body) -> Surface:
+    """The surface of a body: the other half where the two are equal, and its flat ends.
+
+    Parameters
+    ----------
+    body
+        The body; its numbers are single ones.
+
+    Examples
+    --------
+    >>> from stability.bodies.round_body.shapes.named import ThickDisk
+    >>> seen = surface(ThickDisk(0.4))
+    >>> float(seen.z.min()), float(seen.z.max()), float(seen.r[-1])
+    (-0.2, 0.2, 0.0)
+    """
+    r, z, theta = meridian(body)
+    if theta[-1] < math.pi / 2 + CAP:  # a height up to upright is that of a body with equal halves
+        r, z = np.concatenate([r, r[::-1]]), np.concatenate([z, -z[::-1]])
+        theta = np.concatenate([theta, math.pi - theta[::-1]])
+    flat = r[-1] > 1e-6 * r.max()
+    if flat:
+        r, z = np.concatenate([[0.0], r, [0.0]]), np.concatenate([z[:1], z, z[-1:]])
+        theta = np.concatenate([[0.0], theta, [math.pi]])
+    around = np.arange(ROUND)
+    near = np.minimum(around, ROUND - around) <= WEDGE if flat else np.full(ROUND, True)
+    upper = theta > (math.pi / 2 if flat else theta[-1] - CAP)
+    return Surface(r, z, theta, upper[:, None] & near)
+
+
 def placed(motion: Mapping[str, Floats], body: Body, times: Floats) -> dict[str, Any]:
     """A motion at other times: the attitude by turns about fixed axes, the rest by lines.
 
@@ -93,18 +139,54 @@ def placed(motion: Mapping[str, Floats], body: Body, times: Floats) -> dict[str,
     return found | {"time": times, "phi": motion["phi"][:1]}
 
 
+def on_page(motion: Mapping[str, Floats], body: Body, times: Floats) -> dict[str, Any]:
+    """Series and shape of a body for a page that a reader turns.
+
+    Parameters
+    ----------
+    motion
+        Series of a run with pose.
+    body
+        The body.
+    times
+        Times within those of the motion, shape (n,).
+
+    Returns
+    -------
+    dict
+        `turn`, quaternions (x, y, z, w) whose signs do not jump; centre, contact point and forces
+        along fixed axes; `shape`, the surface; `size`, its largest distance from the centre.
+    """
+    found = placed(motion, body, times)
+    turn = Rotation.from_matrix(found["turn"]).as_quat()
+    jumps = np.sum(turn[1:] * turn[:-1], axis=1) < 0
+    turn[1:] *= np.where(np.cumsum(jumps) % 2, -1.0, 1.0)[:, None]
+    # x̂ turns with phi: forces are turned into fixed axes before they are interpolated
+    force = (motion["force_x"] + 1j * motion["force_y"]) * np.exp(1j * motion["phi"])
+    across = {"normal_force": motion["normal_force"], "push_x": force.real, "push_y": force.imag}
+    series = {n: np.interp(times, motion["time"], v) for n, v in across.items()}
+    names = "theta", "centre_x", "centre_y", "contact_x", "contact_y"
+    series |= {n: found[n] for n in names}
+    shape = surface(body)
+    return series | {
+        "time": times, "phi": found["phi"], "centre_z": found["placed"].centre[:, 2],
+        "turn": turn, "shape": shape, "size": found["placed"].radius,
+    }  # fmt: skip
+
+
 class BodyCamera(Camera):
     """The figure of a film of a body."""
 
     def __init__(
-        self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float, body: Body
-    ) -> None:
-        super().__init__(motion, dataset, pace, motion["placed"])
-        r, z, theta = meridian(body)
+        self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float, body: Body, *,
+        contact_path: bool = True,
+    ) -> None:  # fmt: skip
+        super().__init__(motion, dataset, pace, motion["placed"], contact_path=contact_path)
+        shape = surface(body)
         angle = np.linspace(0, 2 * math.pi, ROUND, endpoint=False)
-        self.points = _turned(r, z, angle)
-        self.normals = _turned(np.sin(theta), -np.cos(theta), angle)
-        self.cap = np.repeat(theta > theta[-1] - CAP, ROUND)
+        self.points = _turned(shape.r, shape.z, angle)
+        self.normals = _turned(np.sin(shape.theta), -np.cos(shape.theta), angle)
+        self.marked = shape.mark.ravel()
 
     def show(self, frame: int) -> None:
         """Move all parts to their places at a frame."""
@@ -117,8 +199,8 @@ class BodyCamera(Camera):
         self.shadow.set_path(_outline((points * [1, 1, 0] - target) @ self.screen))
         self.body.set_path(_outline(flat))
         self.body.set_facecolor(BLUE)
-        self.mark.set_path(_outline(flat[facing & self.cap]))
-        seen = np.where(facing[:, None], flat, np.nan).reshape(ALONG, ROUND, 2)
+        self.mark.set_path(_outline(flat[facing & self.marked]))
+        seen = np.where(facing[:, None], flat, np.nan).reshape(-1, ROUND, 2)
         lines = seen[:, :: ROUND // STRIPES].transpose(1, 0, 2)
         gaps = np.full((len(lines), 1, 2), np.nan)
         self.ticks.set_data(*np.concatenate([lines, gaps], axis=1).reshape(-1, 2).T)
@@ -132,7 +214,8 @@ def _turned(r: Floats, z: Floats, angle: Floats) -> Floats:
 
 
 def _outline(points: Floats) -> Path:
-    """The convex outline of points of the picture; nothing where they are fewer than three."""
-    if len(points) < 3 or np.ptp(points, axis=0).min() < 1e-12:
-        return Path([[0.0, 0.0]])
-    return Path(points[ConvexHull(points).vertices], closed=True)
+    """The convex outline of points of the picture; nothing where they lie on a line."""
+    if len(points) >= 3:
+        with suppress(QhullError):  # an edge on which the eye looks along a flat end
+            return Path(points[ConvexHull(points).vertices], closed=True)
+    return Path([[0.0, 0.0]])

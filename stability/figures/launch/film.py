@@ -76,9 +76,11 @@ class Camera:
     fine = FINE
 
     def __init__(
-        self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float, seen: Any = None
-    ) -> None:
+        self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float, seen: Any = None, *,
+        contact_path: bool = True,
+    ) -> None:  # fmt: skip
         self.motion, self.seen = motion, geometry(motion) if seen is None else seen
+        self.contact_path = contact_path
         self.frames = (len(motion["time"]) - 1) // FINE + 1
         self.unit, self.inner = (
             unit_of(dataset.time.attrs),
@@ -92,7 +94,10 @@ class Camera:
         (self.grid,) = self.axes.plot([], [], color="#d9d9d9", lw=0.8)
         self.shadow = self._patch("#00000026", "none")
         (self.trail,) = self.axes.plot([], [], color=VERMILION, lw=1.6)
-        (self.path,) = self.axes.plot([], [], color=GREY, lw=0.9)
+        strong: dict[str, Any] = (
+            {"color": GREY, "lw": 0.9} if contact_path else {"color": VERMILION, "lw": 1.6}
+        )
+        (self.path,) = self.axes.plot([], [], **strong)
         self.body = self._patch(BLUE, EDGE)
         self.mark = self._patch(VERMILION, "none")
         (self.ticks,) = self.axes.plot([], [], color="white", lw=1.0)
@@ -108,13 +113,14 @@ class Camera:
         put(0.98, 0.975, f"1 s of film = {pace:.3g} {self.unit}\noutcome: {word}", ha="right",
             va="top")  # fmt: skip
         put(0.02, 0.02, broken(caption_of(dataset), lambda line: len(line) <= LETTERS), va="bottom")
-        self.seat = self._overview() if self.follows else None
+        self.seat = self._overview(strong) if self.follows or not contact_path else None
 
-    def _overview(self) -> Any:
-        """The whole path from above in a corner, since the camera shows a part; the disk in it."""
+    def _overview(self, strong: dict[str, Any]) -> Any:
+        """The whole path from above in a corner; the disk in it."""
         inset = self.figure.add_axes((0.74, 0.6, 0.24, 0.25), zorder=9)
-        inset.plot(*self.seen.contact[:, :2].T, color=VERMILION, lw=1.3)
-        inset.plot(*self.seen.centre[:, :2].T, color=GREY, lw=0.9)
+        if self.contact_path:
+            inset.plot(*self.seen.contact[:, :2].T, color=VERMILION, lw=1.3)
+        inset.plot(*self.seen.centre[:, :2].T, **strong | {"lw": 0.9})
         inset.set_aspect("equal", adjustable="datalim")
         inset.margins(0.12)
         inset.set(xticks=[], yticks=[], facecolor="white")
@@ -136,6 +142,7 @@ class Camera:
         middle = (ground.min(axis=0) + ground.max(axis=0)) / 2
         spread = np.abs((ground - middle) @ self.screen).max(axis=0) / radius + [1.2, 1.6]
         self.half = max(float(spread[0]), float(spread[1]) * aspect, 0.7 * CLOSE)
+        self.half *= 1 if self.contact_path else 1.2  # room for the path from above
         self.target = np.broadcast_to(middle, ground.shape)
         self.follows = self.half > WIDEST
         if self.follows:
@@ -197,11 +204,13 @@ class Camera:
         def flat(points: Floats) -> Floats:
             return np.asarray((points - target) @ self.screen)
 
-        self.trail.set_data(*flat(self.seen.contact[: i + 1]).T)
+        if self.contact_path:
+            self.trail.set_data(*flat(self.seen.contact[: i + 1]).T)
         self.path.set_data(*flat(self.seen.centre[: i + 1]).T)
         self.spot.set_data(*flat(contact).T)
         if self.seat is not None:
-            self.seat.set_data(*contact[:, :2].T)
+            here = contact if self.contact_path else self.seen.centre[i : i + 1]
+            self.seat.set_data(*here[:, :2].T)
         time, lean = self.motion["time"][i], math.degrees(self.motion["theta"][i])
         self.clock.set_text(f"t = {time:.{self.places}f} {self.unit},  θ = {lean:.1f}°")
 

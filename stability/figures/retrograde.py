@@ -1,0 +1,174 @@
+"""The map of rings whose mean path turns back, over inner radius and kind of resistance."""
+
+from __future__ import annotations
+
+from .canvas import COLUMN, STYLE, figure_style  # isort: skip
+from .styled_figure import drawing, spacing  # isort: skip
+
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import TwoSlopeNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..base.errors import ParameterError, shown
+from .shading import DIVERGING, hatch
+
+if TYPE_CHECKING:
+    import xarray
+
+LINES = ("-", "--", ":", "-.")
+"""Line of each start."""
+CURVE = "#000000"
+
+
+def plot_retrograde(dataset: xarray.Dataset, *, width: float | None = None) -> Figure:
+    """Where the mean path of a ring turns back: colours for the first start, a line for each.
+
+    Parameters
+    ----------
+    dataset
+        From `stability.boundary.beyond_linear.mean_path.retrograde_map`, two points or more along
+        both axes.
+    width
+        Width [in]; a journal column when left out.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ParameterError
+        If the dataset is another one.
+    """
+    _check(dataset)
+    x, y = dataset.share.values, dataset.inner.values
+    values = dataset.largest_ratio.values
+    with figure_style(STYLE), drawing(None, width or COLUMN, None, lambda w: 0.98 * w) as figure:
+        axes = figure.add_subplot()
+        first = values[0]
+        reach = max(float(np.nanmax(np.abs(first - 1))), 0.01)
+        norm = TwoSlopeNorm(1.0, 1 - reach, 1 + reach)
+        mesh = axes.pcolormesh(
+            x, y, first, cmap=DIVERGING, norm=norm, shading="gouraud", rasterized=True
+        )
+        hatch(axes, x, y, first > 1, "////")
+        _lines(axes, x, y, values)
+        _words(axes, x, y, first)
+        axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+        axes.set_xlabel(r"share of air in the resistance, $d^*/(d^*+\rho^*)$ [-]")
+        axes.set_ylabel(r"inner radius over outer radius, $r/R$ [-]")
+        bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=32, fraction=0.05)
+        bar.set_label(r"largest nutation over precession, $\Omega/\dot\varphi$ [-]")
+        figure.legend(
+            handles=_keys(dataset), loc="outside lower center", ncols=1, frameon=False,
+            title="edge of turning back, by start",
+            title_fontsize=matplotlib.rcParams["legend.fontsize"],
+        )  # fmt: skip
+        spacing(figure, hspace=0.02, h_pad=0.03, w_pad=0.02)
+    return figure
+
+
+def _check(dataset: Any) -> None:
+    if not str(getattr(dataset, "attrs", {}).get("format", "")).startswith("stability retrograde"):
+        raise ParameterError(f"dataset is {shown(dataset)}; give what retrograde_map returns.")
+    if min(dataset.sizes["inner"], dataset.sizes["share"]) < 2:
+        raise ParameterError("the dataset has one point along an axis; give at least two.")
+
+
+def _lines(axes: Axes, x: Any, y: Any, values: Any) -> None:
+    for index, ratio in enumerate(values):
+        if np.nanmin(ratio) < 1 < np.nanmax(ratio):
+            axes.contour(
+                x, y, ratio, levels=[1.0], colors=CURVE, linestyles=LINES[index % len(LINES)],
+                linewidths=1.4 if index == 0 else 1.1,
+            )  # fmt: skip
+
+
+def _words(axes: Axes, x: Any, y: Any, first: Any) -> None:
+    """A word on white in each region: along its height where it is narrow."""
+    wide, tall = x[-1] - x[0], y[-1] - y[0]
+    white = {"facecolor": "white", "edgecolor": "none", "pad": 1.2}
+    where = first <= 1
+    if where.mean() > 0.02:
+        upright = x[np.nonzero(where)[1]].max() - x[0] < 0.3 * wide
+        axes.text(
+            x[0] + 0.02 * wide, y[0] + 0.03 * tall, "does not", ha="left", va="bottom",
+            rotation=90 if upright else 0,
+        )  # fmt: skip
+    if first[-1, -1] > 1:
+        axes.text(
+            x[-1] - 0.04 * wide, y[-1] - 0.04 * tall, "turns back", ha="right", va="top", bbox=white
+        )
+
+
+def _keys(dataset: xarray.Dataset) -> list[Line2D]:
+    return [
+        Line2D([], [], color=CURVE, ls=LINES[i % len(LINES)],
+               label=rf"$\theta_0$ = {angle:g}°, {_speed(speed)}")
+        for i, (angle, speed) in enumerate(_starts(dataset))
+    ]  # fmt: skip
+
+
+def _speed(speed: float) -> str:
+    return "centre at rest" if speed == 1 else rf"$\dot\varphi_0$ {speed:g} times that of rest"
+
+
+def _starts(dataset: xarray.Dataset) -> list[tuple[float, float]]:
+    pairs = dataset.start_theta.values, dataset.start_speed.values
+    return [(float(a), float(b)) for a, b in zip(*pairs, strict=True)]
+
+
+def retrograde_caption(dataset: xarray.Dataset) -> str:
+    """What the map shows, in sentences with its numbers.
+
+    Parameters
+    ----------
+    dataset
+        As for `plot_retrograde`.
+    """
+    _check(dataset)
+    ratio = dataset.largest_ratio.values
+    angle, speed = _starts(dataset)[0]
+    said = []
+    for column, name in ((0, dataset.share.values[0]), (-1, dataset.share.values[-1])):
+        kind = {0.0: "rolling resistance alone", 1.0: "air torque alone"}.get(
+            float(name), f"a share of {name:g}"
+        )
+        said.append(f"with {kind} {_edge(dataset.inner.values, ratio[0, :, column])}")
+    lost = int(np.isnan(ratio).sum())
+    missing = f" {lost} motions lose their nutation or rise, left blank." if lost else ""
+    return (
+        "Thin rings that roll without slip under small linear rolling resistance -ρNω and air "
+        "torque -dω: largest ratio of nutation frequency Ω to precession rate φ̇ on the way down "
+        f"to θ = {dataset.attrs['end']:g} rad. The mean path of the centre turns at φ̇ - Ω, so it "
+        "turns back where the ratio exceeds 1 (vermilion, hatched). Colours: start at "
+        f"θ = {angle:g}°, {_plain(speed)}; black: edges for {len(ratio)} starts. First order in "
+        f"the coefficients, {ratio.shape[1]} × {ratio.shape[2]} points. From the first start, "
+        f"{'; '.join(said)}.{missing}"
+    )
+
+
+def _plain(speed: float) -> str:
+    if speed == 1:
+        return "centre at rest"
+    return f"{speed:g} times the precession rate of a resting centre"
+
+
+def _edge(inner: Any, ratio: Any) -> str:
+    """Which rings turn back, in words; the edge by lines between the points."""
+    over = ratio > 1
+    if over.all():
+        return "every ring and the coin turn back"
+    if not over.any():
+        return "none turns back"
+    change = np.flatnonzero(np.diff(over.astype(int)))
+    if len(change) != 1 or not over[-1]:
+        return f"rings turn back at {int(over.sum())} of {len(over)} inner radii"
+    i = int(change[0])
+    at = inner[i] + (inner[i + 1] - inner[i]) * (1 - ratio[i]) / (ratio[i + 1] - ratio[i])
+    return f"rings with r/R > {at:.2f} turn back, and the coin does not"
