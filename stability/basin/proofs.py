@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ..base.types import Floats
 from ..integrators.flow import Flow
-from ..settling.many import NearestMany
 from ..settling.nearest import Settling
+from ..settling.together.many import NearestMany
 
 NONE = -1
 """Number of no family."""

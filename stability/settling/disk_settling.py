@@ -27,10 +27,10 @@ from ..bodies.contact import Contact
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
 from ..bodies.thin_disk.disk_families import AT_REST, FAMILIES, DiskFamily, lines_under
 from .attraction import Attraction, Surroundings, attraction
-from .kernel import Balls
 from .lines import line_surroundings
-from .many import RIGHT_ANGLE, NearestMany, nearest_many
 from .nearest import Nearest
+from .together.kernel import Balls
+from .together.many import RIGHT_ANGLE, NearestMany, nearest_many
 
 TURNING = STATES.index("phi_dot")
 

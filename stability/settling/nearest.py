@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 from ..base.types import Floats
 
 if TYPE_CHECKING:
-    from .many import NearestMany
+    from .together.many import NearestMany
 
 
 @dataclass(frozen=True)

@@ -24,9 +24,9 @@ from ..base.types import Floats
 from ..systems.family import Family, listing
 from ..systems.graph.constants import Constants
 from .attraction import Surroundings, Tilted, attraction
-from .kernel import Balls
-from .many import RIGHT_ANGLE, NearestMany, nearest_many
 from .nearest import Nearest
+from .together.kernel import Balls
+from .together.many import RIGHT_ANGLE, NearestMany, nearest_many
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,11 @@ from scipy.integrate import solve_ivp
 
 import stability as st
 from stability.algebra.program import Program
-from stability.settling import box_kernel, disk_settling, kernel
+from stability.settling.together import box_kernel, disk_settling, kernel
 from stability.settling.attraction import Surroundings, attraction
 from stability.settling.disk_settling import DiskSettling, deviation, nearest, settled
-from stability.settling.kernel import Balls, settled_many
 from stability.settling.system_settling import SystemSettling
+from stability.settling.together.kernel import Balls, settled_many
 
 RIGHT = math.pi / 2
 WITHIN = 1e-3

@@ -2,8 +2,8 @@
 
 The same box and the same inequality, in balls of doubles.  The basis is the real modal basis of a
 member nearby, by LAPACK; launches with the same parameters share the bases of members on a grid.
-Any basis is sound: its inverse is enclosed (`stability.settling.box_kernel`).  Where Numba is
-missing NumPy runs the same functions, with the same results to the last bit of each bound.
+Any basis is sound: its inverse is enclosed (`stability.settling.together.box_kernel`).  Where Numba
+is missing NumPy runs the same functions, with the same results to the last bit of each bound.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..algebra.kernels import double_balls
-from ..algebra.kernels.compiled import compiled
-from ..algebra.kernels.double_balls import UP
-from ..algebra.kernels.tape import LANES, Tape, recorded
-from ..algebra.number_types import Algebra
-from ..base.errors import StabilityError
-from ..base.types import Floats
+from ...algebra.kernels import double_balls
+from ...algebra.kernels.compiled import compiled
+from ...algebra.kernels.double_balls import UP
+from ...algebra.kernels.tape import LANES, Tape, recorded
+from ...algebra.number_types import Algebra
+from ...base.errors import StabilityError
+from ...base.types import Floats
+from ..attraction import ROOM, TURNS, WIDEN, Surroundings
 from . import box_kernel
-from .attraction import ROOM, TURNS, WIDEN, Surroundings
 
 KERNELS: tuple[ModuleType, ...] = (double_balls, box_kernel)
 MOST = 60

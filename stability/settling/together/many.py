@@ -13,10 +13,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..algebra.kernels.double_balls import U
-from ..base.errors import StabilityError
-from ..base.types import Floats
-from .attraction import Surroundings, attraction
+from ...algebra.kernels.double_balls import U
+from ...base.errors import StabilityError
+from ...base.types import Floats
+from ..attraction import Surroundings, attraction
 from .kernel import Balls, Settled, nothing, settled_many
 
 RIGHT_ANGLE = Balls(np.array([np.pi / 2]), np.array([U]))

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra.kernels.double_balls import TINY, U, product
+from ...algebra.kernels.double_balls import TINY, U, product
 
 WIDE = 1.0 + 2.0**-40
 """Rounds up what at most 8000 roundings made: sums over m² entries, m ≤ 60."""
