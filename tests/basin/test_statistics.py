@@ -136,7 +136,7 @@ def test_the_border_of_a_damped_pendulum_is_its_separatrix() -> None:
 
 @pytest.mark.parametrize("nested", [True, False])
 @pytest.mark.parametrize(("alpha", "constant", "points"), [
-    (1.0, 2.0, 1000), (0.37, 0.6, 500), (0.1, 0.6, 300),
+    (1.0, 2.0, 300), (0.37, 0.6, 500), (0.1, 0.6, 300),
 ])  # fmt: skip
 def test_intervals_of_exponents_cover(
     alpha: float, constant: float, points: int, nested: bool
@@ -144,16 +144,17 @@ def test_intervals_of_exponents_cover(
     """Events of one base point are nested (one near border) or independent (a rough one)."""
     steps = np.geomspace(1e-3, 0.1, 8)
     random = np.random.default_rng(17)
-    hits = doubts = 0
+    hits, fits = 0, []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StabilityWarning)
         for _ in range(400):
             even = random.random((points, 1 if nested else len(steps)))
             found = exponent_of(even < constant * steps**alpha, steps, 2)
             hits += found.interval[0] <= alpha <= found.interval[1]
-            doubts += found.fit < 1e-3
+            fits.append(found.fit)
     assert 0.92 <= hits / 400 <= 0.98
-    assert doubts / 400 <= 0.03
+    assert 0.02 <= np.mean(np.array(fits) < 0.05) <= 0.09  # the misfit has its size too
+    assert np.mean(np.array(fits) < 1e-3) <= 0.02
 
 
 @pytest.mark.parametrize("share", [lambda e: 0.05 + e, lambda e: 0.8 * (1 - np.exp(-20 * e))])

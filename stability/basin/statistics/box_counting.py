@@ -22,8 +22,6 @@ SPAN = 6
 """Halvings from a block to the finest cells, of the local exponent."""
 HALVINGS = 3
 """Halvings over which the local exponent is taken."""
-SKIPPED = 1
-"""Finest levels that do not count: a cell there knows its border by its corners alone."""
 BOUND = 0.9
 """Local exponent below which a block is sensitive."""
 
@@ -160,7 +158,7 @@ def sensitive(
     """The parts of a border at which a better known start hardly makes the outcome more certain.
 
     The map is cut into blocks of 2^`span` finest cells along each axis.  A block has N mixed cells
-    of the last level but one and M of the level that is `halvings` coarser.  Its local exponent is
+    of the finest level and M of the level that is `halvings` coarser.  Its local exponent is
     2 - log2(N / (M + 1)) / `halvings`.  A block is sensitive where this is below `bound`.  One arc
     of a monotonous curve passes fewer than 2^halvings (M + 1) cells and has an exponent above 1, so
     that a smooth border is marked only where several arcs are closer than the width can separate.
@@ -172,7 +170,7 @@ def sensitive(
     span
         Halvings from a block to the finest cells.
     halvings
-        Halvings over which the exponent is taken, below `span`.
+        Halvings over which the exponent is taken, at most `span`.
     bound
         Largest local exponent of a sensitive block.
 
@@ -197,13 +195,13 @@ def sensitive(
     0.0
     """
     halvings = whole_number("halvings", halvings)
-    span = whole_number("span", span, least=halvings + SKIPPED)
+    span = whole_number("span", span, least=halvings)
     bound = one_number("bound", bound)
     if span > found.levels:
         raise ParameterError(
             f"the borders have {found.levels} levels; a span of {span} needs as many."
         )
-    fine, wide = (_in_blocks(found.cells, n, span) for n in (SKIPPED, SKIPPED + halvings))
+    fine, wide = (_in_blocks(found.cells, n, span) for n in (0, halvings))
     _, block = np.unique(found.cells >> span, axis=0, return_inverse=True)
     own = (2 - np.log2(fine / (wide + 1.0)) / halvings)[block.reshape(-1)]
     note = (

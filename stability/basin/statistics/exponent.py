@@ -28,7 +28,7 @@ POINTS = 2000
 DOUBTFUL = 1e-3
 """Probability of the misfit below which the power law is called into question.
 
-With few events the statistic has heavy tails: about 1 % of true power laws fall below."""
+With few events the statistic has heavy tails: up to 1 % of true power laws fall below."""
 
 
 @dataclass(frozen=True, eq=False)
