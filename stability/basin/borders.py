@@ -51,8 +51,15 @@ class Borders:
     """Halvings that were wanted."""
     cells: Ints
     """Finest mixed cells: index of the corner with the least x and y, in cells, shape (m, 2)."""
+    mixed: tuple[int, ...]
+    """Number of mixed cells of each level, the coarse one first; the last ones are `cells`."""
     counts: tuple[int, ...]
-    """Number of mixed cells of each level, the coarse one first: N(w) for box counting."""
+    """Those whose own corners differ, N(w) for box counting.
+
+    The last level knows no points between its corners.  If the others used theirs, they would see
+    more of a rough border than the last one, and the dimension would come out too small."""
+    crossings: Ints
+    """Pairs of neighbours of each level with different labels, along x and y, (levels + 1, 2)."""
     pairs: Floats
     """Pairs of neighbours with different labels, one finest step apart, shape (k, 2, 2)."""
     pair_labels: Ints
@@ -132,7 +139,7 @@ def borders(
     >>> def inside(points):
     ...     return (np.hypot(points[:, 0], points[:, 1]) < 0.8).astype(int)
     >>> found = borders(inside, ("x", -1, 1, 5), ("y", -1, 1, 5), levels=6)
-    >>> found.counts, found.asked, found.full
+    >>> found.mixed, found.asked, found.full
     ((12, 28, 52, 100, 204, 412, 820), 3257, 66049)
     >>> [line] = found.lines
     >>> line.closed, bool(np.abs(np.hypot(*line.points.T) - 0.8).max() < found.widths[-1, 0])
@@ -172,13 +179,11 @@ def _known(
 
 def _result(tree: Tree, reached: int) -> Borders:
     """The record of a refinement after its last complete level."""
-    cells = tree.unlike(reached)
-    i, j = pair(cells)
-    around = ((0, 0), (1, 0), (1, 1), (0, 1))
-    corners = np.stack([tree.at(reached, i + a, j + b) for a, b in around], axis=1)
-    corner = np.stack([i, j], axis=1)
+    mixed = [*tree.cut[:reached], tree.unlike(reached)]
+    corners = [_corners(tree, level, cells) for level, cells in enumerate(mixed)]
+    cells = np.stack(pair(mixed[-1]), axis=1)
     lines = []
-    for labels, nodes, closed in by_pair(*segments(corner, corners)):
+    for labels, nodes, closed in by_pair(*segments(cells, corners[-1])):
         place = [between(a, n, reached + 1) for a, n in zip(tree.axes, nodes.T, strict=True)]
         lines.append(BorderLine(labels, np.stack(place, axis=1), closed))
     ends = [_ends(tree, way, reached) for way in (0, 1)]
@@ -186,10 +191,25 @@ def _result(tree: Tree, reached: int) -> Borders:
     return Borders(
         x=tree.axes[0], y=tree.axes[1], levels=reached, points=tree.places(tree.keys),
         labels=tree.labels, index=np.stack(pair(tree.keys), axis=1), lattice_levels=tree.levels,
-        cells=corner, counts=(*map(len, tree.cut[:reached]), len(cells)), pairs=pairs,
+        cells=cells, mixed=tuple(map(len, mixed)), pairs=pairs,
+        crossings=np.array([[_unlike(tree, way, n) for way in (0, 1)] for n in range(reached + 1)]),
+        counts=tuple(int((c != c[:, :1]).any(axis=1).sum()) for c in corners),
         pair_labels=np.concatenate([n for _, n in ends]), lines=tuple(lines),
         asked=sum(tree.calls), calls=tuple(tree.calls), note=_note(tree, reached),
     )  # fmt: skip
+
+
+def _corners(tree: Tree, level: int, cells: Ints) -> Ints:
+    """Labels at the corners of cells, anticlockwise from the lower left, shape (n, 4)."""
+    i, j = pair(cells)
+    around = ((0, 0), (1, 0), (1, 1), (0, 1))
+    return np.stack([tree.at(level, i + a, j + b) for a, b in around], axis=1)
+
+
+def _unlike(tree: Tree, way: int, level: int) -> int:
+    """Number of edges of a level along x or y whose own ends differ."""
+    i, j = pair(tree.mixed[way][level])
+    return int((tree.at(level, i, j) != tree.at(level, i + (way == 0), j + (way == 1))).sum())
 
 
 def _ends(tree: Tree, way: int, level: int) -> tuple[Floats, Ints]:

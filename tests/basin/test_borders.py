@@ -68,10 +68,12 @@ def test_the_finest_mixed_cells_are_those_of_the_full_map(label: Label) -> None:
     wanted = np.argwhere(mixed_cells(full_map(label, found)))
     assert sorted(found.cells.tolist()) == wanted.tolist()
     whole = mixed_cells(full_map(label, found))
-    for level, count in enumerate(found.counts):  # boxes that hold a mixed finest cell
+    for level in range(6):
         size = 2 ** (5 - level)
+        assert found.counts[level] == mixed_cells(full_map(label, found)[::size, ::size]).sum()
+        # boxes that hold a mixed finest cell
         boxes = whole.reshape(whole.shape[0] // size, size, whole.shape[1] // size, size)
-        assert count == boxes.any(axis=(1, 3)).sum()
+        assert found.mixed[level] == boxes.any(axis=(1, 3)).sum()
 
 
 def test_a_border_that_is_found_is_followed_to_its_ends() -> None:
@@ -199,7 +201,7 @@ def test_too_few_labels_leave_the_last_complete_level() -> None:
     assert "5 of 9" in found.note
     assert found.levels == 5
     assert len(ask.points) <= cost + 20
-    assert found.counts == wanted.counts
+    assert (found.counts, found.mixed) == (wanted.counts, wanted.mixed)
     assert (found.cells == wanted.cells).all()
     assert (found.pairs == wanted.pairs).all()
     assert len(found.lines) == len(wanted.lines)
@@ -215,7 +217,7 @@ def test_a_logarithmic_axis_has_even_ratios() -> None:
 
 def test_maps_without_a_border() -> None:
     found = borders(lambda p: np.zeros(len(p), int), X, Y, levels=4)
-    assert (found.asked, found.counts, found.lines) == (63, (0,) * 5, ())
+    assert (found.asked, found.mixed, found.lines) == (63, (0,) * 5, ())
     assert found.pairs.shape == (0, 2, 2)
 
 

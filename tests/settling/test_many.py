@@ -14,10 +14,11 @@ from scipy.integrate import solve_ivp
 
 import stability as st
 from stability.algebra.program import Program
-from stability.settling.together import box_kernel, disk_settling, kernel
+from stability.settling import disk_settling
 from stability.settling.attraction import Surroundings, attraction
 from stability.settling.disk_settling import DiskSettling, deviation, nearest, settled
 from stability.settling.system_settling import SystemSettling
+from stability.settling.together import box_kernel, kernel
 from stability.settling.together.kernel import Balls, settled_many
 
 RIGHT = math.pi / 2
@@ -314,7 +315,7 @@ def test_a_bound_left_out_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     import inspect
 
     # the rate without the coupling of the states
-    source = inspect.getsource(box_kernel).replace("from ..algebra", "from stability.algebra")
+    source = inspect.getsource(box_kernel).replace("from ...algebra", "from stability.algebra")
     right = "s = s + 0.5 * (both + loose[i] + loose[k])"
     assert right in source
     broken: dict[str, Any] = {}

@@ -1,6 +1,6 @@
 """Fractions, exponents and entropies of labels, with their intervals.
 
 Each module takes labels, or a function that gives them, and returns a record with what it assumes.
-May import the rest of `base` and `basins/samples.py`.
+May import `base` and the rest of `basin`.
 To add a measure: a module with one function and one frozen record, with its source.
 """

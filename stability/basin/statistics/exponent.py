@@ -1,0 +1,213 @@
+"""Uncertainty exponent: how the share of uncertain launches falls with the error of a launch.
+
+A share f(ε) of launches has another label after a displacement by ε.  Near ε = 0, f ~ ε^α.  The
+border then has the box dimension D = d - α in d dimensions, and α = 1 for a smooth border.  With
+α < 1 a better knowledge of the start makes the outcome little more certain: *final state
+sensitivity* (Grebogi, McDonald, Ott & Yorke, Phys. Lett. A 99 (1983) 415; McDonald, Grebogi, Ott &
+Yorke, Physica D 17 (1985) 125).
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...base.checks import checked, whole_number
+from ...base.errors import ParameterError, StabilityWarning
+from ...base.types import Floats
+from ..lattice.labels import Ints, Label, asked
+from ..samples import on_sphere, shares
+from .fractions import LEVEL, checked_level, wilson
+from .power_law import fitted
+
+POINTS = 2000
+"""Base points, unless the caller wants another number."""
+DOUBTFUL = 1e-3
+"""Probability of the misfit below which the power law is called into question.
+
+With few events the statistic has heavy tails: up to 1 % of true power laws fall below."""
+
+
+@dataclass(frozen=True, eq=False)
+class UncertaintyExponent:
+    """Power law of the share of uncertain launches over a range of displacements."""
+
+    exponent: float
+    """α of f(ε) ~ ε^α, by maximum likelihood."""
+    interval: tuple[float, float]
+    """Confidence interval of α."""
+    level: float
+    """Its level."""
+    dimensions: int
+    """Dimension d of the launches."""
+    epsilons: Floats
+    """Displacements, as shares of the range of each coordinate, shape (m,)."""
+    counts: Ints
+    """Base points whose label differs after each displacement, shape (m,)."""
+    points: int
+    """Base points, the same for all displacements."""
+    fit: float
+    """Probability of a misfit at least this large if the power law holds."""
+    note: str
+    """What the interval counts, and whether the power law is in question."""
+
+    @property
+    def dimension(self) -> float:
+        """Box dimension D = d - α of the border."""
+        return self.dimensions - self.exponent
+
+    @property
+    def dimension_interval(self) -> tuple[float, float]:
+        """Confidence interval of D."""
+        return self.dimensions - self.interval[1], self.dimensions - self.interval[0]
+
+    @property
+    def shares(self) -> tuple[Floats, Floats, Floats]:
+        """f(ε) with the low and high ends of its Wilson intervals, each of shape (m,)."""
+        return self.counts / self.points, *wilson(self.counts, self.points, self.level)
+
+
+def uncertainty_exponent(
+    label: Label,
+    low: ArrayLike,
+    high: ArrayLike,
+    epsilons: ArrayLike,
+    *,
+    points: int = POINTS,
+    seed: int = 0,
+    level: float = LEVEL,
+    chunk: int | None = None,
+) -> UncertaintyExponent:
+    """Uncertainty exponent of the borders within a box.
+
+    Each base point is displaced in one random direction by every ε.  A displacement that leaves
+    the box is mirrored at its wall.
+
+    Parameters
+    ----------
+    label
+        Function of launches, shape (n, d), that returns their labels, n whole numbers.
+    low, high
+        Corners of the box, shape (d,).
+    epsilons
+        At least three displacements, as shares of the range of each coordinate, in (0, 1/2].
+    points
+        Base points.  The call takes points × (1 + number of displacements) labels.
+    seed
+        Seed of the base points and directions, by index.
+    level
+        Confidence level.
+    chunk
+        Most launches of one call of `label`; None for all in one call.
+
+    Returns
+    -------
+    UncertaintyExponent
+
+    Raises
+    ------
+    ParameterError
+        If an argument is not accepted, or labels differ at fewer than two displacements.
+
+    Warns
+    -----
+    StabilityWarning
+        If the shares do not fit a power law over this range.
+
+    Examples
+    --------
+    >>> def above(points):
+    ...     return points[:, 1] > points[:, 0] ** 2
+    >>> found = uncertainty_exponent(above, [0, 0], [1, 1], np.geomspace(1e-3, 0.1, 8))
+    >>> bool(found.interval[0] < 1 < found.interval[1]), found.dimensions
+    (True, 2)
+    """
+    box = _box(low, high)
+    steps = np.asarray(checked("epsilons", epsilons))
+    if steps.ndim != 1 or len(steps) < 3 or (steps <= 0).any() or (steps > 0.5).any():
+        raise ParameterError("epsilons: give at least three numbers in (0, 1/2].")
+    points = whole_number("points", points, least=2)
+    unlike = disagreements(label, box, steps, points=points, seed=seed, chunk=chunk)
+    return exponent_of(unlike, steps, len(box), level)
+
+
+def disagreements(
+    label: Label, box: Floats, epsilons: Floats, *, points: int, seed: int, chunk: int | None
+) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Whether each base point has another label after each displacement, shape (points, m)."""
+    d = len(box)
+    numbers = shares(2 * d, 0, points, seed)
+    base, towards = numbers[:, :d], on_sphere(numbers[:, d:])
+    moved = base[:, None, :] + epsilons[None, :, None] * towards[:, None, :]
+    moved = 1 - np.abs(1 - np.abs(moved))  # mirrored at 0 and 1
+    launches = np.concatenate([base[:, None, :], moved], axis=1).reshape(-1, d)
+    found = asked(label, box[:, 0] + (box[:, 1] - box[:, 0]) * launches, chunk)
+    labels = found.reshape(points, -1)
+    return np.asarray(labels[:, 1:] != labels[:, :1])
+
+
+def exponent_of(
+    unlike: ArrayLike, epsilons: ArrayLike, dimensions: int, level: float = LEVEL
+) -> UncertaintyExponent:
+    """The power law of a table of disagreements.
+
+    Parameters
+    ----------
+    unlike
+        Whether the label of base point i differs after displacement j, shape (n, m).
+    epsilons
+        The displacements, shape (m,).
+    dimensions
+        Dimension d of the launches.
+    level
+        Confidence level.
+
+    Returns
+    -------
+    UncertaintyExponent
+
+    Raises
+    ------
+    ParameterError
+        If labels differ at fewer than two displacements, or everywhere.
+
+    Warns
+    -----
+    StabilityWarning
+        If the shares do not fit a power law over this range.
+
+    Examples
+    --------
+    >>> distance = (np.arange(1000) + 0.5) / 1000  # of a base point from the border
+    >>> steps = np.geomspace(0.01, 0.2, 6)
+    >>> print(f"{exponent_of(distance[:, None] < steps, steps, 1).exponent:.2f}")
+    1.00
+    """
+    table = np.asarray(unlike, dtype=bool)
+    steps = np.asarray(epsilons, dtype=float)
+    law = fitted(table, steps, checked_level(level))
+    low, high = (min(max(end, 0.0), float(dimensions)) for end in law.interval)
+    span = f"{steps.min():.2g} to {steps.max():.2g}"
+    note = (
+        f"Maximum likelihood of {len(table)} base points, each displaced by the same {len(steps)} "
+        f"shares from {span}; the interval counts that these are dependent."
+    )
+    if law.fit < DOUBTFUL:
+        doubt = f"the shares from {span} do not fit a power law (probability {law.fit:.1g})"
+        note += f"  But {doubt}: take the exponent over a smaller range."
+        warnings.warn(f"{doubt}; take a smaller range.", StabilityWarning, stacklevel=3)
+    return UncertaintyExponent(
+        law.exponent, (low, high), level, dimensions, steps, table.sum(axis=0), len(table),
+        law.fit, note,
+    )  # fmt: skip
+
+
+def _box(low: ArrayLike, high: ArrayLike) -> Floats:
+    """The ranges of a box, shape (d, 2)."""
+    ends = [np.atleast_1d(np.asarray(checked(n, v))) for n, v in (("low", low), ("high", high))]
+    if ends[0].shape != ends[1].shape or ends[0].ndim != 1 or not (ends[0] < ends[1]).all():
+        raise ParameterError("low and high: give two corners of one length, low below high.")
+    return np.stack(ends, axis=1)
