@@ -20,7 +20,7 @@ from ..base.types import Floats
 from ..spectra.certificate import certify
 from ..spectra.problem import Problem
 from .compiled.loops import WANTED
-from .compiled.rates import CompiledRates, tables
+from .compiled.rates import CompiledRates, in_range, tables
 from .verdict_filter import point, tabulated
 
 STRIDE = 16
@@ -160,7 +160,7 @@ class GrowthKernel:
 
     def _quick(self, values: Mapping[str, Any], shape: tuple[int, int]) -> Any:
         """Quantities of the cells by compiled loops, open cells, and the factors of these cells."""
-        if self._loops is None:
+        if self._loops is None or not all(in_range(v) for v in values.values()):
             return None
         found = self._loops(point(self.problem, values), self._unit(values), shape)
         if found is None:

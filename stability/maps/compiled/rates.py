@@ -189,8 +189,7 @@ class CompiledRates:
             Rows and columns.
         """
         where, values = _lines([*(point[i] for i in self.tables.order), unit])
-        size = np.abs(values[: where[-1, 0]])
-        if not ((size == 0) | ((size > 1 / WIDEST) & (size < WIDEST))).all():
+        if not in_range(values[: where[-1, 0]]):
             return None
         count = shape[0] * shape[1]
         out, poor = np.empty((3, count)), np.empty(count, dtype=np.int64)
@@ -224,6 +223,18 @@ class CompiledRates:
             self.tables.even, found.rates, poor, kept,
         )  # fmt: skip
         return Found(found.rates, poor[:left], kept[:, :left])
+
+
+def in_range(values: Any) -> bool:
+    """Whether numbers are zero, or of a size whose products neither over- nor underflow.
+
+    Parameters
+    ----------
+    values
+        Float or array.
+    """
+    size = np.abs(values)
+    return bool(((size == 0) | ((size > 1 / WIDEST) & (size < WIDEST))).all())
 
 
 def _lines(arrays: list[Any]) -> tuple[NDArray[np.int64], Any]:
