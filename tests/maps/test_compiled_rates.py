@@ -12,7 +12,7 @@ from spectrum_oracle import DIGITS, reduced_truth
 
 import stability as st
 from stability.algebra.kernels.compiled import compiled
-from stability.algebra.real_factors import enclose, settle, start
+from stability.algebra.real_factors import Factors, enclose, settle, start
 from stability.base.verdict import CODES, Verdict
 from stability.bodies.thin_disk.disk_polynomials import INPUT, PLAIN
 from stability.maps.compiled import factors, loops, rates, schemes
@@ -158,6 +158,26 @@ def test_clusters_get_no_bound(roots: list[complex]) -> None:
     assert np.isinf(w[schemes.RADIUS : schemes.RADIUS + len(roots) * SIDE]).any()
     loops_().rate(len(roots), w)
     assert np.isinf(w[schemes.ERROR : schemes.ERROR + SIDE]).all()
+
+
+@needs_numba
+@pytest.mark.parametrize("degree", [3, 5])
+def test_distances_that_overflow_give_no_bound(degree: int) -> None:
+    roots = [-(1e78 if degree == 3 else 1e39) * (i + 1) for i in range(degree)]
+    w = np.zeros(schemes.PAGE)
+    known = [roots[0]]
+    for one, two in zip(roots[1::2], roots[2::2], strict=True):
+        known += [-(one + two), one * two]
+    for i, (c, f) in enumerate(zip(np.poly(roots)[::-1], known, strict=False)):
+        w[schemes.A + i * SIDE : schemes.A + (i + 1) * SIDE] = c
+        w[schemes.F + i * SIDE : schemes.F + (i + 1) * SIDE] = f
+    loops_().discs(degree, 0, w)
+    assert not (w[schemes.RADIUS : schemes.RADIUS + degree * SIDE] < np.inf).any()
+    a = [np.array([c]) for c in np.poly(roots)[::-1][:-1]]
+    pairs = [(np.array([p]), np.array([q])) for p, q in zip(known[1::2], known[2::2], strict=True)]
+    with np.errstate(all="ignore"):
+        plain = enclose(a, [0 * c for c in a], Factors(np.array([roots[0]]), pairs))
+    assert not (np.array(plain.radius) < np.inf).any()
 
 
 @needs_numba

@@ -120,9 +120,9 @@ def cubic_discs(a: Any, b: Any, c: Any, x: Any, y: Any, z: Any, r: Any, p: Any, 
     up, down = (first - r) ** 2 + turn * turn, (second - r) ** 2 + turn * turn
     closest = smaller(apart, smaller(up, down))
     m, n = m + slip, n + slip
-    w0 = 1.2 * ((z * s + y) * s + x) / math.sqrt(up * down)
-    w1 = 1.2 * ((z * m + y) * m + x) / math.sqrt(apart * up) + slip
-    w2 = 1.2 * ((z * n + y) * n + x) / math.sqrt(apart * down) + slip
+    w0 = weight(x, y, z, 0.0, 0.0, s, up * down)
+    w1 = weight(x, y, z, 0.0, 0.0, m, apart * up) + slip
+    w2 = weight(x, y, z, 0.0, 0.0, n, apart * down) + slip
     far = clear(3, larger(larger(w0, w1), w2), w0 + w1 + w2, closest)
     return r, first, second, turn, far + 1.2 * w0, far + 1.2 * w1, far + 1.2 * w2
 
@@ -168,4 +168,5 @@ def quintic_discs(a: Any, b: Any, c: Any, d: Any, e: Any, ea: Any, eb: Any, ec: 
 
 def weight(a: Any, b: Any, c: Any, d: Any, e: Any, size: Any, spread: Any) -> Any:
     """Weight of a root of this modulus; 1.2 covers the rounding of the distances."""
-    return 1.2 * ((((e * size + d) * size + c) * size + b) * size + a) / math.sqrt(spread)
+    value = 1.2 * ((((e * size + d) * size + c) * size + b) * size + a) / math.sqrt(spread)
+    return value if spread < math.inf else math.inf  # no weight is small by an overflow
