@@ -1,12 +1,14 @@
 """Fast kernels from the exact polynomials against AD Jacobian + numpy.linalg.eigvals.
 
 One run measures all routes on the same map, the baseline on some of its rows.  The routes take
-turns, since machines are shared and noisy: compare ratios of medians.  The baseline evaluates the
-AD Jacobian of its points at once and calls one batched `eigvals`: no bound, many wrong signs.
+turns, since machines are shared and noisy: compare ratios of medians.  Times are of the processor
+and of one thread, so that neither the number of processors nor other programs count.  The baseline
+evaluates the AD Jacobian of its points at once and calls one batched `eigvals`: no bound, many
+wrong signs.  `cold` is the first map of a machine, `warm` the first one of a process.
 
 The settling test of many launches is timed against the single test in flint's balls.
 
-Usage: python benchmarks/kernels.py [--large | --settling]
+Usage: python benchmarks/kernels.py [--large] [--growth | --settling]
 """
 
 from __future__ import annotations
@@ -28,7 +30,9 @@ import numpy as np
 
 import stability as st
 from stability.base.axis import Axis
-from stability.maps.cells import Cells
+from stability.maps.cells import COMPILED_FROM, Cells
+from stability.maps.growth_rates import GrowthKernel
+from stability.maps.verdict_tiles import GridVerdicts
 from stability.spectra.arguments import prepare
 from stability.spectra.certificate import certify
 from stability.spectra.disk_problem import disk_problem
@@ -41,10 +45,161 @@ BASE_ROWS = 40
 """Rows of the map on which the slow route is timed."""
 
 
+LAWS: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "viscous": (st.Viscous, ("mu", *MU, True)),
+    "linear-viscous": (st.LinearViscous, ("c", *MU, True)),
+    "rough": (st.Rough(), ("k", 0.05, 0.5, False)),
+    "smooth": (st.Smooth(), ("k", 0.05, 0.5, False)),
+}
+"""Each law and the second axis of its maps."""
+PAIRS = {"circling": "rough", "precession": "smooth"}
+"""Families of two numbers, and the law that they have."""
+
+
 def timed(run: Callable[[], Any]) -> float:
     start = time.perf_counter()
     run()
     return time.perf_counter() - start
+
+
+def spent(run: Callable[[], Any]) -> float:
+    """Processor time of a run [s]."""
+    start = time.process_time()
+    run()
+    return time.process_time() - start
+
+
+def cases() -> list[tuple[str, str]]:
+    return [(f, law) for law in LAWS for f in AXES] + list(PAIRS.items())
+
+
+def problem_of(family: str, law: str, nx: int, ny: int) -> tuple[Any, tuple[Axis, Axis]]:
+    kind, (name, low, high, log) = LAWS[law]
+    if family in PAIRS:
+        axes = Axis("theta", 0.3, 1.2, nx), Axis("phi_dot", 0.3, 3.0, ny)
+    else:
+        axes = Axis("at", *AXES[family], nx), Axis(name, low, high, ny, log)
+    return prepare(family, axes, None, kind, None, {}), axes
+
+
+def eigvals_of(question: Any, axes: tuple[Axis, Axis]) -> tuple[Callable[[], Any], int]:
+    """AD Jacobian and LAPACK on some rows of a map; the members are not timed."""
+    step = max(1, axes[1].count // BASE_ROWS)
+    at, other = np.meshgrid(axes[0].values, axes[1].values[::step])
+    swept = {axes[0].name: at.ravel(), axes[1].name: other.ravel()}
+    a, q, _, _ = question.arrays(dict(question.values) | swept)
+    u = question.family.members(a, q).u
+    run = lambda: np.linalg.eigvals(question.family.matrix(a, u, q)).real.max(axis=1)  # noqa: E731
+    return run, len(a)
+
+
+def ratios(family: str, law: str) -> dict[str, Any]:
+    """Growth rates with bounds and verdicts against the slow route, on one thread."""
+    question, axes = problem_of(family, law, NX, NY)
+    slow, count = eigvals_of(question, axes)
+    verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
+    by_numpy = GrowthKernel(question)
+    some = dict(question.values) | {axes[0].name: axes[0].values[None, :],
+                                    axes[1].name: axes[1].values[:131, None]}  # fmt: skip
+    rounds: dict[str, list[float]] = {"eigvals": [], "verdicts": [], "map": [], "numpy": []}
+    for turn in range(REPEATS + 1):  # the first one is not counted
+        cells = Cells(question, axes, False)
+        found = {
+            "eigvals": spent(slow) / count,
+            "verdicts": spent(lambda: verdicts(axes[0].values, axes[1].values)) / (NX * NY),
+            "map": spent(lambda cells=cells: cells.fill(1, None)) / (NX * NY),
+            "numpy": spent(lambda: by_numpy(some)) / (NX * 131),
+        }
+        for name, value in found.items() if turn else ():
+            rounds[name].append(value)
+    point = {name: statistics.median(times) for name, times in rounds.items()}
+    each = [a / b for a, b in zip(rounds["eigvals"], rounds["map"], strict=True)]
+    return {
+        "family": family, "law": law,
+        "ns_per_point": {name: round(1e9 * t, 2) for name, t in point.items()},
+        "ratio": round(statistics.median(each)), "least_ratio": round(min(each)),
+        "ratio_of_numpy": round(point["eigvals"] / (point["numpy"] + point["verdicts"]), 1),
+        "exactly": cells.handed_on,
+    }  # fmt: skip
+
+
+def sizes(family: str = "tumbling") -> list[dict[str, Any]]:
+    """Time per point of maps of 10^4 to 10^7 points, one thread, by both routes."""
+    out = []
+    for side in (100, 316, 1000, 3162):
+        question, axes = problem_of(family, "viscous", side, side)
+        line: dict[str, Any] = {"points": side * side, "by_default": "numpy"}
+        if side * side >= COMPILED_FROM:
+            line["by_default"] = "compiled"
+        for quick in (True, False):
+            cells = Cells(question, axes, False)
+            cells._growth = GrowthKernel(question, quick=quick)
+            _, *times = (spent(lambda cells=cells: cells.fill(1, None)) for _ in range(4))
+            name = "compiled_ns_per_point" if quick else "numpy_ns_per_point"
+            line[name] = round(1e9 * min(times) / side**2, 1)
+        out.append(line)
+    return out
+
+
+FRESH = """
+import json, resource, sys, time
+start = time.perf_counter()
+sys.path.insert(0, {here!r})
+import kernels as k
+from stability.maps.cells import Cells
+loaded = time.perf_counter()
+question, axes = k.problem_of("tumbling", "viscous", {nx}, {ny})
+{body}
+print(json.dumps(found | {{"peak_memory_MiB": resource.getrusage(
+    resource.RUSAGE_SELF).ru_maxrss // 1024}}))
+"""
+FIRST = """
+Cells(question, axes, False).fill(1, None)
+found = {"first_map_s": round(time.perf_counter() - loaded, 2)}
+"""
+STREAM = """
+import numpy as np
+from stability.maps.growth_rates import GrowthKernel
+from stability.maps.verdict_tiles import GridVerdicts
+kernel = GrowthKernel(question, quick=True)
+grid = GridVerdicts(question, "at", "mu")
+start, count, worst, growing = time.process_time(), 0, 0.0, 0
+for row in range(0, axes[1].count, 100):
+    ys = axes[1].values[row : row + 100]
+    values = dict(question.values) | {"at": axes[0].values[None, :], "mu": ys[:, None]}
+    rates, (codes, _) = kernel(values), grid(axes[0].values, ys)
+    assert ((rates.abscissa > 0) == (codes.ravel() == 2)).all()
+    count += codes.size
+    growing += int((codes == 2).sum())
+    worst = max(worst, float(rates.error.max()))
+used = time.process_time() - start
+found = {"points": count, "ns_per_point": round(1e9 * used / count, 1), "growing": growing,
+         "largest_bound": worst}
+"""
+
+
+def fresh(body: str, nx: int, ny: int, cache: str | None = None) -> dict[str, Any]:
+    """The result of a new process."""
+    here = str(Path(__file__).parent)
+    code = FRESH.format(here=here, nx=nx, ny=ny, body=body)
+    extra = {} if cache is None else {"STABILITY_CACHE_DIR": cache}
+    done = subprocess.run([sys.executable, "-c", code], env=os.environ | extra, check=True,
+                          capture_output=True, text=True)  # fmt: skip
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def growth(large: bool) -> None:
+    """Everything on growth rates, a line each."""
+    with tempfile.TemporaryDirectory() as cache:
+        print(json.dumps({"cold": fresh(FIRST, 2000, 1000, cache)}), flush=True)
+        print(json.dumps({"warm": fresh(FIRST, 2000, 1000, cache)}), flush=True)
+    for family, law in cases():
+        print(json.dumps(ratios(family, law)), flush=True)
+    for line in sizes():
+        print(json.dumps(line), flush=True)
+    if large:
+        print(json.dumps({"stream": fresh(STREAM, 10000, 10000)}), flush=True)
 
 
 def axes_of(family: str, packed: float | None = None) -> tuple[Axis, Axis]:
@@ -76,8 +231,6 @@ def baseline(family: str, axes: tuple[Axis, Axis]) -> Callable[[], Any]:
 
 
 def maps(family: str) -> dict[str, Any]:
-    from stability.maps.verdict_tiles import GridVerdicts
-
     axes = axes_of(family)
     slow = baseline(family, axes)
     question = prepare(family, axes, None, st.Viscous, None, {})
@@ -120,8 +273,6 @@ def signs_wrong(family: str, axes: tuple[Axis, Axis], slow: Callable[[], Any]) -
 
 def packed(family: str, distance: float) -> dict[str, Any]:
     """Time of the verdict route on a grid packed around a boundary, exact arithmetic included."""
-    from stability.maps.verdict_tiles import GridVerdicts
-
     axes = axes_of(family, distance)
     question = prepare(family, axes, None, st.Viscous, None, {})
     grid = GridVerdicts(question, "at", "mu")
@@ -129,9 +280,9 @@ def packed(family: str, distance: float) -> dict[str, Any]:
     ys = np.linspace(axes[1].low, axes[1].high, 300)
     start = time.perf_counter()
     codes, left = grid(xs, ys)
-    spent = time.perf_counter() - start
+    used = time.perf_counter() - start
     return {
-        "distance": distance, "ns_per_point": round(1e9 * spent / codes.size, 1),
+        "distance": distance, "ns_per_point": round(1e9 * used / codes.size, 1),
         "handed_to_exact": left / codes.size, "undecided": int((codes == 0).sum()),
     }  # fmt: skip
 
@@ -160,13 +311,13 @@ def streamed(side: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "map.nc"
         axes: dict[str, Any] = {"x": ("at", 0.011, 1.57, side), "y": ("mu", 0.01, 10, side, "log")}
-        spent = timed(lambda: st.stream_map("tumbling", **axes, out=target))
+        used = timed(lambda: st.stream_map("tumbling", **axes, out=target))
         start = time.perf_counter()
         with st.read_map(target, lazy=True) as dataset:
             corner = int(dataset.verdict[-1, -1])
         opened = time.perf_counter() - start
         return {
-            "cells": side * side, "seconds": round(spent, 1), "corner": corner,
+            "cells": side * side, "seconds": round(used, 1), "corner": corner,
             "file_MiB": round(target.stat().st_size / 2**20, 2),
             "peak_memory_MiB": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10),
             "opened_lazily_in_s": round(opened, 3),
@@ -237,11 +388,14 @@ def main() -> None:
     if "--settling" in sys.argv[1:]:
         print(json.dumps({"settling": settling()}), flush=True)
         return
-    large = "--large" in sys.argv[1:]
-    if large:  # first, so that the peak memory is that of the stream
+    large, only = "--large" in sys.argv[1:], "--growth" in sys.argv[1:]
+    if large and not only:  # first, so that the peak memory is that of the stream
         print(json.dumps({"streamed": streamed(31623)}), flush=True)
     print(json.dumps({"machine": platform.machine(), "python": platform.python_version(),
                       "numpy": np.__version__}))  # fmt: skip
+    growth(large)
+    if only:
+        return
     print(json.dumps({"certified_query": queries()}), flush=True)
     print(json.dumps({"settling": settling()}), flush=True)
     for family in AXES:

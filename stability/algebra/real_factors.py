@@ -323,6 +323,7 @@ def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Ro
     heaviest = np.maximum.reduce(weights)
     # discs of diag(λ) - w 1ᵀ, scaled by 1/10 in one place: its disc is clear of the others
     clear = closest > (2 * (n + 10) * heaviest) ** 2
+    clear &= np.maximum.reduce(spread) < np.inf  # no weight is small by an overflow
     factor = np.where(clear, 1 + (n - 1) / 10, np.inf)
     radius = [factor * w for w in weights]
     found = Roots([factors.r], [np.zeros_like(factors.r)], radius[:1])

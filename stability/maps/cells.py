@@ -29,7 +29,7 @@ from ..spectra.problem import Problem
 from ..systems.graph.smoothness import edged
 from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
-from .dataset import EXACT, GRAPH, OWN, SINGLE, SLICE
+from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE, SLICE
 from .growth_rates import GrowthKernel, steady_memory
 from .own.graph_rates import quick_rates
 from .own.slice_cells import slice_cells
@@ -42,6 +42,8 @@ BAND = 262144
 """Cells of a chunk of whole rows on the exact route: many, so that no thread waits for Python."""
 
 
+COMPILED_FROM = 2 * 10**6
+"""Fewest cells for which compiled loops are loaded, which takes as long as these by NumPy."""
 OWN_BAND = 65536
 """The same for a user's family: few enough for the arrays of its roots."""
 LEAST = 1024
@@ -102,7 +104,8 @@ class Cells:
             self.values = np.empty((*self.shape, self._count), dtype=complex)
         if self.exact:
             self._verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
-            self._growth = GrowthKernel(problem, modes=modes)
+            quick = math.prod(self.shape) >= COMPILED_FROM
+            self._growth = GrowthKernel(problem, modes=modes, quick=quick)
             self.chunk = max(1, BAND // self.shape[1]) * self.shape[1]
             steady_memory()
         elif self.by_slice:
@@ -128,7 +131,7 @@ class Cells:
             if self.problem.exact is None:
                 route += SINGLE
         else:
-            route = EXACT
+            route = EXACT + LOOPS * self._growth.compiled
         return f"{route} ({self.handed_on} of {math.prod(self.shape)} cells there)"
 
     def key(self) -> dict[str, Any]:
@@ -151,6 +154,7 @@ class Cells:
             **({"anchor": repr(family.anchor)} if family.anchor else {}),
             "chunk": self.chunk,
             "route": EXACT if self.exact else SLICE if self.by_slice else self._graph,
+            **({"loops": LOOPS} if self.exact and self._growth.compiled else {}),
         }
 
     def __getstate__(self) -> dict[str, Any]:

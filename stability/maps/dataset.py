@@ -33,6 +33,9 @@ EXACT = (
     "precision, then in rational arithmetic or balls"
 )
 
+LOOPS = "; growth rates by compiled loops"
+"""Added to it where Numba compiled them."""
+
 GRAPH = (
     "eigenvalues of the AD Jacobian with structural zeros removed through null vectors "
     "(LAPACK), or roots of its polynomial where their discs are small; error discs by running "

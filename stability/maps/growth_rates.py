@@ -13,19 +13,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..algebra.kernels.compiled import numba_found
 from ..algebra.polynomial import Polynomial
 from ..algebra.real_factors import Factors, Roots, enclose, settle, start
 from ..base.types import Floats
 from ..spectra.certificate import certify
 from ..spectra.problem import Problem
+from .compiled.loops import WANTED
+from .compiled.rates import CompiledRates, in_range, tables
 from .verdict_filter import point, tabulated
 
 STRIDE = 16
 """Distance between the cells of a tile at which the eigensolver starts."""
 STEPS = 2
 """Corrections of a cell that starts between its neighbours, before the change is checked."""
-WANTED = 1e-13
-"""Error of the abscissa, relative to the largest modulus, beyond which a cell is computed again."""
 LONG = np.longdouble
 HAS_LONG = np.finfo(LONG).eps < 1e-18
 """Whether the machine's long double is longer than double."""
@@ -94,9 +95,11 @@ class GrowthKernel:
         Problem of a family with a tabulated polynomial.
     modes
         Whether to return all eigenvalues.
+    quick
+        Whether to use compiled loops where Numba is installed; they return no modes.
     """
 
-    def __init__(self, problem: Problem, *, modes: bool = False) -> None:
+    def __init__(self, problem: Problem, *, modes: bool = False, quick: bool = False) -> None:
         self.problem, self.modes, self.exact = problem, modes, tabulated(problem)
         known, behind = self.exact.known, self.exact.roundings(dimensionless=problem.dimensionless)
         self.even = known.even
@@ -104,6 +107,13 @@ class GrowthKernel:
         self._factors = [_Coefficients(f, behind) for f in known.factors]
         even_terms = known.factors[0][::2] if self.even else ()  # of c₀ + c₂ λ²
         self._squared = [_Coefficients((c, one), behind) for c in even_terms]
+        tables_ = tables(self.exact, behind) if quick and not modes and numba_found() else None
+        self._loops = None if tables_ is None else CompiledRates(tables_)
+
+    @property
+    def compiled(self) -> bool:
+        """Whether compiled loops compute the tiles."""
+        return self._loops is not None
 
     def __call__(self, values: Mapping[str, Any], *, scattered: bool = False) -> Growth:
         """Eigenvalues for broadcast values over a tile.
@@ -124,13 +134,18 @@ class GrowthKernel:
         rows, columns = (1,) * (2 - len(given)) + given
         shape = rows, columns
         with np.errstate(all="ignore"):
-            roots, factors = self._roots(values, shape, [] if scattered else None)
-            found = self._rated(values, shape, roots)
-            poor = np.flatnonzero(_poor(found))
+            quick = None if scattered else self._quick(values, shape)
+            if quick is not None:
+                found, poor, factors = quick
+            else:
+                roots, factors = self._roots(values, shape, [] if scattered else None)
+                found = self._rated(values, shape, roots)
+                poor = np.flatnonzero(_poor(found))
+                factors = [f and f.take(poor) for f in factors]
             if HAS_LONG and len(poor) and not self.even:
                 part = _some(values, shape, poor, LONG)
                 row = 1, len(poor)
-                known = [f and f.take(poor).astype(LONG) for f in factors]
+                known = [f and f.astype(LONG) for f in factors]
                 again = self._rated(part, row, self._roots(part, row, known)[0])
                 found.put(poor, again)
                 poor = poor[_poor(again)]
@@ -142,6 +157,28 @@ class GrowthKernel:
             order = np.lexsort((spectrum.imag, spectrum.real), axis=-1)
             spectrum = np.take_along_axis(spectrum, order, -1)
         return Growth(found.top, found.error, found.turn, spectrum, len(poor))
+
+    def _quick(self, values: Mapping[str, Any], shape: tuple[int, int]) -> Any:
+        """Quantities of the cells by compiled loops, open cells, and the factors of these cells."""
+        if self._loops is None or not all(in_range(v) for v in values.values()):
+            return None
+        found = self._loops(point(self.problem, values), self._unit(values), shape)
+        if found is None:
+            return None
+        if HAS_LONG and len(found.poor):
+            long = {n: np.atleast_2d(np.asarray(v, dtype=LONG)) for n, v in values.items()}
+            found = self._loops.refine(
+                found, point(self.problem, long), self._unit(values), shape[1]
+            )
+        degrees = [len(f) - 1 for f in self.exact.known.factors]
+        factors = [Factors.unstack(found.factors) if n > 1 else None for n in degrees]
+        top, error, turn = found.rates
+        return _All(top, error, turn, None, None), found.poor, factors
+
+    def _unit(self, values: Mapping[str, Any]) -> Any:
+        """Unit of σ in the user's unit of rate, as it broadcasts."""
+        scale, square = self.exact.scale(values)
+        return np.sqrt(square) if scale is None else scale
 
     def _roots(
         self, values: Mapping[str, Any], shape: tuple[int, int], known: list[Factors | None] | None
@@ -185,8 +222,7 @@ class GrowthKernel:
 
     def _rated(self, values: Mapping[str, Any], shape: tuple[int, ...], roots: list[Roots]) -> _All:
         """Quantities of the eigenvalues, in the user's unit of rate, as doubles."""
-        scale, square = self.exact.scale(values)
-        unit: Any = np.sqrt(square) if scale is None else scale
+        unit = self._unit(values)
         unit = np.broadcast_to(unit, shape).reshape(-1) if np.ndim(unit) else unit
         real = [x for found in roots for x in found.real]
         imag = [x for found in roots for x in found.imag]
@@ -227,7 +263,8 @@ class _All(NamedTuple):
     top: Floats
     error: Floats
     turn: Floats
-    largest: Floats
+    largest: Floats | None
+    """Largest modulus of an eigenvalue, to judge the error by; None where that is done."""
     values: Any
     """All eigenvalues, with the mode as first axis, or None."""
 
@@ -251,6 +288,7 @@ class _All(NamedTuple):
 
 def _poor(found: _All) -> Any:
     """Where the error is beyond `WANTED`, or the sign of the abscissa is open."""
+    assert found.largest is not None
     sure = found.error <= WANTED * found.largest
     return ~(sure & ((np.abs(found.top) > found.error) | (found.error == 0)))
 

@@ -2,8 +2,7 @@
 
 The steady motion nearest to a state, and the proof in ball arithmetic that a motion converges to
 it: `attraction.py` has the proof, `disk_settling.py` the members of the disk, `system_settling.py`
-those of any `Family`.
-`together/kernel.py` has that proof for many states at once, `together/many.py` their nearest families.
+those of any `Family`.  `together/` has that proof for many states at once.
 May import `spectra`, `derivation`, `integrators` and the floors below.
 To add a body: a class with the two methods of `Settling` in `nearest.py`.
 """

@@ -16,7 +16,9 @@ def truth_matrix(family: st.Family, a: float, q: list[float]) -> Any:
     """The linearisation at a member as an mpmath matrix: the graph with its constants exact."""
     functions = {n: getattr(mpmath, n) for n in ("sin", "cos", "sqrt")}
     algebra: Any = type(
-        "Numbers", (), {"name": "mpmath", "constant": mpmath.mpf, "functions": functions}
+        "Numbers",
+        (),
+        {"name": "mpmath", "constant": mpmath.mpf, "functions": functions, "lasting": True},
     )
     values = [mpmath.mpf(v) for v in q]
     if family.name == "tumbling":

@@ -2,8 +2,10 @@
 
 A kernel is a module of plain functions and constants.  `compiled` joins the code of one or more
 such modules to one text, compiles every function in it at its first call, and hands the functions
-back.  Numba is optional (extra `kernels`) and is imported by the first call of `compiled` alone.
-Without it the same functions run as Python, on NumPy arrays in place of numbers.
+back.  Functions that the text names in `INLINE` are written into their callers, so that a loop that
+calls them becomes vector instructions.  Numba is optional (extra `kernels`) and is imported by the
+first call of `compiled` alone.  Without it the same functions run as Python, on NumPy arrays in
+place of numbers.
 
 Machine code is kept in a folder that is named by a digest of the text, so that no edit and no new
 version meets old code: comments and docstrings do not count.  Numba itself recompiles for another
@@ -159,15 +161,15 @@ def from_text(text: str, name: str, *, plain: bool = False) -> SimpleNamespace:
         sys.modules[module.__name__] = module  # kept machine code looks its module up by name
         for key, value in list(space.items()):
             if inspect.isfunction(value) and value.__globals__ is space:
-                space[key] = _jitted(value, path is not None)
+                space[key] = _jitted(value, path is not None, key in space.get("INLINE", ()))
     return SimpleNamespace(**{k: v for k, v in space.items() if not k.startswith("__")})
 
 
-def _jitted(function: Any, keep: bool) -> Any:
+def _jitted(function: Any, keep: bool, inline: bool = False) -> Any:
     """A function that Numba compiles at its first call."""
     import numba
 
-    settings: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+    settings: dict[str, Any] = {"nogil": True, "error_model": "numpy", "forceinline": inline}
     if keep:
         with suppress(RuntimeError):  # no folder for machine code can be written
             return numba.njit(cache=True, **settings)(function)

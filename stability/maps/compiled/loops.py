@@ -1,0 +1,402 @@
+"""Growth rates of a tile, row by row: everything that runs once for each cell.
+
+A tile is cut into rows, and a row into blocks.  Factors of a cell start from those of the rows
+before, by extrapolation.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .factors import (
+    EPS,
+    corrected_cubic,
+    corrected_quintic,
+    cubic_discs,
+    larger,
+    quintic_discs,
+    smaller,
+)
+from .schemes import (
+    CHANGE,
+    ERROR,
+    HIGH,
+    IMAG,
+    LARGEST,
+    PAGE,
+    RADIUS,
+    REAL,
+    SIDE,
+    TOP,
+    TURN,
+    UNIT,
+    VARIABLE,
+    A,
+    E,
+    F,
+    U,
+    coefficients,
+    copy,
+    long_coefficients,
+)
+
+STRIDE = 16
+"""Distance between the cells of a first row that get their factors one after the other."""
+MORE = 4
+"""Largest number of corrections of a block."""
+LONGER = 40
+"""Largest number of corrections of a cell that starts from another one."""
+ROUNDS = 200
+"""Largest number of rounds of a cell that starts from nothing."""
+ENOUGH = 8 * EPS
+"""Square of a change that leaves no error."""
+WANTED = 1e-13
+"""Error of the abscissa, relative to the largest modulus, beyond which a cell is computed again."""
+
+
+def correct(degree: int, w: Any) -> int:
+    """One correction of the factors of a block; the number of cells that still change."""
+    if degree == 3:
+        for j in range(SIDE):
+            w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[CHANGE + j] = corrected_cubic(
+                w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j],
+                w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j])  # fmt: skip
+    else:
+        for j in range(SIDE):
+            (w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j],
+             w[F + 4 * SIDE + j], w[CHANGE + j]) = corrected_quintic(
+                w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j], w[A + 3 * SIDE + j],
+                w[A + 4 * SIDE + j],
+                w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j],
+                w[F + 4 * SIDE + j])  # fmt: skip
+    open_cells = 0
+    for j in range(SIDE):
+        open_cells += 0 if w[CHANGE + j] < ENOUGH else 1
+    return open_cells
+
+
+def correct_one(degree: int, j: int, w: Any) -> None:
+    """One correction of one cell of a block."""
+    if degree == 3:
+        w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[CHANGE + j] = corrected_cubic(
+            w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j],
+            w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j])  # fmt: skip
+    else:
+        (w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j],
+         w[F + 4 * SIDE + j], w[CHANGE + j]) = corrected_quintic(
+            w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j], w[A + 3 * SIDE + j],
+            w[A + 4 * SIDE + j],
+            w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j],
+            w[F + 4 * SIDE + j])  # fmt: skip
+
+
+def begin(degree: int, j: int, z: Any, w: Any) -> None:
+    """Factors of a cell from all its roots at once (Durand and Kerner), which `z` holds."""
+    size = 0.0
+    for i in range(degree):
+        size = larger(size, abs(w[A + i * SIDE + j]) ** (1.0 / (degree - i)))
+    for i in range(degree):
+        z[i] = size * complex(0.4, 0.9) ** (i + 1)
+    for _ in range(ROUNDS):
+        change = 0.0
+        for i in range(degree):
+            value, others = z[i] + w[A + (degree - 1) * SIDE + j], complex(1.0, 0.0)
+            for k in range(degree - 2, -1, -1):
+                value = value * z[i] + w[A + k * SIDE + j]
+            for k in range(degree):
+                if k != i:
+                    others *= z[i] - z[k]
+            step = value / others
+            z[i] -= step
+            change = larger(change, abs(step) / abs(z[i]))
+        if change < 1e-5:
+            break
+    join(degree, j, z, w)
+
+
+def join(degree: int, j: int, z: Any, w: Any) -> None:
+    """Real factors of a cell from approximate roots: one real root, and pairs of the others."""
+    real = 0
+    for i in range(degree):
+        real = i if abs(z[i].imag) < abs(z[real].imag) else real
+    w[F + j] = z[real].real
+    z[real] = z[0]
+    for k in range(1, degree, 2):
+        # the root farthest from the real line, then the root nearest to its conjugate
+        far = k
+        for i in range(k, degree):
+            far = i if abs(z[i].imag) > abs(z[far].imag) else far
+        one, z[far] = z[far], z[k]
+        near = k + 1
+        for i in range(k + 1, degree):
+            mirrored = one.conjugate()
+            near = i if abs(z[i] - mirrored) < abs(z[near] - mirrored) else near
+        two, z[near] = z[near], z[k + 1]
+        w[F + k * SIDE + j] = -(one + two).real
+        w[F + (k + 1) * SIDE + j] = (one * two).real
+
+
+def rescue(degree: int, j: int, near: Any, z: Any, w: Any) -> None:
+    """Factors of a cell whose prediction failed: from the cell before it, or from nothing."""
+    for attempt in range(2):
+        if attempt == 0:
+            for f in range(degree):
+                w[F + f * SIDE + j] = near[f]
+        else:
+            begin(degree, j, z, w)
+        for _ in range(LONGER if attempt else 2 * MORE):
+            correct_one(degree, j, w)
+            if w[CHANGE + j] < ENOUGH:
+                return
+
+
+def discs(degree: int, slot: int, w: Any) -> None:
+    """Roots of a factor and the radii of their discs, from the lines of this slot on."""
+    if degree == 1:
+        for j in range(SIDE):
+            w[REAL + slot * SIDE + j] = -w[A + j]
+            w[IMAG + slot * SIDE + j] = 0.0
+            w[RADIUS + slot * SIDE + j] = w[E + j]
+    elif degree == 3:
+        for j in range(SIDE):
+            (w[REAL + j], w[REAL + SIDE + j], w[REAL + 2 * SIDE + j], turn,
+             w[RADIUS + j], w[RADIUS + SIDE + j], w[RADIUS + 2 * SIDE + j]) = cubic_discs(
+                w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j],
+                w[E + j], w[E + SIDE + j], w[E + 2 * SIDE + j],
+                w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j])  # fmt: skip
+            w[IMAG + j], w[IMAG + SIDE + j], w[IMAG + 2 * SIDE + j] = 0.0, turn, turn
+    else:
+        for j in range(SIDE):
+            (w[REAL + j], w[REAL + SIDE + j], w[REAL + 2 * SIDE + j], w[REAL + 3 * SIDE + j],
+             w[REAL + 4 * SIDE + j], turn, tilt, w[RADIUS + j], w[RADIUS + SIDE + j],
+             w[RADIUS + 2 * SIDE + j], w[RADIUS + 3 * SIDE + j],
+             w[RADIUS + 4 * SIDE + j]) = quintic_discs(
+                w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j], w[A + 3 * SIDE + j],
+                w[A + 4 * SIDE + j],
+                w[E + j], w[E + SIDE + j], w[E + 2 * SIDE + j], w[E + 3 * SIDE + j],
+                w[E + 4 * SIDE + j],
+                w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j],
+                w[F + 4 * SIDE + j])  # fmt: skip
+            w[IMAG + j], w[IMAG + SIDE + j], w[IMAG + 2 * SIDE + j] = 0.0, turn, turn
+            w[IMAG + 3 * SIDE + j], w[IMAG + 4 * SIDE + j] = tilt, tilt
+
+
+def rate(roots: int, w: Any) -> None:
+    """Largest real part of a block, its error and |imaginary part|, and the largest modulus."""
+    copy(REAL, TOP, w)
+    for s in range(1, roots):
+        for j in range(SIDE):
+            w[TOP + j] = larger(w[U(REAL + s * SIDE + j)], w[TOP + j])
+    for j in range(SIDE):
+        w[HIGH + j], w[ERROR + j], w[TURN + j], w[LARGEST + j] = w[TOP + j], math.inf, 0.0, 0.0
+    # every disc is clear of the others, so each holds one eigenvalue
+    for s in range(roots):
+        to = s * SIDE
+        for j in range(SIDE):
+            x, y, r = w[U(REAL + to + j)], w[U(IMAG + to + j)], w[U(RADIUS + to + j)]
+            first = x == w[TOP + j]
+            w[HIGH + j] = larger(x + r, w[HIGH + j])
+            w[ERROR + j] = smaller(r if first else math.inf, w[ERROR + j])
+            w[TURN + j] = larger(y if first else 0.0, w[TURN + j])
+            w[LARGEST + j] = larger(abs(x) + y, w[LARGEST + j])
+    for j in range(SIDE):
+        # roundings of the unit, of the product with it, and of the sums above
+        rounding = 6e-16 * abs(w[TOP + j]) + 1e-18 * w[LARGEST + j]
+        w[ERROR + j] = larger(w[HIGH + j] - w[TOP + j], w[ERROR + j]) + rounding
+
+
+def squares(w: Any) -> None:
+    """The same for ±√z, where λ² = z = -a₀/a₁ is one number, neutral where z is negative."""
+    for j in range(SIDE):
+        z = -w[A + j]
+        slack = w[E + j] / abs(z)
+        root = math.sqrt(abs(z))
+        # |√z - √z'| ≤ min(relative error of z, √ of its error)
+        error = smaller(root * (slack + EPS), math.sqrt(w[E + j]) + EPS * root)
+        error = math.sqrt(w[E + j]) if z == 0 else error
+        top, turn = (root, 0.0) if z > 0 else (0.0, root)
+        still = (top == 0) & (turn > error)
+        w[TOP + j], w[TURN + j], w[LARGEST + j] = top, turn, root
+        w[ERROR + j] = 0.0 if still else error + (6e-16 * top + 1e-18 * root)
+
+
+def fill(values: Any, where: Any, count: int, row: int, column: int, many: int, line: int,
+         w: Any) -> None:  # fmt: skip
+    """Lines of the variables of a block, the last cell repeated to the end."""
+    for v in range(count):
+        at = where[v, 0] + row * where[v, 1] + column * where[v, 2]
+        to = line + v * SIDE
+        if where[v, 2]:
+            for j in range(many):
+                w[to + j] = values[at + j]
+            for j in range(many, SIDE):
+                w[to + j] = w[to + many - 1]
+        else:
+            for j in range(SIDE):
+                w[to + j] = values[at]
+
+
+def predict(row: int, column: int, many: int, degree: int, past: Any, near: Any, z: Any,
+            w: Any) -> None:  # fmt: skip
+    """Factors of a block from the rows before; in the first row, from cells a stride apart."""
+    if row == 0:
+        last = 0
+        for anchor in range(0, SIDE + STRIDE - 1, STRIDE):
+            j = min(anchor, SIDE - 1)
+            rescue(degree, j, near, z, w)
+            for f in range(degree):
+                near[f] = w[F + f * SIDE + j]
+                begun = w[F + f * SIDE + last]
+                for k in range(last + 1, j):
+                    w[F + f * SIDE + k] = begun + (near[f] - begun) * ((k - last) / (j - last))
+            last = j
+        return
+    known = min(row, 4)
+    one, two, three, four = (
+        (1.0, 0.0, 0.0, 0.0) if known == 1 else (2.0, -1.0, 0.0, 0.0) if known == 2
+        else (3.0, -3.0, 1.0, 0.0) if known == 3 else (4.0, -6.0, 4.0, -1.0))  # fmt: skip
+    a, b, c, d = (row - 1) % 4, (row - 2) % 4, (row - 3) % 4, (row - 4) % 4
+    for f in range(degree):
+        to = F + f * SIDE
+        for j in range(many):
+            k = column + j
+            w[to + j] = (one * past[a, f, k] + two * past[b, f, k]
+                         + (three * past[c, f, k] + four * past[d, f, k]))  # fmt: skip
+        for j in range(many, SIDE):
+            w[to + j] = w[to + many - 1]
+
+
+def settle(row: int, column: int, many: int, degree: int, past: Any, near: Any, z: Any,
+           w: Any) -> None:  # fmt: skip
+    """Factors of a block, corrected until they no longer change, and kept for the next rows."""
+    predict(row, column, many, degree, past, near, z, w)
+    left = SIDE
+    for _ in range(MORE):
+        left = correct(degree, w)
+        if left == 0:
+            break
+    now = row % 4
+    if left:
+        for j in range(SIDE):
+            if not w[CHANGE + j] < ENOUGH:
+                for f in range(degree):
+                    before = past[now, f, column - 1] if column else math.nan
+                    near[f] = w[F + f * SIDE + j - 1] if j else before
+                rescue(degree, j, near, z, w)
+                if j < many:  # factors may be other ones than before
+                    for f in range(degree):
+                        for h in range(4):
+                            past[h, f, column + j] = w[F + f * SIDE + j]
+    for f in range(degree):
+        for j in range(many):
+            past[now, f, column + j] = w[F + f * SIDE + j]
+        near[f] = w[F + f * SIDE + many - 1]
+
+
+def note(at: int, many: int, degree: int, out: Any, poor: Any, kept: Any, count: int,
+         w: Any) -> int:  # fmt: skip
+    """Write a block in the user's unit, and list the cells that are to be computed again."""
+    sure = 0
+    for j in range(SIDE):
+        unit = w[UNIT + j]
+        top, error, largest = unit * w[TOP + j], unit * w[ERROR + j], unit * w[LARGEST + j]
+        good = (error <= WANTED * largest) & ((abs(top) > error) | (error == 0))
+        w[TOP + j], w[ERROR + j], w[TURN + j] = top, error, unit * w[TURN + j]
+        w[CHANGE + j] = 0.0 if good else 1.0
+        sure += 1 if good else 0
+    for q in range(3):
+        for j in range(many):
+            out[q, U(at + j)] = w[U(TOP + q * SIDE + j)]
+    if sure < SIDE:
+        for j in range(many):
+            if w[CHANGE + j] > 0:
+                poor[count] = at + j
+                for f in range(degree):
+                    kept[f, count] = w[F + f * SIDE + j]
+                count += 1
+    return count
+
+
+def sweep(table: Any, where: Any, values: Any, shape: Any, even: bool, out: Any, poor: Any,
+          kept: Any) -> int:  # fmt: skip
+    """Growth rates of a tile; the number of cells that are to be computed again."""
+    steps, numbers, parts, bounds, factors = table
+    rows, columns = shape
+    variables = len(where) - 1
+    degree = factors[0, 1]
+    past = np.zeros((4, degree, columns))
+    near, z = np.full(degree, math.nan), np.zeros(degree, dtype=np.complex128)
+    w = np.zeros(PAGE)
+    count = 0
+    for row in range(rows):
+        for column in range(0, columns, SIDE):
+            many = min(SIDE, columns - column)
+            fill(values, where, variables, row, column, many, VARIABLE, w)
+            fill(values, where[variables:], 1, row, column, many, UNIT, w)
+            slot = 0
+            for k in range(len(factors)):
+                first, n = factors[k]
+                coefficients(steps, numbers, parts, bounds, first, n, w)
+                if n > 1:
+                    settle(row, column, many, n, past, near, z, w)
+                if not even:
+                    discs(n, slot, w)
+                slot += n
+            if even:
+                squares(w)
+            else:
+                rate(slot, w)
+            at = row * columns + column
+            count = note(at, many, degree if degree > 1 else 0, out, poor, kept, count, w)
+    return count
+
+
+def refine(table: Any, where: Any, values: Any, rest: Any, columns: int, cells: Any, known: Any,
+           even: bool, out: Any, poor: Any, kept: Any) -> int:  # fmt: skip
+    """The same for some cells, with coefficients from pairs of doubles."""
+    steps, numbers, parts, bounds, factors = table
+    variables = len(where) - 1
+    degree = factors[0, 1]
+    w = np.zeros(PAGE)
+    found = np.empty((3, SIDE))
+    count = 0
+    some, again = np.empty(SIDE, dtype=np.int64), np.empty((degree, SIDE))
+    for start in range(0, len(cells), SIDE):
+        many = min(SIDE, len(cells) - start)
+        for j in range(SIDE):
+            cell = start + min(j, many - 1)
+            row, column = cells[cell] // columns, cells[cell] % columns
+            for v in range(variables + 1):
+                at = where[v, 0] + row * where[v, 1] + column * where[v, 2]
+                to = VARIABLE + v * SIDE if v < variables else UNIT
+                w[to + j] = values[at]
+                if v < variables:
+                    w[to + 4 * SIDE + j] = rest[at]
+            for f in range(degree):
+                w[F + f * SIDE + j] = known[f, cell]
+        slot = 0
+        for k in range(len(factors)):
+            first, n = factors[k]
+            long_coefficients(steps, numbers, parts, bounds, first, n, w)
+            for _ in range(2 if n > 1 else 0):
+                correct(n, w)
+            if not even:
+                discs(n, slot, w)
+            slot += n
+        if even:
+            squares(w)
+        else:
+            rate(slot, w)
+        left = note(0, many, degree if degree > 1 else 0, found, some, again, 0, w)
+        for j in range(many):
+            for q in range(3):
+                out[q, cells[start + j]] = found[q, j]
+        for k in range(left):
+            poor[count] = cells[start + some[k]]
+            for f in range(degree):
+                kept[f, count] = again[f, k]
+            count += 1
+    return count
