@@ -32,7 +32,7 @@ from ..systems.family import Family
 from ..systems.system import System
 from .attraction import Attraction, Surroundings, attraction
 from .kernel import Balls
-from .lines import line_surroundings
+from .lines import Vertical, line_surroundings
 from .many import RIGHT_ANGLE, NearestMany, nearest_many
 from .nearest import Nearest
 
@@ -143,26 +143,38 @@ class Line:
         # an inclination that leans is not known exactly
         return None if self.conservative or self.level is not None else self.around
 
+    def _parts(self, a: list[Any], number: Algebra) -> list[Any]:
+        """States, second argument of the programs and π/2 → at, then the deviations."""
+        n = len(self.system.states)
+        return [v for [v] in self.deviation.dense(number, [a[:n], a[n:-1], a[-1:]])]
+
     @cached_property
     def _tape(self) -> Tape:
-        n, held = len(self.system.states), 2 + self.system.p.numel()
-
-        def parts(a: list[Any], number: Algebra) -> list[Any]:
-            rows = self.deviation.dense(number, [a[:n], a[n : n + held], a[n + held :]])
-            return [v for [v] in rows]
-
-        return recorded(parts, n + held + 1)
+        return recorded(self._parts, sum(self.deviation.inputs))
 
     def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:
-        """Parameters, deviations and second arguments of the programs, launch by launch."""
+        """As `Place.place`."""
         signs = np.copysign(1.0, states[:, TURNING])
         heights = np.array([self._level(tuple(q)) for q in p.tolist()])
         given = np.column_stack([signs, heights, p])
         right = np.broadcast_to(RIGHT_ANGLE, (2, len(states)))
         mid = np.vstack([states[:, : len(self.system.states)].T, given.T, right[0]])
         rad = np.vstack([np.zeros_like(mid[:-1]), right[1]])
-        m, r = self._tape.run(mid, rad, plain=plain)
+        try:
+            m, r = self._tape.run(mid, rad, plain=plain)
+        except StabilityError:  # a function without a kernel
+            m, r = self._one_by_one(mid, rad)
         return Balls(m[:1].T, r[:1].T), Balls(m[1:].T, r[1:].T), given
+
+    def _one_by_one(self, mid: Floats, rad: Floats) -> tuple[Floats, Floats]:
+        from flint import arb
+
+        found = np.empty((2, len(self.system.states), mid.shape[1]))
+        for i in range(mid.shape[1]):
+            own = [arb(*v) for v in zip(mid[:, i].tolist(), rad[:, i].tolist(), strict=True)]
+            for j, v in enumerate(self._parts(own, balls())):
+                found[:, j, i] = float(v.mid()), float(v.rad())  # at 53 bits both are doubles
+        return found[0], found[1]
 
     def at(self, state: Floats) -> float:
         """The number that names the member of a state."""
@@ -188,78 +200,6 @@ class Line:
         held, right = [arb(v) for v in given], [arb.pi() / 2]
         [y, *e] = (v for [v] in self.deviation.dense(balls(), [exact, held, right]))
         return attraction(around, given, [y], e)
-
-
-@dataclass(frozen=True, eq=False)
-class Vertical:
-    """Spin about the vertical axis at a pole, in the chart around it with x̂ along X."""
-
-    family: Family
-    """The family, for its verdict."""
-    system: System
-    """The system of the family."""
-    conservative: bool
-    """Whether the law keeps the energy."""
-    pole: int
-    """1 for θ = 0, -1 for θ = π."""
-
-    @property
-    def name(self) -> str:
-        """Name of the family."""
-        return self.family.name
-
-    def _chart(self, states: Floats) -> tuple[Floats, Floats]:
-        """ω_Z, and axis_X, axis_Y, ω_X, ω_Y and the slip of the six states."""
-        theta, theta_dot, phi_dot, omega3, *slip = np.moveaxis(states, -1, 0)
-        sine, spin = np.sin(theta), omega3 - phi_dot * np.cos(theta)
-        off = [sine, 0 * sine, spin * sine, theta_dot, *slip]
-        return phi_dot + spin * np.cos(theta), np.stack(off, axis=-1)
-
-    def deviations(self, states: Floats, p: Floats) -> Floats:  # noqa: ARG002
-        """Deviations of states, shape (t, 6), from the members with their ω_Z, shape (t, 6)."""
-        off = self._chart(states)[1]
-        off[self.pole * np.cos(states[:, 0]) <= 0] = np.inf
-        return off
-
-    @property
-    def attracting(self) -> Surroundings | None:
-        """Surroundings of the family; None where no motion is proved to settle on it."""
-        return None if self.conservative else self.around
-
-    def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:  # noqa: ARG002
-        """Parameters, deviations and second arguments of the programs, launch by launch."""
-        own, off = self._chart(states)
-        off[self.pole * np.cos(states[:, 0]) <= 0] = np.inf
-        y = np.asarray(own)[:, None]
-        return Balls(y, np.zeros_like(y)), Balls(off, np.zeros_like(off)), p
-
-    def at(self, state: Floats) -> float:
-        """The number that names the member of a state."""
-        return float(self._chart(state)[0])
-
-    def at_member(self, state: Floats, p: Floats) -> Floats:  # noqa: ARG002
-        """The states of the member that belongs to a state."""
-        theta = 0.0 if self.pole == 1 else math.pi
-        return np.array([theta, 0.0, 0.0, self.pole * self.at(state), 0.0, 0.0])
-
-    @cached_property
-    def around(self) -> Surroundings:
-        """Surroundings of the family."""
-        system = self.system
-        member = dict.fromkeys(system.states, 0.0)
-        positive = ca.vertcat(
-            system.observables["normal_force"], *(c.value for c in system.conditions)
-        )
-        return line_surroundings(system, positive, "omega_Z", member, ca.SX.sym("y"), system.p)
-
-    def settled(self, state: Floats, p: Floats) -> Attraction | None:
-        """A proof that a motion converges to one steady motion of the family."""
-        from flint import arb
-
-        own, off = self._chart(state)
-        return attraction(
-            self.around, p.tolist(), [arb(float(own))], [arb(v) for v in off.tolist()]
-        )
 
 
 @lru_cache(maxsize=256)
