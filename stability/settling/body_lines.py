@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -131,15 +133,14 @@ class Line:
         # an inclination that leans is not known exactly
         return None if self.conservative or self.level is not None else self.around
 
+    def _parts(self, a: list[Any], number: Algebra) -> list[Any]:
+        """States, second argument of the programs and π/2 → at, then the deviations."""
+        n = len(self.system.states)
+        return [v for [v] in self.deviation.dense(number, [a[:n], a[n:-1], a[-1:]])]
+
     @cached_property
     def _tape(self) -> Tape:
-        n, held = len(self.system.states), 2 + self.system.p.numel()
-
-        def parts(a: list[Any], number: Algebra) -> list[Any]:
-            rows = self.deviation.dense(number, [a[:n], a[n : n + held], a[n + held :]])
-            return [v for [v] in rows]
-
-        return recorded(parts, n + held + 1)
+        return recorded(self._parts, sum(self.deviation.inputs))
 
     def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:
         """Parameters, deviations and second arguments of the programs, launch by launch.
@@ -155,8 +156,21 @@ class Line:
         right = np.broadcast_to(RIGHT_ANGLE, (2, len(states)))
         mid = np.vstack([states[:, : len(self.system.states)].T, given.T, right[0]])
         rad = np.vstack([np.zeros_like(mid[:-1]), right[1]])
-        m, r = self._tape.run(mid, rad, plain=plain)
+        try:
+            m, r = self._tape.run(mid, rad, plain=plain)
+        except StabilityError:  # a function without a kernel
+            m, r = self._one_by_one(mid, rad)
         return Balls(m[:1].T, r[:1].T), Balls(m[1:].T, r[1:].T), given
+
+    def _one_by_one(self, mid: Floats, rad: Floats) -> tuple[Floats, Floats]:
+        from flint import arb
+
+        found = np.empty((2, len(self.system.states), mid.shape[1]))
+        for i in range(mid.shape[1]):
+            own = [arb(*v) for v in zip(mid[:, i].tolist(), rad[:, i].tolist(), strict=True)]
+            for j, v in enumerate(self._parts(own, balls())):
+                found[:, j, i] = float(v.mid()), float(v.rad())  # at 53 bits both are doubles
+        return found[0], found[1]
 
     def at(self, state: Floats) -> float:
         """The number that names the member of a state."""
@@ -184,6 +198,20 @@ class Line:
         return attraction(around, given, [y], e)
 
 
+@lru_cache(maxsize=256)
+def _level(line: Line, p: tuple[float, ...]) -> float:
+    """The zero of the height's slope near that of the line, by Newton's method."""
+    theta = float(line.level or 0.0)
+    shape = p[: line.height.n_in() - 1]
+    for _ in range(ROOT):
+        _, slope, bend = (float(v) for v in line.height(theta, *shape))
+        step = slope / bend if bend else math.nan
+        theta -= step
+        if not abs(step) > 1e-15:
+            return theta
+    return math.nan
+
+
 @dataclass(frozen=True, eq=False)
 class Vertical:
     """Spin about the vertical axis at a pole, in the chart around it with x̂ along X."""
@@ -202,16 +230,17 @@ class Vertical:
         """Name of the family."""
         return self.family.name
 
-    def _chart(self, states: Floats) -> tuple[Floats, Floats]:
-        """ω_Z, and axis_X, axis_Y, ω_X, ω_Y and the slip of the six states."""
-        theta, theta_dot, phi_dot, omega3, *slip = np.moveaxis(states, -1, 0)
-        sine, spin = np.sin(theta), omega3 - phi_dot * np.cos(theta)
-        off = [sine, 0 * sine, spin * sine, theta_dot, *slip]
-        return phi_dot + spin * np.cos(theta), np.stack(off, axis=-1)
+    @staticmethod
+    def _chart(six: Sequence[Any], functions: Any) -> list[Any]:
+        """ω_Z, then axis_X, axis_Y, ω_X, ω_Y and the slip, of six states of any number type."""
+        theta, theta_dot, phi_dot, omega3, *slip = six
+        sine, cosine = functions.sin(theta), functions.cos(theta)
+        spin = omega3 - phi_dot * cosine
+        return [phi_dot + spin * cosine, sine, 0 * sine, spin * sine, theta_dot, *slip]
 
     def deviations(self, states: Floats, p: Floats) -> Floats:  # noqa: ARG002
         """Deviations of states, shape (t, 6), from the members with their ω_Z, shape (t, 6)."""
-        off = self._chart(states)[1]
+        off = np.stack(self._chart([*np.moveaxis(states, -1, 0)], np)[1:], axis=-1)
         off[self.pole * np.cos(states[:, 0]) <= 0] = np.inf
         return off
 
@@ -220,7 +249,7 @@ class Vertical:
         """Surroundings of the family; None where no motion is proved to settle on it."""
         return None if self.conservative else self.around
 
-    def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:  # noqa: ARG002
+    def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:
         """Parameters, deviations and second arguments of the programs, launch by launch.
 
         Parameters
@@ -228,14 +257,13 @@ class Vertical:
         states, p, plain
             As for `stability.settling.together.many.Place`.
         """
-        own, off = self._chart(states)
-        off[self.pole * np.cos(states[:, 0]) <= 0] = np.inf
-        y = np.asarray(own)[:, None]
-        return Balls(y, np.zeros_like(y)), Balls(off, np.zeros_like(off)), p
+        m, r = (v.T for v in _pole_chart().run(states.T, plain=plain))
+        m[self.pole * np.cos(states[:, 0]) <= 0] = np.inf  # the other pole is nearer
+        return Balls(m[:, :1], r[:, :1]), Balls(m[:, 1:], r[:, 1:]), p
 
     def at(self, state: Floats) -> float:
         """The number that names the member of a state."""
-        return float(self._chart(state)[0])
+        return float(self._chart(state.tolist(), np)[0])
 
     def at_member(self, state: Floats, p: Floats) -> Floats:  # noqa: ARG002
         """The states of the member that belongs to a state."""
@@ -256,21 +284,16 @@ class Vertical:
         """A proof that a motion converges to one steady motion of the family."""
         from flint import arb
 
-        own, off = self._chart(state)
-        return attraction(
-            self.around, p.tolist(), [arb(float(own))], [arb(v) for v in off.tolist()]
-        )
+        functions = SimpleNamespace(**balls().functions)
+        own, *off = self._chart([arb(v) for v in state.tolist()], functions)
+        return attraction(self.around, p.tolist(), [own], off)
 
 
-@lru_cache(maxsize=256)
-def _level(line: Line, p: tuple[float, ...]) -> float:
-    """The zero of the height's slope near that of the line, by Newton's method."""
-    theta = float(line.level or 0.0)
-    shape = p[: line.height.n_in() - 1]
-    for _ in range(ROOT):
-        _, slope, bend = (float(v) for v in line.height(theta, *shape))
-        step = slope / bend if bend else math.nan
-        theta -= step
-        if not abs(step) > 1e-15:
-            return theta
-    return math.nan
+@lru_cache(maxsize=1)
+def _pole_chart() -> Tape:
+    """Six states → ω_Z, then the six deviations."""
+
+    def chart(a: list[Any], number: Algebra) -> list[Any]:
+        return Vertical._chart(a, SimpleNamespace(**number.functions))
+
+    return recorded(chart, 6)
