@@ -25,8 +25,8 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.equations import round_system
-from ..bodies.round_body.families import levels, round_family
+from ..bodies.round_body.equations import Resistances, round_system
+from ..bodies.round_body.families import levels, round_family, survives
 from ..bodies.round_body.pole_equations import pole_system, smooth_at
 from ..systems.family import Family
 from ..systems.system import System
@@ -357,19 +357,22 @@ class BodySettling:
         return found
 
 
-def body_settling(body: Body, law: type[Contact], given: tuple[str, ...]) -> BodySettling:
+def body_settling(
+    body: Body, law: type[Contact], given: tuple[str, ...], resistance: Resistances = ()
+) -> BodySettling:
     """The families that a body may settle on under a law, and those that it may depart from.
 
     Parameters
     ----------
-    body, law, given
+    body, law, given, resistance
         As for `stability.bodies.round_body.models.angle_model.round_model`.
 
     Returns
     -------
     BodySettling
+        With the families that lose nothing to the resistances.
     """
-    system = round_system(body, law, given, physical=False, slip_states=True)
+    system = round_system(body, law, given, physical=False, slip_states=True, resistance=resistance)
     theta, *own = (ca.SX.sym(n) for n in ("theta", *body.shape))
     height = ca.Function("height", [theta, *own], [f(theta, *own) for f in body.slopes()])
     shape = ca.vertsplit(system.p)[: len(own)]
@@ -380,32 +383,41 @@ def body_settling(body: Body, law: type[Contact], given: tuple[str, ...]) -> Bod
     ))  # fmt: skip
     lines: list[Line | Vertical] = [
         Line(family, system, law.conservative, height, moments, body.between, level)
-        for family, level in _families(body, law, given)
+        for family, level in _families(body, law, given, resistance)
     ]
     for pole, word in ((1, 0), (-1, "pi")):
-        if smooth_at(body, pole):
-            family = round_family(body, "vertical", law, given, physical=False, pole=word)
+        if smooth_at(body, pole) and survives("vertical", resistance, upright=False):
+            family = round_family(
+                body, "vertical", law, given, physical=False, pole=word, resistance=resistance
+            )
             family = replace(family, name=f"vertical at theta = {word}")
-            chart = pole_system(body, law, given, physical=False, near=pole)
+            chart = pole_system(body, law, given, physical=False, near=pole, resistance=resistance)
             lines.append(Vertical(family, chart, law.conservative, pole))
     return BodySettling(tuple(lines))
 
 
 def _families(
-    body: Body, law: type[Contact], given: tuple[str, ...]
+    body: Body, law: type[Contact], given: tuple[str, ...], resistance: Resistances
 ) -> list[tuple[Family, float | None]]:
     """The families that one number names, and the inclination of rolling where it leans."""
     found: list[tuple[Family, float | None]] = []
     places = levels(body)
     for theta in places:
-        family = round_family(body, "rolling", law, given, physical=False, theta=theta)
+        if not survives("rolling", resistance, upright=theta == math.pi / 2):
+            continue
+        family = round_family(
+            body, "rolling", law, given, physical=False, theta=theta, resistance=resistance
+        )
         if len(places) > 1:
             family = replace(family, name=f"rolling near theta = {theta:.4g}")
         upright = family.held.get("theta") is UPRIGHT
         found.append((family, None if upright else theta))
     for name in ("spinning", "tumbling"):
+        if not survives(name, resistance, upright=False):
+            continue
         try:
-            found.append((round_family(body, name, law, given, physical=False), None))
+            one = round_family(body, name, law, given, physical=False, resistance=resistance)
+            found.append((one, None))
         except NoMemberError:
             continue
     return found

@@ -100,6 +100,23 @@ FAMILIES = {family.name: family for family in _RECORDS}
 """Every family of a body of revolution by name."""
 
 
+def survives(name: str, resistance: Resistances, *, upright: bool) -> bool:
+    """Whether members of a family lose no energy to resistances, so that they are steady.
+
+    Parameters
+    ----------
+    name
+        A key of `FAMILIES`.
+    resistance
+        Classes of the resistances.
+    upright
+        Whether members that roll are upright, so that they do not turn about the vertical.
+    """
+    record = FAMILIES[name]
+    turns = ("level",) if record.level and upright else record.turns
+    return not any(set(turns) & set(r.against) for r in resistance)
+
+
 def round_family(
     body: RoundShape, name: str, law: type[Contact], given: tuple[str, ...], *, physical: bool,
     theta: float | None = None, pole: Any = None, resistance: Resistances = (),
