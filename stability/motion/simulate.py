@@ -190,7 +190,8 @@ def simulate(
         raise ParameterError(f"start is missing; give the states by name or in order: {states}.")
     if times is None:
         raise ParameterError("times is missing; give a last time, or rising times.")
-    disk = _resisted(_moving(disk, body), resistance)
+    moving = _moving(disk, body)
+    disk = _resisted(moving, resistance)
     contact = _named(disk, contact, parameters)
     with CASADI:  # calls from several threads take turns; a batch uses its own threads
         if isinstance(disk, System):
@@ -216,6 +217,9 @@ def simulate(
                     disk, contact, start, times, pose=pose, resistance=resistance
                 )
                 check_flow(settings.method, flow_of(launches.model))
+                if isinstance(moving, Disk):  # a file of a disk, as figures and films know it
+                    own = {"radius" if n == "length" else n: v for n, v in launches.given.items()}
+                    launches = replace(launches, given=own)
             else:
                 launches = gather(disk, contact, start, times, pose=pose)
             _not_flat(launches, settings)

@@ -173,6 +173,7 @@ def test_no_resistance_and_one_of_zero_change_nothing() -> None:
     disk = st.simulate(st.Disk(), st.Viscous(0.3), start, 2.0)
     run = st.simulate(st.Disk(), st.Viscous(0.3), start, 2.0, resistance=st.AirTorque(0.0))
     assert run.theta.values == pytest.approx(disk.theta.values, abs=1e-8)
+    assert set(disk.variables) == set(run.variables) and "body" not in run.attrs
 
 
 def test_what_is_no_resistance_is_refused_in_a_sentence() -> None:
