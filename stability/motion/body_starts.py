@@ -26,7 +26,7 @@ from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.round_body.shape import SCALES
 from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import flow_of
-from ..settling.body_settling import body_settling
+from ..settling.round_body.families import body_settling
 from .starts import (
     BRIEFEST,
     FASTEST,
@@ -63,7 +63,7 @@ def gather_body(
     StabilityError
         In one sentence, if something is not accepted.
     """
-    law = _accepted(body, contact)
+    law = accepted(body, contact)
     with np.errstate(all="ignore"):  # an overflow is refused by _check
         against = _acting(body, contact, resistance)
         return _gathered(body, contact, law, start, times, against, pose=pose, mark=mark)
@@ -81,8 +81,21 @@ def _acting(body: Body, contact: Contact, given: Any) -> tuple[Resistance, ...]:
     return found
 
 
-def _accepted(body: Body, contact: Any) -> type[Contact]:
-    """The class of a law that a body's motion can have."""
+def accepted(body: Body, contact: Any) -> type[Contact]:
+    """The class of a law that a body's motion can have.
+
+    Parameters
+    ----------
+    body
+        The body.
+    contact
+        The law.
+
+    Raises
+    ------
+    StabilityError
+        If it is none, or one that is solved for a disk alone.
+    """
     allowed = {
         n: one for n, one in MOTION_LAWS.items() if not (one.sticks or issubclass(one, Creep))
     }

@@ -20,14 +20,9 @@ from ..algebra.kernels.tape import Tape, recorded
 from ..algebra.number_types import Algebra, balls
 from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT
-from ..base.errors import NoMemberError, StabilityError
+from ..base.errors import StabilityError
 from ..base.types import Floats
-from ..bodies.contact import Contact
 from ..bodies.newton_euler import STATES
-from ..bodies.round_body.body import Body
-from ..bodies.round_body.equations import Resistances, round_system
-from ..bodies.round_body.families import levels, round_family, survives
-from ..bodies.round_body.pole_equations import pole_system, smooth_at
 from ..systems.family import Family
 from ..systems.system import System
 from .attraction import Attraction, Surroundings, attraction
@@ -59,11 +54,20 @@ class Line:
     """Interval of θ in which the height holds."""
     level: float | None = None
     """Inclination near that of rolling; None for exactly upright, and for tumbling."""
+    several: bool = False
+    """Whether the body rolls at other inclinations too."""
 
     @property
     def name(self) -> str:
         """Name of the family."""
         return self.family.name
+
+    @property
+    def call(self) -> dict[str, Any]:
+        """The family and what else names it in a call of `spectrum`."""
+        name = self.name.partition(" ")[0]
+        theta = math.pi / 2 if self.level is None else self.level
+        return {"family": name} | ({"theta": theta} if self.several else {})
 
     @property
     def own(self) -> str:
@@ -207,6 +211,11 @@ class Vertical:
     def name(self) -> str:
         """Name of the family."""
         return self.family.name
+
+    @property
+    def call(self) -> dict[str, Any]:
+        """The family and what else names it in a call of `spectrum`."""
+        return {"family": "vertical", "pole": 0 if self.pole == 1 else "pi"}
 
     def _chart(self, states: Floats) -> tuple[Floats, Floats]:
         """ω_Z, and axis_X, axis_Y, ω_X, ω_Y and the slip of the six states."""
@@ -355,69 +364,3 @@ class BodySettling:
         line = next(one for one in self.lines if one.name == near.family)
         found: Floats = np.linalg.norm(line.deviations(states, p), axis=-1)
         return found
-
-
-def body_settling(
-    body: Body, law: type[Contact], given: tuple[str, ...], resistance: Resistances = ()
-) -> BodySettling:
-    """The families that a body may settle on under a law, and those that it may depart from.
-
-    Parameters
-    ----------
-    body, law, given, resistance
-        As for `stability.bodies.round_body.models.angle_model.round_model`.
-
-    Returns
-    -------
-    BodySettling
-        With the families that lose nothing to the resistances.
-    """
-    system = round_system(body, law, given, physical=False, slip_states=True, resistance=resistance)
-    theta, *own = (ca.SX.sym(n) for n in ("theta", *body.shape))
-    height = ca.Function("height", [theta, *own], [f(theta, *own) for f in body.slopes()])
-    shape = ca.vertsplit(system.p)[: len(own)]
-    moments = ca.vertcat(*(
-        system.p[system.parameters.index(n)] if n in system.parameters
-        else ca.SX(getattr(body, n)(*shape))
-        for n in ("axial", "transverse")
-    ))  # fmt: skip
-    lines: list[Line | Vertical] = [
-        Line(family, system, law.conservative, height, moments, body.between, level)
-        for family, level in _families(body, law, given, resistance)
-    ]
-    for pole, word in ((1, 0), (-1, "pi")):
-        if smooth_at(body, pole) and survives("vertical", resistance, upright=False):
-            family = round_family(
-                body, "vertical", law, given, physical=False, pole=word, resistance=resistance
-            )
-            family = replace(family, name=f"vertical at theta = {word}")
-            chart = pole_system(body, law, given, physical=False, near=pole, resistance=resistance)
-            lines.append(Vertical(family, chart, law.conservative, pole))
-    return BodySettling(tuple(lines))
-
-
-def _families(
-    body: Body, law: type[Contact], given: tuple[str, ...], resistance: Resistances
-) -> list[tuple[Family, float | None]]:
-    """The families that one number names, and the inclination of rolling where it leans."""
-    found: list[tuple[Family, float | None]] = []
-    places = levels(body)
-    for theta in places:
-        if not survives("rolling", resistance, upright=theta == math.pi / 2):
-            continue
-        family = round_family(
-            body, "rolling", law, given, physical=False, theta=theta, resistance=resistance
-        )
-        if len(places) > 1:
-            family = replace(family, name=f"rolling near theta = {theta:.4g}")
-        upright = family.held.get("theta") is UPRIGHT
-        found.append((family, None if upright else theta))
-    for name in ("spinning", "tumbling"):
-        if not survives(name, resistance, upright=False):
-            continue
-        try:
-            one = round_family(body, name, law, given, physical=False, resistance=resistance)
-            found.append((one, None))
-        except NoMemberError:
-            continue
-    return found

@@ -15,7 +15,8 @@ from ..contact_laws import LAWS, law_class, spelled
 from ..disk import Disk
 from ..law_names import law_given
 from ..resistance import Resistance, resistances
-from .families import FAMILIES, level, round_family, survives, unknown_family
+from .families import FAMILIES, round_family, survives, unknown_family
+from .inclinations import level
 from .shape import SCALES, RoundShape
 from .shapes.named import of_disk
 
