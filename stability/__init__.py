@@ -65,7 +65,7 @@ _HOME = {
         "PointKind",
     ),
     "motion.simulate": ("simulate",),
-    "bodies.thin_disk.launch": ("launch",),
+    "bodies.launch": ("launch",),
     "figures.launch.animate": ("animate",),
     "figures.diagram": ("plot_map",),
     "figures.retrograde": ("plot_retrograde",),
@@ -117,6 +117,7 @@ if TYPE_CHECKING:
     from .bodies.contact_laws import Viscous as Viscous
     from .bodies.disk import REAL_DISKS as REAL_DISKS
     from .bodies.disk import Disk as Disk
+    from .bodies.launch import launch as launch
     from .bodies.resistance import AirTorque as AirTorque
     from .bodies.resistance import PivotingResistance as PivotingResistance
     from .bodies.resistance import Resistance as Resistance
@@ -131,7 +132,6 @@ if TYPE_CHECKING:
     from .bodies.thin_disk.disk_equations import disk_system as disk_system
     from .bodies.thin_disk.disk_families import disk_family as disk_family
     from .bodies.thin_disk.disk_polynomials import exact_polynomial as exact_polynomial
-    from .bodies.thin_disk.launch import launch as launch
     from .boundary.beyond_linear.mean_path import retrograde_map as retrograde_map
     from .boundary.beyond_linear.records import CycleBirth as CycleBirth
     from .boundary.beyond_linear.records import Onset as Onset

@@ -24,7 +24,8 @@ from ..base.errors import FileError, NoMemberError
 from ..base.version import __version__
 from ..bodies.contact_laws import Viscous
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.families import FAMILIES, tumbling_ranges
+from ..bodies.round_body.families import FAMILIES
+from ..bodies.round_body.inclinations import tumbling_ranges
 from ..bodies.round_body.shapes.named import EccentricSphere, Spheroid, ThickDisk, Torus
 from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered, resumable

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -18,7 +18,8 @@ class Resistance(Record):
     """The base of the resistances: a moment against the body's rotation; one frozen subclass each.
 
     A resistance states its `name`, the name and unit of its coefficient, and its `moment`, which
-    must depend linearly on the normal force.  A subclass has one field, the coefficient.
+    must be linear in the normal force and in the coefficient.  A subclass has one field, the
+    coefficient; its unit is a product of kg, m, s and N.
 
     Examples
     --------
@@ -43,6 +44,31 @@ class Resistance(Record):
     def value(self) -> Any:
         """The coefficient."""
         return getattr(self, self.coefficient)
+
+    def dimensionless(self, units: Mapping[str, Any]) -> Any:
+        """The coefficient where mass, gravity and length are 1.
+
+        Parameters
+        ----------
+        units
+            The body's units of `kg`, `m`, `s` and `N` by name.
+
+        Examples
+        --------
+        >>> AirTorque(6.0).dimensionless({"N": 2.0, "m": 0.5, "s": 3.0})
+        2.0
+        """
+        found = self.value
+        for word in self.unit.split():
+            if word == "1":
+                continue
+            if word not in units:
+                raise ParameterError(
+                    f"the unit of {self.coefficient} is {shown(self.unit)}; give a product of "
+                    f"{', '.join(units)}, or 1."
+                )
+            found = found / units[word]
+        return found
 
     def moment(self, turn: Sequence[Any], normal: Any, value: Any) -> list[Any]:
         """Moment on the body along two horizontal axes and the vertical.

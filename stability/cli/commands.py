@@ -270,13 +270,16 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                      "100 points, not with --bodies")  # fmt: skip
     overwriting(sub, "replace files in an existing folder")
 
-    sub = command("simulate", _simulate, "Launch a disk, or a system, and say what becomes of it",
+    sub = command("simulate", _simulate, "Launch a disk, another body, or a system, and say what "
+                  "becomes of it",
                   "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 "
                   "--out run.nc --plot run.png --film run.html",
+                  "stability simulate --body eccentric-sphere --offset 0.15 --theta 0.1 --omega3 5 "
+                  "--mu 0.3 --time 200 --points 2001 --film top.gif",
                   "stability simulate --system examples/watt_governor.py:running --start "
                   "x=1,y=0,z=1.4 --parameter e=0.8 --parameter a=0.5 --parameter b=0.5 "
                   "--time 200")  # fmt: skip
-    add_arguments(sub)
+    add_arguments(sub, words)
 
     sub = command("scene", _scene, "A scene of a TOML file, answered by the least model",
                   "stability scene examples/scenes/rolled-coin.toml --json")  # fmt: skip

@@ -205,7 +205,9 @@ def _numbers_of(make: Callable[..., Any]) -> dict[str, Parameter]:
     return {n: p for n, p in every.items() if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)}
 
 
-def add_body(parser: argparse.ArgumentParser, words: Sequence[str] | None) -> None:
+def add_body(
+    parser: argparse.ArgumentParser, words: Sequence[str] | None, *, motion: bool = False
+) -> None:
     """Add the option for a body of revolution, and those for its numbers.
 
     Parameters
@@ -215,6 +217,8 @@ def add_body(parser: argparse.ArgumentParser, words: Sequence[str] | None) -> No
     words
         The command line; where it names no body nor asks for help, the options are left out, since
         their signatures load CasADi.  They are added where it is not known.
+    motion
+        Whether the command is about motions and not about a member of a family.
     """
     parser.set_defaults(body=None)
     if words is not None and not any(w.startswith(("--b", "-h", "--h")) for w in words):
@@ -242,8 +246,9 @@ def add_body(parser: argparse.ArgumentParser, words: Sequence[str] | None) -> No
         else:
             group.add_argument(f"--{name}", type=float, help=of)
     group.add_argument("--length", type=float, help="length of the body's numbers (default 1)")
-    group.add_argument("--theta", type=float, help="where it rolls, if at several inclinations")
-    group.add_argument("--pole", help="for vertical: its theta, 0 or pi (default 0)")
+    if not motion:
+        group.add_argument("--theta", type=float, help="where it rolls, if at several inclinations")
+        group.add_argument("--pole", help="for vertical: its theta, 0 or pi (default 0)")
 
 
 def where_of(options: argparse.Namespace) -> dict[str, Any]:
@@ -273,7 +278,7 @@ def body_of(options: argparse.Namespace, swept: Mapping[str, Any]) -> Any | None
     for key in ("system", "disk", "k", "radius", "lean"):
         if getattr(options, key, None) is not None:
             raise ParameterError(f"--{key} does not go with --body; leave one of them out.")
-    if options.family is None:
+    if getattr(options, "family", "") is None:
         raise ParameterError(f"FAMILY is missing; name one of {', '.join(KNOWN)}.")
     given = {n: getattr(options, n) for n in _shape_options()}
     given = {n: v for n, v in given.items() if v is not None} | _pairs(options.rest)

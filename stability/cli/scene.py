@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> None:
         answer = scene.verify() if options.verify else scene.answer(only=options.only)
     with together():
         if "out" in targets:
-            _write(options, answer, targets["out"])
+            _write(options, answer, targets["out"], getattr(scene.disk, "name", "thin disk"))
         if "plot" in targets:
             with progress_bar("models") as progress:
                 asked.plot(targets["plot"], overwrite=options.force, progress=progress)
@@ -124,7 +124,7 @@ def _targets(options: argparse.Namespace) -> dict[str, Path]:
     }
 
 
-def _write(options: argparse.Namespace, answer: Answer, target: Path) -> None:
+def _write(options: argparse.Namespace, answer: Answer, target: Path, name: str) -> None:
     """Write the motion; those under several laws along the dimension `law`."""
     import xarray
 
@@ -139,7 +139,7 @@ def _write(options: argparse.Namespace, answer: Answer, target: Path) -> None:
         dataset = xarray.concat(
             list(parts.values()), "law", join="outer", combine_attrs="drop_conflicts"
         ).assign_coords(law=("law", list(parts), {"long_name": "contact law"}))
-        dataset.attrs["title"] = "thin disk under several contact laws"
+        dataset.attrs["title"] = f"{name} under several contact laws"
         dataset.attrs["model"] = ", ".join(answer.parts[n].model for n in parts)
     else:
         [dataset] = parts.values()
@@ -192,8 +192,8 @@ def _record(
         **_about(answer, names),
         "tolerance": answer.tolerance,
         "horizon": scene.horizon,
-        "unit": "dimensionless (m = R = g = 1)" if plain else "SI",
-        "units": _units(names, plain=plain),
+        "unit": f"dimensionless (m = {_length(scene)} = g = 1)" if plain else "SI",
+        "units": _units(answer, names, plain=plain),
     }
     if several:
         record["laws"] = {n: _about(a, names) for n, a in answer.parts.items()}
@@ -226,7 +226,12 @@ def _about(answer: Answer, names: tuple[str, ...]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _units(names: tuple[str, ...], *, plain: bool) -> dict[str, str]:
+def _length(scene: Scene) -> str:
+    """The length that is 1 where numbers have no units."""
+    return "R" if hasattr(scene.disk, "radius") else "length"
+
+
+def _units(answer: Answer, names: tuple[str, ...], *, plain: bool) -> dict[str, str]:
     """Units in words of all numbers of the answer."""
     from ..bodies.thin_disk.disk_equations import STATES
     from ..bodies.thin_disk.disk_quantities import QUANTITIES
@@ -234,7 +239,10 @@ def _units(names: tuple[str, ...], *, plain: bool) -> dict[str, str]:
 
     kinds = {n: q.kind for n, q in QUESTIONS.items() if n in names and q.kind is not None}
     if {"final", "path"} & set(names):
-        kinds |= {n: QUANTITIES[n].kind for n in ("time", *STATES)}
+        motions = [a.motion[0].launches.model for a in _parts(answer).values() if a.motion]
+        known = {n: model.quantities[n] for model in motions for n in model.states}
+        kinds |= {n: q.kind for n, q in (known or {n: QUANTITIES[n] for n in STATES}).items()}
+        kinds["time"] = QUANTITIES["time"].kind
     return {n: kind.label(dimensionless=plain) for n, kind in kinds.items()}
 
 
@@ -249,7 +257,7 @@ def _lines(title: str, scene: Scene, answer: Answer, names: tuple[str, ...]) -> 
         return
     yield ""
     rows = {"model": [one.model for one in columns.values()]}
-    units = _units(names, plain=scene.disk.dimensionless)
+    units = _units(answer, names, plain=scene.disk.dimensionless)
     digits = max(3, 2 - math.floor(math.log10(scene.tolerance)))
     for name in names:
         cells = [_cells(one, name, names, units, digits) for one in columns.values()]
@@ -258,7 +266,11 @@ def _lines(title: str, scene: Scene, answer: Answer, names: tuple[str, ...]) -> 
     head = {"": list(columns)} if answer.parts else {}
     yield from _table(head | rows)
     yield ""
-    yield "Errors are over 1 or the size of the value, in units of the disk (m = R = g = 1)."
+    of = getattr(scene.disk, "name", "disk")
+    yield (
+        f"Errors are over 1 or the size of the value, in units of the {of} "
+        f"(m = {_length(scene)} = g = 1)."
+    )
     for name, one in columns.items():
         yield ""
         if answer.parts:

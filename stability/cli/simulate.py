@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..storage.json_text import json_text
-from .options import PARAMETER_HELP, _disk, contact_of, overwriting
+from .options import (
+    PARAMETER_HELP,
+    _disk,
+    add_body,
+    body_of,
+    contact_of,
+    numbers_of_body,
+    overwriting,
+)
 from .system_option import doubles, named_numbers, system_with_families
 from .terminal import progress_bar, waiting
 
@@ -22,13 +31,23 @@ MOST = 10_000_000
 """Most samples of a run."""
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
+RESISTANCES = {
+    "rolling_resistance": ("RHO", "moment -RHO·N·ω along the plane, against rolling [m s]"),
+    "pivoting_resistance": ("SIGMA", "moment -SIGMA·N·ω about the vertical [m s]"),
+    "air_torque": ("DRAG", "moment -DRAG·ω, the drag of air [N m s]"),
+}
+"""Options for moments that add to the contact law, of a disk or a body."""
+
+
+def add_arguments(parser: argparse.ArgumentParser, words: Sequence[str] | None = None) -> None:
     """Arguments of `stability simulate`.
 
     Parameters
     ----------
     parser
         The command's parser.
+    words
+        As for `add_body`.
     """
     helps = {
         "theta": "angle of the symmetry axis from the vertical [rad], π/2 is upright (needed)",
@@ -51,8 +70,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
     parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
     parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
-    for name in ("mass", "radius", "gravity"):
-        parser.add_argument(f"--{name}", type=float, help="of the disk (default 1)")
+    for name, of in (("mass", "body"), ("radius", "disk"), ("gravity", "body")):
+        parser.add_argument(f"--{name}", type=float, help=f"of the {of} (default 1)")
+    for name, (letter, text) in RESISTANCES.items():
+        option = f"--{name.replace('_', '-')}"
+        parser.add_argument(option, type=float, metavar=letter, help=text)
+    add_body(parser, words, motion=True)
     parser.add_argument("--time", type=float, metavar="T", help="last time (needed)")
     parser.add_argument("--points", type=int, default=None, metavar="N",
                         help="samples from 0 to T (default 201)")  # fmt: skip
@@ -83,9 +106,10 @@ def run(options: argparse.Namespace) -> None:
     from ..storage.files import together
 
     _check(options)
+    body = body_of(options, {})
     targets = _targets(options)
     with waiting("integrating"):
-        launch = _of_disk(options) if options.system is None else _of_own(options)
+        launch = _of_disk(options, body) if options.system is None else _of_own(options)
         from ..motion.simulate import simulate
 
         dataset = simulate(
@@ -93,7 +117,7 @@ def run(options: argparse.Namespace) -> None:
             check=not options.no_check, max_seconds=options.max_seconds, **launch,
         )  # fmt: skip
     with together():
-        _draw(options, dataset, targets)
+        _draw(options, dataset, targets, body)
         if options.out is not None:
             from ..motion.netcdf import write_motion
 
@@ -102,19 +126,26 @@ def run(options: argparse.Namespace) -> None:
     _report(options, dataset, disk, targets)
 
 
-def _of_disk(options: argparse.Namespace) -> dict[str, Any]:
-    """The launch of a disk, as arguments of `simulate`."""
+def _of_disk(options: argparse.Namespace, body: Any) -> dict[str, Any]:
+    """The launch of a disk or another body, as arguments of `simulate`."""
+    from ..bodies import resistance
     from ..bodies.thin_disk.disk_equations import STATES
 
     contact = contact_of(options, motion=True)
     start = [getattr(options, name) or 0.0 for name in STATES]
     pose = options.pose or options.film is not None or options.plot is not None
-    return {"disk": _disk(options), "contact": contact, "start": start, "pose": pose}
+    kinds = (resistance.RollingResistance, resistance.PivotingResistance, resistance.AirTorque)
+    given = zip(kinds, (getattr(options, n) for n in RESISTANCES), strict=True)
+    against = [kind(value) for kind, value in given if value is not None]
+    return {
+        "disk": _disk(options) if body is None else body, "contact": contact, "start": start,
+        "pose": pose, "resistance": against or None,
+    }  # fmt: skip
 
 
 DISK = (
     "theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y", "mu", "epsilon", "contact",
-    "disk", "k", "mass", "radius", "gravity", "pose", "film",
+    "disk", "k", "mass", "radius", "gravity", "pose", "film", *RESISTANCES,
 )  # fmt: skip
 """Options of the disk."""
 
@@ -135,7 +166,7 @@ def _of_own(options: argparse.Namespace) -> dict[str, Any]:
 
 def _check(options: argparse.Namespace) -> None:
     """Refuse options that do not go together, before anything is imported."""
-    if options.system is None:
+    if options.system is None or options.body is not None:
         if options.start is not None:
             raise ParameterError(
                 "--start belongs to --system; a disk takes --theta and the others."
@@ -192,7 +223,7 @@ def _targets(options: argparse.Namespace) -> dict[str, Path]:
     return targets
 
 
-def _draw(options: argparse.Namespace, dataset: Any, targets: dict[str, Path]) -> None:
+def _draw(options: argparse.Namespace, dataset: Any, targets: dict[str, Path], body: Any) -> None:
     from ..storage.files import atomic_write
 
     if "plot" in targets:
@@ -205,7 +236,7 @@ def _draw(options: argparse.Namespace, dataset: Any, targets: dict[str, Path]) -
         with progress_bar("frames") as progress:
             from ..figures.launch.animate import animate
 
-            animate(dataset, targets["film"], overwrite=options.force, progress=progress)
+            animate(dataset, targets["film"], overwrite=options.force, progress=progress, body=body)
 
 
 def _errors(dataset: Any) -> dict[str, float | None]:
@@ -283,6 +314,10 @@ def _nearest(dataset: Any, disk: Any) -> dict[str, Any] | None:
 
 def _named(options: argparse.Namespace, dataset: Any, disk: Any) -> dict[str, Any]:
     """What was launched."""
+    if options.body is not None:
+        numbers = json.loads(dataset.attrs["parameters"])
+        moments = {n: v for n, v in numbers_of_body(disk, None).items() if n not in numbers}
+        return {"body": disk.name, "contact": options.contact, "parameters": numbers | moments}
     if disk is not None:
         return {"contact": options.contact}
     given = json.loads(dataset.attrs["parameters"])
@@ -291,7 +326,8 @@ def _named(options: argparse.Namespace, dataset: Any, disk: Any) -> dict[str, An
 
 def _units(dataset: Any, disk: Any) -> dict[str, Any]:
     if disk is not None:
-        return {"unit": "dimensionless (m = R = g = 1)" if disk.dimensionless else "SI"}
+        one = "R" if hasattr(disk, "radius") else "length"
+        return {"unit": f"dimensionless (m = {one} = g = 1)" if disk.dimensionless else "SI"}
     names = ("time", *_states(dataset, disk))
     return {"units": {n: dataset[n].attrs.get("units", "1") for n in names}}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -16,14 +17,16 @@ from ..base.types import Floats
 from ..bodies.contact import Contact, Scales
 from ..bodies.contact_laws import MOTION_LAWS, Creep, spelled
 from ..bodies.model import TAKEN, Model
+from ..bodies.resistance import Resistance, resistances
 from ..bodies.round_body.body import Body
+from ..bodies.round_body.equations import Resistances
 from ..bodies.round_body.models.angle_model import round_model
 from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.round_body.shape import SCALES
 from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import flow_of
-from ..settling.body_settling import body_settling
+from ..settling.round_body.families import body_settling
 from .starts import (
     BRIEFEST,
     FASTEST,
@@ -40,7 +43,7 @@ from .starts import (
 
 def gather_body(
     body: Body, contact: Contact, start: Any, times: ArrayLike, *, pose: bool = False,
-    mark: bool = False,
+    mark: bool = False, resistance: Any = None,
 ) -> Starts:  # fmt: skip
     """Check the arguments of `simulate` for a body of revolution and make them dimensionless.
 
@@ -48,6 +51,8 @@ def gather_body(
     ----------
     body, contact, start, times, pose, mark
         As for `gather`.
+    resistance
+        As for `simulate`.
 
     Returns
     -------
@@ -58,13 +63,39 @@ def gather_body(
     StabilityError
         In one sentence, if something is not accepted.
     """
-    law = _accepted(body, contact)
+    law = accepted(body, contact)
     with np.errstate(all="ignore"):  # an overflow is refused by _check
-        return _gathered(body, contact, law, start, times, pose=pose, mark=mark)
+        against = _acting(body, contact, resistance)
+        return _gathered(body, contact, law, start, times, against, pose=pose, mark=mark)
 
 
-def _accepted(body: Body, contact: Any) -> type[Contact]:
-    """The class of a law that a body's motion can have."""
+def _acting(body: Body, contact: Contact, given: Any) -> tuple[Resistance, ...]:
+    """The resistances of a call that are not zero everywhere."""
+    found = tuple(r for r in resistances(given) if np.any(r.value))
+    for r in found:
+        if r.coefficient in body.given | contact.given:
+            raise ParameterError(
+                f"{r.coefficient} is the coefficient of {r.name}, and a number of {body.name} or "
+                f"of the {contact.name} law; give that another name."
+            )
+    return found
+
+
+def accepted(body: Body, contact: Any) -> type[Contact]:
+    """The class of a law that a body's motion can have.
+
+    Parameters
+    ----------
+    body
+        The body.
+    contact
+        The law.
+
+    Raises
+    ------
+    StabilityError
+        If it is none, or one that is solved for a disk alone.
+    """
     allowed = {
         n: one for n, one in MOTION_LAWS.items() if not (one.sticks or issubclass(one, Creep))
     }
@@ -80,12 +111,13 @@ def _accepted(body: Body, contact: Any) -> type[Contact]:
 
 
 def _gathered(
-    body: Body, contact: Contact, law: type[Contact], start: Any, times: ArrayLike, *, pose: bool,
-    mark: bool,
+    body: Body, contact: Contact, law: type[Contact], start: Any, times: ArrayLike,
+    against: tuple[Resistance, ...], *, pose: bool, mark: bool,
 ) -> Starts:  # fmt: skip
     six, when = six_states(start, contact), times_of(times)
-    fields = body.given | contact.given
-    model = _model(body, law, tuple(contact.given), pose=pose)
+    fields = body.given | contact.given | {r.coefficient: r.value for r in against}
+    kinds = tuple(type(r) for r in against)
+    model = _model(body, law, tuple(contact.given), kinds, pose=pose)
     _check_names(body, model)
     shape = broadcast(start=six.shape[:-1], **{n: np.shape(v) for n, v in fields.items()})
     count = counted(shape, when)
@@ -103,6 +135,9 @@ def _gathered(
     units = Scales(flat | {"radius": flat["length"]}, np.sqrt)
     own = flat | {p.name: p.dimensionless(flat[p.name], units)
                   for p in law.parameters if p.name in flat}  # fmt: skip
+    sizes = {"kg": flat["mass"], "m": flat["length"], "s": scales["time"], "N": scales["force"]}
+    own |= {r.coefficient: replace(r, **{r.coefficient: flat[r.coefficient]}).dimensionless(sizes)
+            for r in against}  # fmt: skip
     columns = [np.broadcast_to(own[n], (count,)) for n in model.system.parameters]
     p = np.column_stack(columns) if columns else np.zeros((count, 0))
     last = when[-1] / scales["time"]
@@ -114,16 +149,18 @@ def _gathered(
     energies, unfit = _check(body, model, contact, shape, starts, p, mark=mark)
     return Starts(
         model, shape, starts, p, when, flat, scales, body.dimensionless, energies,
-        body_settling(body, law, tuple(contact.given)), law, unfit,
+        body_settling(body, law, tuple(contact.given), kinds), law, unfit,
     )  # fmt: skip
 
 
-def _model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool) -> Model:
+def _model(
+    body: Body, law: type[Contact], given: tuple[str, ...], resistance: Resistances, *, pose: bool
+) -> Model:
     """Fixed axes where the body can pass a pole, and otherwise angles."""
     if smooth_at(body, 1) or smooth_at(body, -1):
         with suppress(ParameterError):  # of a law that needs the directions that angles give
-            return pole_model(body, law, given, pose=pose)
-    return round_model(body, law, given, pose=pose)
+            return pole_model(body, law, given, pose=pose, resistance=resistance)
+    return round_model(body, law, given, pose=pose, resistance=resistance)
 
 
 def _scales(flat: dict[str, Floats]) -> dict[str, Floats]:

@@ -14,7 +14,9 @@ from numpy.typing import ArrayLike
 from ..base.errors import ParameterError, StabilityWarning, shown
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
+from ..bodies.resistance import Resistance
 from ..bodies.round_body.body import Body
+from ..bodies.round_body.shapes.named import of_disk
 from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
@@ -46,6 +48,7 @@ def simulate(
     times: ArrayLike | None = None,
     *,
     body: Body | Disk | None = None,
+    resistance: Resistance | Sequence[Resistance] | None = None,
     families: Family | Sequence[Family] = (),
     method: str = "auto",
     tolerance: float = 1e-9,
@@ -83,6 +86,9 @@ def simulate(
         from 0.  The start is time 0.
     body
         A `Body`, or a `Disk`, in place of the first argument.
+    resistance
+        `RollingResistance`, `PivotingResistance` or `AirTorque`, or several of these, of a body or
+        disk under a law that neither sticks nor creeps.
     families
         Families of the user's system on which it may settle; the disk has its own.  Angles are
         not wrapped: a member a whole turn away is a different one.  The evidence says *departs*
@@ -184,7 +190,8 @@ def simulate(
         raise ParameterError(f"start is missing; give the states by name or in order: {states}.")
     if times is None:
         raise ParameterError("times is missing; give a last time, or rising times.")
-    disk = _moving(disk, body)
+    moving = _moving(disk, body)
+    disk = _resisted(moving, resistance)
     contact = _named(disk, contact, parameters)
     with CASADI:  # calls from several threads take turns; a batch uses its own threads
         if isinstance(disk, System):
@@ -206,8 +213,13 @@ def simulate(
             if not isinstance(families, Sequence) or families:
                 raise ParameterError("families belong to a stability.System; leave them out.")
             if isinstance(disk, Body):
-                launches = gather_body(disk, contact, start, times, pose=pose)
+                launches = gather_body(
+                    disk, contact, start, times, pose=pose, resistance=resistance
+                )
                 check_flow(settings.method, flow_of(launches.model))
+                if isinstance(moving, Disk):  # a file of a disk, as figures and films know it
+                    own = {"radius" if n == "length" else n: v for n, v in launches.given.items()}
+                    launches = replace(launches, given=own)
             else:
                 launches = gather(disk, contact, start, times, pose=pose)
             _not_flat(launches, settings)
@@ -260,6 +272,19 @@ def _moving(first: Any, body: Any) -> Any:
     if not isinstance(body, (Body, Disk)):
         raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
     return body
+
+
+def _resisted(disk: Any, resistance: Any) -> Any:
+    """What moves; a disk with resistances is a body like any other."""
+    if resistance is None:
+        return disk
+    if isinstance(disk, Disk):
+        return of_disk(disk)
+    if not isinstance(disk, Body):
+        raise ParameterError(
+            "resistance belongs to a disk or a body; put it into the equations of a system."
+        )
+    return disk
 
 
 def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:

@@ -98,7 +98,7 @@ class Answer(Record):
     def _values(self) -> list[str]:
         """The numbers and words of the answer, a line for each quantity."""
         asked = self.value if isinstance(self.value, dict) else {"": self.value}
-        if asked and all(isinstance(v, float) for v in asked.values()):
+        if "" not in asked and all(isinstance(v, float) for v in asked.values()):
             asked = {"": asked}
         found = []
         for name, value in asked.items():
@@ -349,8 +349,9 @@ def states_in_units(problem: Problem, states: Floats) -> Floats:
     """
     if problem.launches.law is None:
         return states
-    rate, speed = (float(problem.launches.scales[n]) for n in ("rate", "speed"))
-    found: Floats = states * np.array([1.0, rate, rate, rate, speed, speed])
+    scales, model = problem.launches.scales, problem.launches.model
+    units = {Kind.ANGULAR_VELOCITY: scales["rate"], Kind.VELOCITY: scales["speed"]}
+    found: Floats = states * [float(units.get(model.quantities[n].kind, 1)) for n in model.states]
     return found
 
 

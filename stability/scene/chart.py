@@ -17,6 +17,7 @@ from ..base.version import __version__
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import Coulomb, LinearViscous, Rough, Smooth, Viscous
 from ..bodies.disk import Disk
+from ..systems.system import System
 from .answer import states_in_units
 from .inputs import in_words, known_to, laws_of
 from .ladder import Climbed, climb, full_name
@@ -178,15 +179,14 @@ def _one(scene: Any, laws: Any) -> tuple[Any, Any]:
 
 def _others(scene: Any, laws: Any) -> dict[str, Contact]:
     """The other laws, checked."""
-    known = isinstance(scene.disk, Disk)
     if laws is None:
-        return other_laws(scene.disk, scene.contact) if known else {}
+        return other_laws(scene.disk, scene.contact) if isinstance(scene.disk, Disk) else {}
     if not isinstance(laws, Mapping):
         raise ParameterError(
             f'laws is {shown(laws)}; give contact laws by name, such as {{"rough": Rough()}}.'
         )
-    if laws and not known:
-        raise ParameterError("laws belong to a disk; leave them out for a system.")
+    if laws and isinstance(scene.disk, System):
+        raise ParameterError("laws belong to a disk or a body; leave them out for a system.")
     for name, law in laws.items():
         if not isinstance(name, str) or not isinstance(law, Contact):
             raise ParameterError(
@@ -384,7 +384,7 @@ def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
     states = zip(launches.model.states, states_in_units(problem, launches.starts)[0], strict=True)
     given = {n: float(np.ravel(v)[0]) for n, v in launches.given.items()}
     if launches.dimensionless:  # units of the body
-        given = {n: v for n, v in given.items() if n not in ("mass", "radius", "gravity")}
+        given = {n: v for n, v in given.items() if n not in ("mass", "radius", "length", "gravity")}
     return {
         "format": FORMAT, "title": f"models of {launches.model.title}: cost against true error",
         "law": full_name(problem), "horizon": scene.horizon, "time_unit": launches.unit("time"),

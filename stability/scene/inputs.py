@@ -16,12 +16,40 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
 from ..bodies.model import Model, system_model
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.shape import SCALES
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_model import disk_model
+from ..integrators.flow import flow_of
+from ..motion.body_starts import accepted, gather_body
 from ..motion.starts import Starts, gather
 from ..motion.system_starts import gather_system
+from ..settling.body_settling import BodySettling
+from ..settling.round_body.fixed_axes import FixedSettling, fixed_model, fixed_states
 from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
+
+
+def moving(disk: Any, body: Any) -> Any:
+    """What moves: the first argument, or `body`, or else a disk.
+
+    Parameters
+    ----------
+    disk, body
+        As for `Scene`.
+
+    Raises
+    ------
+    ParameterError
+        If both are given, or `body` is none.
+    """
+    if body is None:
+        return Disk() if disk is None else disk
+    if disk is not None:
+        raise ParameterError("body is given, and disk too; give one of them.")
+    if not isinstance(body, (Body, Disk)):
+        raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
+    return body
 
 
 def law_in(disk: Any, contact: Any, mu: float | None) -> Any:
@@ -37,7 +65,7 @@ def law_in(disk: Any, contact: Any, mu: float | None) -> Any:
     ParameterError
         If a number belongs to no law, or a law lacks its own.
     """
-    if isinstance(disk, Disk):
+    if isinstance(disk, (Disk, Body)):
         return law_only(contact, {} if mu is None else {"mu": mu}, motion=True)
     if mu is not None:
         raise ParameterError("mu belongs to the disk; give a system's parameters in contact.")
@@ -57,14 +85,14 @@ def laws_of(disk: Any, contact: Any) -> dict[str, Any]:
     Raises
     ------
     ParameterError
-        If a disk has no law, or something that is no law.
+        If a disk or body has no law, something that is no law, or a law that it does not have.
     """
     if isinstance(disk, System):
         return {"": contact}
     if isinstance(disk, NumericSystem):
         raise ParameterError(disk.no_graph)
-    if not isinstance(disk, Disk):
-        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk or a System.")
+    if not isinstance(disk, (Disk, Body)):
+        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk, a Body or a System.")
     found = dict(contact) if isinstance(contact, Mapping) else {"": contact}
     for name in found if isinstance(contact, Mapping) else ():
         if not (isinstance(name, str) and name.strip() and name.isprintable()):
@@ -75,6 +103,8 @@ def laws_of(disk: Any, contact: Any) -> dict[str, Any]:
                 f"contact is {shown(law)}; give a contact law, such as Viscous(0.3), or laws by "
                 "name."
             )
+        if isinstance(disk, Body):
+            accepted(disk, law)
     if not found:
         raise ParameterError("contact holds no law; give one at least.")
     return found
@@ -134,7 +164,8 @@ def names_of(disk: Any, laws: Mapping[str, Any]) -> tuple[str, ...]:
     if isinstance(disk, System):
         return (*disk.states, *disk.parameters)
     own = [n for law in laws.values() for n in law.given]
-    return tuple(dict.fromkeys((*STATES, "k", *own)))
+    shape = ["k"] if isinstance(disk, Disk) else [n for n in disk.given if n not in SCALES]
+    return tuple(dict.fromkeys((*STATES, *shape, *own)))
 
 
 def known_to(disk: Any, law: Any, widths: Mapping[str, float]) -> dict[str, float]:
@@ -161,7 +192,7 @@ def in_words(name: str, width: float, launches: Starts) -> str:
     launches
         The launch, for the units.
     """
-    if name not in launches.model.states:
+    if name not in (*launches.model.states, *(STATES if launches.law else ())):
         return f"{name} ± {100 * width:g} %"
     unit = launches.unit(name)
     return f"{name} ± {width:g}" + ("" if unit == "1" else f" {readable(unit)}")
@@ -203,10 +234,13 @@ def setting(disk: Any, laws: Mapping[str, Any], start: Any, *asked: float) -> tu
         body = [f"system {disk.name}" + (f": {_listed(told)}" if told else "")]
     else:
         model, plain = disk_model(type(next(iter(laws.values())))), disk.dimensionless
-        sizes = (("mass", Kind.MASS), ("radius", Kind.LENGTH), ("gravity", Kind.ACCELERATION))
+        thin = isinstance(disk, Disk)
+        size, name, letter = ("radius", "disk", "R") if thin else ("length", disk.name, "length")
+        sizes = (("mass", Kind.MASS), (size, Kind.LENGTH), ("gravity", Kind.ACCELERATION))
         told = [f"{n} = {_told(getattr(disk, n))}{kind.suffix}" for n, kind in sizes]
-        about = "m = R = g = 1, without units" if plain else _listed(told)
-        body = [f"disk: {about}, k = {_told(disk.k)}"]
+        about = f"m = {letter} = g = 1, without units" if plain else _listed(told)
+        shape = {"k": disk.k} if thin else {n: disk.given[n] for n in names_of(disk, {})[6:]}
+        body = [_listed([f"{name}: {about}", *(f"{n} = {_told(v)}" for n, v in shape.items())])]
         body += ["; ".join(_of_law(name, law, plain=plain) for name, law in laws.items())]
     states = _named(start, model.states)
     moved = [f"{n} = {_told(v)} {label(model, n, dimensionless=plain)}"
@@ -257,18 +291,40 @@ def launched(
     """
     if isinstance(disk, System):
         found = _of_system(disk, contact, start, horizon, families, moved)
-    elif moved:
-        k = {"k": disk.k * (1 + moved["k"])} if "k" in moved else {}
-        given = {n: v * (1 + moved.get(n, 0.0)) for n, v in contact.given.items()}
-        law = type(contact)(**given)
-        found = gather(replace(disk, **k), law, _moved(start, STATES, moved), horizon)
     else:
-        found = gather(disk, contact, start, horizon)
+        law, first = contact, start
+        if moved:
+            given = {n: v * (1 + moved.get(n, 0.0)) for n, v in contact.given.items()}
+            disk, law = _changed(disk, moved), type(contact)(**given)
+            first = _moved(start, STATES, moved)
+        gathered = gather if isinstance(disk, Disk) else gather_body
+        found = _along_fixed_axes(gathered(disk, law, first, horizon))
     if found.count != 1:
         raise ParameterError(
             f"the scene has {found.count} launches; give one, and a scene for each."
         )
     return found
+
+
+def _changed(disk: Disk | Body, moved: Mapping[str, float]) -> Disk | Body:
+    """The disk or body with some of its numbers changed."""
+    own: dict[str, Any] = {"k": disk.k} if isinstance(disk, Disk) else disk.given
+    found: dict[str, Any] = {n: v * (1 + moved[n]) for n, v in own.items() if n in moved}
+    if isinstance(disk, Body):
+        shape = {n: found.pop(n, v) for n, v in disk.shape.items()}
+        return replace(disk, shape=shape, **found)
+    return replace(disk, **found)
+
+
+def _along_fixed_axes(launches: Starts) -> Starts:
+    """The launch of a body that is smooth at a pole, told along fixed axes."""
+    model, settling = launches.model, launches.settling
+    if model.chart is None or not isinstance(settling, BodySettling):
+        return launches
+    fixed = fixed_model(model)
+    starts = fixed_states(model.chart, len(flow_of(fixed).system.states), launches.starts)
+    told = FixedSettling(settling, model.chart)
+    return replace(launches, model=fixed, starts=starts, settling=told)
 
 
 def _of_system(

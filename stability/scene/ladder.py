@@ -173,8 +173,8 @@ def price_of_full(problem: Problem, length: float | None = None) -> float:
     name, length = explicit(problem.flow), problem.last if length is None else length
     turns = length * problem.pace * min(1.0, max(CALM, problem.near.distance / LIVELY))
     steps = turns * PER_TURN
-    if problem.launches.law is not None and problem.launches.law.relaxes:
-        decay = length * PER_RATE * 3 * float(problem.p[1])
+    if problem.friction:
+        decay = length * PER_RATE * 3 * problem.friction
         # an implicit method takes over where it costs as much as an explicit one
         asked = max(FINEST, min(COARSEST, STIFF * problem.tolerance))
         turn = turns * PER_RATE * TURN[name] * (asked / 1e-6) ** -TURN_POWER
@@ -303,8 +303,7 @@ def _drift(ladder: _Ladder) -> None:
         return
     began = time.perf_counter()
     if ladder.only is None:
-        law = problem.launches.law
-        if law is None or not law.relaxes:
+        if not problem.thin or not problem.friction:
             return
         near = problem.near
         hopeless = near.distance**2 > DRIFTS * problem.tolerance
@@ -366,7 +365,7 @@ def _creep(ladder: _Ladder) -> None:
 def _price_of_creep(problem: Problem) -> float:
     """Expected time of creep [s]."""
     elements = problem.last * problem.pace * CREEP_TURN
-    gain = math.log(max(float(problem.p[1]) / (GAIN * problem.pace), 1.5))
+    gain = math.log(max(problem.friction / (GAIN * problem.pace), 1.5))
     orders = CREEP_FIXED + math.log(1 / problem.tolerance) / gain
     price = CREEP_BASE + elements * orders * CREEP_ORDER
     return price * (1.0 if explicit(problem.flow) == HEYOKA else SLOWER)

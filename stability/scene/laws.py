@@ -132,7 +132,7 @@ def _parted(one: Answer, other: Answer, tolerance: float) -> tuple[float | None,
 
 
 def _states(answer: Answer) -> tuple[Floats, Floats]:
-    """Times in the user's unit, and the dimensionless states that all disks share, shape (m, 4)."""
+    """Times in the user's unit, and the dimensionless states that all laws share: no slip."""
     assert answer.motion is not None
     problem, track = answer.motion
-    return track.times * float(problem.launches.scales["time"]), track.states[:, :4]
+    return track.times * float(problem.launches.scales["time"]), track.states[:, :-2]

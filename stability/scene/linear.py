@@ -10,10 +10,14 @@ from typing import Any
 
 from ..base.errors import ParameterError
 from ..base.verdict import Verdict
+from ..bodies.disk import Disk
 from ..boundary.changes import boundaries
+from ..settling.round_body.fixed_axes import FixedSettling
 from ..spectra.spectrum import spectrum
+from .answer import Answer
 from .ladder import Rung
-from .questions import Found
+from .questions import Found, relative_error
+from .rungs.track import Problem
 
 DOUBLE, CERTIFIED, EXACT = "double precision", "certified", "exact roots"
 SPAN = 8.0
@@ -32,6 +36,8 @@ class Member:
     """What names the member, in the user's unit."""
     arguments: dict[str, Any]
     """Body and contact law, or parameters by name."""
+    between: tuple[float, float] = (0.0, math.pi)
+    """Open interval of θ in which the body has members [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +69,9 @@ def _boundary(member: Member, certify: bool) -> tuple[Found, str]:  # noqa: FBT0
     """The nearest value of `at` at which the verdict changes."""
     low, high = sorted((member.at / SPAN, member.at * SPAN))
     if member.family == "tumbling":
-        low, high = member.at / SPAN, min(math.pi * (1 - 1e-9), member.at * SPAN)
+        first, last = member.between
+        inside = 1e-9 * (last - first)
+        low, high = max(first + inside, low), min(last - inside, high)
     found = boundaries(member.family, axis=("at", low, high, POINTS), **member.arguments)
     if not found:
         error = 0.0 if found.complete else math.inf
@@ -78,6 +86,48 @@ LINEAR: dict[str, tuple[Callable[[Member, bool], tuple[Found, str]], tuple[str, 
     "boundary": (_boundary, (EXACT,)),
 }
 """Every linear quantity: the function that finds it, and its rungs, cheapest first."""
+
+
+def about_nearest(
+    problem: Problem, disk: Any, law: Any, names: tuple[str, ...], tolerance: float,
+    horizon: float, only: str | None,
+) -> Answer:  # fmt: skip
+    """The answer to linear questions about the steady motion nearest to the start.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    disk, law
+        The disk or body, and its contact law.
+    names, tolerance, only
+        As for `answer`.
+    horizon
+        Horizon of the scene.
+    """
+    near = problem.launches.settling.closest(problem.start, problem.p)
+    if not math.isfinite(near.distance):
+        raise ParameterError(f"{near.evidence}: a linear question needs a steady motion.")
+    unit = 1.0 if near.family.startswith("tumbling") else float(problem.launches.scales["rate"])
+    thin = isinstance(disk, Disk)
+    arguments: dict[str, Any] = {"disk" if thin else "body": disk, "contact": law}
+    family, between = near.family, (0.0, math.pi)
+    if not thin:
+        settling: Any = problem.launches.settling
+        body = settling.inner if isinstance(settling, FixedSettling) else settling
+        call = next(one.call for one in body.lines if one.name == near.family)
+        family, between = call.pop("family"), disk.between
+        arguments |= call
+    member = Member(family, near.at * unit, arguments, between)
+    told = answer(member, names, tolerance, only)
+    values = {n: f.value for n, f in told.found.items()}
+    errors = {n: relative_error(f) for n, f in told.found.items()}
+    one = len(values) == 1
+    sentence = f"{near.family} at {member.at:.6g}, {near.distance:.2g} away: {told.sentence}."
+    return Answer(
+        next(iter(values.values())) if one else values, told.model,
+        next(iter(errors.values())) if one else errors, told.rungs, horizon, sentence, tolerance,
+    )  # fmt: skip
 
 
 def answer(member: Member, names: tuple[str, ...], tolerance: float, only: str | None) -> Told:

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from ..base.quantities import Kind
 from ..base.types import Floats
+from ..bodies.round_body.pole_equations import AXIS
 from ..motion.neighbours import signs
 from ..settling.nearest import Nearest
+from ..settling.round_body.fixed_axes import STATES
 from .rungs.elements import chebyshev
 from .rungs.track import Problem, Track
 
@@ -22,6 +24,8 @@ SECTIONS, ROUNDS = 16, 13
 rounding of a time."""
 LOCAL = 12
 """Points of a stretch on which a crossing is found."""
+ROUNDED = 2.0**-52
+"""Rounding of a sine."""
 SIDES = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
 """Sides to which the end is displaced by its error: every other state, and the rest."""
 UNKNOWN = ("unresolved", "undetermined", "non-unique")
@@ -125,7 +129,23 @@ def lift_off_time(problem: Problem, track: Track) -> Found:  # noqa: ARG001
 
 def largest_tilt(problem: Problem, track: Track) -> Found:  # noqa: ARG001
     """The largest |π/2 - θ| on the way."""
-    times, (tilt, rate) = track.times[None], _tilt(track.states[None])
+    if track.states.shape[-1] == len(STATES):  # along fixed axes
+        best, at = _largest(track, _rise)
+        across, along, up = track.at(np.array([at]))[0, : len(AXIS)]
+        far = math.hypot(across, along)
+        lost = ROUNDED / max(far, math.sqrt(ROUNDED))  # near a pole the sine hardly changes
+        size = math.sqrt(len(AXIS)) * float(track.errors.max(initial=0.0))
+        return Found(math.atan2(abs(up), far), size + lost)
+    best, _ = _largest(track, _tilt)
+    # the track's errors are over 1 or the size of the state; the tilt may be near 0 where θ is not
+    sizes = track.errors * np.maximum(1.0, np.abs(track.states[:, 0]))
+    return Found(best, float(sizes.max(initial=0.0)))
+
+
+def _largest(track: Track, of: Callable[[Floats], Floats]) -> tuple[float, float]:
+    """The largest value of a function of the states, given with its rate, and its time."""
+    times, (tilt, rate) = track.times[None], of(track.states[None])
+    where = float(times.flat[tilt.argmax()])
     best = float(tilt.max())
     gains = np.diff(rate) / np.diff(times)
     falls = 2 * float(gains.max(initial=0.0, where=rate[:, :-1] * rate[:, 1:] > 0))
@@ -141,11 +161,10 @@ def largest_tilt(problem: Problem, track: Track) -> Found:  # noqa: ARG001
         if not kept.any():
             break
         times = low[kept, None] + h[kept, None] * (np.arange(SECTIONS + 1) / SECTIONS)
-        tilt, rate = _tilt(track.at(times.ravel()).reshape(*times.shape, -1))
-        best = max(best, float(tilt.max()))
-    # the track's errors are over 1 or the size of the state; the tilt may be near 0 where θ is not
-    size = track.errors * np.maximum(1.0, np.abs(track.states[:, 0]))
-    return Found(best, float(size.max(initial=0.0)))
+        tilt, rate = of(track.at(times.ravel()).reshape(*times.shape, -1))
+        if tilt.max() > best:
+            best, where = float(tilt.max()), float(times.flat[tilt.argmax()])
+    return best, where
 
 
 def _turns(rate: Floats) -> NDArray[np.bool_]:
@@ -157,6 +176,15 @@ def _tilt(states: Floats) -> Floats:
     """The tilt |π/2 - θ| and its rate, on a new first axis."""
     tilt = np.pi / 2 - states[..., 0]
     return np.stack([np.abs(tilt), -np.sign(tilt) * states[..., 1]])
+
+
+def _rise(states: Floats) -> Floats:
+    """The sine of the tilt and its rate along fixed axes, on a new first axis."""
+    size = np.sqrt((states[..., : len(AXIS)] ** 2).sum(axis=-1))
+    up, turn = states[..., 2], states[..., len(AXIS) :]
+    rate = turn[..., 0] * states[..., 1] - turn[..., 1] * states[..., 0]
+    found: Floats = np.stack([np.abs(up), np.sign(up) * rate]) / size
+    return found
 
 
 @dataclass(frozen=True)

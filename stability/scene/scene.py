@@ -15,19 +15,26 @@ import numpy as np
 from ..base.checks import flag, known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..base.types import Record
-from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_equations import STATES
-from ..bodies.thin_disk.disk_families import FAMILIES
 from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
 from .answer import Answer, held_against, tell
-from .inputs import in_words, known_to, launched, law_in, laws_of, names_of, setting, weights_of
+from .inputs import (
+    in_words,
+    known_to,
+    launched,
+    law_in,
+    laws_of,
+    moving,
+    names_of,
+    setting,
+    weights_of,
+)
 from .ladder import Climbed, climb
 from .laws import compare
-from .linear import LINEAR, Member
-from .linear import answer as answer_linear
-from .questions import QUESTIONS, UNKNOWN, relative_error
+from .linear import LINEAR, about_nearest
+from .questions import QUESTIONS, UNKNOWN
 from .rungs.full import truth_of
 from .rungs.near_steady import CLOSED_FORMS
 from .rungs.reduced import ReducedModel
@@ -47,7 +54,9 @@ class Scene(Record):
     Parameters
     ----------
     disk
-        The disk, dimensionless or SI; or a `System` of the user.
+        The disk, dimensionless or SI; a `Body` with its own units; or a `System` of the user.
+    body
+        A `Body`, or a `Disk`, in place of the first argument.
     contact, mu
         The law that is taken for the truth, or its name or class with the coefficient `mu`.  A
         mapping of names to laws where none is certain.  For a system its parameters by name.
@@ -66,8 +75,8 @@ class Scene(Record):
         the steady motion nearest to the start, `verdict`, `growth_rate` and `boundary` (the nearest
         value of its own parameter at which the verdict changes).
     uncertain
-        Half-width of uncertain inputs by name: of k and of the law's parameters relative to their
-        values, of the states in their own units.
+        Half-width of uncertain inputs by name: of k or the body's numbers and of the law's
+        parameters relative to their values, of the states in their own units.
     raise_tolerance
         Whether a tolerance finer than a tenth of what the uncertain inputs allow to know is raised
         to it.
@@ -92,8 +101,8 @@ class Scene(Record):
     'linearised'
     """
 
-    disk: Any = field(default_factory=Disk)
-    """The disk, or a user's system."""
+    disk: Any = None
+    """The disk, another body, or a user's system."""
     contact: Any = None
     """The law, laws by name, or parameters of a system."""
     start: Any = None
@@ -115,8 +124,10 @@ class Scene(Record):
     families: Any = ()
     """Families of a user's system."""
     mu: InitVar[float | None] = None
+    body: InitVar[Any] = None
 
-    def __post_init__(self, mu: float | None) -> None:
+    def __post_init__(self, mu: float | None, body: Any) -> None:
+        object.__setattr__(self, "disk", moving(self.disk, body))
         object.__setattr__(self, "contact", law_in(self.disk, self.contact, mu))
         laws = laws_of(self.disk, self.contact)
         tolerance = one_number("tolerance", self.tolerance)
@@ -276,7 +287,8 @@ class Scene(Record):
             said = f"No rung can answer: {error}"
             return Answer(None, "none", math.inf, (), 0.0, said, self.tolerance)
         if self.quantities[0] in LINEAR:
-            return self._linear(problem, law, only)
+            asked: Any = self.quantities
+            return about_nearest(problem, self.disk, law, asked, self.tolerance, self.horizon, only)
         found = climb(problem, self.quantities, tuple(self.models), only, measured=True)
         told = tell(problem, found, self.horizon)
         if self.uncertain and found.track is not None:
@@ -290,24 +302,6 @@ class Scene(Record):
                 why = f"the tolerance is raised from {self.tolerance:g} to {enough:.2g}"
                 return replace(again, notes=(f"{why}: {VAIN_WORDS}", *again.notes))
         return told
-
-    def _linear(self, problem: Problem, law: Any, only: str | None) -> Answer:
-        """The answer to a linear question, about the steady motion nearest to the start."""
-        near = problem.launches.settling.closest(problem.start, problem.p)
-        if near.member is None:
-            raise ParameterError(f"{near.evidence}: a linear question needs a steady motion.")
-        unit = FAMILIES[near.family].unit(float(problem.launches.scales["rate"]))
-        member = Member(near.family, near.at * unit, {"disk": self.disk, "contact": law})
-        told = answer_linear(member, tuple(self.quantities), self.tolerance, only)
-        values = {n: f.value for n, f in told.found.items()}
-        errors = {n: relative_error(f) for n, f in told.found.items()}
-        one = len(values) == 1
-        sentence = f"{near.family} at {member.at:.6g}, {near.distance:.2g} away: {told.sentence}."
-        return Answer(
-            next(iter(values.values())) if one else values, told.model,
-            next(iter(errors.values())) if one else errors, told.rungs, self.horizon, sentence,
-            self.tolerance,
-        )  # fmt: skip
 
     def _spread(self, law: Any, found: Climbed, problem: Problem, only: str | None) -> Spread:
         def move(name: str, by: float) -> Problem:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import tomllib
 from collections.abc import Collection, Mapping
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -16,17 +17,22 @@ from ..base.checks import instance, one_number
 from ..base.errors import FileError, NameUnknownError, ParameterError, StabilityError, shown
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.launch import launch
 from ..bodies.law_names import class_named, law_named
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.shape import SCALES
+from ..bodies.round_body.shapes.named import NAMED
 from ..bodies.thin_disk.disk_equations import STATES
-from ..bodies.thin_disk.launch import launch
 from ..storage.targets import path_text, place, refusing
 
-TABLES = ("title", "disk", "contact", "start", "question", "uncertain")
+TABLES = ("title", "disk", "body", "contact", "start", "question", "uncertain")
 """What a file may hold at its top."""
 SIZES = ("mass", "radius", "gravity")
 """Numbers of a disk in SI units: all three, or none of them."""
 LAUNCH = ("family", "at", "tilt")
 """Keys of a start near a steady motion."""
+WHICH = ("theta", "pole")
+"""Further keys of a start near a steady motion of a body."""
 QUESTION = ("horizon", "tolerance", "quantities", "raise_tolerance")
 """Keys of a question."""
 LARGEST = 2**20
@@ -132,7 +138,9 @@ def _arguments(tables: Mapping[str, Any]) -> dict[str, Any]:
             raise ParameterError(f"[{name}] is missing; a scene needs this table.")
     for name in tables.keys() - {"title"}:
         _table(tables[name], name)
-    disk = _disk(tables.get("disk", {}))
+    if "disk" in tables and "body" in tables:
+        raise ParameterError("[disk] and [body] are both given; give one of them.")
+    disk: Any = _body(tables["body"]) if "body" in tables else _disk(tables.get("disk", {}))
     found = {
         "disk": disk,
         **_laws(tables["contact"]),
@@ -159,6 +167,23 @@ def _disk(table: Mapping[str, Any]) -> Disk:
             "none of them."
         )
     return Disk(**_numbers(table, "disk"))
+
+
+def _body(table: Mapping[str, Any]) -> Body:
+    """A named body with its numbers."""
+    if "name" not in table:
+        raise ParameterError(f"[body] has no name; give one of {', '.join(NAMED)}.")
+    word = instance("name of [body]", table["name"], str, "give a text")
+    if word not in NAMED:
+        raise NameUnknownError(f"[body] names {shown(word)}; known are {', '.join(NAMED)}.")
+    every = {n: p for n, p in signature(NAMED[word]).parameters.items() if p.kind != p.VAR_KEYWORD}
+    _only(table, ("name", *every, *SCALES), f"[body] of the {word}")
+    for name, one in every.items():
+        if one.default is one.empty and name not in table:
+            raise ParameterError(f"[body] has no {name}; the {word} needs it.")
+    flags = {n: v for n, v in table.items() if isinstance(v, bool)}
+    return NAMED[word](**_numbers({n: v for n, v in table.items() if n not in ("name", *flags)},
+                                  "body"), **flags)  # fmt: skip
 
 
 def _laws(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -199,14 +224,15 @@ def _law(table: Mapping[str, Any], where: str) -> Contact:
     return law_named(table["law"], values.pop("mu", None), motion=True, others=values)
 
 
-def _start(table: Mapping[str, Any], disk: Disk) -> Any:
+def _start(table: Mapping[str, Any], disk: Disk | Body) -> Any:
     """The states by name, or the six of a launch near a steady motion."""
-    _only(table, (*STATES, *LAUNCH), "[start]")
+    which = WHICH if isinstance(disk, Body) else ()
+    _only(table, (*STATES, *LAUNCH, *which), "[start]")
     if not set(LAUNCH) & set(table):
         if "theta" not in table:
             raise ParameterError("[start] has no theta; give it, or a family with at and tilt.")
         return _numbers(table, "start")
-    both = next((n for n in STATES if n in table), None)
+    both = next((n for n in STATES if n in table and n not in which), None)
     if both is not None:
         mine = next(n for n in LAUNCH if n in table)
         raise ParameterError(
@@ -215,8 +241,11 @@ def _start(table: Mapping[str, Any], disk: Disk) -> Any:
     for name in ("family", "at"):
         if name not in table:
             raise ParameterError(f"[start] has no {name}; a launch needs a family and at.")
-    values = _numbers({n: v for n, v in table.items() if n != "family"}, "start")
-    return launch(table["family"], disk=disk, **values)
+    words = {n: table[n] for n in ("pole",) if n in table}
+    values: dict[str, Any] = _numbers(
+        {n: v for n, v in table.items() if n not in ("family", *words)}, "start"
+    )
+    return launch(table["family"], body=disk, **values, **words)
 
 
 def _question(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -49,11 +49,20 @@ class Line:
     """Interval of θ in which the height holds."""
     level: float | None = None
     """Inclination near that of rolling; None for exactly upright, and for tumbling."""
+    several: bool = False
+    """Whether the body rolls at other inclinations too."""
 
     @property
     def name(self) -> str:
         """Name of the family."""
         return self.family.name
+
+    @property
+    def call(self) -> dict[str, Any]:
+        """The family and what else names it in a call of `spectrum`."""
+        name = self.name.partition(" ")[0]
+        theta = math.pi / 2 if self.level is None else self.level
+        return {"family": name} | ({"theta": theta} if self.several else {})
 
     @property
     def own(self) -> str:
@@ -229,6 +238,11 @@ class Vertical:
     def name(self) -> str:
         """Name of the family."""
         return self.family.name
+
+    @property
+    def call(self) -> dict[str, Any]:
+        """The family and what else names it in a call of `spectrum`."""
+        return {"family": "vertical", "pole": 0 if self.pole == 1 else "pi"}
 
     @staticmethod
     def _chart(six: Sequence[Any], functions: Any) -> list[Any]:

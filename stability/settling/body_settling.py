@@ -11,17 +11,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-import casadi as ca
 import numpy as np
 
-from ..algebra.upright import UPRIGHT
-from ..base.errors import NoMemberError
 from ..base.types import Floats
-from ..bodies.contact import Contact
-from ..bodies.round_body.body import Body
-from ..bodies.round_body.equations import round_system
-from ..bodies.round_body.families import levels, round_family
-from ..bodies.round_body.pole_equations import pole_system, smooth_at
 from ..systems.family import Family
 from .body_lines import Line, Vertical
 from .nearest import Nearest
@@ -107,57 +99,3 @@ class BodySettling:
         line = next(one for one in self.lines if one.name == near.family)
         found: Floats = np.linalg.norm(line.deviations(states, p), axis=-1)
         return found
-
-
-def body_settling(body: Body, law: type[Contact], given: tuple[str, ...]) -> BodySettling:
-    """The families that a body may settle on under a law, and those that it may depart from.
-
-    Parameters
-    ----------
-    body, law, given
-        As for `stability.bodies.round_body.models.angle_model.round_model`.
-
-    Returns
-    -------
-    BodySettling
-    """
-    system = round_system(body, law, given, physical=False, slip_states=True)
-    theta, *own = (ca.SX.sym(n) for n in ("theta", *body.shape))
-    height = ca.Function("height", [theta, *own], [f(theta, *own) for f in body.slopes()])
-    shape = ca.vertsplit(system.p)[: len(own)]
-    moments = ca.vertcat(*(
-        system.p[system.parameters.index(n)] if n in system.parameters
-        else ca.SX(getattr(body, n)(*shape))
-        for n in ("axial", "transverse")
-    ))  # fmt: skip
-    lines: list[Line | Vertical] = [
-        Line(family, system, law.conservative, height, moments, body.between, level)
-        for family, level in _families(body, law, given)
-    ]
-    for pole, word in ((1, 0), (-1, "pi")):
-        if smooth_at(body, pole):
-            family = round_family(body, "vertical", law, given, physical=False, pole=word)
-            family = replace(family, name=f"vertical at theta = {word}")
-            chart = pole_system(body, law, given, physical=False, near=pole)
-            lines.append(Vertical(family, chart, law.conservative, pole))
-    return BodySettling(tuple(lines))
-
-
-def _families(
-    body: Body, law: type[Contact], given: tuple[str, ...]
-) -> list[tuple[Family, float | None]]:
-    """The families that one number names, and the inclination of rolling where it leans."""
-    found: list[tuple[Family, float | None]] = []
-    places = levels(body)
-    for theta in places:
-        family = round_family(body, "rolling", law, given, physical=False, theta=theta)
-        if len(places) > 1:
-            family = replace(family, name=f"rolling near theta = {theta:.4g}")
-        upright = family.held.get("theta") is UPRIGHT
-        found.append((family, None if upright else theta))
-    for name in ("spinning", "tumbling"):
-        try:
-            found.append((round_family(body, name, law, given, physical=False), None))
-        except NoMemberError:
-            continue
-    return found

@@ -10,7 +10,8 @@ from scipy.optimize import fsolve
 import stability as st
 from stability.bodies.contact_laws import LAWS
 from stability.bodies.round_body.equations import round_system
-from stability.bodies.round_body.families import level, round_family, tumbling_ranges
+from stability.bodies.round_body.families import round_family
+from stability.bodies.round_body.inclinations import level, tumbling_ranges
 
 EGG = st.Body(
     lambda theta, a, b: 1 + a * ca.cos(theta) + b * ca.cos(2 * theta) + 0.01 * ca.cos(3 * theta),

@@ -194,3 +194,49 @@ def test_bad_axes_get_one_sentence(
 ) -> None:
     found = refused(capsys, "boundaries", "rolling", "--body", "torus", "--mu", "1", *words)
     assert said in found
+
+
+def test_a_launched_body_moves_as_in_the_library_and_is_filmed(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    si = ["--mass", "0.02", "--gravity", "9.81", "--length", "0.03"]
+    start = ["--theta", "0.4", "--omega3", "60", "--slip-y", "0.01"]
+    against = ["--rolling-resistance", "1e-5", "--pivoting-resistance", "2e-5"]
+    rest = ["--mu", "0.5", "--time", "0.4", "--points", "81", "--air-torque", "1e-9"]
+    film, file = tmp_path / "top.gif", tmp_path / "top.nc"
+    words = ["--body", "eccentric-sphere", "--offset", "0.15", *si, *start, *against, *rest]
+    text = output(capsys, "simulate", *words, "--out", str(file), "--film", str(film), "--json")
+    found = json.loads(text)
+    top = st.EccentricSphere(0.15, mass=0.02, gravity=9.81, length=0.03)
+    own = st.simulate(
+        body=top, contact=st.Viscous(0.5), start={"theta": 0.4, "omega3": 60, "slip_y": 0.01},
+        times=0.4, resistance=[st.RollingResistance(1e-5), st.PivotingResistance(2e-5),
+                               st.AirTorque(1e-9)],
+    )  # fmt: skip
+    assert found["final"]["theta"] == pytest.approx(float(own.theta[-1]), abs=1e-7)
+    assert found["final"]["omega3"] == pytest.approx(float(own.omega3[-1]), rel=1e-7)
+    assert (found["body"], found["unit"]) == ("eccentric sphere", "SI")
+    told = found["parameters"]
+    assert (told["offset"], told["rho"], told["sigma"], told["drag"]) == (0.15, 1e-5, 2e-5, 1e-9)
+    assert (told["axial"], told["transverse"]) == top.moments()
+    assert film.stat().st_size > 1000
+    assert st.read_motion(file).attrs["body"] == "eccentric sphere"
+
+
+@pytest.mark.usefixtures("file")
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([*TORUS, "--k", "0.3"], "--k does not go with --body"),
+        ([*TORUS, "--system", "a.py:b"], "--system does not go with --body"),
+        ([*TORUS, "--contact", "coulomb"], "sticking is solved"),
+        ([*TORUS, "--air-torque", "-1"], "drag is -1"),
+        (["--contact", "coulomb", "--air-torque", "1"], "sticking is solved"),
+        (["--body", "egg.py:coin", "--rim", "x"], "rim is 'x'; a number is needed"),
+    ],
+)
+def test_a_launch_that_is_not_accepted_gets_one_sentence(
+    capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    launch = ["--theta", "1.2", "--mu", "0.3", "--time", "1"]
+    assert said in refused(capsys, "simulate", *words, *launch)

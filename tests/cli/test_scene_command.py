@@ -5,6 +5,7 @@ import json
 import math
 import re
 from contextlib import redirect_stdout
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import pytest
 import xarray
 from command_line import output, refused
 from matplotlib.text import Text
+from random_body_scenes import columns
 
 import stability as st
 from stability.bodies.thin_disk.disk_equations import STATES
@@ -105,13 +107,17 @@ def _simulated(scene: st.Scene, law: Any) -> Any:
 def test_an_example_is_answered_as_simulate_does_within_its_tolerance(path: Path) -> None:
     scene, found = st.Scene.from_toml(path), example(path.stem)
     several = isinstance(scene.contact, dict)
-    scale = np.array([1.0, *[float(scene.disk.rate)] * 3, *[float(scene.disk.speed)] * 2])
+    disk = scene.disk
+    length = float(disk.length if isinstance(disk, st.Body) else disk.radius)
+    rate, speed = math.sqrt(disk.gravity / length), math.sqrt(disk.gravity * length)
+    fixed = path.stem == "tippe-top"
+    scale = np.array([1.0] * (3 if fixed else 1) + [rate] * 3 + [speed] * 2)
     for name, law in (scene.contact if several else {"": scene.contact}).items():
         value = found["value"][name] if several else found["value"]
         run = _simulated(scene, law)
         if "final" in value:
-            truth = np.array([float(run[n][-1]) for n in STATES]) / scale
-            mine = np.array([value["final"][n] for n in STATES]) / scale
+            truth = columns(run)[-1] / scale
+            mine = np.array(list(value["final"].values())) / scale
             far = np.abs(mine - truth) / np.maximum(1.0, np.abs(truth))
             assert far.max() <= scene.tolerance
         if "outcome" in value:
@@ -160,6 +166,15 @@ def test_the_examples_show_what_their_comments_say(capsys: pytest.CaptureFixture
     assert near["value"]["lift_off_time"] == pytest.approx(56.2, abs=0.05)
     assert near["spread"]["contrary"] == ["omega3"]
     assert near["spread"]["outcomes"]["omega3"] == ["lift-off", "moving"]
+    top = example("tippe-top")["value"]
+    assert (top["outcome"], round(top["final"]["axis_Z"], 6)) == ("settled", -1.0)
+    assert top["final"]["omega_Z"] == pytest.approx(75, abs=2)
+    slow, fast = (
+        replace(st.Scene.from_toml(FOLDER / "tippe-top.toml"), start={"theta": 0.1, "omega3": w})
+        for w in (20.0, 250.0)
+    )
+    assert slow.answer().value["final"]["axis_Z"] > 0.9
+    assert fast.answer().value["outcome"] == "lift-off"
     stiff = example("stiff-launch")
     assert stiff["until"] == pytest.approx(0.134, abs=0.0005)
     assert stiff["estimate"]["lift_off_time"] < 1e-7

@@ -15,7 +15,8 @@ from ..contact_laws import LAWS, law_class, spelled
 from ..disk import Disk
 from ..law_names import law_given
 from ..resistance import Resistance, resistances
-from .families import FAMILIES, level, round_family, unknown_family
+from .families import FAMILIES, round_family, survives, unknown_family
+from .inclinations import level
 from .shape import SCALES, RoundShape
 from .shapes.named import of_disk
 
@@ -135,11 +136,8 @@ def _resolved(
 
 def _survives(family: str, body: RoundShape, resistance: Resistance, theta: float | None) -> None:
     """Refuse a family whose members lose energy to a resistance, so that none is steady."""
-    record = FAMILIES[family]
-    turns = record.turns
-    if record.level and level(body, theta) is None:
-        turns = ("level",)
-    if set(turns) & set(resistance.against):
+    upright = FAMILIES[family].level and level(body, theta) is None
+    if not survives(family, (type(resistance),), upright=upright):
         raise NoMemberError(
             f"{family} of {body.name} does not survive {resistance.name}, which costs energy "
             "there; slow_flow gives its drift along the family."

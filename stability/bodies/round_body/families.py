@@ -12,30 +12,23 @@ sides vanish upright.  At a pole there is *vertical* spin alone.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-from numpy.typing import ArrayLike
-from scipy.optimize import brentq
-
 from ...algebra.upright import UPRIGHT, Upright
-from ...base.checks import known, one_number
+from ...base.checks import known
 from ...base.errors import NameUnknownError, NoMemberError, ParameterError, listed, shown
-from ...base.types import Floats
 from ...systems.family import Family
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import law_class
 from ..law_names import class_named
 from .equations import Resistances, round_system
-from .pole_equations import AXIS, SLIP, TURN, pole_system
-from .shape import SAMPLES, SCALES, RoundShape
-
-CLOSE = 1e-12
-"""Largest slope of the height, over the height, that counts as zero at π/2 before the proof."""
+from .inclinations import first_numbers, level, slope_of, stands_upright, tumbling_ranges
+from .pole_equations import AXIS, SLIP, TURN, pole_system, refuse_rough_pole
+from .shape import SCALES, RoundShape
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +93,23 @@ FAMILIES = {family.name: family for family in _RECORDS}
 """Every family of a body of revolution by name."""
 
 
+def survives(name: str, resistance: Resistances, *, upright: bool) -> bool:
+    """Whether members of a family lose no energy to resistances, so that they are steady.
+
+    Parameters
+    ----------
+    name
+        A key of `FAMILIES`.
+    resistance
+        Classes of the resistances.
+    upright
+        Whether members that roll are upright, so that they do not turn about the vertical.
+    """
+    record = FAMILIES[name]
+    turns = ("level",) if record.level and upright else record.turns
+    return not any(set(turns) & set(r.against) for r in resistance)
+
+
 def round_family(
     body: RoundShape, name: str, law: type[Contact], given: tuple[str, ...], *, physical: bool,
     theta: float | None = None, pole: Any = None, resistance: Resistances = (),
@@ -160,11 +170,8 @@ def round_family(
     equations = ["theta_dot"] * bool(unknown)
     if record.rests:  # under a law with slip in the state, slip_x changes unless the centre rests
         equations.append("slip_x" if law.slips else "rim_speed")
-    if record.upright and not _upright(body):
-        raise NoMemberError(
-            f"{body.name} has no {name}: the slope of its height at theta = π/2 is "
-            f"{float(_slope(body)(math.pi / 2)):.3g}, and must vanish there."
-        )
+    if record.upright and not stands_upright(body):
+        raise _not_upright(body, name)
     if record.level:
         at = level(body, theta)
         if at is None:
@@ -174,6 +181,13 @@ def round_family(
             unknown, equations = {"theta": at}, ["lever"]
     every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
     return _family(system, record, *every, law)  # type: ignore[arg-type]  # a class is hashable
+
+
+def _not_upright(body: RoundShape, name: str) -> NoMemberError:
+    return NoMemberError(
+        f"{body.name} has no {name}: the slope of its height at theta = π/2 is "
+        f"{float(slope_of(body)(math.pi / 2)):.3g}, and must vanish there."
+    )
 
 
 def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
@@ -210,117 +224,6 @@ def _typical(body: RoundShape, record: RoundFamily) -> dict[str, float]:
         low, high = max(ranges, key=lambda r: r[1] - r[0], default=(1.0, 1.0))
         found["theta"] = (low + high) / 2
     return found
-
-
-def first_numbers(body: RoundShape) -> dict[str, float]:
-    """Every number of the body by name, of arrays the first."""
-    return {n: float(np.asarray(v, dtype=float).flat[0]) for n, v in body.given.items()}
-
-
-def tumbling_ranges(body: RoundShape) -> list[tuple[float, float]]:
-    """Intervals of θ in which the body tumbles, at samples, for the first of its shapes [rad].
-
-    Parameters
-    ----------
-    body
-        The body.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> [(round(a, 2), round(b, 2)) for a, b in tumbling_ranges(st.EccentricSphere(0.3))]
-    [(0.0, 1.98)]
-    """
-    low, high = body.between
-    theta = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
-    first = first_numbers(body)
-    shape = [first[n] for n in body.shape]
-    h, slope = (np.asarray(body.array(f, theta, *shape)) for f in body.slopes()[:2])
-    axial, transverse = (float(np.asarray(m, dtype=float).flat[0]) for m in body.moments())
-    s, c = np.sin(theta), np.cos(theta)
-    r, z = h * s + slope * c, h * c - slope * s
-    with np.errstate(all="ignore"):
-        there = slope * r * s * (transverse * r * c - axial * z * s) > 0
-    if _upright(body):
-        there &= np.abs(theta - math.pi / 2) > (high - low) / SAMPLES
-    ends = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
-    step = (high - low) / SAMPLES / 2
-    return [(float(theta[a] - step), float(theta[b - 1] + step))
-            for a, b in ends.reshape(-1, 2)]  # fmt: skip
-
-
-def _slope(body: RoundShape) -> Callable[[ArrayLike], Floats]:
-    """Slope of the height at inclinations, for the first of the body's shapes."""
-    numbers = first_numbers(body)
-    first = [numbers[n] for n in body.shape]
-    function = body.slopes()[1]
-    return lambda theta: np.asarray(body.array(function, theta, *first))
-
-
-def _upright(body: RoundShape) -> bool:
-    """Whether the slope of the height vanishes at π/2, to double precision."""
-    low, high = body.between
-    if not low < math.pi / 2 < high:
-        return False
-    scale = float(np.asarray(body.height_at(math.pi / 2)).flat[0])
-    return abs(float(_slope(body)(math.pi / 2))) <= CLOSE * scale
-
-
-def levels(body: RoundShape) -> list[float]:
-    """Inclinations at which the slope of the height vanishes; π/2 comes first where it is one.
-
-    Parameters
-    ----------
-    body
-        The body; of arrays the first entry counts.
-    """
-    low, high = body.between
-    grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
-    slope = _slope(body)
-    slopes = slope(grid)
-    upright = _upright(body)
-    found = [math.pi / 2] * upright
-    for a, b, f, g in zip(grid[:-1], grid[1:], slopes[:-1], slopes[1:], strict=True):
-        if f * g < 0 and not (upright and a <= math.pi / 2 <= b):
-            root = float(brentq(slope, a, b, xtol=1e-15))
-            if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
-                found.append(root)
-    return found
-
-
-def level(body: RoundShape, theta: float | None = None) -> float | None:
-    """Inclination at which the slope of the height vanishes; None for exactly upright.
-
-    Parameters
-    ----------
-    body
-        The body; of arrays the first entry counts.
-    theta
-        A number near the one that is meant, where there are several [rad].
-
-    Raises
-    ------
-    NoMemberError
-        If there is none, or there are several and none is meant.
-    """
-    low, high = body.between
-    found = levels(body)
-    if not found:
-        raise NoMemberError(
-            f"{body.name} rolls nowhere: the slope of its height has no zero between "
-            f"{low:.6g} and {high:.6g}."
-        )
-    if theta is not None:
-        wanted = one_number("theta", theta)
-        best = min(found, key=lambda t: abs(t - wanted))
-    elif found[0] == math.pi / 2 or len(found) == 1:
-        best = found[0]
-    else:
-        angles = ", ".join(f"{t:.6g}" for t in found)
-        raise NoMemberError(
-            f"{body.name} rolls at theta = {angles}; give theta=, a number near one of them."
-        )
-    return None if best == math.pi / 2 and _upright(body) else best
 
 
 def body_family(
@@ -360,3 +263,37 @@ def unknown_family(family: Any, body: RoundShape) -> NameUnknownError:
     return NameUnknownError(
         f"family is {shown(family)}; known for {body.name} are {', '.join(FAMILIES)}."
     )
+
+
+def place_of(body: RoundShape, family: str, theta: float | None, pole: Any) -> float | None:
+    """Inclination of a family that one number names; None for tumbling, whose number it is.
+
+    Parameters
+    ----------
+    body
+        The body.
+    family
+        `rolling`, `spinning`, `tumbling` or `vertical`.
+    theta, pole
+        As for `round_family`.
+
+    Raises
+    ------
+    StabilityError
+        If the body has no such family.
+    """
+    record = FAMILIES[family]
+    if theta is not None and not record.level:
+        raise ParameterError(f"theta chooses where a body rolls; leave it out for {family}.")
+    if pole is not None and not record.pole:
+        raise ParameterError(f"pole belongs to vertical spin; leave it out for {family}.")
+    if record.pole:
+        near = _near(pole)
+        refuse_rough_pole(body, (near,))
+        return 0.0 if near == 1 else math.pi
+    if record.upright and not stands_upright(body):
+        raise _not_upright(body, family)
+    if record.level:
+        at = level(body, theta)
+        return math.pi / 2 if at is None else at
+    return math.pi / 2 if record.upright else None

@@ -71,16 +71,28 @@ def pole_system(
         raise ParameterError(
             f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
         )
-    poles = (near,) if near else (1, -1)
+    refuse_rough_pole(body, (near,) if near else (1, -1))
+    _check_even(law, len(given))
+    slips = law.slips or (slip_states and not law.holds)
+    return _system(shape_of(body), law, given, physical, near, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
+
+
+def refuse_rough_pole(body: RoundShape, poles: tuple[int, ...]) -> None:
+    """Refuse a body that is smooth at none of some poles.
+
+    Parameters
+    ----------
+    body
+        The body.
+    poles
+        1 for θ = 0, -1 for θ = π.
+    """
     if not any(smooth_at(body, pole) for pole in poles):
-        where = {1: "0", -1: "π", 0: "0 or π"}[near]
+        where = " or ".join({1: "0", -1: "π"}[pole] for pole in poles)
         raise NoMemberError(
             f"{body.name} is not smooth at theta = {where}, where it falls flat or stands on "
             "a point; there is no motion through it."
         )
-    _check_even(law, len(given))
-    slips = law.slips or (slip_states and not law.holds)
-    return _system(shape_of(body), law, given, physical, near, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
 
 
 def smooth_at(body: RoundShape, pole: int) -> bool:

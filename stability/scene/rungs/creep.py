@@ -157,8 +157,8 @@ class Held:
 
 
 def applies(problem: Problem) -> bool:
-    """Whether the law of a problem has creep."""
-    return problem.launches.law in LAWS
+    """Whether creep is solved for the body and the law of a problem."""
+    return problem.thin and problem.launches.law in LAWS
 
 
 def held_of(problem: Problem) -> Held:

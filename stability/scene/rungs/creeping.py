@@ -159,7 +159,9 @@ def creeping(
     """
     if not applies(problem):
         word = "the law" if problem.launches.law is None else problem.launches.law.name
-        return {}, "creep", Refused(f"{word} has no creep: its slip does not decay at a rate mu")
+        why = "its slip does not decay at a rate mu"
+        why = f"{word} has no creep: {why}" if problem.thin else "creep is solved for a disk alone"
+        return {}, "creep", Refused(why)
     climb = Climb(problem, held_of(problem), work, order, state=problem.start, reach=work.probe)
     turns, why = 0, ""
     while climb.finish is None and climb.now < problem.last:

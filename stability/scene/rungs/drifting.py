@@ -90,6 +90,8 @@ def drifting(problem: Problem) -> Track | Refused:
     -------
     Track or Refused
     """
+    if not problem.thin:
+        return Refused("the drift of rolling is known in closed form for a disk alone")
     if problem.launches.law not in (Viscous, LinearViscous):
         return Refused("no rolling drifts under this law")
     near = problem.launches.settling.closest(problem.start, problem.p)

@@ -126,8 +126,7 @@ def kept_until(problem: Problem, track: Track) -> float:
 
 def _stiff(problem: Problem) -> bool:
     """Whether the friction makes an explicit method slow."""
-    law = problem.launches.law
-    return law is not None and law.relaxes and float(problem.p[1]) > SLOW * problem.pace
+    return problem.friction > SLOW * problem.pace
 
 
 def _settings(problem: Problem, tolerance: float, *, check: bool) -> Settings:

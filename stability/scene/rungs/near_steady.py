@@ -19,6 +19,7 @@ import numpy as np
 from ...algebra.eigensolver import eigenpairs
 from ...algebra.program import Program
 from ...base.types import Floats
+from ...settling.round_body.fixed_axes import FixedSettling
 from ...settling.system_settling import SystemSettling
 from ...systems.system import System
 from .track import Problem, Refused, Track, relative
@@ -28,6 +29,8 @@ FAR = 0.3
 """Deviation above which a motion is not near its family, over 1 or the size of the state."""
 PARALLEL = 1e7
 """Largest entry of the inverse of the modes with which they carry a deviation."""
+ROUNDING = 1e-15
+"""Size of an entry of a Jacobian, over the largest, below which it may be rounding."""
 SAMPLES, ENDS = 32, 8
 """Samples of the third-order defect, and the times at which it is summed."""
 GROWTH = 30.0
@@ -170,6 +173,16 @@ class Modes:
         return ends, SAFETY * relative(size, self.member)
 
 
+def _eigen(matrix: Floats) -> tuple[Any, Any, Any]:
+    """Eigenvalues, modes and their inverse, which is None where two modes are parallel."""
+    values, vectors = eigenpairs(matrix)
+    with suppress(np.linalg.LinAlgError):
+        back = np.linalg.inv(vectors)
+        if np.abs(back).max() < PARALLEL:
+            return values, vectors, back
+    return values, vectors, None
+
+
 def _vain(problem: Problem, size: float, price: float, length: float) -> bool:
     """Whether the full model may be done before the closed forms have turned out too coarse.
 
@@ -213,11 +226,11 @@ def modes(
     matrix = _slope(system).arrays(place, ())[0]
     if not np.isfinite(matrix).all():
         return Refused("the rates have no derivative at the steady motion")
-    values, vectors = eigenpairs(matrix)
-    back = None
-    with suppress(np.linalg.LinAlgError):
-        back = np.linalg.inv(vectors)
-    if back is None or not np.abs(back).max() < PARALLEL:
+    values, vectors, back = _eigen(matrix)
+    if back is None:  # two zeros that an entry of rounding joins
+        matrix = np.where(np.abs(matrix) < ROUNDING * np.abs(matrix).max(), 0.0, matrix)
+        values, vectors, back = _eigen(matrix)
+    if back is None:
         return Refused(f"two modes of {family} are parallel: the linear motion grows with time")
     growth = float(values.real.max(initial=0.0)) * problem.last
     size = float(relative(problem.start[:n] - at, at)) * np.exp(min(growth, 700.0))
@@ -265,6 +278,8 @@ def near_steady(
         settling = problem.launches.settling
         if isinstance(settling, SystemSettling):
             why += f": {near.evidence}" if settling.families else "; name some with families="
+        elif isinstance(settling, FixedSettling) and near.family:
+            why = f"near {near.family} the heading turns without end, and no closed form follows it"
         return dict.fromkeys(every, Refused(why))
     size = float(relative(problem.start - near.member, near.member))
     where = {f"distance from {near.family}": size}

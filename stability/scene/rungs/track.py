@@ -12,6 +12,7 @@ import numpy as np
 from ...base.types import Floats
 from ...integrators.flow import Flow, flow_of
 from ...motion.starts import Starts
+from ...settling.disk_settling import DiskSettling
 from ...settling.nearest import Nearest
 
 SPACING = 0.25
@@ -64,6 +65,18 @@ class Problem:
     def own(self) -> int:
         """Number of states of the full model's equations."""
         return len(self.flow.system.states)
+
+    @cached_property
+    def friction(self) -> float:
+        """The parameter that the decay rate of slip is proportional to; 0 for none."""
+        name = self.launches.model.friction
+        names = self.flow.system.parameters
+        return float(self.p[names.index(name)]) if name else 0.0
+
+    @property
+    def thin(self) -> bool:
+        """Whether the disk moves, and not another body or a system."""
+        return isinstance(self.launches.settling, DiskSettling)
 
     @cached_property
     def near(self) -> Nearest:

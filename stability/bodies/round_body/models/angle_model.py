@@ -25,7 +25,7 @@ from ...thin_disk.disk_model import (
 )
 from ...thin_disk.disk_quantities import disk_quantities
 from ..body import Body
-from ..equations import round_system
+from ..equations import Resistances, round_system
 from ..height.expression import Expression
 from ..height.pole_height import height_of_angle
 
@@ -35,7 +35,10 @@ LEVEL = 1e-9
 """Smallest slope of the height at a pole, over the height, of a body that falls flat there."""
 
 
-def round_model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool) -> Model:
+def round_model(
+    body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool,
+    resistance: Resistances = (),
+) -> Model:  # fmt: skip
     """A body under a contact law, dimensionless; built once for each.
 
     Parameters
@@ -48,6 +51,8 @@ def round_model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose:
         Names of the law's parameters, in the order of `round_system`.
     pose
         Whether y holds φ, ψ and the place of the centre.
+    resistance
+        Classes of the resistances to rolling and turning.
 
     Returns
     -------
@@ -65,7 +70,7 @@ def round_model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose:
     >>> list(round_model(ThickDisk(0.1), Viscous, ("mu",), pose=False).guards)
     ['lift-off', 'flat', 'upper end of theta', 'no-contact']
     """
-    system = round_system(body, law, given, physical=False, slip_states=True)
+    system = round_system(body, law, given, physical=False, slip_states=True, resistance=resistance)
     return _round_model(
         system, body.name, body.height, tuple(body.shape), body.between, flat_poles(body),
         law, given, bool(pose),  # type: ignore[arg-type]  # a class is hashable

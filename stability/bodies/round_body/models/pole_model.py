@@ -20,6 +20,7 @@ from ...model import WORK, Chart, Model
 from ...newton_euler import STATES
 from ...thin_disk.disk_model import LIFT_OFF, NO_CONTACT, POSE, POSE_UNIT, WORDS
 from ..body import Body
+from ..equations import Resistances
 from ..height.pole_height import height_of_cosine
 from ..pole_equations import SLIP, pole_system, smooth_at
 from ..si_law import Shape, shape_of
@@ -31,12 +32,15 @@ PLACE = ("centre_X", "centre_Y")
 """Horizontal place of the centre over `POSE_UNIT`."""
 
 
-def pole_model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool) -> Model:
+def pole_model(
+    body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool,
+    resistance: Resistances = (),
+) -> Model:  # fmt: skip
     """A body that is smooth at a pole, dimensionless; built once for each.
 
     Parameters
     ----------
-    body, law, given, pose
+    body, law, given, pose, resistance
         As for `stability.bodies.round_body.models.angle_model.round_model`.
 
     Returns
@@ -56,7 +60,7 @@ def pole_model(body: Body, law: type[Contact], given: tuple[str, ...], *, pose: 
     >>> model.names[:3], list(model.guards)
     (('axis_X', 'axis_Y', 'axis_Z'), ['lift-off', 'no-contact'])
     """
-    system = pole_system(body, law, given, physical=False, slip_states=True)
+    system = pole_system(body, law, given, physical=False, slip_states=True, resistance=resistance)
     smooth = smooth_at(body, 1), smooth_at(body, -1)
     return _pole_model(system, shape_of(body), smooth, law, given, bool(pose))  # type: ignore[arg-type]  # a class is hashable
 

@@ -1,0 +1,105 @@
+"""Starts near the steady motions of the disk and of bodies of revolution."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import broadcast, checked, known
+from ..base.errors import ParameterError, if_degrees
+from ..base.types import Floats
+from .disk import Disk
+from .round_body.body import Body
+from .round_body.families import FAMILIES, place_of
+from .round_body.inclinations import tumbling_rates
+from .thin_disk import launch as of_disk
+from .thin_disk.launch import TILT
+
+
+def launch(
+    family: str, *, at: ArrayLike, tilt: ArrayLike = TILT, disk: Disk | None = None,
+    body: Body | Disk | None = None, theta: float | None = None, pole: Any = None,
+) -> Floats:  # fmt: skip
+    """The start of a launch near a steady motion, its symmetry axis tilted.
+
+    Parameters
+    ----------
+    family
+        A family whose members one number names: rolling, spinning or tumbling; of a body that is
+        smooth at a pole vertical too.
+    at
+        omega3, phi_dot, theta or omega_Z of the steady motion, shape (…) [rad/s or rad].
+    tilt
+        Angle subtracted from theta, and added to it at theta = 0, shape (…) [rad].
+    disk
+        The disk; needed for tumbling, whose rate depends on it.
+    body
+        A `Body`, or a `Disk`, in its place.
+    theta, pole
+        Of a body, as for `spectrum`: where it rolls if at several inclinations; 0 or "pi".
+
+    Returns
+    -------
+    ndarray
+        The six states, shape (…, 6), for `simulate`.
+
+    Raises
+    ------
+    NameUnknownError
+        If there is no such family.
+    ParameterError
+        If tumbling has no disk, or an angle leaves the range in which the body stands.
+
+    Examples
+    --------
+    >>> launch("rolling", at=1.2, tilt=0.1).round(3).tolist()
+    [1.471, 0.0, 0.0, 1.2, 0.0, 0.0]
+    """
+    if disk is not None and body is not None:
+        raise ParameterError("body and disk are both given; give one of them.")
+    if isinstance(body, Body):
+        return _near_member(body, family, at, tilt, theta, pole)
+    if theta is not None or pole is not None:
+        raise ParameterError(
+            "theta and pole belong to a stability.Body; leave them out for a disk."
+        )
+    return of_disk.launch(family, at=at, tilt=tilt, disk=disk if body is None else body)
+
+
+def _near_member(
+    body: Body, family: str, at: ArrayLike, tilt: ArrayLike, theta: float | None, pole: Any
+) -> Floats:
+    """The six states near a member of a body's family, from its closed form."""
+    known("family", family, [n for n, one in FAMILIES.items() if len(one.at) == 1])
+    place = place_of(body, family, theta, pole)
+    where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
+    rate = np.sqrt(np.asarray(body.gravity) / body.length)
+    sizes = {n: np.shape(v) for n, v in body.given.items()}
+    shape = broadcast(at=where.shape, tilt=lean.shape, **sizes)
+    six = np.zeros((*shape, 6))
+    six[..., 0] = where if place is None else place
+    if place is None:
+        with np.errstate(all="ignore"):  # a member that does not exist is refused
+            spin, roll = tumbling_rates(body, where)
+            six[..., 2], six[..., 3] = spin * rate, roll * rate
+    elif family == "spinning":
+        six[..., 2] = where
+    else:
+        six[..., 3] = -where if place == math.pi else where
+    if not np.isfinite(six).all():
+        raise ParameterError(
+            f"at of {family} is {where.min():g}, where {body.name} has no such motion, or its rate "
+            "overflows double precision; give another."
+        )
+    six[..., 0] += lean if place == 0 else -lean
+    low, high = body.between
+    inside = (six[..., 0] >= low) & (six[..., 0] <= high)
+    if not inside.all():
+        raise ParameterError(
+            f"the tilt takes theta to {six[..., 0][~inside].flat[0]:g}; the height of {body.name} "
+            f"holds between {low:.6g} and {high:.6g}{if_degrees(float(np.abs(lean).max()))}."
+        )
+    return six

@@ -1,0 +1,160 @@
+"""Inclinations at which a body of revolution rolls, stands upright, or tumbles, from its height."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from ...base.checks import one_number
+from ...base.errors import NoMemberError
+from ...base.types import Floats
+from .shape import SAMPLES, RoundShape
+
+CLOSE = 1e-12
+"""Largest slope of the height, over the height, that counts as zero at π/2 before the proof."""
+
+
+def first_numbers(body: RoundShape) -> dict[str, float]:
+    """Every number of the body by name, of arrays the first."""
+    return {n: float(np.asarray(v, dtype=float).flat[0]) for n, v in body.given.items()}
+
+
+def tumbling_ranges(body: RoundShape) -> list[tuple[float, float]]:
+    """Intervals of θ in which the body tumbles, at samples, for the first of its shapes [rad].
+
+    Parameters
+    ----------
+    body
+        The body.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> [(round(a, 2), round(b, 2)) for a, b in tumbling_ranges(st.EccentricSphere(0.3))]
+    [(0.0, 1.98)]
+    """
+    low, high = body.between
+    theta = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
+    first = first_numbers(body)
+    shape = [first[n] for n in body.shape]
+    h, slope = (np.asarray(body.array(f, theta, *shape)) for f in body.slopes()[:2])
+    axial, transverse = (float(np.asarray(m, dtype=float).flat[0]) for m in body.moments())
+    s, c = np.sin(theta), np.cos(theta)
+    r, z = h * s + slope * c, h * c - slope * s
+    with np.errstate(all="ignore"):
+        there = slope * r * s * (transverse * r * c - axial * z * s) > 0
+    if stands_upright(body):
+        there &= np.abs(theta - math.pi / 2) > (high - low) / SAMPLES
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
+    step = (high - low) / SAMPLES / 2
+    return [(float(theta[a] - step), float(theta[b - 1] + step))
+            for a, b in ends.reshape(-1, 2)]  # fmt: skip
+
+
+def slope_of(body: RoundShape) -> Callable[[ArrayLike], Floats]:
+    """Slope of the height at inclinations, for the first of the body's shapes.
+
+    Parameters
+    ----------
+    body
+        The body.
+    """
+    numbers = first_numbers(body)
+    first = [numbers[n] for n in body.shape]
+    function = body.slopes()[1]
+    return lambda theta: np.asarray(body.array(function, theta, *first))
+
+
+def stands_upright(body: RoundShape) -> bool:
+    """Whether the slope of the height vanishes at π/2, to double precision.
+
+    Parameters
+    ----------
+    body
+        The body.
+    """
+    low, high = body.between
+    if not low < math.pi / 2 < high:
+        return False
+    scale = float(np.asarray(body.height_at(math.pi / 2)).flat[0])
+    return abs(float(slope_of(body)(math.pi / 2))) <= CLOSE * scale
+
+
+def levels(body: RoundShape) -> list[float]:
+    """Inclinations at which the slope of the height vanishes; π/2 comes first where it is one.
+
+    Parameters
+    ----------
+    body
+        The body; of arrays the first entry counts.
+    """
+    low, high = body.between
+    grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
+    slope = slope_of(body)
+    slopes = slope(grid)
+    upright = stands_upright(body)
+    found = [math.pi / 2] * upright
+    for a, b, f, g in zip(grid[:-1], grid[1:], slopes[:-1], slopes[1:], strict=True):
+        if f * g < 0 and not (upright and a <= math.pi / 2 <= b):
+            root = float(brentq(slope, a, b, xtol=1e-15))
+            if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
+                found.append(root)
+    return found
+
+
+def level(body: RoundShape, theta: float | None = None) -> float | None:
+    """Inclination at which the slope of the height vanishes; None for exactly upright.
+
+    Parameters
+    ----------
+    body
+        The body; of arrays the first entry counts.
+    theta
+        A number near the one that is meant, where there are several [rad].
+
+    Raises
+    ------
+    NoMemberError
+        If there is none, or there are several and none is meant.
+    """
+    low, high = body.between
+    found = levels(body)
+    if not found:
+        raise NoMemberError(
+            f"{body.name} rolls nowhere: the slope of its height has no zero between "
+            f"{low:.6g} and {high:.6g}."
+        )
+    if theta is not None:
+        wanted = one_number("theta", theta)
+        best = min(found, key=lambda t: abs(t - wanted))
+    elif found[0] == math.pi / 2 or len(found) == 1:
+        best = found[0]
+    else:
+        angles = ", ".join(f"{t:.6g}" for t in found)
+        raise NoMemberError(
+            f"{body.name} rolls at theta = {angles}; give theta=, a number near one of them."
+        )
+    return None if best == math.pi / 2 and stands_upright(body) else best
+
+
+def tumbling_rates(body: RoundShape, theta: Any) -> tuple[Any, Any]:
+    """φ̇ > 0 and ω₃ of tumbling over √(g/length); NaN where the body does not tumble.
+
+    Parameters
+    ----------
+    body
+        The body.
+    theta
+        Inclinations [rad].
+    """
+    h, slope = body.height_at(theta), body.height_at(theta, 1)
+    axial, transverse = body.moments()
+    s, c = np.sin(theta), np.cos(theta)
+    r, z = h * s + slope * c, h * c - slope * s
+    phi_dot = np.sqrt(slope * r / (s * (transverse * r * c - axial * z * s)))
+    return phi_dot, phi_dot * s * z / r

@@ -1,0 +1,351 @@
+"""Scenes of bodies of revolution: the disk as a body, a tippe top, random scenes, refusals."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import body_profiles as shapes
+import casadi as ca
+import numpy as np
+import pytest
+from body_motion import move
+from convex_body import Law, pose_at, rates
+from random_body_scenes import columns, far, missed, random_scene, truth
+
+import stability as st
+from stability.base.errors import DomainError
+
+SEED = int(os.environ.get("STABILITY_SEED", "20261123"))
+THIN = st.Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25, name="thin")
+TOP = st.EccentricSphere(0.15, axial=0.4, transverse=0.4)
+SPUN = {"theta": 0.05, "omega3": 4.0}
+
+
+# --- the disk as any other body ---
+
+
+@pytest.mark.parametrize("law", [st.Viscous(0.3), st.LinearViscous(2.0), st.Rough(), st.Smooth()])
+@pytest.mark.parametrize(
+    ("start", "horizon"),
+    [({"theta": 1.5706, "omega3": 2.2}, 20.0), ({"theta": 1.3, "phi_dot": 0.3, "omega3": 1.0}, 8.0),
+     ({"theta": 1.2, "omega3": 0.1}, 9.0), ({"theta": 1.569, "phi_dot": 3.0}, 15.0)],
+)  # fmt: skip
+def test_a_body_with_the_height_of_the_disk_is_answered_as_the_disk(
+    law: Any, start: Any, horizon: float
+) -> None:
+    tolerance = 1e-6
+    given: Any = {"contact": law, "start": start, "horizon": horizon, "tolerance": tolerance}
+    names = ("final", "outcome", "largest_tilt", "lift_off_time")
+    disk = st.Scene(st.Disk(), **given, quantities=names).answer()
+    body = st.Scene(body=THIN, **given, quantities=names).answer()
+    assert disk.chosen is not None and disk.chosen.estimate <= 1
+    assert body.chosen is not None and body.chosen.estimate <= 1
+    for name in names[1:]:
+        one, other = disk.value[name], body.value[name]
+        assert other == (pytest.approx(one, abs=2 * tolerance) if isinstance(one, float) else one)
+    if disk.until == horizon:
+        states = [np.array(list(a.value["final"].values())) for a in (body, disk)]
+        assert list(disk.value["final"]) == list(body.value["final"])
+        assert far(*states) <= 2 * tolerance
+    names_of_rungs = {"steady", "linearised", "second-order", law.name}
+    if disk.model in names_of_rungs:  # creep is solved for the disk alone
+        assert body.model == disk.model
+
+
+def test_creep_and_drift_are_refused_to_a_body() -> None:
+    stiff: Any = {"start": {"theta": 1.3, "omega3": 1.0}, "contact": st.Viscous(3000.0)}
+    disk = st.Scene(**stiff, horizon=10.0, tolerance=1e-5).answer()
+    body = st.Scene(body=THIN, **stiff, horizon=10.0, tolerance=1e-5).answer()
+    assert disk.model.startswith("creep") and body.model == "viscous"
+    assert "creep is solved for a disk alone" in body.report()
+    ours, known = (np.array(list(a.value.values())) for a in (body, disk))
+    assert far(ours, known) <= 2e-5
+    rolling = st.launch("rolling", at=1.8, tilt=5e-3)
+    long = st.Scene(body=THIN, contact=st.Viscous(1.0), start=rolling, horizon=4e3, tolerance=1e-4)
+    assert "for a disk alone" in long.answer(only="drift").sentence
+
+
+# --- a body that passes a pole ---
+
+
+@pytest.mark.parametrize(
+    ("horizon", "tolerance"), [(60.0, 1e-8), (130.0, 1e-6), (900.0, 1e-5), (3000.0, 1e-4)]
+)
+def test_a_tippe_top_is_where_a_run_a_hundred_times_finer_is(
+    horizon: float, tolerance: float
+) -> None:
+    asked = ("final", "outcome")
+    scene = st.Scene(TOP, st.Viscous(0.3), SPUN, horizon, tolerance, asked)
+    answer = scene.answer()
+    assert answer.chosen is not None and answer.chosen.estimate <= 1
+    run = st.simulate(TOP, st.Viscous(0.3), SPUN, [horizon], tolerance=max(1e-15, tolerance / 1e4))
+    mine = np.array(list(answer.value["final"].values()))
+    assert far(mine, columns(run)[-1]) <= tolerance
+    assert answer.value["outcome"] == run.attrs["outcome"]
+    assert (answer.value["outcome"] == "settled") == (horizon > 2000)
+    assert (answer.value["final"]["axis_Z"] < -0.99) == (horizon > 500)
+
+
+@pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
+def test_states_along_fixed_axes_are_those_of_the_geometry(law: str) -> None:
+    of = shapes.spheroid(1.0, 1.2, 0.4, 0.488)
+    six = np.array([0.8, -1.2, 0.3, 0.2, 0.0, 0.0])
+    mu = 0.3 if law == "viscous" else 0.0
+    contact = st.Viscous(mu) if mu else law
+    scene = st.Scene(st.Spheroid(1.2), contact, six, 6.0, 1e-8, ("final", "path"))
+    value = scene.answer().value
+    times = np.append(0.0, value["path"].time.values[40::40])
+    true = move(of, Law(law, mu), pose_at(of, six), times)
+    last = np.concatenate([true.axis[-1], true.spin[-1], true.slip[-1, :2]])
+    assert far(np.array(list(value["final"].values())), last) <= 1e-8
+    axis = np.stack([value["path"][f"axis_{n}"].values for n in "XYZ"], -1)
+    assert np.abs(axis[40::40] - true.axis[1:]).max() <= 1e-8
+    assert value["path"].omega_X.attrs["units"] == "1"
+
+
+def test_the_largest_tilt_of_a_body_that_comes_near_a_pole() -> None:
+    run_of: Any = {"start": {"theta": 0.9, "theta_dot": -1.0, "phi_dot": 0.05}, "contact": "rough"}
+    scene = st.Scene(st.Spheroid(1.2), horizon=12.0, tolerance=1e-9, quantities="largest_tilt",
+                     **run_of)  # fmt: skip
+    found = scene.answer()
+    fine = truth(scene, np.linspace(0, 12, 200_001))
+    tilt = np.abs(np.pi / 2 - fine.theta.values)
+    assert tilt.max() > 1.5
+    assert 0 <= found.value - tilt.max() + 1e-9
+    assert found.value == pytest.approx(float(tilt.max()), abs=1e-6)
+    at = int(tilt.argmax())
+    finer = truth(scene, np.linspace(fine.time.values[at - 1], fine.time.values[at + 1], 20_001))
+    assert found.value == pytest.approx(
+        float(np.abs(np.pi / 2 - finer.theta.values).max()), abs=2e-9
+    )
+
+
+def test_a_start_near_vertical_spin_has_closed_forms() -> None:
+    errors = []
+    for tilt in (4e-3, 2e-3):
+        start = st.launch("vertical", at=0.3, tilt=tilt, body=TOP)
+        scene = st.Scene(TOP, st.Viscous(0.3), start, 10.0, 1e-9)
+        run = st.simulate(TOP, st.Viscous(0.3), start, [10.0], tolerance=1e-15, check=False)
+        errors.append([
+            far(np.array(list(scene.answer(only=rung).value.values())), columns(run)[-1])
+            for rung in ("steady", "linearised", "second-order")
+        ])  # fmt: skip
+    ratios = np.array(errors[0]) / np.array(errors[1])
+    assert ratios == pytest.approx([2, 4, 8], rel=0.1)
+
+
+# --- random scenes ---
+
+
+@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.long)])
+def test_answers_of_three_bodies_keep_their_tolerance(count: int) -> None:
+    wrong, models, claimed, bodies = [], Counter[str](), 0, Counter[str]()
+    for number in range(count):
+        scene = random_scene(number, SEED)
+        try:
+            answer = scene.answer()
+        except DomainError:
+            continue
+        if answer.chosen is None or not answer.chosen.estimate <= 1:
+            continue
+        claimed += 1
+        models[answer.model] += 1
+        bodies[scene.disk.name] += 1
+        why = missed(scene, answer)
+        if why:
+            wrong.append(f"{number} {scene.disk.name} {scene.quantities} by {answer.model}: {why}")
+    print(f"\n{claimed} of {count} answered; {dict(models)}; {dict(bodies)}")
+    assert not wrong, wrong
+    assert claimed > count / 2
+    assert {"linearised", "second-order"} & set(models) and len(models) >= 4
+    assert len(bodies) == 3
+
+
+# --- the rest of a scene ---
+
+
+@pytest.mark.filterwarnings("ignore::stability.StabilityWarning")  # beyond upright, of tumbling
+def test_linear_questions_are_those_of_spectrum_and_boundaries() -> None:
+    for body, family, at, where in (
+        (st.Torus(0.2), "rolling", 1.0, {}), (st.ThickDisk(0.2), "rolling", 3.0, {}),
+        (TOP, "vertical", 3.0, {"pole": 0}), (TOP, "vertical", 3.0, {"pole": "pi"}),
+        (st.Torus(0.2), "tumbling", 0.9, {}),
+    ):  # fmt: skip
+        start = st.launch(family, at=at, tilt=1e-3, body=body, **where)  # type: ignore[arg-type]
+        scene = st.Scene(
+            body=body, contact=st.Viscous(0.3), start=start, horizon=1.0,
+            quantities=("verdict", "growth_rate", "boundary"),
+        )  # fmt: skip
+        value = scene.answer().value
+        near = at if family != "tumbling" else float(start[0])
+        own: Any = {"body": body, "contact": st.Viscous(0.3)} | where
+        known = st.spectrum(family, at=near, **own)
+        assert value["verdict"] == known.verdict.word
+        assert value["growth_rate"] == pytest.approx(float(known.abscissa), abs=1e-4)
+        low, high = (near / 8, near * 8) if family != "tumbling" else (0.12, 3.1)
+        points = [p.value for p in st.boundaries(family, axis=("at", low, high, 9), **own)]
+        best = min(points, key=lambda v: abs(v - near), default=None)
+        assert value["boundary"] == (None if best is None else pytest.approx(best, rel=1e-9))
+
+
+def test_uncertain_numbers_of_a_body_move_an_answer_as_scenes_of_their_own() -> None:
+    start = {"theta": 1.2, "theta_dot": 0.1, "omega3": 1.2}
+    given: Any = {"contact": st.Viscous(0.4), "start": start, "horizon": 4.0, "tolerance": 1e-9}
+    widths = {"tube": 1e-3, "mu": 1e-3, "omega3": 1e-3}
+    spread = st.Scene(body=st.Torus(0.2), **given, uncertain=widths).answer().spread
+    assert spread is not None
+    middle = st.Scene(body=st.Torus(0.2), **given).answer().value
+    for name, moved in (
+        ("tube", {"body": st.Torus(0.2002)}), ("mu", {"contact": st.Viscous(0.4004)}),
+        ("omega3", {"start": start | {"omega3": 1.201}}),
+    ):  # fmt: skip
+        other = st.Scene(**({"body": st.Torus(0.2)} | given | moved)).answer().value
+        size = far(np.array(list(other.values())), np.array(list(middle.values())))
+        assert spread.moves["final"][name] == pytest.approx(size, rel=0.02)
+    with pytest.raises(st.StabilityError, match="known are .*tube, mu"):
+        st.Scene(body=st.Torus(0.2), **given, uncertain={"mass": 0.1})
+
+
+def test_several_laws_of_a_body_and_its_chart() -> None:
+    laws = {"viscous": st.Viscous(0.3), "rough": st.Rough()}
+    start = {"theta": 0.4, "omega3": 3.0}
+    answer = st.Scene(TOP, laws, start, 5.0, 1e-5).answer()
+    one, other = (answer.value[n] for n in laws)
+    shared = [n for n in one if not n.startswith("slip")]
+    apart = far(*(np.array([v[n] for n in shared]) for v in (other, one)))
+    assert answer.apart == pytest.approx(apart, rel=1e-6)
+    from stability.scene.chart import chart
+
+    data = chart(st.Scene(TOP, st.Viscous(0.3), start, 2.0, 1e-5), laws={"rough": st.Rough()})
+    found = dict(zip(data.model.values.tolist(), data.true_error.values.tolist(), strict=True))
+    assert found["viscous"] < 1e-5 < found["rough law"]
+
+
+def test_numbers_in_si_are_those_without_units() -> None:
+    length, gravity = 0.015, 9.81
+    rate, speed = math.sqrt(gravity / length), math.sqrt(gravity * length)
+    top = st.EccentricSphere(
+        0.15, axial=0.4, transverse=0.4, mass=0.02, gravity=gravity, length=length
+    )
+    start = [0.4, 0.1 * rate, 0.0, 3.0 * rate, 0.1 * speed, 0.0]
+    si = st.Scene(top, st.Viscous(0.3 / speed), start, 5.0 / rate, 1e-8).answer()
+    bare = st.Scene(TOP, st.Viscous(0.3), [0.4, 0.1, 0.0, 3.0, 0.1, 0.0], 5.0, 1e-8).answer()
+    units = {"axis": 1.0, "omega": rate, "slip": speed}
+    for name, value in bare.value.items():
+        assert si.value[name] / units[name.partition("_")[0]] == pytest.approx(value, abs=2e-8)
+    assert "mass = 0.02 kg, length = 0.015 m" in si.report() and "rad/s" in si.report()
+
+
+@pytest.mark.parametrize(
+    ("family", "at", "body", "of"),
+    [
+        ("rolling", 1.4, st.Torus(0.2), shapes.torus(1.0, 0.2, 1.03, 0.525)),
+        ("spinning", 1.4, st.Torus(0.2), shapes.torus(1.0, 0.2, 1.03, 0.525)),
+        ("tumbling", 0.8, st.Torus(0.2), shapes.torus(1.0, 0.2, 1.03, 0.525)),
+        ("tumbling", 0.8, st.Spheroid(0.5), shapes.spheroid(1.0, 0.5, 0.4, 0.25)),
+        ("rolling", 2.0, st.ThickDisk(0.2), shapes.thick_disk(1.0, 0.1, 0.5, 0.2533333333333333)),
+    ],
+)
+def test_launches_begin_at_steady_motions_of_the_geometry(
+    family: str, at: float, body: st.Body, of: Any
+) -> None:
+    six = st.launch(family, at=at, tilt=0.0, body=body)
+    assert np.abs(rates(of, Law("viscous", 0.3), six)).max() < 1e-12
+    assert st.launch(family, at=at, tilt=0.1, body=body)[0] == pytest.approx(six[0] - 0.1)
+
+
+def test_what_a_body_has_not_is_refused_in_a_sentence() -> None:
+    torus, disk = st.Torus(0.2), st.Disk()
+    base: dict[str, Any] = {"body": torus, "contact": "rough", "start": {"theta": 1.0}}
+    cases: list[tuple[dict[str, Any], str]] = [
+        ({"disk": disk}, "body is given, and disk too"),
+        ({"body": 7}, "body is 7; give a stability.Body"),
+        ({"contact": st.Coulomb(0.3)}, "sticking is solved for a stability.Disk alone"),
+        ({"contact": {"a": st.Creep2(0.3)}}, "creep is solved for a stability.Disk alone"),
+        ({"contact": 7}, "contact is 7"),
+        ({"families": [3]}, "families belong to a stability.System"),
+        ({"uncertain": {"k": 0.1}}, "uncertain names 'k'; known are theta"),
+    ]
+    for change, words in cases:
+        with pytest.raises(st.StabilityError) as caught:
+            st.Scene(**base | {"horizon": 1.0} | change)
+        assert words in str(caught.value) and "\n" not in str(caught.value)
+    for given, words in (
+        ({"family": "spinning", "at": 1, "body": st.ThickDisk(0.2)}, "has no spinning"),
+        ({"family": "vertical", "at": 1, "body": torus}, "not smooth at theta = 0"),
+        ({"family": "tumbling", "at": 2.1, "body": st.EccentricSphere(0.3)}, "has no such motion"),
+        ({"family": "circling", "at": 1, "body": torus}, "known are rolling"),
+        ({"family": "rolling", "at": 1, "body": torus, "disk": disk}, "give one of them"),
+        ({"family": "rolling", "at": 1, "body": torus, "pole": 0}, "pole belongs to vertical"),
+        ({"family": "rolling", "at": 1, "theta": 1.0}, "leave them out for a disk"),
+        ({"family": "rolling", "at": 1, "body": torus, "tilt": 2.0}, "the tilt takes theta to"),
+    ):  # fmt: skip
+        with pytest.raises(st.StabilityError) as caught:
+            st.launch(**given)  # type: ignore[arg-type]
+        assert words in str(caught.value) and "\n" not in str(caught.value)
+
+
+# --- files ---
+
+FILE = """
+[body]
+name = "torus"
+tube = 0.2
+solid = false
+[contact]
+law = "viscous"
+mu = 0.3
+[start]
+family = "rolling"
+at = 2.0
+tilt = 1e-4
+[question]
+horizon = 5.0
+"""
+
+
+def test_a_file_of_a_body_is_the_scene_of_python(tmp_path: Path) -> None:
+    path = tmp_path / "torus.toml"
+    path.write_text(FILE, encoding="utf-8")
+    scene, body = st.Scene.from_toml(path), st.Torus(0.2, solid=False)
+    assert scene.disk.moments() == body.moments() and scene.disk.name == body.name
+    assert scene.start == pytest.approx(st.launch("rolling", at=2.0, tilt=1e-4, body=body))
+    path.write_text(
+        FILE.replace(
+            '"torus"\ntube = 0.2\nsolid = false', '"eccentric-sphere"\noffset = 0.2\nlength = 0.1'
+        ).replace('"rolling"', '"vertical"\npole = "pi"')
+    )
+    scene = st.Scene.from_toml(path)
+    assert scene.start[0] == pytest.approx(math.pi - 1e-4)
+    assert float(scene.disk.length) == 0.1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('name = "torus"', "", "[body] has no name; give one of torus"),
+        ('"torus"', '"tori"', "[body] names 'tori'; known are torus"),
+        ("tube = 0.2", "", "[body] has no tube; the torus needs it"),
+        ("tube = 0.2", "tube = 2.0", "tube of the hollow torus is 2"),
+        ("tube = 0.2", 'tube = "a"', "tube of [body]"),
+        ("solid = false", "aspect = 2.0", "known are name, tube, solid, mass"),
+        ("[contact]", "[disk]\nk = 0.3\n[contact]", "[disk] and [body] are both given"),
+        ('"rolling"', '"vertical"', "is not smooth"),
+        ("tilt = 1e-4", "phi_dot = 1e-4", "[start] has family and phi_dot"),
+        ('law = "viscous"\nmu = 0.3', 'law = "coulomb"\nmu = 0.3', "sticking is solved"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_wrong_is_refused_in_a_sentence(
+    tmp_path: Path, old: str, new: str, words: str
+) -> None:
+    path = tmp_path / "wrong.toml"
+    assert old in FILE
+    path.write_text(FILE.replace(old, new), encoding="utf-8")
+    with pytest.raises(st.StabilityError) as caught:
+        st.Scene.from_toml(path)
+    assert words in str(caught.value), str(caught.value)
+    assert "\n" not in str(caught.value)
