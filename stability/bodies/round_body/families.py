@@ -31,8 +31,8 @@ from ..contact import Contact
 from ..contact_laws import law_class
 from ..law_names import class_named
 from .equations import Resistances, round_system
-from .polynomials import closed_form
 from .pole_equations import AXIS, SLIP, TURN, pole_system
+from .polynomials import closed_form
 from .shape import SAMPLES, SCALES, RoundShape
 from .si_law import shape_of
 
@@ -175,8 +175,8 @@ def round_family(
             # not the rate of theta_dot, which falls again where the lever is long
             unknown, equations = {"theta": at}, ["lever"]
     every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
-    own = (shape_of(body), given, physical) if not resistance else None
-    return _family(system, record, *every, law, own)  # type: ignore[arg-type]  # a class is hashable
+    shaped = None if resistance else (shape_of(body), given, physical)
+    return _family(system, record, *every, law, shaped)  # type: ignore[arg-type]  # a class is hashable
 
 
 def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
@@ -281,6 +281,12 @@ def levels(body: RoundShape) -> list[float]:
     body
         The body; of arrays the first entry counts.
     """
+    return list(_levels(body))
+
+
+@lru_cache(maxsize=256)
+def _levels(body: RoundShape) -> tuple[float, ...]:
+    """The same, found once for each body."""
     low, high = body.between
     grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
     slope = _slope(body)
@@ -292,7 +298,7 @@ def levels(body: RoundShape) -> list[float]:
             root = float(brentq(slope, a, b, xtol=1e-15))
             if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
                 found.append(root)
-    return found
+    return tuple(found)
 
 
 def level(body: RoundShape, theta: float | None = None) -> float | None:
