@@ -19,7 +19,18 @@ from typing import Any
 import chunk_work
 import numpy as np
 import pytest
-from chunk_work import LAYOUT, VARIABLES, Logged, blank, done, store, tree, undisturbed, values
+from chunk_work import (
+    LAYOUT,
+    VARIABLES,
+    Logged,
+    blank,
+    done,
+    others_kept,
+    store,
+    tree,
+    undisturbed,
+    values,
+)
 from executors import Distributed
 from kills import MARK, alive, soon
 
@@ -101,18 +112,6 @@ def test_two_runs_at_once_write_the_same_and_share_the_work(tmp_path: Path) -> N
 
 
 # --- workers that end ---
-
-
-def others_kept(path: Path, lost: set[int]) -> None:
-    """Every cell but the lost ones has its value, and these are blank."""
-    found = store(path).dataset().load()
-    cells, empty = np.arange(90), blank(1)
-    right = values(cells)
-    for name, array in right.items():
-        for cell in cells:
-            wanted = empty[name][0] if cell in lost else array[cell]
-            here = found[name].values.reshape(array.shape)[cell]
-            assert np.array_equal(here, wanted, equal_nan=name != "outcome"), (name, cell)
 
 
 @pytest.mark.parametrize(
