@@ -155,6 +155,33 @@ def test_chunks_of_one_cell_in_memory(tmp_path: Path) -> None:
     assert kept.dataset().outcome.values.ravel().tolist() == [0, 1, 2, 3, 9, 0]
 
 
+HALF = """
+import os, signal
+from pathlib import Path
+import chunk_work as c
+
+def killed(self, content):
+    if self.match("time/.stability-*") and not Path("spare").exists():
+        Path("spare").touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return whole(self, content)
+
+whole, Path.write_bytes = Path.write_bytes, killed
+if __name__ == "__main__":
+    found = c.run("processes", 0.0)
+    print(found.ended, found.computed)
+"""
+
+
+@LINUX
+def test_a_worker_that_ends_while_it_writes_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(HALF)
+    found = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=environment(""),
+                           capture_output=True, text=True, timeout=120, check=True)  # fmt: skip
+    assert found.stdout.split() == ["1", "90"]
+    assert tree(tmp_path / "a.zarr") == undisturbed(tmp_path / "b.zarr")
+
+
 def test_a_worker_that_ends_once_costs_one_execution(tmp_path: Path) -> None:
     log = tmp_path / "log"
     work = Logged(str(log), deadly=(37,), spare=str(tmp_path / "spare"))
