@@ -86,10 +86,12 @@ def _map(options: argparse.Namespace) -> None:
 
 def _targets(options: argparse.Namespace) -> list[Path]:
     """The map and the figure to write, checked before anything is computed."""
-    from ..storage.targets import DATASETS, NETCDF, check_suffix, check_target
+    from ..storage.targets import DATASETS, NETCDF, STORES, check_folder, check_suffix, check_target
 
-    out = check_suffix(options.out, NETCDF if options.verdict_only else DATASETS, "--out")
-    targets = [check_target(out, overwrite=options.force)]
+    endings = (*NETCDF, *STORES) if options.verdict_only else DATASETS
+    out = check_suffix(options.out, endings, "--out")
+    stored = out.suffix.lower() in STORES
+    targets = [check_folder(out) if stored else check_target(out, overwrite=options.force)]
     if options.plot is not None:
         targets.append(_picture(options.plot, options.force))
         if targets[0].resolve() == targets[1].resolve():

@@ -189,6 +189,9 @@ class Writer(Protocol):
     def write(self, block: Block, arrays: Arrays) -> None:
         """Write a whole chunk, the marker last."""
 
+    def clean(self) -> None:
+        """Remove what workers that ended left."""
+
 
 class Store(Protocol):
     """Chunks of a result, each there whole or not at all."""

@@ -3,23 +3,40 @@
 from __future__ import annotations
 
 import logging
+import multiprocessing
 import os
 import socket
-from collections.abc import Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
-from contextlib import contextmanager
-from typing import Any
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import (
+    CancelledError,
+    Executor,
+    Future,
+    InvalidStateError,
+    ThreadPoolExecutor,
+)
+from contextlib import contextmanager, suppress
+from functools import partial
+from typing import Any, TypeVar
+from weakref import WeakSet
 
 from ..base.checks import MOST_WORKERS, whole_number
 from ..base.errors import NameUnknownError, StabilityError, one_line, shown
-from .following import processes
+from ..storage.files import ignoring_signals
+from .following import follow, processes
 
+T = TypeVar("T")
 WORDS = ("threads", "processes", "dask", "local")
 """Engines on this machine; the last two are one: a scheduler and its workers."""
 PATIENCE = 10.0
 """Time in which a scheduler must answer [s]."""
 SCHEMES = ("tcp", "tls", "ws", "wss")
 """Beginnings of an address that a socket can be tried at first: a client tells late and twice."""
+ABANDONED = 60.0
+"""Time without any worker after which a scheduler counts as abandoned [s]."""
+LOOK = 0.5
+"""Time between two looks at the workers [s]."""
 SHORT = 80
 
 
@@ -64,11 +81,11 @@ def engine(name: str, workers: int | None = None) -> Iterator[tuple[Executor, in
         with processes(count) as pool:
             yield pool, count
     elif name in WORDS:
-        with _cluster(count) as client:
-            yield client.get_executor(pure=False), count
+        with _cluster(count) as found:
+            yield found
     elif isinstance(name, str) and "://" in name:
-        with _client(name) as client:
-            yield client.get_executor(pure=False), _workers(client, name)
+        with _client(name) as client, _scheduled(client) as executor:
+            yield executor, _workers(client, name)
     else:
         raise NameUnknownError(
             f"the engine is {shown(name)}; give threads, processes, dask, or the address of a "
@@ -87,9 +104,123 @@ def _library() -> Any:
     return distributed
 
 
+class _Scheduled(Executor):
+    """Work for a client's scheduler; it fails where there are no workers any more.
+
+    The executor of `distributed` never answers for a piece whose result was lost with its worker.
+    """
+
+    def __init__(self, client: Any, revive: Callable[[], object]) -> None:
+        self._client, self._revive = client, revive
+        self._futures: WeakSet[Future[Any]] = WeakSet()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+        self._thread.start()
+
+    def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
+        """Send a piece, as for any executor."""
+        sent = self._client.submit(fn, *args, **kwargs, pure=False)
+        future: Future[T] = Future()
+        self._futures.add(future)
+        future.add_done_callback(lambda ended: sent.cancel() if ended.cancelled() else None)
+        sent.add_done_callback(partial(_passed_on, future))
+        return future
+
+    def close(self) -> None:
+        """End the watch."""
+        self._ended.set()
+        self._thread.join()
+
+    def _watch(self) -> None:
+        seen = time.monotonic()
+        while not self._ended.is_set():
+            self._revive()
+            self._ended.wait(LOOK)
+            if self._client.scheduler_info().get("workers"):
+                seen = time.monotonic()
+            elif time.monotonic() - seen > ABANDONED:
+                self._abandon()
+
+    def _abandon(self) -> None:
+        for future in list(self._futures):
+            with suppress(InvalidStateError):
+                future.set_exception(StabilityError(
+                    f"the scheduler has had no workers for {ABANDONED:.0f} s; finished chunks are "
+                    "kept: start workers, and give the same command again to go on."
+                ))  # fmt: skip
+
+
+def _passed_on(future: Future[Any], sent: Any) -> None:
+    """Give a future what a client's future holds; a result that was lost is computed again."""
+    try:
+        result = sent.result()
+    except BaseException as error:
+        with suppress(InvalidStateError):
+            future.set_exception(CancelledError() if sent.cancelled() else error)
+        return
+    with suppress(InvalidStateError):  # cancelled meanwhile
+        future.set_result(result)
+
+
+def _nothing() -> None:
+    pass
+
+
 @contextmanager
-def _cluster(workers: int) -> Iterator[Any]:
-    """A client of a new scheduler on this machine, whose workers are processes of one thread.
+def _scheduled(client: Any, revive: Callable[[], object] = _nothing) -> Iterator[Executor]:
+    executor = _Scheduled(client, revive)
+    try:
+        yield executor
+    finally:
+        executor.close()
+
+
+class _Workers:
+    """Workers on this machine, each a process of one thread; one that ends is replaced.
+
+    The nannies of `distributed` do not replace a worker that ends while it starts.
+    """
+
+    def __init__(self, address: str, count: int) -> None:
+        self._address, self._count = address, count
+        self._processes: list[Any] = []
+
+    def revive(self) -> None:
+        """Start what is missing, in a thread that outlives them: see `following`."""
+        self._processes = [p for p in self._processes if p.is_alive()]
+        context = multiprocessing.get_context("spawn")
+        while len(self._processes) < self._count:
+            process = context.Process(target=_serve, args=(self._address, os.getpid()))
+            with ignoring_signals():
+                process.start()
+            self._processes.append(process)
+
+    def stop(self) -> None:
+        """End them at once: they need no clean-up."""
+        for process in self._processes:
+            process.kill()
+            process.join()
+
+
+def _serve(address: str, parent: int) -> None:
+    """The life of a worker."""
+    follow(parent)
+    import asyncio
+
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+
+    async def serve() -> None:
+        async with _library().Worker(
+            address, nthreads=1, memory_limit=0, dashboard_address="127.0.0.1:0"
+        ) as worker:
+            await worker.finished()
+
+    asyncio.run(serve())
+
+
+@contextmanager
+def _cluster(workers: int) -> Iterator[tuple[Any, int]]:
+    """A client's executor for a new scheduler and its workers on this machine.
 
     A chunk that ends a worker comes back at once: `fill` counts the tries.
     """
@@ -99,12 +230,23 @@ def _cluster(workers: int) -> Iterator[Any]:
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
         distributed.LocalCluster(
-            n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
+            n_workers=0, host="127.0.0.1", dashboard_address="127.0.0.1:0",
             silence_logs=logging.CRITICAL,
         ) as cluster,
-        distributed.Client(cluster) as client,
+        distributed.Client(cluster, set_as_default=False) as client,
     ):  # fmt: skip
-        yield client
+        own = _Workers(cluster.scheduler_address, workers)
+        try:
+            with _scheduled(client, own.revive) as executor:
+                client.wait_for_workers(workers, timeout=ABANDONED)
+                yield executor, workers
+        except distributed.TimeoutError:
+            raise StabilityError(
+                f"the workers have not started within {ABANDONED:.0f} s; in a script, make the "
+                "call under `if __name__ == '__main__':`."
+            ) from None
+        finally:
+            own.stop()
 
 
 @contextmanager

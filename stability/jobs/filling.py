@@ -131,6 +131,8 @@ def fill(
         count.add(stored)
         filling = _Filling(store, work, blank, pool, number, tries, count)
         filling.every(missing)
+        if store.writer is not None:
+            store.writer.clean()
     return Filled(
         stored, layout.total - stored, tuple(sorted(filling.lost)), filling.ended,
         tuple(filling.seconds),

@@ -27,6 +27,7 @@ from ..base.version import __version__
 from ..storage.files import atomic_write
 from ..storage.litter import clear, temporary
 from ..storage.targets import check_folder, path_text, refusing
+from ..storage.zarr_folder import MARKER, MISSING
 from .chunks import Arrays, Block, Layout, Variable, check_chunk
 
 if TYPE_CHECKING:
@@ -330,10 +331,7 @@ def _skeleton(
         from zarr.codecs import ZstdCodec
         from zarr.storage import MemoryStore
     except ImportError:
-        raise StabilityError(
-            "a Zarr store needs the package zarr; `pip install stability[scale]`, or give a "
-            "NetCDF file."
-        ) from None
+        raise StabilityError(f"{MISSING}, or give a NetCDF file.") from None
     files: dict[str, Any] = {}
     memory = MemoryStore(files)
     frame = xarray.Dataset(coords=dict(coords))
@@ -343,7 +341,8 @@ def _skeleton(
         {n: frame[n].astype(np.dtypes.StringDType(), keep_attrs=True) for n in texts}
     )
     frame.attrs = json.loads(_json(dict(attrs)))
-    frame.attrs |= {QUESTION: _json(dict(asked)), PRINT: _fingerprint(asked)}
+    frame.attrs |= {MARKER: variables[0].name, QUESTION: _json(dict(asked))}
+    frame.attrs[PRINT] = _fingerprint(asked)
     chunks = {n: {"chunks": tuple(min(s, LARGEST) for s in c.shape)} for n, c in
               frame.coords.items() if c.size > LARGEST}  # fmt: skip
     with warnings.catch_warnings():

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..base.errors import FileError
 from ..spectra.presentation.labels import FORMAT
 from ..storage.files import atomic_write
-from ..storage.targets import DATASETS, check_suffix
+from ..storage.targets import DATASETS, STORES, check_suffix, place
 
 if TYPE_CHECKING:
     import xarray
@@ -84,7 +84,7 @@ def write_map(
 
 
 def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:
-    """Read a map that `write_map` or `stream_map` wrote, its checksum first.
+    """Read a map that `write_map` or `stream_map` wrote, its checksum first; `.zarr` a folder.
 
     Files of version 0.4.0 and before have no checksum: damage to numbers may go unnoticed.
 
@@ -109,6 +109,10 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
 
     from ..storage.reading import opened
 
+    if place(path).suffix.lower() in STORES:
+        from ..storage.zarr_folder import opened_store
+
+        return opened_store(path, FORMAT, "a map", lazy=lazy)
     dataset = opened(path, FORMAT, "a map", lazy=lazy)
     for name, variable in list(dataset.variables.items()):
         if PARTS in variable.dims:

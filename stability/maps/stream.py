@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import math
 import os
@@ -9,6 +10,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,19 +22,22 @@ from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..base.axis import Axis, AxisLike
 from ..base.errors import FileError, ParameterError
 from ..base.types import Floats, Progress
-from ..base.verdict import CODES
+from ..base.verdict import CODES, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.by_name import of_body
+from ..jobs.chunks import Arrays, Block, Layout, Variable
+from ..jobs.filling import fill
 from ..jobs.pipeline import Counted, check_run, ordered
 from ..jobs.shared import shared
+from ..jobs.zarr_store import ZarrStore
 from ..spectra.arguments import axis_of, prepare
 from ..spectra.presentation.labels import axis_attributes
 from ..spectra.problem import Problem
 from ..storage.checksum import ATTRIBUTE, STATEMENT, seal
 from ..storage.files import atomic_write, postponed
-from ..storage.targets import NETCDF, check_suffix, check_target, path_text
+from ..storage.targets import NETCDF, STORES, check_folder, check_suffix, check_target, path_text
 from ..systems.family import Family
 from .dataset import provenance
 from .growth_rates import steady_memory
@@ -70,7 +75,7 @@ def stream_map(
     progress: Progress | None = None,
     **parameters: ArrayLike,
 ) -> Path:
-    """Proved verdicts over two parameters, written to a file in bands, for very large maps.
+    """Proved verdicts over two parameters, written in bands, for very large maps.
 
     Parameters
     ----------
@@ -79,7 +84,8 @@ def stream_map(
     x, y
         Axes, as for `stability_map`.
     out
-        NetCDF file to write; `read_map(out, lazy=True)` opens it without loading it.
+        NetCDF file to write, or folder ending in `.zarr`; `read_map(out, lazy=True)` opens it
+        without loading it.  A folder of the same map that is not complete is continued.
     disk, body, contact, at
         As for `stability_map`.
     workers
@@ -97,7 +103,7 @@ def stream_map(
     Returns
     -------
     Path
-        The file, which is complete or absent.
+        The file, which is complete or absent; or the folder.
 
     Raises
     ------
@@ -131,7 +137,8 @@ def stream_map(
         raise ParameterError(
             f"the map has {total:.3g} cells; at most {MOST_CELLS:.0e} are streamed."
         )
-    target = check_target(check_suffix(out, NETCDF), overwrite=overwrite)
+    stored = check_suffix(out, (*NETCDF, *STORES)).suffix.lower() in STORES
+    target = check_folder(out) if stored else check_target(out, overwrite=overwrite)
     free = shutil.disk_usage(target.parent).free
     if free < total + 2**24:
         raise FileError(
@@ -140,6 +147,23 @@ def stream_map(
         )
     steady_memory()
     judge = verdicts or GridVerdicts(problem, axes[0].name, axes[1].name)
+    count = workers or (1 if executor is None else os.cpu_count() or 1)
+    if stored:
+        store = _store(target, problem, axes, overwrite)
+        work = _Chunk(shared(judge, executor), axes, store.layout)
+        fill(store, work, blank=_undecided, executor=executor, workers=count, progress=progress)
+    else:
+        _write(target, problem, axes, partial(
+            _fill, verdicts=judge, axes=axes, workers=count, progress=progress, executor=executor,
+        ), overwrite)  # fmt: skip
+    return Path(out)
+
+
+def _write(
+    target: Path, problem: Problem, axes: tuple[Axis, Axis], filled: Callable[..., int],
+    overwrite: bool,
+) -> None:  # fmt: skip
+    """A NetCDF file with its checksum."""
     with atomic_write(target, overwrite=overwrite) as draft:
         with _Sink(draft) as sink:
             # an exception within HDF5's calls of the sink, even Ctrl-C, would end the process
@@ -147,8 +171,8 @@ def stream_map(
             try:
                 with postponed():
                     file, variable = _created(sink, problem, axes)
-                count = workers or (1 if executor is None else os.cpu_count() or 1)
-                left = _fill(variable, sink, judge, axes, count, progress, executor)
+                left = filled(variable, sink)
+                total = math.prod(g.count for g in axes)
                 with postponed():
                     file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
                     file.attrs[ATTRIBUTE] = STATEMENT
@@ -158,7 +182,6 @@ def stream_map(
                         file.close()
             sink.check()
         seal(draft)
-    return Path(out)
 
 
 def _own_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
@@ -254,13 +277,19 @@ def _created(path: _Sink, problem: Any, axes: tuple[Axis, Axis]) -> tuple[Any, A
         "verdict", (axes[1].name, axes[0].name), np.int8,
         chunks=(rows, min(axes[0].count, BAND)), compression="gzip", compression_opts=1,
     )  # fmt: skip
-    verdict.attrs.update({
+    verdict.attrs.update(
+        _flags() | ({"coordinates": " ".join(second)} if second else {})
+    )  # fmt: skip
+    file.attrs.update(provenance(problem, axes, METHOD))
+    return file, verdict
+
+
+def _flags() -> dict[str, Any]:
+    return {
         "flag_values": np.array(list(CODES.values()), dtype=np.int8),
         "flag_meanings": " ".join(v.word for v in CODES),
         "long_name": "spectral verdict",
-    } | ({"coordinates": " ".join(second)} if second else {}))  # fmt: skip
-    file.attrs.update(provenance(problem, axes, METHOD))
-    return file, verdict
+    }
 
 
 def _rows(axes: tuple[Axis, Axis]) -> int:
@@ -294,3 +323,41 @@ def _fill(
 
 def _band(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> tuple[Codes, int]:
     return judge()(xs, ys)
+
+
+# --- a folder of chunks ---
+
+
+def _store(folder: Path, problem: Problem, axes: tuple[Axis, Axis], overwrite: bool) -> ZarrStore:
+    """The store of a map; equal maps have equal files, so it holds no date."""
+    x, y = axes
+    layout = Layout((y.name, x.name), (y.count, x.count),
+                    (min(_rows(axes), y.count), min(x.count, BAND)))  # fmt: skip
+    coords = {
+        name: (grid.name, grid.values, axis_attributes(problem, grid.name))
+        for grid in axes for name in filter(None, (grid.name, grid.alias))
+    }  # fmt: skip
+    attrs = {n: v for n, v in provenance(problem, axes, METHOD).items() if n != "created"}
+    graph = hashlib.sha256(str(problem.family.system.rhs).encode()).hexdigest()
+    verdict = Variable("verdict", "int8", -1, _flags())
+    return ZarrStore(folder, layout, (verdict,), coords, attrs,
+                     {"equations": graph, "anchor": repr(problem.family.anchor)},
+                     overwrite=overwrite)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Chunk:
+    """Work of a chunk."""
+
+    judge: Callable[[], Judge]
+    axes: tuple[Axis, Axis]
+    layout: Layout
+
+    def __call__(self, block: Block, part: slice) -> Arrays:
+        rows, columns = self.layout.slices(block)
+        codes, _ = _band(self.judge, self.axes[0].values[columns], self.axes[1].values[rows])
+        return {"verdict": codes.astype(np.int8, copy=False).ravel()[part]}
+
+
+def _undecided(count: int) -> Arrays:
+    return {"verdict": np.full(count, CODES[Verdict.UNDECIDED], dtype=np.int8)}

@@ -15,6 +15,8 @@ LONGEST = 120
 """Largest number of characters of a path in a message."""
 NETCDF = (".nc", ".nc4", ".netcdf", ".h5", ".hdf5")
 """Endings of a NetCDF-4 file."""
+STORES = (".zarr",)
+"""Endings of a folder of chunks."""
 DATASETS = NETCDF
 """Endings of a file of a map or a motion, the usual one first."""
 PICTURES = (".png", ".pdf", ".svg")

@@ -19,7 +19,18 @@ from typing import Any
 import chunk_work
 import numpy as np
 import pytest
-from chunk_work import LAYOUT, VARIABLES, Logged, blank, done, store, tree, undisturbed, values
+from chunk_work import (
+    LAYOUT,
+    VARIABLES,
+    Logged,
+    blank,
+    done,
+    others_kept,
+    store,
+    tree,
+    undisturbed,
+    values,
+)
 from executors import Distributed
 from kills import MARK, alive, soon
 
@@ -103,18 +114,6 @@ def test_two_runs_at_once_write_the_same_and_share_the_work(tmp_path: Path) -> N
 # --- workers that end ---
 
 
-def others_kept(path: Path, lost: set[int]) -> None:
-    """Every cell but the lost ones has its value, and these are blank."""
-    found = store(path).dataset().load()
-    cells, empty = np.arange(90), blank(1)
-    right = values(cells)
-    for name, array in right.items():
-        for cell in cells:
-            wanted = empty[name][0] if cell in lost else array[cell]
-            here = found[name].values.reshape(array.shape)[cell]
-            assert np.array_equal(here, wanted, equal_nan=name != "outcome"), (name, cell)
-
-
 @pytest.mark.parametrize(
     ("deadly", "tries"),
     [((37,), 1), ((37,), 2), ((37,), 3), ((0, 1, 89), 2), ((44, 45, 46, 47, 54, 55, 56, 57), 1)],
@@ -154,6 +153,33 @@ def test_chunks_of_one_cell_in_memory(tmp_path: Path) -> None:
     found = fill(kept, work, blank=blank, own=processes, workers=2)
     assert (found.lost, found.ended) == ((4,), 2)
     assert kept.dataset().outcome.values.ravel().tolist() == [0, 1, 2, 3, 9, 0]
+
+
+HALF = """
+import os, signal
+from pathlib import Path
+import chunk_work as c
+
+def killed(self, content):
+    if self.match("time/.stability-*") and not Path("spare").exists():
+        Path("spare").touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return whole(self, content)
+
+whole, Path.write_bytes = Path.write_bytes, killed
+if __name__ == "__main__":
+    found = c.run("processes", 0.0)
+    print(found.ended, found.computed)
+"""
+
+
+@LINUX
+def test_a_worker_that_ends_while_it_writes_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(HALF)
+    found = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=environment(""),
+                           capture_output=True, text=True, timeout=120, check=True)  # fmt: skip
+    assert found.stdout.split() == ["1", "90"]
+    assert tree(tmp_path / "a.zarr") == undisturbed(tmp_path / "b.zarr")
 
 
 def test_a_worker_that_ends_once_costs_one_execution(tmp_path: Path) -> None:

@@ -109,6 +109,17 @@ def undisturbed(path: Path) -> dict[str, str]:
     return tree(path)
 
 
+def others_kept(path: Path, lost: set[int]) -> None:
+    """Every cell but the lost ones has its value, and these are blank."""
+    found = store(path).dataset().load()
+    empty = blank(1)
+    for name, array in values(np.arange(LAYOUT.total)).items():
+        there = found[name].values.reshape(array.shape)
+        for cell in range(LAYOUT.total):
+            wanted = empty[name][0] if cell in lost else array[cell]
+            assert np.array_equal(there[cell], wanted, equal_nan=name != "outcome"), (name, cell)
+
+
 def run(name: str, seconds: float, path: str = "a.zarr", log: str = "log") -> Filled:
     """Fill a store by two workers of an engine."""
     with engine(name, 2) as (executor, workers):
