@@ -32,6 +32,7 @@ from ..systems.family import Family
 from ..systems.system import System
 from .dataset import arrays, attributes, blank, coordinates, label, question, variables
 from .launches import Launches, prepare
+from .linear import linear_verdict
 from .outcomes import Judging, outcomes
 from .samples import DistributionLike, Independent, sample
 
@@ -358,6 +359,7 @@ def _store(
     more = {} if plan.distribution is None else {
         "sample": repr(plan.distribution), "seed": plan.seed}  # fmt: skip
     coords = coordinates(plan.launches, some, plan.axes)
+    coords |= linear_verdict(plan.launches, plan.axes)
     told = attributes(plan.launches, some, plan.horizon, plan.judging, more)
     if store is None:
         return Memory(plan.layout, asked, coords, told)
