@@ -101,7 +101,7 @@ def _axes_of(dataset: Any) -> tuple[str, str]:
     """Names of the axes along x and y, or a refusal."""
     if not {"outcome", "family", "member"} <= set(getattr(dataset, "data_vars", ())):
         raise ParameterError(
-            f"dataset is {type(dataset).__name__}; give what basins returns, or such a store opened "
+            f"dataset is {type(dataset).__name__}; give what basins returns, or its store, opened "
             "by xarray.open_zarr."
         )
     names = tuple(map(str, dataset.outcome.dims))
@@ -148,9 +148,10 @@ def _colour(axes: Axes, dataset: xarray.Dataset, present: list[Fate], x: str, y:
     for fate in present:
         colours[fate.where] = fate.shades(dataset.member.values[fate.where])
     axes.pcolormesh(across, along, colours, shading="nearest", rasterized=True)
-    for name, values, scale, limits in (
-        (x, across, axes.set_xscale, axes.set_xlim), (y, along, axes.set_yscale, axes.set_ylim)
-    ):  # fmt: skip
+    for values, scale, limits in (
+        (across, axes.set_xscale, axes.set_xlim),
+        (along, axes.set_yscale, axes.set_ylim),
+    ):
         if even_ratios(values):
             scale("log")
         limits(float(values[0]), float(values[-1]))
@@ -224,15 +225,17 @@ def _member_label(dataset: xarray.Dataset, family: str) -> str:
 def _fixed(dataset: xarray.Dataset) -> str:
     """The numbers that the axes do not show."""
     told = dataset.attrs
-    held = {n: float(c) for n, c in dataset.coords.items() if c.ndim == 0}
+    held = {str(n): float(c) for n, c in dataset.coords.items() if c.ndim == 0}
     values = json.loads(told.get("parameters", "{}")) | held
     units = {n: unit_of(dataset[n].attrs) for n in held}
     plain = bool(told.get("dimensionless", 0))
     known = _quantities(dataset)
     law = str(told.get("contact", ""))
     text = fixed(values, known, units, law=law, dimensionless=plain)
-    last = known["time"].value(float(told["horizon"]), dimensionless=plain) if known else (
-        f"t = {told['horizon']:g}")  # fmt: skip
+    unit = (
+        known["time"].kind.label(dimensionless=plain) if known else unit_of(dataset.end_time.attrs)
+    )
+    last = f"$t$ = {float(told['horizon']):g} {in_latex(unit)}".removesuffix(" 1")
     near = f"launched near {told['launched_near']}, " if "launched_near" in told else ""
     return f"{near}{text}, until {last}" if text else f"{near}until {last}"
 
@@ -279,8 +282,8 @@ def basins_caption(dataset: xarray.Dataset) -> str:
     return (
         f"Ends of {total} launches of {what}{near}{law}, over {x} and {y}.  Hatching: {ways}."
         f"{lightness}  Black: {_border_words(dataset)}.{_strip_words(dataset, x)}  Launches: "
-        f"{counts}.  Each runs until its end is proved or until {told['horizon']:g}, at a tolerance "
-        f"of {told['tolerance']:g}{_check_words(told)}."
+        f"{counts}.  Each runs until its end is proved or until {told['horizon']:g}, at a "
+        f"tolerance of {told['tolerance']:g}{_check_words(told)}."
     )
 
 

@@ -25,9 +25,7 @@ def refined(dataset: xarray.Dataset) -> bool:
     return POINT in dataset.sizes and "border_curve" in dataset.variables
 
 
-def draw_borders(
-    axes: Axes, dataset: xarray.Dataset, kinds: NDArray[Any], x: str, y: str
-) -> None:
+def draw_borders(axes: Axes, dataset: xarray.Dataset, kinds: NDArray[Any], x: str, y: str) -> None:
     """Draw the borders between fates.
 
     Parameters
@@ -41,10 +39,11 @@ def draw_borders(
     x, y
         Names of the axes.
     """
-    if refined(dataset):
-        lines = _lines(dataset, x, y)
-    else:
-        lines = cell_edges(dataset[x].values, dataset[y].values, kinds)
+    lines: Any = (
+        _lines(dataset, x, y)
+        if refined(dataset)
+        else cell_edges(dataset[x].values, dataset[y].values, kinds)
+    )
     axes.add_collection(
         LineCollection(lines, colors="black", linewidths=WIDTH, zorder=3, capstyle="round"),
         autolim=False,

@@ -125,4 +125,3 @@ def kinds(dataset: xarray.Dataset) -> NDArray[np.int16]:
     for i, fate in enumerate(fates(dataset)):
         found[fate.where] = i
     return found
-
