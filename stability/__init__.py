@@ -69,6 +69,7 @@ _HOME = {
     "figures.launch.animate": ("animate",),
     "figures.diagram": ("plot_map",),
     "figures.retrograde": ("plot_retrograde",),
+    "figures.basin.basins": ("plot_basins",),
     "figures.locus.loci": ("plot_locus",),
     "figures.launch.motion": ("plot_motion",),
     "motion.result": ("Outcome",),
@@ -158,6 +159,7 @@ if TYPE_CHECKING:
     from .compare.report import report as report
     from .derivation.conditions import Conditions as Conditions
     from .derivation.conditions import conditions as conditions
+    from .figures.basin.basins import plot_basins as plot_basins
     from .figures.diagram import plot_map as plot_map
     from .figures.launch.animate import animate as animate
     from .figures.launch.motion import plot_motion as plot_motion

@@ -32,6 +32,7 @@ from ..systems.family import Family
 from ..systems.system import System
 from .dataset import arrays, attributes, blank, coordinates, label, question, variables
 from .launches import Launches, prepare
+from .linear import linear_verdict
 from .outcomes import Judging, outcomes
 from .samples import DistributionLike, Independent, sample
 
@@ -335,10 +336,7 @@ def run(
     """
     some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
     varied = plan.launches.varied if plan.distribution is not None else ()
-    asked = variables(some) + tuple(
-        Variable(n, "float64", np.nan, label(plan.launches, some, n)) for n in varied
-    )
-    kept = _store(plan, some, asked, store, overwrite)
+    kept = store_of(plan, store, overwrite)
     with _engine(executor, workers) as (pool, number):
         work = _Work(shared(plan, pool))
         done = fill(kept, work, blank=_Blank(len(some.model.states), varied), executor=pool,
@@ -352,12 +350,25 @@ def _engine(executor: Any, workers: int | None) -> AbstractContextManager[Any]:
     return nullcontext((None if isinstance(executor, str) else executor, workers))
 
 
-def _store(
-    plan: Plan, some: Starts, asked: tuple[Variable, ...], store: Any, overwrite: bool
-) -> Store:
+def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
+    """The store of a plan, in memory or in a folder: made, or as it is there.
+
+    Parameters
+    ----------
+    plan
+        The launches.
+    store, overwrite
+        As for `basins`.
+    """
+    some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
+    varied = plan.launches.varied if plan.distribution is not None else ()
+    asked = variables(some) + tuple(
+        Variable(n, "float64", np.nan, label(plan.launches, some, n)) for n in varied
+    )
     more = {} if plan.distribution is None else {
         "sample": repr(plan.distribution), "seed": plan.seed}  # fmt: skip
     coords = coordinates(plan.launches, some, plan.axes)
+    coords |= linear_verdict(plan.launches, plan.axes)
     told = attributes(plan.launches, some, plan.horizon, plan.judging, more)
     if store is None:
         return Memory(plan.layout, asked, coords, told)

@@ -12,6 +12,8 @@ from typing import Any
 from ..base.errors import ParameterError, StabilityError, StabilityWarning
 from ..base.version import __version__
 from ..storage.json_text import HELP, json_text
+from .basin.basins import EXAMPLES as BASINS
+from .basin.basins import add_arguments as add_basins
 from .compare import add_arguments as add_compare
 from .map import _boundaries, _map
 from .options import (
@@ -162,6 +164,12 @@ def _simulate(options: argparse.Namespace) -> None:
     run(options)
 
 
+def _basins(options: argparse.Namespace) -> None:
+    from .basin.basins import run
+
+    run(options)
+
+
 def _scene(options: argparse.Namespace) -> None:
     from .scene import run
 
@@ -280,6 +288,10 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                   "x=1,y=0,z=1.4 --parameter e=0.8 --parameter a=0.5 --parameter b=0.5 "
                   "--time 200")  # fmt: skip
     add_arguments(sub, words)
+
+    sub = command("basins", _basins, "Which launch ends where, over two numbers or a random sample",
+                  *BASINS)  # fmt: skip
+    add_basins(sub, words)
 
     sub = command("scene", _scene, "A scene of a TOML file, answered by the least model",
                   "stability scene examples/scenes/rolled-coin.toml --json")  # fmt: skip

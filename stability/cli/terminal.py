@@ -123,7 +123,8 @@ def _shown(**look: Any) -> Iterator[Any]:
     from tqdm import tqdm
 
     # miniters=0: drawn by the clock, not after a number of pieces
-    bar = tqdm(total=None, leave=False, miniters=0, file=sys.stderr, **look)
+    # smoothing=0: pieces end by thousands, and between two looks at the clock none ends
+    bar = tqdm(total=None, leave=False, miniters=0, smoothing=0, file=sys.stderr, **look)
     clock = Clock(bar)
     _bars.append(bar)
     clock.start()
@@ -155,8 +156,9 @@ def progress_bar(unit: str, after: float = PATIENCE) -> Iterator[Callable[[int, 
             check()
             if bar is None:
                 return
-            if bar.total is None:
-                bar.total = total
+            if bar.total is None:  # what is done by now was stored, or took no time of this bar
+                bar.total, bar.start_t = total, bar._time()
+                bar.n = bar.initial = bar.last_print_n = done
             elif bar.total != total:
                 bar.reset(total)
             bar.update(done - bar.n)

@@ -71,9 +71,7 @@ def engine(name: str, workers: int | None = None) -> Iterator[tuple[Executor, in
     ...     executor.submit(abs, -3).result(), workers
     (3, 2)
     """
-    if workers is not None:
-        whole_number("workers", workers, most=MOST_WORKERS)
-    count = workers or os.cpu_count() or 1
+    count = _count(workers)
     if name == "threads":
         with ThreadPoolExecutor(count) as threads:
             yield threads, count
@@ -91,6 +89,37 @@ def engine(name: str, workers: int | None = None) -> Iterator[tuple[Executor, in
             f"the engine is {shown(name)}; give threads, processes, dask, or the address of a "
             "scheduler such as tcp://127.0.0.1:8786."
         )
+
+
+def workers_of(name: str, workers: int | None = None) -> int:
+    """Number of workers of an engine, none of which is started.
+
+    Parameters
+    ----------
+    name, workers
+        As for `engine`; a running scheduler is asked.
+
+    Raises
+    ------
+    StabilityError
+        As for `engine`.
+
+    Examples
+    --------
+    >>> workers_of("dask", 3)
+    3
+    """
+    if name in WORDS:
+        return _count(workers)
+    with engine(name, workers) as (_, count):
+        return count
+
+
+def _count(workers: int | None) -> int:
+    """A number of workers; that of the processors when left out."""
+    if workers is None:
+        return os.cpu_count() or 1
+    return whole_number("workers", workers, most=MOST_WORKERS)
 
 
 def _library() -> Any:

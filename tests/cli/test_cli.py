@@ -14,8 +14,8 @@ from command_line import output, refused
 
 from stability.cli import main
 
-COMMANDS = ("spectrum", "map", "boundaries", "atlas", "table", "scene", "simulate")
-OWN = ("spectrum", "map", "boundaries", "table", "simulate")
+COMMANDS = ("spectrum", "map", "boundaries", "atlas", "table", "scene", "simulate", "basins")
+OWN = ("spectrum", "map", "boundaries", "table", "simulate", "basins")
 MAP = ["map", "rolling", "--x", "at:1:2:6", "--y", "mu:0.1:1:5"]
 
 

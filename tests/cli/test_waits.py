@@ -19,6 +19,7 @@ LONG = (
     f"map --system {EXAMPLES}/bicycle.py:upright --x v:0.1:10:9 --y g:1:20:9 --out m.nc",
     "boundaries spinning --axis at:0.1:5:9 --mu 0.97",
     "simulate --theta 1.2 --mu 0.3 --time 10 --plot m.png",
+    "basins --family rolling --x at:1:2:9 --y tilt:0.1:0.5:9 --mu 0.3 --time 10 --out b.zarr",
     f"scene {EXAMPLES}/scenes/rolled-coin.toml",
     *(f"table {name}" for name in (
         "families", "conditions", "drift", "hopf", "codimension", "launches", "theorems",

@@ -1,0 +1,69 @@
+"""The linear verdict of the family near which launches start, next to their outcomes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..base.axis import Axis
+from ..base.errors import StabilityError
+from ..base.verdict import CODES
+from ..bodies.disk import Disk
+from ..bodies.thin_disk.disk_equations import STATES
+from ..bodies.thin_disk.disk_families import FAMILIES
+from ..spectra.spectrum import spectrum
+from .launches import SCALES, TILT, Launches
+
+LINEAR = "linear_verdict"
+"""Name of the coordinate."""
+
+
+def linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]:
+    """Verdict of the steady motions near which launches start, along the axis that names these.
+
+    Verdicts are proved, so that any machine finds the same ones.
+
+    Parameters
+    ----------
+    launches
+        What is launched.
+    axes
+        Axes of a map.
+
+    Returns
+    -------
+    dict
+        The coordinate by name; empty where launches start near no family, where another axis
+        changes the verdict, or where the contact law has no linearisation.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.basins(contact="viscous", mu=0.3, family="spinning", horizon=1.0,
+    ...                   x=("at", 1.0, 3.0, 2), y=("tilt", 0.1, 0.2, 2))
+    >>> found.linear_verdict.dims, found.linear_verdict.values.tolist()
+    (('phi_dot',), [2, 1])
+    """
+    if not launches.family or not isinstance(launches.thing, Disk) or launches.contact is None:
+        return {}
+    own = FAMILIES[launches.family].at[0]
+    along = [a for a in axes if a.name == own]
+    others = [a.name for a in axes if a.name != own]
+    if not along or any(n != TILT and n not in STATES for n in others):
+        return {}
+    held, law = dict(launches.held), launches.contact
+    disk = replace(launches.thing, **{n: held[n] for n in SCALES if n in held})
+    if set(law.given) & set(held):
+        law = type(law)(**(law.given | {n: held[n] for n in law.given if n in held}))
+    try:
+        found = spectrum(launches.family, at=along[0].values, disk=disk, contact=law)
+    except StabilityError:  # dry friction is not smooth at a member
+        return {}
+    attributes = {
+        "long_name": f"linear verdict of {launches.family} under {law.name} contact",
+        "flag_values": [int(c) for c in CODES.values()],
+        "flag_meanings": " ".join(v.word for v in CODES),
+    }
+    return {LINEAR: (own, np.asarray(found.codes, dtype=np.int8), attributes)}

@@ -1,0 +1,234 @@
+"""The command `basins`: a thin layer on the public names."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ...base.errors import FileError, ParameterError
+from ...storage.json_text import json_text
+from ..options import PARAMETER_HELP, _picture, add_body, overwriting
+from ..simulate import CONTACTS
+from ..terminal import progress_bar, say
+from .launched import KINDS, launched
+
+if TYPE_CHECKING:
+    from ...basin.basins import Plan
+    from ...basin.cost import Cost
+
+EXAMPLES = (
+    "stability basins --family spinning --x at:0.1:3:200 --y tilt:0.01:1.2:160 --mu 0.3 "
+    "--time 200 --out spinning.zarr --plot spinning.png",
+    "stability basins --x omega3:0:3:400 --y theta:0.1:1.5:300 --set phi_dot=0.5 --mu 0.3 "
+    "--time 100 --out launches.zarr --dry-run",
+    "stability basins --sample theta:uniform:0.1:1.5 --sample omega3:normal:2:0.1 --count 100000 "
+    "--mu 0.3 --time 100 --out sample.zarr --scheduler dask",
+    "stability basins --system examples/watt_governor.py:running --x x:0.5:1.5:40 --y y:-1:1:40 "
+    "--set z=1.4 --set e=0.8 --set a=0.5 --set b=0.5 --time 200 --out governor.zarr",
+)
+
+
+def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> None:
+    """Arguments of `stability basins`.
+
+    Parameters
+    ----------
+    sub
+        The command's parser.
+    words
+        The command line, as for `add_body`.
+    """
+    for axis in ("--x", "--y"):
+        sub.add_argument(axis, metavar="NAME:LO:HI:N[:log]",
+                         help="axis: a state at the start (theta, phi_dot, omega3, …), a number of "
+                         "the body (k) or of the law (mu); with --family also tilt, and at for "
+                         "what names its members")  # fmt: skip
+    sub.add_argument("--more", action="append", metavar="NAME:LO:HI:N[:log]",
+                     help="a further axis; once for each")  # fmt: skip
+    kinds = ", ".join(f"NAME:{kind}:{numbers}" for kind, numbers in KINDS.items())
+    sub.add_argument("--sample", action="append", metavar="NAME:KIND:A:B",
+                     help=f"a random sample in place of axes: {kinds}; once for each "
+                     "quantity")  # fmt: skip
+    sub.add_argument("--count", type=int, metavar="N", help="launches of the sample")
+    sub.add_argument(
+        "--seed",
+        type=int,
+        metavar="S",
+        help="of the sample (default 0); launch i of a seed is always the same",
+    )
+    sub.add_argument("--family", help="launch near rolling, spinning or tumbling, the axis tilted")
+    sub.add_argument("--set", action="append", metavar="NAME=VALUE",
+                     help="any other number, once for each; other states are 0")  # fmt: skip
+    sub.add_argument("--system", metavar="MODULE:NAME",
+                     help="a system of your own in place of the disk, or a family of it; its "
+                     "numbers are set by --set")  # fmt: skip
+    add_body(sub, words)
+    sub.add_argument("--mu", type=float, help="friction coefficient")
+    sub.add_argument("--epsilon", type=float, help="slip speed of coulomb-regularised")
+    sub.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
+    sub.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
+    sub.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
+    sub.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
+    for name, of in (("mass", "body"), ("radius", "disk"), ("gravity", "body")):
+        sub.add_argument(f"--{name}", type=float, help=f"of the {of} (default 1)")
+    sub.add_argument("--time", type=float, required=True, metavar="T", help="last time")
+    sub.add_argument("--tolerance", type=float, default=1e-9, metavar="E",
+                     help="error allowed in a step (default 1e-9)")  # fmt: skip
+    sub.add_argument("--no-check", action="store_true",
+                     help="run each launch once: no error estimate, half the time")  # fmt: skip
+    sub.add_argument("--out", required=True, metavar="STORE.zarr",
+                     help="Zarr store; finished launches are kept there, and the same command "
+                     "goes on")  # fmt: skip
+    sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
+    sub.add_argument("--scheduler", metavar="WHERE", default="threads",
+                     help="threads (default), processes, dask, or the address of a scheduler of "
+                     "dask such as tcp://127.0.0.1:8786")  # fmt: skip
+    sub.add_argument("--workers", type=int, metavar="N", help="workers (default: all cores)")
+    sub.add_argument("--chunk", type=int, metavar="N",
+                     help="launches of a chunk, the work of a worker (default 4096)")  # fmt: skip
+    sub.add_argument("--dry-run", action="store_true",
+                     help="say what it would cost, from a few launches, and stop")  # fmt: skip
+    overwriting(sub, "replace a store of another question, and an existing figure")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Predict the cost, run the launches, write the store and the figure.
+
+    Parameters
+    ----------
+    options
+        Parsed options of `add_arguments`.
+    """
+    with progress_bar("launches") as progress:
+        plan, out, picture = _planned(options)
+        cost = _cost(plan, out, options)
+        if not options.dry_run:
+            if cost.launches:
+                say(_in_words(cost))
+            from ...basin.basins import labelled
+            from ...basin.basins import run as fill
+
+            kept, _ = fill(plan, out, options.force, options.scheduler, options.workers, progress)
+            dataset = labelled(kept, plan)
+            if picture is not None:
+                _draw(dataset, picture, options.force)
+    if options.dry_run:
+        print(json_text({"cost": _record(cost)}) if options.json else _in_words(cost))
+        return
+    _report(options, dataset, cost, out, picture)
+
+
+def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
+    """The plan and the targets, checked before anything is computed."""
+    from ...basin.basins import planned
+    from ...storage.targets import check_folder, check_suffix
+
+    out = check_folder(check_suffix(options.out, (".zarr",), "--out"))
+    picture = None if options.plot is None else _picture(options.plot, options.force)
+    if picture is not None and (options.sample or options.more):
+        raise ParameterError("--plot draws a map of two axes; leave it out.")
+    given = launched(options)
+    thing = given.pop("disk")
+    plan = planned(
+        thing, given.pop("contact", None), horizon=options.time, tolerance=options.tolerance,
+        check=not options.no_check, chunk=options.chunk, **given,
+    )  # fmt: skip
+    return plan, out, picture
+
+
+def _cost(plan: Plan, out: Path, options: argparse.Namespace) -> Cost:
+    """The expected cost of what the store does not hold yet."""
+    from ...basin.cost import predict
+    from ...jobs.dask import workers_of
+
+    missing = None
+    if out.is_dir() and any(out.iterdir()):
+        from ...basin.basins import store_of
+
+        try:
+            missing = store_of(plan, out).missing()
+        except FileError:
+            if not options.force:
+                raise
+    return predict(plan, workers_of(options.scheduler, options.workers), missing)
+
+
+def _draw(dataset: Any, picture: Path, force: bool) -> None:
+    from ...figures.basin.basins import plot_basins
+    from ...figures.canvas import save_figure
+    from ...storage.files import atomic_write
+
+    with atomic_write(picture, overwrite=force) as draft:
+        save_figure(plot_basins(dataset), draft)
+
+
+def _record(cost: Cost) -> dict[str, Any]:
+    return {
+        "launches": cost.launches, "stored": cost.stored, "tried": cost.sampled,
+        "computing_seconds": cost.computing, "seconds": cost.seconds, "workers": cost.workers,
+        "store_bytes": cost.size,
+    }  # fmt: skip
+
+
+def _in_words(cost: Cost) -> str:
+    stored = f", {cost.stored} are there" * bool(cost.stored)
+    if not cost.launches:
+        return f"0 launches to run{stored}"
+    workers = f"{cost.workers} worker{'s' * (cost.workers > 1)}"
+    return (
+        f"{cost.launches} launches to run{stored}: {_time(cost.seconds)} with {workers}, "
+        f"{_time(cost.computing)} of computing; store about {_bytes(cost.size)}; by {cost.sampled} "
+        "launches that were tried"
+    )
+
+
+def _time(seconds: float) -> str:
+    """A time to two digits.
+
+    Examples
+    --------
+    >>> [_time(s) for s in (0.2, 42.3, 312.0, 9000.0, 1e6)]
+    ['under 1 s', 'about 42 s', 'about 5.2 min', 'about 2.5 h', 'about 12 days']
+    """
+    if seconds < 1:
+        return "under 1 s"
+    unit, size = next(
+        ((u, n) for u, n in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)) if seconds >= 2 * n),
+        ("s", 1.0),
+    )
+    return f"about {float(f'{seconds / size:.2g}'):g} {unit}"
+
+
+def _bytes(size: int) -> str:
+    """A size to two digits.
+
+    Examples
+    --------
+    >>> [_bytes(n) for n in (900, 132_578, 64_000_000, 3_200_000_000)]
+    ['1 kB', '130 kB', '64 MB', '3.2 GB']
+    """
+    unit, one = next(((u, n) for u, n in (("GB", 1e9), ("MB", 1e6)) if size >= n), ("kB", 1e3))
+    value = max(size / one, 1.0)
+    return f"{float(f'{value:.2g}'):g} {unit}"
+
+
+def _report(
+    options: argparse.Namespace, dataset: Any, cost: Cost, out: Path, picture: Path | None
+) -> None:
+    from ...motion.result import BY_CODE
+    from ...storage.targets import path_text
+
+    codes = dataset.outcome.values
+    counts = {o.word: int((codes == c).sum()) for c, o in BY_CODE.items()}
+    record = {
+        "out": str(out), "plot": None if picture is None else str(picture),
+        "launches": int(codes.size), "outcomes": counts, "cost": _record(cost),
+    }  # fmt: skip
+    if options.json:
+        print(json_text(record))
+        return
+    ends = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
+    wrote = " and ".join(path_text(p) for p in (out, picture) if p is not None)
+    print(f"{wrote}: {ends}")

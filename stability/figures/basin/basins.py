@@ -1,0 +1,303 @@
+"""The basin diagram: which launch ends where, over two numbers."""
+
+from __future__ import annotations
+
+from ..styled_figure import drawing, fixed, key, note, settle, small, ticks_along  # isort: skip
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from ...base.errors import ParameterError
+from ...base.quantities import Kind, Quantity, axis_label, in_latex, unit_of
+from ...base.verdict import BY_CODE
+from ...bodies.contact_laws import MOTION_LAWS
+from ...bodies.thin_disk.disk_families import FAMILIES
+from ...bodies.thin_disk.disk_quantities import disk_quantities
+from ..shading import hatch
+from ..strip import Strip, draw_strip
+from .edges import draw_borders, refined
+from .fates import Fate, fates, kinds
+
+if TYPE_CHECKING:
+    import xarray
+
+LINEAR = "linear_verdict"
+"""Coordinate with the verdict of the family near which launches start."""
+SHADE = {"stable": -0.35, "unstable": 0.5}
+"""Place of a verdict on the scale of growth rates, -1 to 1."""
+
+
+def plot_basins(
+    dataset: xarray.Dataset,
+    *,
+    title: str = "",
+    ax: Axes | None = None,
+    width: float | None = None,
+    fontsize: float | None = None,
+) -> Figure:
+    """Basin diagram: outcomes by colour and hatching, the final steady motion by lightness.
+
+    Borders between outcomes are black: the refined ones where the dataset holds them, the edges of
+    cells otherwise.  A strip shows the linear verdict of the family near which the launches start.
+
+    Parameters
+    ----------
+    dataset
+        Map from `basins`, with two axes.
+    title
+        Title of the figure.
+    ax
+        Axes to draw on, without the strip; a figure of its own when left out.  Give their figure a
+        layout (`constrained` or `tight`), which finds room for labels and scales.
+    width
+        Width of a figure of its own [in]; a journal column, 3.39, when left out.
+    fontsize
+        Size of the text [pt], 7 or more; 7.5 when left out.  The smallest text is 1 pt smaller.
+
+    Returns
+    -------
+    Figure
+        The parameters that the axes do not show stand below.
+
+    Raises
+    ------
+    ParameterError
+        If the dataset is no map of two axes, or a size is not accepted.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.basins(contact="viscous", mu=0.3, family="spinning", horizon=20.0,
+    ...                   x=("at", 0.5, 3.0, 6), y=("tilt", 0.1, 0.5, 4))
+    >>> round(float(st.plot_basins(found).get_figwidth()), 2)
+    3.39
+    """
+    x, y = _axes_of(dataset)
+    strip = None if ax is not None else linear_strip(dataset, x)
+    with drawing(ax, width, fontsize, lambda wide: min(0.98 * wide, 2.0 + 0.4 * wide)) as figure:
+        above, main = (None, ax) if ax is not None else _panels(figure, strip)
+        present = fates(dataset)
+        _colour(main, dataset, present, x, y)
+        draw_borders(main, dataset, kinds(dataset), x, y)
+        _labels(main, above, dataset, x, y)
+        _scales(figure, main, dataset, present)
+        settle(figure)
+        if strip is not None and above is not None:
+            draw_strip(above, strip, Normalize(-1, 1))
+        key(main if above is None else above, [f.patch for f in present], title)
+        note(main, _fixed(dataset))
+    return figure
+
+
+def _axes_of(dataset: Any) -> tuple[str, str]:
+    """Names of the axes along x and y, or a refusal."""
+    if not {"outcome", "family", "member"} <= set(getattr(dataset, "data_vars", ())):
+        raise ParameterError(
+            f"dataset is {type(dataset).__name__}; give what basins returns, or its store, opened "
+            "by xarray.open_zarr."
+        )
+    names = tuple(map(str, dataset.outcome.dims))
+    if names == ("launch",):
+        raise ParameterError("dataset is a random sample; give a map, of basins with x and y.")
+    if len(names) != 2:
+        raise ParameterError(
+            f"dataset has the axes {', '.join(names)}; choose two, such as "
+            f"dataset.isel({names[0]}=0)."
+        )
+    return names[1], names[0]
+
+
+def _panels(figure: Figure, strip: Strip | None) -> tuple[Axes | None, Axes]:
+    if strip is None:
+        return None, figure.subplots()
+    above, main = figure.subplots(
+        2, 1, sharex=True, gridspec_kw={"height_ratios": [0.075, 1.0], "hspace": 0.05}
+    )
+    return above, main
+
+
+def linear_strip(dataset: xarray.Dataset, x: str) -> Strip | None:
+    """The linear verdict along the x axis, as a strip; None where the dataset has none.
+
+    Parameters
+    ----------
+    dataset
+        Map from `basins`.
+    x
+        Name of its x axis.
+    """
+    if LINEAR not in dataset.coords or dataset[LINEAR].dims != (x,):
+        return None
+    at, codes = dataset[x].values, dataset[LINEAR].values
+    shade = np.array([SHADE.get(BY_CODE[int(c)].word, 0.0) for c in codes])
+    changes = np.flatnonzero(np.diff(codes))
+    return Strip("linear", at, shade, tuple((at[changes] + at[changes + 1]) / 2), codes)
+
+
+def _colour(axes: Axes, dataset: xarray.Dataset, present: list[Fate], x: str, y: str) -> None:
+    across, along = dataset[x].values, dataset[y].values
+    colours = np.ones((*dataset.outcome.shape, 3))
+    for fate in present:
+        colours[fate.where] = fate.shades(dataset.member.values[fate.where])
+    axes.pcolormesh(across, along, colours, shading="nearest", rasterized=True)
+    for values, scale, limits in (
+        (across, axes.set_xscale, axes.set_xlim),
+        (along, axes.set_yscale, axes.set_ylim),
+    ):
+        if even_ratios(values):
+            scale("log")
+        limits(float(values[0]), float(values[-1]))
+    for fate in present:
+        if fate.texture:
+            hatch(axes, across, along, fate.where, fate.texture)
+
+
+def even_ratios(values: Any) -> bool:
+    """Whether values are on a logarithmic axis.
+
+    Examples
+    --------
+    >>> even_ratios(np.geomspace(0.1, 10, 5)), even_ratios(np.linspace(0.1, 10, 5))
+    (True, False)
+    """
+    if len(values) < 3 or values[0] * values[-1] <= 0 or (values == 0).any():
+        return False
+    ratios = values[1:] / values[:-1]
+    return bool(np.ptp(ratios) < 1e-9 * abs(ratios[0] - 1))
+
+
+def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
+    """Quantities by name; none of a user's system, whose `theta` may be anything."""
+    if "system" in dataset.attrs:
+        return {}
+    tilt = Quantity("tilt", "", "tilt from the steady motion", Kind.ANGLE)
+    return {**disk_quantities(MOTION_LAWS.get(str(dataset.attrs["contact"]))), "tilt": tilt}
+
+
+def _label(dataset: xarray.Dataset, name: str) -> str:
+    return axis_label(_quantities(dataset).get(name), name, unit_of(dataset[name].attrs))
+
+
+def _labels(main: Axes, above: Axes | None, dataset: xarray.Dataset, x: str, y: str) -> None:
+    main.set_xlabel(_label(dataset, x))
+    main.set_ylabel(_label(dataset, y))
+    if not even_ratios(dataset[x].values):
+        main.xaxis.set_major_locator(ticks_along(main))
+    if above is not None:
+        above.tick_params(axis="x", labelbottom=False)
+
+
+def _scales(figure: Figure, main: Axes, dataset: xarray.Dataset, present: list[Fate]) -> None:
+    """A scale of lightness for each family whose members differ, one above the other."""
+    shown = [f for f in present if f.spread]
+    share = 1 / max(len(shown), 1)
+    for i, fate in enumerate(shown):
+        panel = main.inset_axes((1.03, 1 - (i + 0.94) * share, 0.035, 0.88 * share))
+        assert fate.members is not None
+        bar = figure.colorbar(ScalarMappable(Normalize(*fate.members), fate.ramp), cax=panel)
+        bar.set_label(_member_label(dataset, fate.family), fontsize=small())
+        bar.ax.tick_params(labelsize=small(), length=2)
+        bar.locator = MaxNLocator(max(2, round(5 * share)), steps=[1, 2, 2.5, 5, 10])
+        bar.update_ticks()
+        if fate.texture:
+            low, high = fate.members
+            ends = np.array([low, high])
+            hatch(bar.ax, np.array([0.0, 1.0]), ends, np.ones((2, 2), dtype=bool), fate.texture)
+
+
+def _member_label(dataset: xarray.Dataset, family: str) -> str:
+    """What names the members of a family, with its unit."""
+    if family not in FAMILIES:
+        return family
+    own = _quantities(dataset)[FAMILIES[family].at[0]]
+    unit = in_latex(own.kind.label(dimensionless=bool(dataset.attrs.get("dimensionless", 0))))
+    return f"{family} {own.typeset}" + f" [{unit}]" * bool(unit)
+
+
+def _fixed(dataset: xarray.Dataset) -> str:
+    """The numbers that the axes do not show."""
+    told = dataset.attrs
+    held = {str(n): float(c) for n, c in dataset.coords.items() if c.ndim == 0}
+    values = json.loads(told.get("parameters", "{}")) | held
+    units = {n: unit_of(dataset[n].attrs) for n in held}
+    plain = bool(told.get("dimensionless", 0))
+    known = _quantities(dataset)
+    law = str(told.get("contact", ""))
+    text = fixed(values, known, units, law=law, dimensionless=plain)
+    unit = (
+        known["time"].kind.label(dimensionless=plain) if known else unit_of(dataset.end_time.attrs)
+    )
+    last = f"$t$ = {float(told['horizon']):g} {in_latex(unit)}".removesuffix(" 1")
+    near = f"launched near {told['launched_near']}, " if "launched_near" in told else ""
+    return f"{near}{text}, until {last}" if text else f"{near}until {last}"
+
+
+def basins_caption(dataset: xarray.Dataset) -> str:
+    """What a basin diagram shows: launches, colours, borders, and how many end in which way.
+
+    Parameters
+    ----------
+    dataset
+        Map from `basins`.
+
+    Returns
+    -------
+    str
+        Several sentences.
+
+    Raises
+    ------
+    ParameterError
+        If the dataset is no map of two axes.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.basins(contact="viscous", mu=0.3, family="spinning", horizon=20.0,
+    ...                   x=("at", 2.8, 3.0, 3), y=("tilt", 0.1, 0.2, 2))
+    >>> basins_caption(found).split(".  ")[0]
+    'Ends of 6 launches of a disk near spinning under viscous contact, over phi_dot and tilt'
+    """
+    x, y = _axes_of(dataset)
+    told, present = dataset.attrs, fates(dataset)
+    what = told.get("system") or f"a {told['body']}"
+    near = f" near {told['launched_near']}" * ("launched_near" in told)
+    law = f" under {told['contact']} contact" * ("contact" in told)
+    total = dataset.outcome.size
+    ways = "; ".join(f"{f.way}: {f.label}" for f in present)
+    counts = ", ".join(f"{int(f.where.sum())} {f.label}" for f in present)
+    missing = total - sum(int(f.where.sum()) for f in present)
+    counts += f", {missing} not computed yet (white)" * bool(missing)
+    lightness = "  Lightness: the steady motion that is settled on." * any(
+        f.spread for f in present
+    )
+    return (
+        f"Ends of {total} launches of {what}{near}{law}, over {x} and {y}.  Hatching: {ways}."
+        f"{lightness}  Black: {_border_words(dataset)}.{_strip_words(dataset, x)}  Launches: "
+        f"{counts}.  Each runs until its end is proved or until {told['horizon']:g}, at a "
+        f"tolerance of {told['tolerance']:g}{_check_words(told)}."
+    )
+
+
+def _border_words(dataset: xarray.Dataset) -> str:
+    if refined(dataset):
+        return "borders between ends, refined where neighbours differ"
+    return "edges between cells whose launches end differently"
+
+
+def _strip_words(dataset: xarray.Dataset, x: str) -> str:
+    if linear_strip(dataset, x) is None:
+        return ""
+    return f"  Strip: {dataset[LINEAR].attrs['long_name']}, proved."
+
+
+def _check_words(told: Mapping[str, Any]) -> str:
+    return ", and once more at a looser one to estimate its error" * bool(told.get("checked"))

@@ -1,0 +1,124 @@
+"""The cost of a map, predicted from some of its launches."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stability as st
+from stability.basin import cost
+from stability.basin.basins import Plan, planned, run
+from stability.basin.cost import Cost, predict
+
+SCENES: dict[str, dict[str, Any]] = {
+    "rolling": {"family": "rolling", "x": ("at", 0.1, 3.0, 60), "y": ("tilt", 0.01, 1.2, 40)},
+    "spinning": {"family": "spinning", "x": ("at", 0.1, 3.0, 60), "y": ("tilt", 0.01, 1.2, 40)},
+}
+"""Two scenes whose launches cost very different times, by where they end."""
+
+
+def plan_of(scene: dict[str, Any], horizon: float = 60.0) -> Plan:
+    return planned(None, "viscous", mu=0.3, horizon=horizon, **scene)
+
+
+@pytest.fixture
+def steps(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[float]]:
+    """The steps of the integrator so far: a clock that is the same on every machine."""
+    spent = [0.0]
+    plain = cost.outcomes
+
+    def counted(*arguments: Any) -> Any:
+        found = plain(*arguments)
+        spent[0] += float(found.steps.sum())
+        return found
+
+    monkeypatch.setattr("stability.basin.cost.outcomes", counted)
+    return spent
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_predicted_steps_are_those_of_the_map(name: str, steps: list[float]) -> None:
+    plan = plan_of(SCENES[name])
+    found = predict(plan, workers=2, clock=lambda: 1e-6 * steps[0])
+    kept, _ = run(plan, None, False, None, 1, None)
+    true = 1e-6 * float(kept.dataset().steps.sum())
+    assert found.launches == 2400
+    assert found.sampled == cost.LAST
+    assert true / 1.3 < found.computing < 1.3 * true
+
+
+def clock_of(once: float, each: float, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A clock of trials that cost something at once, and something for each launch."""
+    now = [0.0]
+    plain = cost._run
+
+    def run(plan: Plan, cells: Any) -> Any:
+        now[0] += once + each * len(cells)
+        return plain(plan, cells[:1])
+
+    monkeypatch.setattr("stability.basin.cost._run", run)
+    return lambda: now[0]
+
+
+def test_what_a_chunk_costs_at_once_and_each_launch_are_told_apart(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plan = planned(None, "viscous", mu=0.3, horizon=1.0, chunk=400, **SCENES["rolling"])
+    blocks = plan.layout.blocks()
+    found = predict(plan, 4, clock=clock_of(0.05, 0.001, monkeypatch))
+    assert found.computing == pytest.approx(len(blocks) * 0.05 + 2400 * 0.001)
+    rounds = -(-len(blocks) // 4)
+    assert found.seconds == pytest.approx(rounds * (0.05 + 2400 / len(blocks) * 0.001))
+
+
+def test_expensive_launches_are_tried_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+    clock = clock_of(0.0, 1.0, monkeypatch)
+    plain = cost._run
+
+    def run(plan: Plan, cells: Any) -> Any:
+        asked.append(len(cells))
+        return plain(plan, cells)
+
+    monkeypatch.setattr("stability.basin.cost._run", run)
+    found = predict(plan_of(SCENES["rolling"]), clock=clock)
+    assert asked == [8, 8]
+    assert found.computing == pytest.approx(2400)
+
+
+def test_chunks_that_are_there_cost_nothing() -> None:
+    plan = planned(None, "viscous", mu=0.3, horizon=1.0, chunk=400, **SCENES["rolling"])
+    blocks = plan.layout.blocks()
+    found = predict(plan, missing=blocks[1:])
+    assert found.launches + found.stored == 2400
+    assert found.stored == plan.layout.count(blocks[0])
+    assert predict(plan, missing=[]) == Cost(0, 2400, 0, 0.0, 0.0, 1, 0)
+
+
+@pytest.mark.parametrize("shape", [(60, 40), (2, 3), (1000, 2, 5), (1, 7), (100_000, 9)])
+def test_trials_are_spread_over_every_axis(shape: tuple[int, ...]) -> None:
+    cells = cost._spread(shape)
+    assert len(np.unique(cells, axis=0)) == len(cells)
+    for count in (32, len(cells)):
+        for axis, length in enumerate(shape):
+            parts = min(length, 5)
+            there, every = (np.bincount(c * parts // length, minlength=parts)
+                            for c in (cells[:count, axis], np.arange(length)))  # fmt: skip
+            assert (there > 0.5 * min(count, len(cells)) * every / length).all()
+
+
+def test_a_map_with_a_corner_that_is_refused_is_refused_before_it_starts() -> None:
+    plan = planned(None, "viscous", mu=0.3, family="rolling", x=("at", 0.1, 3, 50),
+                   y=("tilt", 0.1, 1.6, 50), horizon=10.0)  # fmt: skip
+    with pytest.raises(st.StabilityError, match="the tilt takes theta to"):
+        predict(plan)
+
+
+def test_a_random_sample_is_tried_by_its_own_launches() -> None:
+    spread = {"theta": st.Uniform(0.3, 1.5), "omega3": st.Uniform(0.1, 3.0)}
+    plan = planned(None, "viscous", mu=0.3, distribution=spread, count=5000, seed=3, horizon=5.0)
+    found = predict(plan)
+    assert found.launches == 5000
+    assert 0 < found.seconds < 600
+    assert 10 < found.size / 5000 < 150
