@@ -151,6 +151,18 @@ def test_discs_of_the_loops_hold_known_roots(roots: list[complex]) -> None:
 
 
 @needs_numba
+@pytest.mark.parametrize("roots", POLYNOMIALS, ids=str)
+def test_discs_are_as_large_as_those_of_numpy(roots: list[complex]) -> None:
+    w, n = block(roots, 1e-9), len(roots)
+    loops_().discs(n, 0, w)
+    some = [w[at : at + n * SIDE : SIDE] for at in (schemes.A, schemes.F, schemes.RADIUS)]
+    a, f = ([v.reshape(1) for v in line.copy()] for line in some[:2])
+    known = Factors(f[0], list(zip(f[1::2], f[2::2], strict=True)))
+    plain = enclose(a, [np.array([1e-9]) for _ in a], known)
+    assert np.allclose(some[2], np.ravel(plain.radius), rtol=1e-4)
+
+
+@needs_numba
 @pytest.mark.parametrize("roots", [[-1, -1, -2, -3, -4], [-1, 1j, -1j, 1j, -1j], [2, -1, -1]])
 def test_clusters_get_no_bound(roots: list[complex]) -> None:
     w = block(roots, 1e-16)

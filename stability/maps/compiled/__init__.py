@@ -1,4 +1,4 @@
-"""Growth rates of maps by compiled loops, next to the NumPy route of `growth_rates.py`.
+"""Growth rates of maps by compiled loops, next to the NumPy route of `GrowthKernel`.
 
 `factors` is the arithmetic of one cell, `schemes` evaluates coefficients, `loops` runs over a tile;
 `rates` builds their tables and gives them tiles.

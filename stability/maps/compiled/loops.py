@@ -329,8 +329,7 @@ def sweep(table: Any, where: Any, values: Any, shape: Any, even: bool, out: Any,
     degree = factors[0, 1]
     past = np.zeros((4, degree, columns))
     near, z = np.full(degree, math.nan), np.zeros(degree, dtype=np.complex128)
-    w = np.zeros(PAGE)
-    count = 0
+    w, count = np.zeros(PAGE), 0
     for row in range(rows):
         for column in range(0, columns, SIDE):
             many = min(SIDE, columns - column)
@@ -360,9 +359,7 @@ def refine(table: Any, where: Any, values: Any, rest: Any, columns: int, cells: 
     steps, numbers, parts, bounds, factors = table
     variables = len(where) - 1
     degree = factors[0, 1]
-    w = np.zeros(PAGE)
-    found = np.empty((3, SIDE))
-    count = 0
+    w, found, count = np.zeros(PAGE), np.empty((3, SIDE)), 0
     some, again = np.empty(SIDE, dtype=np.int64), np.empty((degree, SIDE))
     for start in range(0, len(cells), SIDE):
         many = min(SIDE, len(cells) - start)
