@@ -16,8 +16,8 @@ import stability as st
 from stability.algebra.program import Program
 from stability.settling import disk_settling
 from stability.settling.attraction import Surroundings, attraction
-from stability.settling.body_settling import body_settling
 from stability.settling.disk_settling import DiskSettling, deviation, nearest, settled
+from stability.settling.round_body.families import body_settling
 from stability.settling.system_settling import SystemSettling
 from stability.settling.together import box_kernel, kernel
 from stability.settling.together.kernel import Balls, settled_many
