@@ -31,6 +31,7 @@ from ..motion.starts import Starts
 from ..systems.family import Family
 from ..systems.system import System
 from .dataset import arrays, attributes, blank, coordinates, label, question, variables
+from .launch_labels import LaunchLabels, refined
 from .launches import Launches, prepare
 from .linear import linear_verdict
 from .outcomes import Judging, outcomes
@@ -43,6 +44,8 @@ TILE = 4096
 """Launches of a chunk, about: some seconds of work."""
 LEAST = 512
 """Fewest launches of a chunk: fewer would leave lanes idle."""
+MOST_LEVELS = 20
+"""Most halvings of a map's steps."""
 MOST = 1_000_000_000
 """Most launches of a call."""
 
@@ -133,6 +136,7 @@ def basins(
     flat: float = 1e-6,
     max_steps: int = 1_000_000,
     max_seconds: float = 8.0,
+    levels: int = 0,
     store: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
     chunk: int | None = None,
@@ -180,6 +184,8 @@ def basins(
         Angle from 0 or π that counts as flat [rad].
     max_steps, max_seconds
         As for `simulate`.
+    levels
+        Halvings of the steps of a map where neighbours differ, for the borders between outcomes.
     store
         Folder of a Zarr store.  It holds every chunk that is finished, and the same call continues
         an interrupted one.  Without it the result is in memory.
@@ -203,8 +209,10 @@ def basins(
         `outcome` (CF flags), `end_time`, `family` (CF flags), `member` and `member_error`, `error`,
         `steps` and `start_state` over the axes, or over `launch` for a sample.  Axes, held numbers
         and those of a sample are coordinates.  A start without contact has ended at time 0: *flat*,
-        *no-contact* or *lift-off*.  Attributes hold units, settings and versions, and no date: the
-        same call gives the same bytes.
+        *no-contact* or *lift-off*.  With `levels`, the borders along `border_point`: `border_X` for
+        each axis X, `border_curve` (which line), and the outcomes on both sides; they are computed
+        after the map, and are not in the store.  Attributes hold units, settings and versions, and
+        no date: the same call gives the same bytes.
 
     Raises
     ------
@@ -230,8 +238,17 @@ def basins(
     )  # fmt: skip
     given = executor if isinstance(executor, Executor) or executor is None else None
     check_run(workers, progress, given)
+    levels = whole_number("levels", levels, 0, MOST_LEVELS)
+    if levels and len(plan.axes) != 2:
+        raise ParameterError("levels refines a map over x and y alone; leave it out.")
     kept, _ = run(plan, store, overwrite, executor, workers, progress)
-    return labelled(kept, plan)
+    found = labelled(kept, plan)
+    if not levels:
+        return found
+    axes = plan.axes[1], plan.axes[0]
+    order = replace(plan.launches, varied=tuple(a.name for a in axes))
+    labels = LaunchLabels(order, plan.horizon, plan.judging, given, workers)
+    return refined(found.load(), labels, axes, levels)
 
 
 def labelled(kept: Store, plan: Plan) -> xarray.Dataset:

@@ -46,8 +46,8 @@ def variables(sample: Starts) -> tuple[Variable, ...]:
     second, names = sample.unit("time"), sample.settling.names
     units = "1" if sample.dimensionless or not body else f"{Kind.ANGULAR_VELOCITY.si} "\
         f"(theta: {Kind.ANGLE.si})"  # fmt: skip
-    own = listed(list(dict.fromkeys(FAMILIES[n].at[0] for n in names if n in FAMILIES)), "or")
-    named = f"its {own}" if own else "the number that names it"
+    own = list(dict.fromkeys(FAMILIES[n].at[0] for n in names if n in FAMILIES))
+    named = f"its {listed(own, 'or')}" if own else "the number that names it"
     flags = outcome_flags(disk=body)
     codes = np.arange(len(names) + 1, dtype=np.int8)
     meanings = " ".join(["none", *(n.replace(" ", "_") for n in names)])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stability.base.errors import ParameterError
-from stability.basin.shock import shock
+from stability.basin.statistics.shock import fatal_shock
 
 Label = Callable[[np.ndarray], np.ndarray]
 
@@ -34,35 +34,37 @@ NORMAL = np.array([0.1, -0.7, 0.3, 0.2, 0.4, 0.5]) / np.sqrt(1.04)
 def test_the_distance_to_a_circle(seed: int) -> None:
     for start in ([0.3, 0.2], [1.5, -0.4]):
         truth = abs(np.hypot(*start) - 1)
-        found = shock(disc, start, reach=2, seed=seed)
+        found = fatal_shock(disc, start, reach=2, seed=seed)
         assert truth <= found.size < truth * 1.001
         assert 0 < found.size - found.inner < 2e-3 * truth
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_the_nearer_of_two_lines(seed: int) -> None:
-    found = shock(strip, [0.0, 0.0], seed=seed)
+    found = fatal_shock(strip, [0.0, 0.0], seed=seed)
     assert 0.4 <= found.size < 0.4004
     assert (found.label, found.start_label) == (1, 0)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_the_distance_to_a_plane_in_six_dimensions(seed: int) -> None:
-    found = shock(plane(NORMAL, 0.8), np.zeros(6), reach=3, seed=seed)
+    found = fatal_shock(plane(NORMAL, 0.8), np.zeros(6), reach=3, seed=seed)
     assert 0.8 <= found.size < 0.801
 
 
 def test_scales_measure_each_coordinate() -> None:
     scale = np.array([1.0, 10.0, 0.1, 2.0, 1.0, 5.0])
     start = np.arange(6.0)
-    found = shock(lambda p: plane(NORMAL, 0.8)((p - start) / scale), start, scale=scale, reach=3)
+    found = fatal_shock(
+        lambda p: plane(NORMAL, 0.8)((p - start) / scale), start, scale=scale, reach=3
+    )
     assert 0.8 <= found.size < 0.801
     assert np.linalg.norm((found.launch - start) / scale) == pytest.approx(found.size, rel=1e-12)
 
 
 @pytest.mark.parametrize("label", [strip, disc, plane(NORMAL[:2], 0.3)])
 def test_the_launch_has_the_label_and_the_size_that_are_said(label: Label) -> None:
-    found = shock(label, [0.1, -0.1], reach=2, budget=700)
+    found = fatal_shock(label, [0.1, -0.1], reach=2, budget=700)
     assert label(found.launch[None])[0] == found.label != found.start_label
     assert np.linalg.norm(found.launch - found.start) == pytest.approx(found.size, rel=1e-12)
     towards = (found.launch - found.start) / found.size
@@ -81,7 +83,7 @@ def test_a_larger_budget_continues_the_same_search(seed: int) -> None:
             seen.append(points)
             return strip(points)
 
-        found = shock(label, [0.0, 0.0], budget=budget, seed=seed, reach=2)
+        found = fatal_shock(label, [0.0, 0.0], budget=budget, seed=seed, reach=2)
         sizes.append(found.size)
         asked[budget] = np.concatenate(seen)
         assert found.searched == len(asked[budget]) <= budget
@@ -100,7 +102,7 @@ def test_ranges_are_respected() -> None:
         seen.append(points)
         return strip(points)
 
-    found = shock(label, [0.0, 0.0], low=[-0.1, -0.2], high=[1.0, 1.0], reach=2)
+    found = fatal_shock(label, [0.0, 0.0], low=[-0.1, -0.2], high=[1.0, 1.0], reach=2)
     points = np.concatenate(seen)
     assert (points >= [-0.1, -0.2]).all()
     assert (points <= 1).all()
@@ -109,7 +111,7 @@ def test_ranges_are_respected() -> None:
 
 
 def test_where_nothing_is_found_it_says_so() -> None:
-    found = shock(lambda p: np.zeros(len(p), int), np.zeros(3), budget=500)
+    found = fatal_shock(lambda p: np.zeros(len(p), int), np.zeros(3), budget=500)
     assert not found.found
     assert found.size == np.inf
     assert (found.launch == 0).all()
@@ -127,14 +129,16 @@ def test_what_is_not_excluded_holds_as_often_as_it_says() -> None:
             small = np.hypot(points[:, 0] - 0.5, points[:, 1]) < 0.15
             return np.where(small, 2, (points[:, 0] < -0.9).astype(int))
 
-        found = shock(label, [0.0, 0.0], budget=400, seed=seed)
+        found = fatal_shock(label, [0.0, 0.0], budget=400, seed=seed)
         if found.label != 2:
             misses += 0.15**2 / found.size**2 > found.excluded
     assert misses <= 8  # 3 are expected at a risk of 5 %
 
 
 def test_a_range_far_smaller_than_the_reach_ends() -> None:
-    found = shock(lambda p: np.zeros(len(p), int), np.zeros(6), low=-1e-3, high=1e-3, budget=50)
+    found = fatal_shock(
+        lambda p: np.zeros(len(p), int), np.zeros(6), low=-1e-3, high=1e-3, budget=50
+    )
     assert not found.found
 
 
@@ -144,4 +148,4 @@ def test_a_range_far_smaller_than_the_reach_ends() -> None:
 ])  # fmt: skip
 def test_refusals_say_what_is_wrong(options: dict[str, object], words: str) -> None:
     with pytest.raises(ParameterError, match=words):
-        shock(disc, [0.0, 0.0], **options)
+        fatal_shock(disc, [0.0, 0.0], **options)

@@ -17,11 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..base.checks import checked, one_number, positive, whole_number
-from ..base.errors import ParameterError, shown
-from ..base.types import Floats
-from .lattice.labels import Ints, Label, asked
-from .samples import in_ball, shares
+from ...base.checks import checked, one_number, positive, whole_number
+from ...base.errors import ParameterError, shown
+from ...base.types import Floats
+from ..lattice.labels import Ints, Label, asked
+from ..samples import in_ball, shares
 
 BUDGET = 2000
 """Labels, unless the caller wants another number."""
@@ -72,7 +72,7 @@ class Shock:
         return math.isfinite(self.size)
 
 
-def shock(
+def fatal_shock(
     label: Label,
     start: ArrayLike,
     *,
@@ -120,7 +120,7 @@ def shock(
     --------
     >>> def over(points):
     ...     return points.sum(axis=1) > 3  # at the distance √3 from the origin
-    >>> found = shock(over, [0, 0, 0], reach=5)
+    >>> found = fatal_shock(over, [0, 0, 0], reach=5)
     >>> bool(math.sqrt(3) < found.size < 1.001 * math.sqrt(3)), found.label
     (True, 1)
     >>> bool(np.linalg.norm(found.launch) == found.size)
