@@ -115,8 +115,8 @@ def test_an_example_is_a_scene_with_a_title(path: Path) -> None:
     assert first.startswith("# ")
 
 
-def test_the_examples_are_six() -> None:
-    assert len(EXAMPLES) == 6
+def test_the_examples_are_seven() -> None:
+    assert len(EXAMPLES) == 7
 
 
 # --- what the comments of the examples say ---
@@ -190,7 +190,7 @@ REFUSED = [
     ("a = " + "[" * 100_000, "nested too deeply"),
     ("a = " + "1" * 10_000, "too many digits"),
     ("a = 0\n" * 200_000, "more than 1 MiB"),
-    (WHOLE + "[colour]\n", "the file has 'colour'; known are title, disk, contact, start"),
+    (WHOLE + "[colour]\n", "the file has 'colour'; known are title, disk, body, contact, start"),
     (CONTACT + QUESTION, "[start] is missing"),
     (START + QUESTION, "[contact] is missing"),
     (CONTACT + START, "[question] is missing"),
