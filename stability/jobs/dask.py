@@ -236,10 +236,11 @@ def _serve(address: str, parent: int) -> None:
     follow(parent)
     import asyncio
 
+    distributed = _library()
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
 
     async def serve() -> None:
-        async with _library().Worker(
+        async with distributed.Worker(
             address, nthreads=1, memory_limit=0, dashboard_address="127.0.0.1:0"
         ) as worker:
             await worker.finished()
