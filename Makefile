@@ -48,9 +48,10 @@ peers: $(READY)
 	for peer in sympy_kane heyoka_raw auto mujoco_disk; do \
 	  echo; echo "== $$peer"; $(BIN)/python benchmarks/peers/$$peer.py || exit 1; done
 
-# Every polynomial and condition derived anew from the graph, into stability/bodies/thin_disk/disk_polynomials.json.
+# Every polynomial and condition derived anew from the graph, into disk_polynomials.json and body_polynomials.json.
 derive: $(READY)
 	$(BIN)/python -c "from stability.derivation.hurwitz import write; write('stability/bodies/thin_disk/disk_polynomials.json', 'stability/bodies/thin_disk/disk_polynomials.py')"
+	$(BIN)/python -c "from stability.derivation.hurwitz import write; from stability.derivation.bodies.polynomials import stored; write('stability/bodies/round_body/body_polynomials.json', 'stability/bodies/round_body/polynomials.py', stored)"
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -7,12 +7,16 @@ absolute and hold to every order, like those of an interval: an error may exceed
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from ..base.types import Floats
 from .number_types import Algebra
+
+from .program import Program
 
 UNIT = 2.0**-53
 """Unit roundoff of a double."""
@@ -249,3 +253,147 @@ def running_error_arrays(
                 value[..., row, column] = entry
         results.append((value, error))
     return results
+
+
+# --- errors counted once, before any number is known ---
+
+
+class Sized:
+    """An expression, the size of its terms, and the number of roundings on the way to it.
+
+    In double precision its error is at most roundings times size times the unit roundoff, as long
+    as their product with the unit is far below one: a quotient or root for which this fails has an
+    infinite size.
+    """
+
+    __slots__ = ("count", "size", "value")
+
+    def __init__(self, value: Any, size: Any, count: int) -> None:
+        self.value, self.size, self.count = value, size, count
+
+    def _of(self, other: Any) -> Sized:
+        return other if isinstance(other, Sized) else Sized(other, ca.fabs(ca.SX(other)), 0)
+
+    def __add__(self, other: Any) -> Sized:
+        o = self._of(other)
+        return Sized(self.value + o.value, self.size + o.size, max(self.count, o.count) + 1)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Sized:
+        o = self._of(other)
+        return Sized(self.value - o.value, self.size + o.size, max(self.count, o.count) + 1)
+
+    def __rsub__(self, other: Any) -> Sized:
+        return (-self).__add__(other)
+
+    def __neg__(self) -> Sized:
+        return Sized(-self.value, self.size, self.count)
+
+    def __mul__(self, other: Any) -> Sized:
+        o = self._of(other)
+        return Sized(self.value * o.value, self.size * o.size, self.count + o.count + 1)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Sized:
+        o = self._of(other)
+        value, size = self.value / o.value, ca.fabs(o.value)
+        if o.count:
+            size = _room_of(size - 1.01 * o.count * UNIT * o.size)
+        passed = self.size + ca.fabs(value) * o.size
+        return Sized(value, passed / size, max(self.count, o.count) + 1)
+
+    def __rtruediv__(self, other: Any) -> Sized:
+        return self._of(other) / self
+
+    def __pow__(self, power: Any) -> Sized:
+        whole = int(power)
+        if whole != power or not 0 <= whole <= MOST_POWER:
+            raise KeyError("pow")
+        out = self._of(1.0)
+        for _ in range(whole):
+            out = out * self
+        return out
+
+
+MOST_POWER = 16
+"""Largest power that is written as products."""
+LEAST_SIZE = 1e-250
+"""Added to every bound: far above what underflow may lose."""
+
+
+def _room_of(x: Any) -> Any:
+    """x where it is positive, otherwise zero."""
+    return (x + ca.fabs(x)) / 2
+
+
+def _wave(function: Any) -> Any:
+    """Sine or cosine: with four roundings of its own; an inexact argument adds its whole error."""
+
+    def apply(x: Any) -> Sized:
+        x = x if isinstance(x, Sized) else Sized(x, ca.fabs(x), 0)
+        value = function(x.value)
+        size = ca.fabs(value)
+        return Sized(value, size + x.size if x.count else size, x.count + 4)
+
+    return apply
+
+
+def _root(x: Any) -> Sized:
+    x = x if isinstance(x, Sized) else Sized(x, x, 0)
+    value = ca.sqrt(x.value)
+    least = _room_of(x.value - 1.01 * x.count * UNIT * x.size) if x.count else x.value
+    return Sized(value, x.size / ca.sqrt(least), x.count + 1)
+
+
+SIZED = Algebra("sized", ca.SX, {"sin": _wave(ca.sin), "cos": _wave(ca.cos), "sqrt": _root,
+                                 "pow": lambda x, y: x**y})  # fmt: skip
+"""Expressions with the sizes of their terms; other functions have no entry."""
+
+
+def bounded(function: ca.Function, constants: Sequence[float] | None = None) -> Program:
+    """A program with the values of a function's outputs, then bounds on their errors.
+
+    Parameters
+    ----------
+    function
+        Function of exact doubles, made of + - * /, whole powers, sin, cos and sqrt.
+    constants
+        Entries of its last input, as for `Program`.
+
+    Returns
+    -------
+    Program
+        Twice as many outputs; a bound that is infinite or no number says nothing.
+
+    Raises
+    ------
+    KeyError
+        If the function has others in it.
+
+    Examples
+    --------
+    >>> x = ca.SX.sym("x")
+    >>> program = bounded(ca.Function("f", [x], [x * x - 2]))
+    >>> (value,), (error,) = program.run(numpy_algebra(), [[1.5]])
+    >>> float(value), 0 < float(error) < 1e-14
+    (0.25, True)
+    """
+    inputs = [ca.SX.sym(f"a{i}", function.numel_in(i)) for i in range(function.n_in())]
+    program = Program(function)
+    entries = [[Sized(v, ca.fabs(v), 0) for v in ca.vertsplit(some)] for some in inputs]
+    values, errors = [], []
+    for found, places, shape in zip(
+        program.run(SIZED, entries), program.places, program.shapes, strict=True
+    ):
+        value, error = ca.SX.zeros(*shape), ca.SX.zeros(*shape)
+        for place, one in zip(places, found, strict=True):
+            if isinstance(one, Sized):
+                value[place] = one.value
+                error[place] = 1.01 * one.count * UNIT * one.size + LEAST_SIZE
+            else:
+                value[place] = one
+        values.append(ca.densify(value))
+        errors.append(ca.densify(error))
+    return Program(ca.Function("bounded", inputs, [*values, *errors]), constants)

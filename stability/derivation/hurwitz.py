@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path as FilePath
@@ -297,33 +297,46 @@ def catalogue() -> dict[str, Any]:
                 "variables": [str(x) for x in used],
                 "zeros": int(derived.zeros),
                 "even": bool(derived.even),
-                "factors": [[_terms(c, used) for c in factor] for factor in factors],
+                "factors": [[terms(c, used) for c in factor] for factor in factors],
                 "conditions": [
-                    {"kind": c.kind, "terms": _terms(c.polynomial.as_expr(), used)} for c in found
+                    {"kind": c.kind, "terms": terms(c.polynomial.as_expr(), used)} for c in found
                 ],
             }
     return {"format": 1, "cases": cases}
 
 
-def _terms(expression: Expr, variables: Sequence[sympy.Symbol]) -> list[list[int]]:
+def terms(expression: Expr, variables: Sequence[sympy.Symbol]) -> list[list[int]]:
+    """A polynomial as lists of a coefficient and its exponents.
+
+    Parameters
+    ----------
+    expression
+        Polynomial with whole coefficients.
+    variables
+        Its variables.
+    """
     if expression == 0:
         return []
     poly = sympy.Poly(expression, *variables)
     return [[int(c), *map(int, powers)] for powers, c in poly.terms()]
 
 
-def write(path: str, source: str | None = None) -> None:
-    """Derive the catalogue and write it, one case in each line.
+def write(
+    path: str, source: str | None = None, derived: Callable[[], dict[str, Any]] = catalogue
+) -> None:
+    """Derive a catalogue and write it, one case in each line.
 
     Parameters
     ----------
     path
         Path of the file.
     source
-        Path of the source of `stability.bodies.thin_disk.disk_polynomials`, which gets the digest
-        of the file; None where the file is not the package's.
+        Path of the source of the module that reads the file, which gets its digest; None where the
+        file is not the package's.
+    derived
+        Function that derives the catalogue; the disk's when left out.
     """
-    found = catalogue()
+    found = derived()
     lines = [f"{json.dumps(key)}: {json.dumps(case)}" for key, case in found["cases"].items()]
     body = ",\n".join(lines)
     content = f'{{"format": 1, "cases": {{\n{body}\n}}}}\n'.encode()

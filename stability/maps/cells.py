@@ -31,8 +31,9 @@ from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE, SLICE
 from .growth_rates import GrowthKernel, steady_memory
+from .own.formula_cells import FormulaCells, formula_cells
 from .own.graph_rates import quick_rates
-from .own.slice_cells import slice_cells
+from .own.slice_cells import SliceCells, slice_cells
 from .own.slice_verdicts import ELSEWHERE
 from .verdict_tiles import GridVerdicts
 
@@ -96,9 +97,9 @@ class Cells:
         self._certain = problem.derived or certain(family)
         declared = family.conservative and self._certain
         self._even = declared or (not problem.derived and symmetric(family))
-        self.slice = None
+        self.slice: FormulaCells | SliceCells | None = None
         if problem.law is None and math.prod(self.shape) >= LEAST:
-            self.slice = slice_cells(problem, axes, modes)
+            self.slice = formula_cells(problem, axes, modes) or slice_cells(problem, axes, modes)
         self._count = len(family.system.states) - zeros
         if modes:
             self.values = np.empty((*self.shape, self._count), dtype=complex)

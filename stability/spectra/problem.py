@@ -22,12 +22,14 @@ from numpy.typing import ArrayLike
 from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational
+from ..algebra.number_types import balls
 from ..algebra.routh_balls import product
 from ..base.checks import checked
-from ..base.errors import NameUnknownError, ParameterError, absent, shown
+from ..base.errors import NameUnknownError, NoMemberError, ParameterError, absent, shown
 from ..base.exact_numbers import double, no_double, warn_rounded
 from ..base.types import Floats
 from ..bodies.contact import Contact
+from ..systems.closed_form import ClosedForm
 from ..systems.family import Family, listing
 from ..systems.structure.enclosure import characteristic
 from ..systems.structure.multiplicity import certain
@@ -257,6 +259,37 @@ def _compared(family: Family) -> ExactPolynomial | None:
     for number in range(SAMPLES + 2 ** min(MOST_SIGNS, len(family.at) + len(family.parameters))):
         _compare(family, number)
     return exact
+
+
+@lru_cache(maxsize=64)
+def formulas_of(family: Family) -> ClosedForm | None:
+    """The formulas of a family; None where it has none, or they are not those of its graph.
+
+    A graph whose numbers CasADi has rounded on the way may differ in its last digits.
+
+    Parameters
+    ----------
+    family
+        The family.
+    """
+    formulas, cut = family.formulas, len(family.at)
+    if formulas is None:
+        return None
+    for number in range(SAMPLES):
+        with precision(SAMPLE_BITS):
+            point = sampled(family, number)
+            a, q = point[:cut], point[cut:]
+            try:
+                true = characteristic(family, a, q)
+            except NoMemberError:
+                continue
+            given, _, _ = formulas(balls(), a, q)
+            monic = [arb(0)] * formulas.zeros + [c / given[-1] for c in given]
+            same = [c.overlaps(t) and abs(c - t) < CLOSE * (1 + abs(t))
+                    for c, t in zip(monic, true, strict=False)]  # fmt: skip
+        if not all(same) or len(monic) != len(true):
+            return None
+    return formulas
 
 
 def _compare(family: Family, number: int) -> None:

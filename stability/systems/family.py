@@ -23,6 +23,7 @@ from ..base.errors import (
     shown,
 )
 from ..base.types import Floats, Record, fields_of
+from .closed_form import ClosedForm
 from .equations import Equations
 from .following.members import Found, find
 from .following.members import listing as listing
@@ -74,6 +75,8 @@ class Family(Record):
         The characteristic polynomial, or None.  Verdicts are proved from a known polynomial.
     anchor
         A known member from which the others are followed, in place of a first guess; or None.
+    formulas
+        Unknowns and characteristic polynomial in closed form, or None.
 
     Raises
     ------
@@ -119,6 +122,8 @@ class Family(Record):
     """The characteristic polynomial, or None where it is not known."""
     anchor: Anchor | None = None
     """A known member, from which the others are followed; `System.steady` finds it."""
+    formulas: ClosedForm | None = None
+    """Unknowns and characteristic polynomial in closed form, or None."""
 
     __getstate__ = fields_of
 

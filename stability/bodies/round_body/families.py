@@ -28,7 +28,9 @@ from ..law_names import class_named
 from .equations import Resistances, round_system
 from .inclinations import first_numbers, level, slope_of, stands_upright, tumbling_ranges
 from .pole_equations import AXIS, SLIP, TURN, pole_system, refuse_rough_pole
+from .polynomials import closed_form
 from .shape import SCALES, RoundShape
+from .si_law import shape_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +182,8 @@ def round_family(
             # not the rate of theta_dot, which falls again where the lever is long
             unknown, equations = {"theta": at}, ["lever"]
     every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
-    return _family(system, record, *every, law)  # type: ignore[arg-type]  # a class is hashable
+    own = (shape_of(body), given, physical) if not resistance else None
+    return _family(system, record, *every, law, own)  # type: ignore[arg-type]  # a class is hashable
 
 
 def _not_upright(body: RoundShape, name: str) -> NoMemberError:
@@ -197,12 +200,16 @@ def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
 @lru_cache(maxsize=64)
 def _family(  # noqa: PLR0913
     system: System, record: RoundFamily, held: Any, unknown: Any, equations: Any, typical: Any,
-    law: Any,
+    law: Any, own: Any = None,
 ) -> Family:  # fmt: skip
+    formulas = None
+    if own is not None:
+        shape, given, physical = own
+        formulas = closed_form(system, record.name, shape, law, given, physical=physical)
     return Family(
         system, record.name, record.at, held=dict(held), unknown=dict(unknown),
         equations=equations, positive=record.positive, typical=dict(typical),
-        integrals=law.conservative and not record.pole,
+        integrals=law.conservative and not record.pole, formulas=formulas,
     )  # fmt: skip
 
 

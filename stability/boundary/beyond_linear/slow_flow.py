@@ -298,4 +298,4 @@ def _still(family: Family, small: str) -> Family:
         units={n: u for n, u in system.units.items() if n != small},
     )  # fmt: skip
     typical = {n: v for n, v in family.typical.items() if n != small}
-    return replace(family, system=quiet, typical=typical, exact=None)
+    return replace(family, system=quiet, typical=typical, exact=None, formulas=None)

@@ -25,14 +25,12 @@ from ..theorems.motion import (
     StatedForce,
 )
 from .graph import BEND, I1, I3, RHO, SLOPE, H, R, Z, along, equations, vanishes
-from .polynomials import LAWS, SQUARE, characteristic, derivatives_that_enter
+from .polynomials import AXIAL, LAWS, RADIUS, SQUARE, characteristic, derivatives_that_enter
 from .rolling import FILE, Q
 from .spinning import EDGE
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""
-RADIUS, AXIAL = H * SIN + SLOPE * COS, H * COS - SLOPE * SIN
-"""r and z of the contact point."""
 MOMENT = SLOPE + PHI * SIN * (I3 * SPIN - I1 * PHI * COS)
 """Zero on the steady motions without force."""
 RIM = RADIUS * SPIN - PHI * SIN * AXIAL

@@ -7,6 +7,7 @@ and z say where the contact point lies: the centre rests, so ω₃ = φ̇ sinθ 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -15,8 +16,8 @@ import sympy
 from sympy.polys.matrices import DomainMatrix
 
 from ...base.checks import known
-from ..characteristic import COS, LAM, SIN
-from ..hurwitz import determinant, factored
+from ..characteristic import COS, LAM, MU, SIN
+from ..hurwitz import determinant, factored, terms
 from ..theorems.motion import FORCE_X, FORCE_Y, NORMAL, PHI, SPIN
 from .graph import BEND, I1, I3, RHO, SLOPE, STILL, H, R, Z, equations, folded, pencil
 
@@ -32,6 +33,8 @@ STATES: dict[str, dict[Expr, Expr]] = {
     "tumbling": CENTRE | {SPIN: PHI * SIN * Z / R, BEND: RHO - CENTRE[H]},
 }
 """Values of a family's states."""
+RADIUS, AXIAL = H * SIN + SLOPE * COS, H * COS - SLOPE * SIN
+"""r and z of the contact point."""
 LAWS = ("viscous", "rough", "smooth")
 """Laws whose polynomials are derived."""
 
@@ -127,3 +130,43 @@ def derivatives_that_enter() -> tuple[bool, str]:
     bend = any(row.has(BEND) for row in steady)
     words = "entries of the pencils hold h, h′, h′′; the steady rows hold h, h′"
     return not third and not bend, words
+
+
+# --- for use without SymPy ---
+
+VARIABLES = (I1, I3, R, Z, RHO, SIN, COS, PHI, SPIN, MU)
+"""Variables of a stored polynomial; that of tumbling has no ω₃."""
+PAIRS = {"circling": "rough", "precession": "smooth"}
+"""Families that two numbers name, each under its one law."""
+
+
+def stored() -> dict[str, Any]:
+    """Every polynomial that `stability.bodies.round_body.polynomials` reads, as JSON.
+
+    Returns
+    -------
+    dict
+        By family and law: `zeros`, `even`, and `coefficients` (terms of each, lowest power first).
+    """
+    cases: dict[str, Any] = {}
+    for law in LAWS:
+        found = characteristic("tumbling", law)
+        cases[f"tumbling {law}"] = _record(found.zeros, found.coefficients[::-1])
+    place = CENTRE | {BEND: RHO - CENTRE[H]}
+    for family, law in PAIRS.items():
+        force = PHI * (R * SPIN - PHI * SIN * Z) if law == "rough" else 0  # mass times acceleration
+        matrix = pencil(law).subs(place | {FORCE_X: force}, simultaneous=True)
+        whole = DomainMatrix.from_Matrix(matrix.expand())
+        poly = sympy.Poly(folded(whole.domain.to_sympy(whole.det())), LAM)
+        zeros = min(n for (n,) in poly.monoms())
+        cases[f"{family} {law}"] = _record(zeros, poly.all_coeffs()[::-1][zeros:])
+    return {"format": 1, "cases": cases}
+
+
+def _record(zeros: int, coefficients: Sequence[Expr]) -> dict[str, Any]:
+    used = [v for v in VARIABLES if any(sympy.sympify(c).has(v) for c in coefficients)]
+    return {
+        "variables": [str(v) for v in used], "zeros": int(zeros),
+        "even": all(c == 0 for c in coefficients[1::2]),
+        "coefficients": [terms(c, used) for c in coefficients],
+    }  # fmt: skip

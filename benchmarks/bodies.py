@@ -1,0 +1,139 @@
+"""Maps and boundaries of bodies of revolution against those of the disk, side by side in one run.
+
+The disk and the body take turns, since machines are shared and noisy.  Processor time of all
+threads counts.  The first call derives what later calls find again; it is stated by itself.  The
+disk has no vertical spin, so that of a body is compared with the disk's spinning.
+
+Usage: python benchmarks/bodies.py [--json] [WORD ...]
+(rows whose family, law or body contains one of the words; all without any)
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import stability as st
+
+NX, NY = 400, 300
+REPEATS = 3
+MU = ("mu", 0.05, 3.0)
+BODIES: dict[str, tuple[Callable[[], st.Body], tuple[str, float, float]]] = {
+    "torus": (lambda: st.Torus(0.2), ("tube", 0.05, 0.5)),
+    "spheroid": (lambda: st.Spheroid(0.6), ("aspect", 0.3, 0.9)),
+    "eccentric sphere": (lambda: st.EccentricSphere(0.2), ("offset", 0.05, 0.5)),
+    "thick disk": (lambda: st.ThickDisk(0.1), ("thickness", 0.05, 0.3)),
+    "egg": (lambda: st.Egg(0.2), ("axial", 0.35, 0.45)),
+}
+"""Each body, and the number of its shape that is an axis under laws without a coefficient."""
+AXES = {"rolling": (0.2, 3.0), "spinning": (0.5, 5.0), "tumbling": (0.05, 1.55),
+        "vertical": (0.5, 5.0), "circling": (0.3, 1.3), "precession": (0.3, 1.3)}  # fmt: skip
+"""Interval of `at` of each family."""
+RANGES = {("tumbling", "spheroid"): (1.6, 3.0), ("tumbling", "eccentric sphere"): (0.1, 1.5),
+          ("tumbling", "egg"): (0.3, 1.2), ("tumbling", "thick disk"): (0.2, 1.3)}  # fmt: skip
+"""Intervals of bodies that tumble elsewhere."""
+PAIRS = {"circling": "rough", "precession": "smooth"}
+"""Families named by two numbers, and their one law."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One question about a body and the same about the disk."""
+
+    family: str
+    law: str
+    body: str
+
+    def arguments(self, body: st.Body | None) -> tuple[str, dict[str, Any], dict[str, Any]]:
+        """Family, and what `stability_map` and `boundaries` take."""
+        family = "spinning" if body is None and self.family == "vertical" else self.family
+        at = AXES[family]
+        if body is not None:
+            at = RANGES.get((self.family, self.body), AXES[self.family])
+        held: dict[str, Any] = {} if body is None else {"body": body}
+        if family in PAIRS:
+            x, y = ("theta", *at, NX), ("phi_dot", 0.5, 3.0, NY)
+            return family, {"x": x, "y": y, **held}, {"axis": (*x[:3], 50), "at": 1.7, **held}
+        x = ("at", *at, NX)
+        if self.law == "viscous":
+            return family, {"x": x, "y": (*MU, NY), **held}, {"axis": (*x[:3], 50), "mu": 0.3, **held}
+        number = ("k", 0.25, 0.5) if body is None else BODIES[self.body][1]
+        return family, {"x": x, "y": (*number, NY), **held}, {"axis": (*x[:3], 50), **held}
+
+    def runs(self, body: st.Body | None) -> dict[str, Callable[[], Any]]:
+        """A map and boundaries."""
+        family, chart, line = self.arguments(body)
+        return {
+            "map": lambda: st.stability_map(family, contact=self.law, **chart),
+            "boundaries": lambda: st.boundaries(family, contact=self.law, **line),
+        }
+
+
+def cases() -> Iterator[Case]:
+    """Every family that a body has under every law with a polynomial."""
+    for name, (make, _) in BODIES.items():
+        for family in AXES:
+            for law in ("viscous", "rough", "smooth"):
+                if PAIRS.get(family, law) != law:
+                    continue
+                try:
+                    make().family(family, law)
+                except st.StabilityError:
+                    continue
+                yield Case(family, law, name)
+
+
+def seconds(run: Callable[[], Any]) -> float:
+    """Processor time of a call, of all threads."""
+    start = time.process_time()
+    run()
+    return time.process_time() - start
+
+
+def measured(case: Case) -> dict[str, Any]:
+    """First and median times of both, and the ratio of the medians."""
+    row: dict[str, Any] = {"family": case.family, "law": case.law, "body": case.body}
+    ours = case.runs(BODIES[case.body][0]())
+    disks = case.runs(None)
+    for what, run in ours.items():
+        try:
+            first = seconds(run), seconds(disks[what])
+        except st.StabilityError as error:
+            row[what] = {"refused": str(error)}
+            continue
+        pairs = [(seconds(run), seconds(disks[what])) for _ in range(REPEATS)]
+        body, disk = (statistics.median(t) for t in zip(*pairs, strict=True))
+        row[what] = {"body_first_s": first[0], "disk_first_s": first[1], "body_s": body,
+                     "disk_s": disk, "ratio": body / disk}  # fmt: skip
+    return row
+
+
+def line(row: dict[str, Any]) -> str:
+    """A row as text."""
+    words = [f"{row['family']:10s} {row['law']:8s} {row['body']:17s}"]
+    for what in ("map", "boundaries"):
+        found = row[what]
+        words.append(
+            f"{what}: refused" if "refused" in found else
+            f"{what} {found['ratio']:7.2f} x ({1e3 * found['body_s']:8.1f} ms against "
+            f"{1e3 * found['disk_s']:6.1f} ms; first {found['body_first_s']:6.2f} s)"
+        )  # fmt: skip
+    return "  ".join(words)
+
+
+def main() -> None:
+    words = [w for w in sys.argv[1:] if not w.startswith("--")]
+    for case in cases():
+        if words and not all(w in (case.family, case.law, case.body) for w in words):
+            continue
+        row = measured(case)
+        print(json.dumps(row) if "--json" in sys.argv else line(row), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,147 @@
+"""Families of bodies of revolution in closed form, from polynomials that hold for every height.
+
+The polynomials are derived from the graph with h, h′ and h′′ as symbols
+(`stability.derivation.bodies.polynomials`) and kept as package data.  A body's height and its two
+derivatives are put in as graphs, so no eigenvalue problem and no root-finder is left.
+
+Source: tests/bodies/test_closed_forms.py compares them with the linearisation of the graph.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+import casadi as ca
+
+from ...algebra.polynomial import Polynomial
+from ...base.errors import StabilityError
+from ...systems.closed_form import ClosedForm
+from ...systems.system import System
+from ..contact import Contact
+from ..contact_laws import LinearViscous, Rough, Smooth, Viscous
+from ..thin_disk.disk_polynomials import digest
+from .height.pole_height import height_of_angle
+from .si_law import Numbers, Shape
+
+DATA = "body_polynomials.json"
+"""The file of derived polynomials, next to this module."""
+DIGEST = "ed57b202064387fc2150be060c9f578e9772f383180d33969947be217e5d93b3"
+"""SHA-256 of that file, written by `make derive`; a file with another digest is refused."""
+KINDS = {Viscous: "viscous", LinearViscous: "viscous", Rough: "rough", Smooth: "smooth"}
+"""The polynomial of each law: at a steady motion a drag is linear in the slip."""
+
+
+@lru_cache(maxsize=1)
+def _catalogue() -> dict[str, Any]:
+    content = (files(__package__) / DATA).read_bytes()
+    if digest(content) != DIGEST:
+        raise StabilityError(
+            f"stability/bodies/round_body/{DATA} is not the file that was derived with this "
+            "version; it is damaged or was edited. Install the package again, or derive it (make "
+            "derive)."
+        )
+    found: dict[str, Any] = json.loads(content)["cases"]
+    return found
+
+
+def closed_form(
+    system: System, name: str, shape: Shape, law: type[Contact], given: Sequence[str], *,
+    physical: bool,
+) -> ClosedForm | None:  # fmt: skip
+    """Unknowns and polynomial of a family; None where none is stored.
+
+    Parameters
+    ----------
+    system
+        The body's system, without resistances.
+    name
+        Name of the family.
+    shape
+        From `stability.bodies.round_body.si_law.shape_of`.
+    law, given
+        Class of the law, and names of its coefficients.
+    physical
+        Whether mass, gravity and length are parameters.
+    """
+    record = _catalogue().get(f"{name} {KINDS.get(law, '')}")
+    return None if record is None else _Formulas(system, name, record).of(
+        shape, Numbers.of(shape, given, physical=physical), given)  # fmt: skip
+
+
+class _Formulas:
+    """The formulas of a family, as expressions in its parameters."""
+
+    def __init__(self, system: System, name: str, record: Mapping[str, Any]) -> None:
+        self.system, self.name, self.record = system, name, record
+        self.theta, self.turn = ca.SX.sym("theta"), ca.SX.sym("phi_dot")
+        self.constants: list[tuple[ca.SX, float]] = []
+
+    def of(self, shape: Shape, numbers: Numbers, given: Sequence[str]) -> ClosedForm:
+        """The closed form of one body under one law."""
+        table, theta = numbers.table, self.theta
+        rate = table["gravity"] / table["length"]  # square of the unit of rates
+        h = ca.SX(height_of_angle(shape[1], theta, numbers.own))
+        slope = ca.jacobian(h, theta)
+        s, c = ca.sin(theta), ca.cos(theta)
+        known = {
+            "I1": self._kept(table["transverse"]), "I3": self._kept(table["axial"]), "s": s, "c": c,
+            "r": h * s + slope * c, "z": h * c - slope * s, "ρ": h + ca.jacobian(slope, theta),
+        }  # fmt: skip
+        turn = self.turn / ca.sqrt(rate)
+        unknowns, positive = self._member(known, h, slope, turn)
+        known |= {"mu": self._drag(table, given)} | unknowns
+        powers = [self._value(terms, known) for terms in self.record["coefficients"]]
+        scaled = [p / ca.sqrt(rate) ** k if k % 2 else p / rate ** (k // 2)
+                  for k, p in enumerate(powers)]  # fmt: skip
+        solved = {n: v * ca.sqrt(rate) for n, v in unknowns.items() if n != "phi_dot" or
+                  self.name == "tumbling"}  # fmt: skip
+        free = {"theta": theta, "phi_dot": self.turn} | solved
+        state = ca.vertcat(*[free.get(n, 0) for n in self.system.states])
+        asked = ca.Function("asked", [self.system.x, self.system.p],
+                            [ca.vertcat(*[c.value for c in self.system.conditions])])  # fmt: skip
+        members = ca.vertcat(asked(state, numbers.p), *positive)
+        at = [theta] if self.name == "tumbling" else [theta, self.turn]
+        outputs = ca.cse([ca.vertcat(*scaled), ca.vertcat(*solved.values()), members])
+        symbols = ca.vertcat(*[symbol for symbol, _ in self.constants])
+        function = ca.Function("closed", [ca.vertcat(*at), numbers.p, symbols], outputs)
+        values = tuple(value for _, value in self.constants)
+        return ClosedForm(function.serialize(), self.record["zeros"], self.record["even"], values)
+
+    def _kept(self, moment: Any) -> ca.SX:
+        """A moment, as a symbol where it is a number: CasADi would round its square."""
+        if not ca.SX(moment).is_constant():
+            return moment
+        self.constants.append((ca.SX.sym(f"c{len(self.constants)}"), float(moment)))
+        return self.constants[-1][0]
+
+    def _member(
+        self, known: Mapping[str, Any], h: ca.SX, slope: ca.SX, turn: ca.SX
+    ) -> tuple[dict[str, ca.SX], list[ca.SX]]:
+        """φ̇ and ω₃ without unit, and numbers that are positive at every member."""
+        i1, i3, s, c, r, z = (known[n] for n in ("I1", "I3", "s", "c", "r", "z"))
+        if self.name == "circling":
+            across = turn * (r * h + i3 * s)
+            spin = (turn * turn * s * (z * h + i1 * c) - slope) / across
+            return {"phi_dot": turn, "omega3": spin}, [turn * turn]
+        if self.name == "precession":
+            spin = (turn * turn * i1 * s * c - slope) / (turn * i3 * s)
+            return {"phi_dot": turn, "omega3": spin}, [turn * turn]
+        square = slope * r / (s * (i1 * r * c - i3 * z * s))
+        turn = ca.sqrt(square)
+        return {"phi_dot": turn, "omega3": turn * s * z / r}, [square]
+
+    def _value(self, terms: Sequence[Sequence[int]], known: Mapping[str, Any]) -> ca.SX:
+        """A coefficient; outermost is the variable of the least degree, as mu, for arrays."""
+        names = tuple(self.record["variables"])
+        poly = Polynomial(names, tuple((c, tuple(e)) for c, *e in terms))
+        return ca.SX(poly(*[known[n] for n in names]))
+
+    def _drag(self, table: Mapping[str, Any], given: Sequence[str]) -> Any:
+        """The friction coefficient without unit."""
+        if "c" in given:
+            return table["c"] / table["mass"] * ca.sqrt(table["length"] / table["gravity"])
+        return table["mu"] * ca.sqrt(table["gravity"] * table["length"]) if given else 0

@@ -1,0 +1,121 @@
+"""Verdicts and growth rates of the cells of a map from formulas, without members or matrices.
+
+Each coefficient of the characteristic polynomial comes with a bound on its rounding error, so the
+discs about its roots hold the eigenvalues.  Cells whose numbers are not proved to be those of a
+member, or whose discs decide nothing, are left to the graph.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...algebra.number_types import numpy_algebra
+from ...base.axis import Axis
+from ...base.types import Floats
+from ...spectra.problem import Problem, formulas_of
+from ...systems.closed_form import ClosedForm
+from .rates import Rates, monic, rates
+from .slice_verdicts import ELSEWHERE, Codes
+
+SAMPLE = 16
+"""Cells along each axis on which the discs are tried."""
+MOST_POOR = 0.25
+"""Share of these cells beyond which the graph takes all cells."""
+BLOCK = 16384
+"""Cells that are computed at once: few enough for the cache."""
+NUMPY = numpy_algebra()
+
+
+class FormulaCells:
+    """The cells of a map of a family with formulas.
+
+    Parameters
+    ----------
+    problem
+        Problem of a family.
+    formulas
+        Its formulas.
+    axes
+        x and y.
+    modes
+        Whether to keep all eigenvalues.
+    """
+
+    def __init__(
+        self, problem: Problem, formulas: ClosedForm, axes: tuple[Axis, Axis], modes: bool
+    ) -> None:
+        self.modes, self.even = modes, formulas.even
+        self.program = formulas.with_bounds
+        family = problem.family
+        self.names = family.at, family.parameters
+        self.axes = axes[0].name, axes[1].name
+        self.values = {n: float(v) for n, v in problem.values.items() if n not in self.axes}
+        x, y = (g.values[:: max(1, g.count // SAMPLE)] for g in axes)
+        _, _, found = self.band(x, y)
+        self.growth = bool(np.isinf(found.error).mean() <= MOST_POOR)
+        """Whether the discs are good enough for growth rates."""
+
+    def band(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
+        """Flags and growth rates over a grid, flat; an infinite error where these are missing.
+
+        Parameters
+        ----------
+        xs, ys
+            Increasing values of the axes.
+
+        Returns
+        -------
+        codes, exact, rates
+            Flags, `ELSEWHERE` where none is proved; how many cells were decided over Q: none.
+        """
+        rows = max(1, BLOCK // len(xs))
+        parts = [self._block(xs, ys[i : i + rows]) for i in range(0, len(ys), rows)]
+        columns = zip(*parts, strict=True)
+        joined = [None if c[0] is None else np.concatenate(c) for c in columns]
+        found = Rates(*joined)  # type: ignore[arg-type]  # only the eigenvalues may be None
+        poor = found.poor
+        found.codes[poor | (found.codes == 0)] = ELSEWHERE
+        found.error[found.codes == ELSEWHERE] = np.inf
+        return found.codes, 0, found
+
+    def _block(self, xs: Floats, ys: Floats) -> Rates:
+        values: dict[str, Any] = dict(self.values)
+        values |= {self.axes[0]: xs[None, :], self.axes[1]: ys[:, None]}
+        places = [[values[n] for n in names] for names in self.names]
+        with np.errstate(all="ignore"):
+            found = self.program.run(NUMPY, places)
+            shape = len(ys), len(xs)
+            number = len(found) // 2
+            value, error = found[:number], found[number:]
+            member: Any = np.True_
+            for v, e in zip(value[2], error[2], strict=True):
+                member = member & (v > e)
+            coefficients = [
+                [np.broadcast_to(v, shape).reshape(-1) for v in some]
+                for some in (value[0], error[0])
+            ]
+            out = rates([(monic(*coefficients), self.even, 1)], modes=self.modes)
+        out.poor[:] |= ~np.broadcast_to(member, shape).reshape(-1)
+        out.poor[:] |= ~np.isfinite(out.error)
+        return out
+
+
+def formula_cells(
+    problem: Problem, axes: tuple[Axis, Axis], modes: bool
+) -> FormulaCells | None:
+    """The cells of a map by formulas; None where the family has none, or they have no bounds.
+
+    Parameters
+    ----------
+    problem, axes, modes
+        As for `stability.maps.cells.Cells`.
+    """
+    formulas = formulas_of(problem.family)
+    if formulas is None or problem.law is not None or problem.exact is not None:
+        return None
+    try:
+        return FormulaCells(problem, formulas, axes, modes)
+    except KeyError:  # a function whose rounding is not counted
+        return None

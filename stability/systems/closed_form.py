@@ -1,0 +1,73 @@
+"""A family whose unknowns and characteristic polynomial are known as formulas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+
+from ..algebra.number_types import Algebra
+from ..algebra.program import Program
+from ..algebra.running_error import bounded
+from ..base.types import Record, fields_of
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedForm(Record):
+    """Formulas in the family parameters and parameters, for numbers of any type.
+
+    They are taken for every member of a family.  At first use they are compared with the
+    linearisation of the graph at sampled members.
+    """
+
+    text: str
+    """A CasADi function, serialised: (family parameters, parameters, constants) → coefficients by
+    powers of λ without the zeros by structure, unknowns, and numbers that are positive at every
+    member."""
+    zeros: int
+    """Number of zeros by structure."""
+    even: bool
+    """Whether the coefficients of odd powers vanish identically."""
+    constants: tuple[float, ...] = ()
+    """Entries of the function's last input: numbers that CasADi must not multiply in doubles."""
+
+    __getstate__ = fields_of
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """The CasADi function."""
+        return ca.Function.deserialize(self.text)
+
+    @cached_property
+    def program(self) -> Program:
+        """Its instructions."""
+        return Program(self.function, self.constants)
+
+    def __call__(self, algebra: Algebra, a: Any, q: Any) -> tuple[list[Any], list[Any], list[Any]]:
+        """Coefficients, unknowns, and numbers that are positive at every member.
+
+        Parameters
+        ----------
+        algebra
+            The number type.
+        a, q
+            Family parameters and parameters.
+        """
+        zero = algebra.constant(0.0)
+        found = self.program.run(algebra, [a, q])
+        out = []
+        for values, places, (rows, _) in zip(
+            found, self.program.places, self.program.shapes, strict=True
+        ):
+            column = [zero] * rows
+            for (row, _), value in zip(places, values, strict=True):
+                column[row] = value
+            out.append(column)
+        return out[0], out[1], out[2]
+
+    @cached_property
+    def with_bounds(self) -> Program:
+        """Values of all outputs, then bounds on the errors of all in double precision."""
+        return bounded(self.function, self.constants)
