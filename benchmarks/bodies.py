@@ -35,7 +35,7 @@ AXES = {"rolling": (0.2, 3.0), "spinning": (0.5, 5.0), "tumbling": (0.05, 1.55),
         "vertical": (0.5, 5.0), "circling": (0.3, 1.3), "precession": (0.3, 1.3)}  # fmt: skip
 """Interval of `at` of each family."""
 RANGES = {("tumbling", "spheroid"): (1.6, 3.0), ("tumbling", "eccentric sphere"): (0.1, 1.5),
-          ("tumbling", "egg"): (0.3, 1.2), ("tumbling", "thick disk"): (0.2, 1.3)}  # fmt: skip
+          ("tumbling", "egg"): (1.0, 1.7), ("tumbling", "thick disk"): (0.2, 1.3)}  # fmt: skip
 """Intervals of bodies that tumble elsewhere."""
 PAIRS = {"circling": "rough", "precession": "smooth"}
 """Families named by two numbers, and their one law."""

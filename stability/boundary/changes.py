@@ -15,6 +15,7 @@ from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.real_roots import UnclearError
 from ..base.axis import AxisLike
 from ..base.errors import ParameterError, StabilityError
+from ..base.types import Floats
 from ..base.verdict import Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
@@ -151,8 +152,19 @@ def along(
         raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
     fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
     line = AxisScan(problem, axis, fixed)
+    if line.formulas is not None:  # a piece that is proved has members that are proved
+        found = proved(line, _grid(low, high, points, log=log), log=log)
+        if found.complete:
+            return found
     found = _along(line, low, high, points, log=log)
     return meaningful(line, low, high, found)
+
+
+def _grid(low: float, high: float, points: int, *, log: bool) -> Floats:
+    """Points of a scan."""
+    grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
+    grid[0], grid[-1] = low, high
+    return grid
 
 
 def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -> Boundaries:
@@ -163,9 +175,8 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
         return algebraic(line, low, high)
     except NotExact as error:
         reason = str(error)
-    grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
-    grid[0], grid[-1] = low, high
-    found = proved(line, grid, log=log)
+    line.__dict__["formulas"] = None
+    found = proved(line, _grid(low, high, points, log=log), log=log)
     return replace(found, how=f"{found.how}; no exact search, since {reason}")
 
 

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain, groupby
+from typing import Any
 
 from ...algebra.balls import precision
 from ...base.errors import NoMemberError, StabilityError
@@ -17,6 +18,7 @@ from ...systems.structure.multiplicity import certain
 from ...systems.structure.structural_zeros import structure
 from ..brackets import BITS, AxisScan
 from .blocks import NoValueError
+from .formula_meetings import FormulaMeetings
 from .meetings import Meetings, middle_of
 
 MOST_PIECES = 1200
@@ -109,8 +111,10 @@ def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pie
     return Pieces(tuple(_joined(leaves)), *ends, count)
 
 
-def _meetings(line: AxisScan) -> Meetings | str:
+def _meetings(line: AxisScan) -> Meetings | FormulaMeetings | str:
     family = line.problem.family
+    if line.formulas is not None:
+        return FormulaMeetings(line, line.formulas)
     zeros = structure(family).zeros
     if not line.problem.derived and not certain(family):
         return "the number of eigenvalues that are zero by structure is not proved for all members"
@@ -124,7 +128,7 @@ def _meetings(line: AxisScan) -> Meetings | str:
     return found
 
 
-def _beyond(found: Meetings, end: float, step: float) -> float:
+def _beyond(found: Meetings | FormulaMeetings, end: float, step: float) -> float:
     """The end, or a number a little beyond where an eigenvalue is on the axis at the end itself."""
     if found.root(end) is None or found.clear(end):
         return end
@@ -138,7 +142,7 @@ class _Search:
     """Pieces in the order of their width, widest first."""
 
     def __init__(
-        self, found: Meetings, low: float, high: float, least: float, *, log: bool
+        self, found: Meetings | FormulaMeetings, low: float, high: float, least: float, *, log: bool
     ) -> None:
         self.found, self.low, self.high = found, low, high
         self.least, self.log = least, log
@@ -204,10 +208,11 @@ class _Search:
     def _examined(self, low: float, high: float) -> Leaf:
         try:
             with precision(BITS):
-                piece = self.found.piece(low, high)
-                if not self.found.joined(piece):
+                found: Any = self.found
+                piece = found.piece(low, high)
+                if not found.joined(piece):
                     return Leaf(low, high, None, BRANCH)
-                count = self.found.zeros_in(piece)
+                count = found.zeros_in(piece)
         except NoMemberError:
             return Leaf(low, high, None, NO_MEMBER)
         except (NoValueError, ZeroDivisionError, OverflowError):

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...algebra.number_types import numpy_algebra
+from ...algebra.running_error import TRACKED, RunningError
 from ...base.axis import Axis
 from ...base.types import Floats
 from ...spectra.problem import Problem, formulas_of
@@ -47,15 +48,23 @@ class FormulaCells:
         self, problem: Problem, formulas: ClosedForm, axes: tuple[Axis, Axis], modes: bool
     ) -> None:
         self.modes, self.even = modes, formulas.even
-        self.program = formulas.with_bounds
+        self.formulas = formulas
         family = problem.family
         self.names = family.at, family.parameters
         self.axes = axes[0].name, axes[1].name
         self.values = {n: float(v) for n, v in problem.values.items() if n not in self.axes}
         x, y = (g.values[:: max(1, g.count // SAMPLE)] for g in axes)
-        _, _, found = self.band(x, y)
-        self.growth = bool(np.isinf(found.error).mean() <= MOST_POOR)
+        self.sized = formulas.even
+        self.growth = self._fine(x, y)
         """Whether the discs are good enough for growth rates."""
+
+        if self.sized and not self.growth:
+            self.sized = False
+            self.growth = self._fine(x, y)
+
+    def _fine(self, xs: Floats, ys: Floats) -> bool:
+        """Whether few cells of a sample are left open."""
+        return bool(np.isinf(self.band(xs, ys)[2].error).mean() <= MOST_POOR)
 
     def band(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
         """Flags and growth rates over a grid, flat; an infinite error where these are missing.
@@ -83,23 +92,39 @@ class FormulaCells:
     def _block(self, xs: Floats, ys: Floats) -> Rates:
         values: dict[str, Any] = dict(self.values)
         values |= {self.axes[0]: xs[None, :], self.axes[1]: ys[:, None]}
-        places = [[values[n] for n in names] for names in self.names]
+        shape = len(ys), len(xs)
         with np.errstate(all="ignore"):
-            found = self.program.run(NUMPY, places)
-            shape = len(ys), len(xs)
-            number = len(found) // 2
-            value, error = found[:number], found[number:]
+            (value, error), numbers = self._bounded(values)
             member: Any = np.True_
-            for v, e in zip(value[2], error[2], strict=True):
+            for v, e in numbers:
                 member = member & (v > e)
-            coefficients = [
-                [np.broadcast_to(v, shape).reshape(-1) for v in some]
-                for some in (value[0], error[0])
-            ]
+            coefficients = [[np.broadcast_to(v, shape).reshape(-1) for v in some]
+                            for some in (value, error)]  # fmt: skip
             out = rates([(monic(*coefficients), self.even, 1)], modes=self.modes)
         out.poor[:] |= ~np.broadcast_to(member, shape).reshape(-1)
         out.poor[:] |= ~np.isfinite(out.error)
         return out
+
+
+    def _bounded(self, values: dict[str, Any]) -> tuple[Any, list[tuple[Any, Any]]]:
+        """Coefficients with bounds, and the numbers that are positive at members with theirs.
+
+        A polynomial in λ² needs few digits of its coefficients, so one bound for all roundings is
+        enough, and quick.  Other roots need the bound of each operation.
+        """
+        places = [[values[n] for n in names] for names in self.names]
+        if self.sized:
+            found = self.formulas.with_bounds.run(NUMPY, places)
+            return (found[0], found[3]), list(zip(found[2], found[5], strict=True))
+        tracked = [[RunningError(np.asarray(v), 0.0) for v in some] for some in places]
+        some, _, positive = self.formulas(TRACKED, tracked[0], tracked[1])
+        pairs = [(v.value, 1.01 * v.error) for v in map(_tracked, positive)]
+        columns = zip(*((v.value, 1.01 * v.error) for v in map(_tracked, some)), strict=True)
+        return tuple(columns), pairs
+
+
+def _tracked(value: Any) -> RunningError:
+    return value if isinstance(value, RunningError) else RunningError(np.float64(value), 0.0)
 
 
 def formula_cells(
