@@ -61,7 +61,11 @@ class Case:
             return family, {"x": x, "y": y, **held}, {"axis": (*x[:3], 50), "at": 1.7, **held}
         x = ("at", *at, NX)
         if self.law == "viscous":
-            return family, {"x": x, "y": (*MU, NY), **held}, {"axis": (*x[:3], 50), "mu": 0.3, **held}
+            return (
+                family,
+                {"x": x, "y": (*MU, NY), **held},
+                {"axis": (*x[:3], 50), "mu": 0.3, **held},
+            )
         number = ("k", 0.25, 0.5) if body is None else BODIES[self.body][1]
         return family, {"x": x, "y": (*number, NY), **held}, {"axis": (*x[:3], 50), **held}
 

@@ -15,7 +15,6 @@ import numpy as np
 
 from ..base.types import Floats
 from .number_types import Algebra
-
 from .program import Program
 
 UNIT = 2.0**-53
@@ -324,7 +323,7 @@ LEAST_SIZE = 1e-250
 
 
 def _room_of(x: Any) -> Any:
-    """x where it is positive, otherwise zero."""
+    """X where it is positive, otherwise zero."""
     return (x + ca.fabs(x)) / 2
 
 

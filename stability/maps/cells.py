@@ -29,7 +29,7 @@ from ..spectra.problem import Problem
 from ..systems.graph.smoothness import edged
 from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
-from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE, SLICE
+from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
 from .growth_rates import GrowthKernel, steady_memory
 from .own.formula_cells import FormulaCells, formula_cells
 from .own.graph_rates import quick_rates
@@ -121,10 +121,14 @@ class Cells:
         return self.slice is not None and self.slice.growth
 
     @property
+    def _how(self) -> str:
+        return self.slice.how if self.slice is not None else ""
+
+    @property
     def route(self) -> str:
         """Method of computation of the cells, in words."""
         if self.by_slice:
-            route = SLICE
+            route = self._how
         elif not self.exact:
             route = self._graph
             if self.problem.exact is None and not self.handed_on:
@@ -154,7 +158,7 @@ class Cells:
             "modes": self.values is not None,
             **({"anchor": repr(family.anchor)} if family.anchor else {}),
             "chunk": self.chunk,
-            "route": EXACT if self.exact else SLICE if self.by_slice else self._graph,
+            "route": EXACT if self.exact else self._how if self.by_slice else self._graph,
             **({"loops": LOOPS} if self.exact and self._growth.compiled else {}),
         }
 
@@ -265,7 +269,8 @@ class Cells:
     def _leave_edges(self) -> None:
         """Leave to the graph the cells in which the rates have no slope: no polynomial shows it."""
         codes = self.codes.reshape(-1)
-        if edged(self.problem.family.system):
+        # a formula whose bound is finite has slopes: a root's argument is away from zero
+        if isinstance(self.slice, SliceCells) and edged(self.problem.family.system):
             for first in range(0, len(codes), CHUNK):
                 cells = np.arange(first, min(first + CHUNK, len(codes)))
                 bad = cells[~self._members_of(cells)[-1]]

@@ -42,13 +42,6 @@ GRAPH = (
     "error analysis and Gershgorin's theorem"
 )
 
-SLICE = (
-    "characteristic polynomial of the family over Q in the two axes: verdicts from its conditions "
-    "by a floating-point filter with a proved bound, growth rates by Weierstrass' correction with "
-    "the discs of Braess and Hadeler; what these leave open in rational arithmetic, or from the "
-    "graph by the eigensolver with Gershgorin's discs"
-)
-
 OWN = "; verdicts that these leave open from the family's polynomial, exactly or in balls"
 """Added to `GRAPH` where a user's family has an exact polynomial."""
 

@@ -182,8 +182,8 @@ def round_family(
             # not the rate of theta_dot, which falls again where the lever is long
             unknown, equations = {"theta": at}, ["lever"]
     every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
-    own = (shape_of(body), given, physical) if not resistance else None
-    return _family(system, record, *every, law, own)  # type: ignore[arg-type]  # a class is hashable
+    shaped = None if resistance else (shape_of(body), given, physical)
+    return _family(system, record, *every, law, shaped)  # type: ignore[arg-type]  # a class is hashable
 
 
 def _not_upright(body: RoundShape, name: str) -> NoMemberError:

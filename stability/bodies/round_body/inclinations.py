@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -93,6 +94,12 @@ def levels(body: RoundShape) -> list[float]:
     body
         The body; of arrays the first entry counts.
     """
+    return list(_levels(body))
+
+
+@lru_cache(maxsize=256)
+def _levels(body: RoundShape) -> tuple[float, ...]:
+    """The same, found once for each body."""
     low, high = body.between
     grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
     slope = slope_of(body)
@@ -104,7 +111,7 @@ def levels(body: RoundShape) -> list[float]:
             root = float(brentq(slope, a, b, xtol=1e-15))
             if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
                 found.append(root)
-    return found
+    return tuple(found)
 
 
 def level(body: RoundShape, theta: float | None = None) -> float | None:

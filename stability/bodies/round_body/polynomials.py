@@ -114,7 +114,7 @@ class _Formulas:
     def _kept(self, moment: Any) -> ca.SX:
         """A moment, as a symbol where it is a number: CasADi would round its square."""
         if not ca.SX(moment).is_constant():
-            return moment
+            return ca.SX(moment)
         self.constants.append((ca.SX.sym(f"c{len(self.constants)}"), float(moment)))
         return self.constants[-1][0]
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from ...algebra.program import Program
 from ...base.types import Record
 from ..newton_euler import STATES
 from .height.expression import Expression
@@ -79,8 +81,35 @@ class RoundShape(Record):
 
     def slopes(self) -> list[ca.Function]:
         """h, h' and h'' as functions of θ and the numbers of the shape."""
-        theta, *own = (ca.SX.sym(n) for n in ("theta", *self.shape))
-        values = [ca.SX(self.height(theta, *own))]
-        for _ in range(2):
-            values.append(ca.jacobian(values[-1], theta))
-        return [ca.Function("h", [theta, *own], [ca.densify(v)]) for v in values]
+        return _slopes(self.height, tuple(self.shape))
+
+    def curvature(self, theta: Any) -> tuple[Any, Any]:
+        """H and h'' in NumPy, at inclinations that broadcast with the numbers of the shape.
+
+        Parameters
+        ----------
+        theta
+            Inclinations [rad].
+        """
+        values = [np.asarray(v, dtype=float) for v in (theta, *self.shape.values())]
+        shape = np.broadcast_shapes(*(v.shape for v in values))
+        found = _program(self.height, tuple(self.shape)).arrays([[v] for v in values], shape)
+        return found[0][..., 0, 0], found[2][..., 0, 0]
+
+
+@lru_cache(maxsize=64)
+def _slopes(height: Callable[..., Any], names: tuple[str, ...]) -> list[ca.Function]:
+    """h, h' and h'' of a height, built once."""
+    theta, *own = (ca.SX.sym(n) for n in ("theta", *names))
+    values = [ca.SX(height(theta, *own))]
+    for _ in range(2):
+        values.append(ca.jacobian(values[-1], theta))
+    return [ca.Function("h", [theta, *own], [ca.densify(v)]) for v in values]
+
+
+@lru_cache(maxsize=64)
+def _program(height: Callable[..., Any], names: tuple[str, ...]) -> Program:
+    """h, h' and h'' of a height as one list of instructions."""
+    symbols = [ca.SX.sym(n) for n in ("theta", *names)]
+    values = [f(*symbols) for f in _slopes(height, names)]
+    return Program(ca.Function("slopes", symbols, ca.cse(values)))

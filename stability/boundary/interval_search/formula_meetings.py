@@ -22,7 +22,7 @@ from .blocks import NoValueError, nonzero
 from .meetings import POINT_BITS, middle_of
 from .taylor import coefficient, series_algebra, span, terms
 
-ORDER = 8
+ORDER = 6
 """Order of the Taylor forms."""
 
 Form = list[Any]

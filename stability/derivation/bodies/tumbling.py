@@ -21,9 +21,9 @@ from ..theorems.motion import (
     THETA_DDOT,
     THETA_DOT,
 )
-from .completeness import AXIAL, MOMENT, RADIUS, RIM, SURFACE, power_theorem
+from .completeness import MOMENT, RIM, SURFACE, power_theorem
 from .graph import BEND, I1, I3, RHO, SLOPE, H, R, Z, along, equations, folded, pencil, vanishes
-from .polynomials import CENTRE, SQUARE, characteristic
+from .polynomials import AXIAL, CENTRE, RADIUS, SQUARE, characteristic
 from .rolling import FILE
 
 Expr = Any

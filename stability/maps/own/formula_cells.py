@@ -20,6 +20,12 @@ from ...systems.closed_form import ClosedForm
 from .rates import Rates, monic, rates
 from .slice_verdicts import ELSEWHERE, Codes
 
+FORMULAS = (
+    "characteristic polynomial of the family by formulas in its numbers: coefficients with bounds "
+    "on every rounding, growth rates and verdicts by the discs of Braess and Hadeler; what these "
+    "leave open from the graph by the eigensolver with Gershgorin's discs"
+)
+"""Method in words."""
 SAMPLE = 16
 """Cells along each axis on which the discs are tried."""
 MOST_POOR = 0.25
@@ -43,6 +49,9 @@ class FormulaCells:
     modes
         Whether to keep all eigenvalues.
     """
+
+    how = FORMULAS
+    """Method in words."""
 
     def __init__(
         self, problem: Problem, formulas: ClosedForm, axes: tuple[Axis, Axis], modes: bool
@@ -105,7 +114,6 @@ class FormulaCells:
         out.poor[:] |= ~np.isfinite(out.error)
         return out
 
-
     def _bounded(self, values: dict[str, Any]) -> tuple[Any, list[tuple[Any, Any]]]:
         """Coefficients with bounds, and the numbers that are positive at members with theirs.
 
@@ -127,9 +135,7 @@ def _tracked(value: Any) -> RunningError:
     return value if isinstance(value, RunningError) else RunningError(np.float64(value), 0.0)
 
 
-def formula_cells(
-    problem: Problem, axes: tuple[Axis, Axis], modes: bool
-) -> FormulaCells | None:
+def formula_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> FormulaCells | None:
     """The cells of a map by formulas; None where the family has none, or they have no bounds.
 
     Parameters

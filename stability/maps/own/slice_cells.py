@@ -17,6 +17,13 @@ from .slice_verdicts import ELSEWHERE, Codes, SliceVerdicts, surface
 from .slices import slice_of
 from .surfaces import LEAST, Surface, Window, powers
 
+SLICE = (
+    "characteristic polynomial of the family over Q in the two axes: verdicts from its conditions "
+    "by a floating-point filter with a proved bound, growth rates by Weierstrass' correction with "
+    "the discs of Braess and Hadeler; what these leave open in rational arithmetic, or from the "
+    "graph by the eigensolver with Gershgorin's discs"
+)
+"""Method in words."""
 SAMPLE = 16
 """Cells along each axis on which the discs are tried."""
 MOST_POOR = 0.25
@@ -35,6 +42,9 @@ class SliceCells:
     modes
         Whether to keep all eigenvalues.
     """
+
+    how = SLICE
+    """Method in words."""
 
     def __init__(self, found: Slice, axes: tuple[Axis, Axis], modes: bool) -> None:
         self.modes = modes

@@ -1,0 +1,60 @@
+"""Boundaries from formulas against those of the graph, and against exact thresholds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import stability as st
+from stability.boundary import brackets
+from stability.boundary.interval_search.formula_meetings import hurwitz
+from stability.spectra.spectrum import spectrum
+
+CASES: list[tuple[st.Body, str, dict[str, Any]]] = [
+    (st.Torus(0.2), "tumbling", {"axis": ("theta", 0.1, 1.5, 9), "contact": "viscous", "mu": 0.3}),
+    (st.ThickDisk(0.1), "precession",
+     {"axis": ("theta", 0.3, 1.3, 9), "at": 1.7, "contact": "smooth"}),
+    (st.Spheroid(0.6), "tumbling",
+     {"axis": ("mu", 0.05, 2.0, 9), "at": 2.55, "contact": "viscous"}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("body", "family", "ask"), CASES, ids=["torus", "thick disk", "spheroid"])
+def test_boundaries_are_those_of_the_graph(
+    body: st.Body, family: str, ask: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fast = st.boundaries(family, body=body, **ask)
+    monkeypatch.setattr(brackets, "formulas_of", lambda _: None)
+    slow = st.boundaries(family, body=body, **ask)
+    assert fast.complete
+    assert len(fast) == len(slow) > 0
+    for ours, true in zip(fast, slow, strict=True):
+        assert abs(ours.value - true.value) <= ours.error + true.error
+        assert (ours.crossing, ours.stable_below) == (true.crossing, true.stable_below)
+        assert ours.frequency == pytest.approx(true.frequency, abs=1e-10)
+
+
+def test_both_sides_of_a_boundary_have_proved_verdicts() -> None:
+    body, family, ask = CASES[0]
+    [point] = st.boundaries(family, body=body, **ask)
+    sides = [spectrum(family, at=point.value * (1 + 1e-12 * way), body=body, contact="viscous",
+                      mu=0.3, certify=True).verdict for way in (-1, 1)]  # fmt: skip
+    assert set(sides) == {"stable", "unstable"}
+    assert (sides[0] == "stable") == point.stable_below
+
+
+def test_no_member_leaves_a_part_open() -> None:
+    """Upright a torus has no tumbling member: that part of the axis stays open."""
+    with pytest.warns(st.StabilityWarning):
+        found = st.boundaries("tumbling", body=st.Torus(0.2), contact="rough",
+                              axis=("theta", 1.4, 1.7, 9))  # fmt: skip
+    assert not found.complete
+    assert any(u.low <= 1.5707963267948966 <= u.high for u in found.unresolved)
+
+
+def test_hurwitz_determinants_of_a_known_polynomial() -> None:
+    # (λ + 1)(λ² + 1): a pair on the imaginary axis
+    assert hurwitz([1, 1, 1, 1], 2) == 0
+    # (λ + 1)^3: 8 by Orlando's formula, the product of the sums of two roots up to sign
+    assert hurwitz([1, 3, 3, 1], 2) == 8
