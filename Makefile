@@ -38,6 +38,7 @@ test-long: $(READY)
 # The figures that the README quotes, measured here; ARGS=--large adds the large map.
 bench: $(READY)
 	$(BIN)/python benchmarks/maps.py $(ARGS)
+	$(BIN)/python benchmarks/bodies.py
 	$(BIN)/python benchmarks/kernels.py $(ARGS)
 	$(BIN)/python benchmarks/motion.py $(ARGS)
 	$(BIN)/python benchmarks/scenes.py $(ARGS)

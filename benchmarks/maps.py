@@ -5,8 +5,8 @@ takes the largest real part of `numpy.linalg.eigvals` point by point.  This rout
 bound, no boundary, and no reliable verdict near a boundary.  A second, faster obvious route
 evaluates the whole grid at once.
 
-Usage: python benchmarks/maps.py [--large | --own | --bodies]
-(own: families of one's own alone; bodies: the torus against the disk, CPU time side by side)
+Usage: python benchmarks/maps.py [--large | --own]
+(own: families of one's own alone)
 """
 
 from __future__ import annotations
@@ -136,54 +136,7 @@ def own() -> None:
         print(json.dumps(row), flush=True)
 
 
-def cpu(run: Callable[[], Any], repeats: int = REPEATS) -> float:
-    """Median CPU time after a first call [s]."""
-    run()
-    out = []
-    for _ in range(repeats):
-        start = time.process_time()
-        run()
-        out.append(time.process_time() - start)
-    return statistics.median(out)
-
-
-def against_the_disk(family: str, law: str) -> dict[str, Any]:
-    """CPU times of a map and of boundaries of the torus over those of the disk."""
-    at = ("at", *AXES[family])
-    contact = {"contact": law} | ({"mu": 0.3} if law == "viscous" else {})
-
-    def chart(y: tuple[Any, ...], **body: Any) -> float:
-        y = ("mu", *MU, NY) if law == "viscous" else y
-        return cpu(lambda: st.stability_map(family, x=(*at, NX), y=y, contact=law, **body), 3)
-
-    def crossings(**body: Any) -> float:
-        return cpu(lambda: st.boundaries(family, axis=(*at, 50), **contact, **body))
-
-    torus = {"body": st.Torus(0.2)}
-    maps = chart(("k", 0.25, 0.5, NY)), chart(("tube", 0.05, 0.5, NY), **torus)
-    edges = crossings(), crossings(**torus)
-    return {
-        "family": family,
-        "law": law,
-        "map_disk_s": maps[0],
-        "map_torus_s": maps[1],
-        "map_ratio": maps[1] / maps[0],
-        "boundaries_disk_s": edges[0],
-        "boundaries_torus_s": edges[1],
-        "boundaries_ratio": edges[1] / edges[0],
-    }
-
-
-def bodies() -> None:
-    for family in AXES:
-        for law in ("smooth", "viscous", "rough"):
-            print(json.dumps(against_the_disk(family, law)), flush=True)
-
-
 def main() -> None:
-    if "--bodies" in sys.argv:
-        bodies()
-        return
     if "--own" in sys.argv:
         own()
         return

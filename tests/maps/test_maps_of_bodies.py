@@ -93,3 +93,15 @@ def test_a_body_is_streamed_by_its_polynomial(tmp_path: Path) -> None:
     st.stream_map("spinning", **axes, out=target, body=st.Torus(0.2))
     whole = st.stability_map("spinning", **axes, body=st.Torus(0.2))
     assert (st.read_map(target).verdict.values == whole.verdict.values).all()
+
+
+def test_a_map_that_is_decided_by_whole_tiles_at_once() -> None:
+    """All tiles of this map are decided at the coarsest level, which leaves none to cut."""
+    found = st.stability_map("vertical", body=st.EccentricSphere(0.2), contact="rough",
+                             x=("at", 0.5, 5.0, 400), y=("offset", 0.05, 0.5, 300),
+                             boundaries=False)  # fmt: skip
+    corner = st.spectrum("vertical", at=0.5, body=st.EccentricSphere(0.05), contact="rough",
+                         certify=True)  # fmt: skip
+    assert found.verdict.attrs["flag_meanings"].split()[int(found.verdict.values[0, 0])] == (
+        str(corner.verdict.word)
+    )

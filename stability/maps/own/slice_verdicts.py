@@ -91,9 +91,11 @@ class SliceVerdicts:
         signs, box = signs.astype(np.int8), Box(t, s, self.degrees)
         for row, one in zip(signs, self.surfaces, strict=True):
             left = np.flatnonzero(row == 0)
+            if not len(left):
+                continue
             if len(left) == len(row):
                 row[:] = one.over(box)
-            elif len(left):
+            else:
                 row[left] = one.over(box.take(left))
         out: Signs = signs
         return out
