@@ -17,7 +17,6 @@ from flint import arb, ctx
 
 from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
-from ..algebra.number_types import balls
 from ..algebra.routh_balls import hurwitz_determinant, hurwitz_sign, verdict_polynomial
 from ..base.errors import NoMemberError, StabilityError
 from ..base.verdict import Verdict, best
@@ -83,33 +82,22 @@ class AxisScan:
         family = self.problem.family
         with precision(bits):
             a, q = self.problem.balls(self.fixed | {self.axis: value})
-            if self.formulas is not None:
-                return self._formulated(self.formulas, a, q)
-            if not family.unknown or family.closed:
-                return characteristic(family, a, q)
+            known = self.formulas
+            if known is not None or not family.unknown or family.closed:
+                return known.polynomial(a, q) if known else characteristic(family, a, q)
             # a member that is not unique is found from the family's guess alone
-            unique = self.problem.derived
-            for near in (self._near, None) if unique else (None,):
+            for near in (self._near, None) if self.problem.derived else (None,):
                 try:
                     return self._solved(a, q, near)
                 except NoMemberError:
                     continue
             # where the family's equation is singular, as at tumbling's branch point
-            found = self._exact(value)
-            return self._solved(a, q, None) if found is None else found
+            return self._exact(value) or self._solved(a, q, None)
 
     @cached_property
     def formulas(self) -> ClosedForm | None:
         """Formulas of the family, or None."""
-        return None if self.problem.law is not None else formulas_of(self.problem.family)
-
-    def _formulated(self, formulas: ClosedForm, a: list[Any], q: list[Any]) -> list[Any]:
-        """The characteristic polynomial from formulas, where they are those of a member."""
-        coefficients, _, positive = formulas(balls(), a, q)
-        if not all(v > 0 for v in positive):
-            raise NoMemberError(f"{self.problem.family.name} has no member that is proved there.")
-        lead = coefficients[-1]
-        return [arb(0)] * formulas.zeros + [c / lead for c in coefficients]
+        return formulas_of(self.problem.family)
 
     def _exact(self, value: float) -> list[Any] | None:
         """The characteristic polynomial from the one over Q, where that is known."""

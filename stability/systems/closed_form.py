@@ -7,10 +7,12 @@ from functools import cached_property
 from typing import Any
 
 import casadi as ca
+from flint import arb
 
-from ..algebra.number_types import Algebra
+from ..algebra.number_types import Algebra, balls
 from ..algebra.program import Program
 from ..algebra.running_error import bounded
+from ..base.errors import NoMemberError
 from ..base.types import Record, fields_of
 
 
@@ -66,6 +68,24 @@ class ClosedForm(Record):
                 column[row] = value
             out.append(column)
         return out[0], out[1], out[2]
+
+    def polynomial(self, a: list[Any], q: list[Any]) -> list[Any]:
+        """The monic characteristic polynomial of a member in balls, by powers, with its zeros.
+
+        Parameters
+        ----------
+        a, q
+            Family parameters and parameters, as balls.
+
+        Raises
+        ------
+        NoMemberError
+            If the numbers are not proved to be those of a member.
+        """
+        coefficients, _, positive = self(balls(), a, q)
+        if not all(v > 0 for v in positive):
+            raise NoMemberError("no member is proved there.")
+        return [arb(0)] * self.zeros + [c / coefficients[-1] for c in coefficients]
 
     @cached_property
     def with_bounds(self) -> Program:

@@ -7,8 +7,11 @@ from typing import Any
 import pytest
 
 import stability as st
+from stability.algebra.balls import precision
+from stability.base.errors import NoMemberError
 from stability.boundary import brackets
-from stability.boundary.interval_search.formula_meetings import hurwitz
+from stability.boundary.interval_search.formula_meetings import FormulaMeetings, hurwitz
+from stability.spectra.problem import system_problem
 from stability.spectra.spectrum import spectrum
 
 CASES: list[tuple[st.Body, str, dict[str, Any]]] = [
@@ -51,6 +54,21 @@ def test_no_member_leaves_a_part_open() -> None:
                               axis=("theta", 1.4, 1.7, 9))  # fmt: skip
     assert not found.complete
     assert any(u.low <= 1.5707963267948966 <= u.high for u in found.unresolved)
+
+
+def test_formulas_say_nothing_where_the_height_does_not_hold() -> None:
+    """Beyond π/2 a thick disk lies on its other rim, where its formulas still have values."""
+    family = st.ThickDisk(0.1).family("precession", "smooth")
+    problem = system_problem(family, None, {"thickness": 0.1, "phi_dot": 1.7})
+    line = brackets.AxisScan(problem, "theta", problem.values)
+    assert line.formulas is not None
+    found = FormulaMeetings(line, line.formulas)
+    with precision(brackets.BITS):
+        assert found.piece(1.3, 1.4).forms
+        with pytest.raises(NoMemberError):
+            found.piece(1.6, 1.7)
+    with pytest.raises(NoMemberError):
+        line.coefficients(1.65, brackets.BITS)
 
 
 def test_hurwitz_determinants_of_a_known_polynomial() -> None:
