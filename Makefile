@@ -42,6 +42,7 @@ bench: $(READY)
 	$(BIN)/python benchmarks/kernels.py $(ARGS)
 	$(BIN)/python benchmarks/motion.py $(ARGS)
 	$(BIN)/python benchmarks/scenes.py $(ARGS)
+	$(BIN)/python benchmarks/basins.py $(ARGS)
 
 # Other people's codes beside this one; what is not installed is reported as missing.
 peers: $(READY)

@@ -79,7 +79,7 @@ _HOME = {
     "basin.statistics.exponent": ("uncertainty_exponent",),
     "basin.statistics.fractions": ("fractions", "wilson"),
     "basin.statistics.shock": ("fatal_shock",),
-    "basin.samples": ("Ball", "LogUniform", "Normal", "Uniform"),
+    "basin.statistics.samples": ("Ball", "LogUniform", "Normal", "Uniform"),
     "scene.scene": ("Scene",),
     "scene.answer": ("Answer",),
     "scene.ladder": ("Rung",),
@@ -106,13 +106,13 @@ if TYPE_CHECKING:
     from .base.verdict import Verdict as Verdict
     from .basin.basins import basins as basins
     from .basin.launch_labels import launch_labels as launch_labels
-    from .basin.samples import Ball as Ball
-    from .basin.samples import LogUniform as LogUniform
-    from .basin.samples import Normal as Normal
-    from .basin.samples import Uniform as Uniform
     from .basin.statistics.exponent import uncertainty_exponent as uncertainty_exponent
     from .basin.statistics.fractions import fractions as fractions
     from .basin.statistics.fractions import wilson as wilson
+    from .basin.statistics.samples import Ball as Ball
+    from .basin.statistics.samples import LogUniform as LogUniform
+    from .basin.statistics.samples import Normal as Normal
+    from .basin.statistics.samples import Uniform as Uniform
     from .basin.statistics.shock import fatal_shock as fatal_shock
     from .bodies.contact import Contact as Contact
     from .bodies.contact import Parameter as Parameter

@@ -5,5 +5,6 @@ borders between outcomes, fractions, sensitivity, smallest disturbances.  The ma
 and statistics asks any function of labels, and knows no mechanics.
 May import `maps`, `motion` and the floors below.
 To add a measure of a map of outcomes: a module in `statistics/` that takes labels.
-To add a distribution of launches: a class with `names`, `words` and `values`, as in `samples.py`.
+To add a distribution of launches: a class with `names`, `words` and `values`, as in
+`statistics/samples.py`.
 """

@@ -35,7 +35,7 @@ from .launch_labels import LaunchLabels, refined
 from .launches import Launches, prepare
 from .linear import linear_verdict
 from .outcomes import Judging, outcomes
-from .samples import DistributionLike, Independent, sample
+from .statistics.samples import DistributionLike, Independent, sample
 
 if TYPE_CHECKING:
     import xarray

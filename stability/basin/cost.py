@@ -17,7 +17,7 @@ from ..jobs.chunks import Arrays, Block
 from .basins import Plan
 from .dataset import arrays
 from .outcomes import outcomes
-from .samples import sample
+from .statistics.samples import sample
 
 FIRST, LAST, GROWTH = 8, 512, 4
 """Launches of the first and of the last trial, and their ratio from one trial to the next."""

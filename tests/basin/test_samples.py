@@ -7,7 +7,15 @@ import pytest
 from scipy import stats
 
 from stability.base.errors import ParameterError
-from stability.basin.samples import Ball, Independent, LogUniform, Normal, Uniform, sample, shares
+from stability.basin.statistics.samples import (
+    Ball,
+    Independent,
+    LogUniform,
+    Normal,
+    Uniform,
+    sample,
+    shares,
+)
 
 MIXED = {"theta": Uniform(0.1, 1.5), "omega3": Normal(2.0, 0.1), "mu": LogUniform(1e-3, 10)}
 WIDE = {f"q{n}": Uniform(n, n + 1) for n in range(7)}

@@ -12,11 +12,11 @@ from scipy.integrate import solve_ivp
 
 from stability.base.errors import ParameterError, StabilityWarning
 from stability.basin.borders import Borders, borders
-from stability.basin.samples import Uniform, sample
 from stability.basin.statistics.box_counting import box_dimension, sensitive
 from stability.basin.statistics.entropy import basin_entropy
 from stability.basin.statistics.exponent import exponent_of, uncertainty_exponent
 from stability.basin.statistics.fractions import fractions, wilson
+from stability.basin.statistics.samples import Uniform, sample
 
 Label = Callable[[np.ndarray], np.ndarray]
 

@@ -19,9 +19,9 @@ from ...base.checks import checked, whole_number
 from ...base.errors import ParameterError, StabilityWarning
 from ...base.types import Floats
 from ..lattice.labels import Ints, Label, asked
-from ..samples import on_sphere, shares
 from .fractions import LEVEL, checked_level, wilson
 from .power_law import fitted
+from .samples import on_sphere, shares
 
 POINTS = 2000
 """Base points, unless the caller wants another number."""

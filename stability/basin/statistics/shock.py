@@ -21,7 +21,7 @@ from ...base.checks import checked, one_number, positive, whole_number
 from ...base.errors import ParameterError, shown
 from ...base.types import Floats
 from ..lattice.labels import Ints, Label, asked
-from ..samples import in_ball, shares
+from .samples import in_ball, shares
 
 BUDGET = 2000
 """Labels, unless the caller wants another number."""

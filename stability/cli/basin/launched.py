@@ -83,7 +83,7 @@ def _varied(options: argparse.Namespace) -> dict[str, Any]:
 
 def _distribution(text: str) -> tuple[str, Any]:
     """Name and distribution of one quantity, from NAME:KIND:A:B."""
-    from ...basin.samples import LogUniform, Normal, Uniform
+    from ...basin.statistics.samples import LogUniform, Normal, Uniform
 
     parts = text.split(":")
     if len(parts) != 4:

@@ -14,9 +14,9 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.special import ndtri
 
-from ..base.checks import one_number, positive, whole_number
-from ..base.errors import ParameterError, shown
-from ..base.types import Floats, Record
+from ...base.checks import one_number, positive, whole_number
+from ...base.errors import ParameterError, shown
+from ...base.types import Floats, Record
 
 BLOCK = 4
 """Words of 64 bits that the generator gives for each value of its counter."""

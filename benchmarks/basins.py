@@ -1,0 +1,170 @@
+"""Maps of outcomes: launches a second, against heyoka's own batch mode, and the cost predicted.
+
+The raw batch integrates the same launches to the same horizon with the same events, as heyoka's
+documentation does: whole batches, no outcome, no proof, no second run.  It stops where a launch of
+a batch has ended and all others have too.  CPU time of one process; medians of the ratios.
+"""
+
+import argparse
+import resource
+import statistics
+import time
+from typing import Any
+
+import numpy as np
+
+import stability as st
+from stability.basin.basins import planned
+from stability.basin.cost import predict
+from stability.basin.launches import prepare
+from stability.basin.outcomes import Judging, outcomes
+from stability.integrators import taylor
+from stability.integrators.flow import flow, flow_of
+from stability.motion.result import BY_CODE
+from stability.motion.starts import Starts
+
+MU, HORIZON = 0.3, 2000.0
+SCENES = {"spinning": "phi_dot", "rolling": "omega3"}
+BODIES = {"uniform disk": 0.25, "annulus": 0.4, "hoop": 0.5}
+
+
+def launches(family: str, k: float, count: int, seed: int, horizon: float) -> Starts:
+    """Random launches of the scene: angular velocity 0.3 to 4, tilt 0 to 0.6."""
+    own = SCENES[family]
+    asked = prepare(st.Disk(k=k), "viscous", (own, "tilt"), {}, family, (), {"mu": MU})
+    rng = np.random.default_rng(seed)
+    points = {own: rng.uniform(0.3, 4, count), "tilt": rng.uniform(0, 0.6, count)}
+    return asked.starts(points, horizon)
+
+
+def raw(some: Starts, tolerance: float, most: int) -> float:
+    """CPU time of heyoka's batch mode for the launches [s]."""
+    import heyoka as hy
+
+    which = flow_of(some.model)
+    symbols, rates, guards = taylor.expressions(which)
+    width = hy.recommended_simd_size()
+    batch = hy.taylor_adaptive_batch(
+        list(zip(symbols, rates, strict=True)), np.zeros((len(symbols), width)), tol=tolerance,
+        t_events=[hy.t_event_batch(guards[0], direction=hy.event_direction.negative,
+                                   callback=_Park(some))],
+        pars=np.ones((which.p.numel(), width)),
+    )  # fmt: skip
+    fit = [i for i in range(some.count) if i not in (some.unfit or {})]
+    y, p = which.pack(some.starts), np.column_stack([some.p, np.full(some.count, 1e-6)])
+    begin = time.process_time()
+    for first in range(0, len(fit) - width + 1, width):
+        rows = fit[first : first + width]
+        batch.state[:], batch.pars[:] = y[rows].T, p[rows].T
+        batch.set_time(0.0)
+        batch.reset_cooldowns()
+        batch.propagate_until(float(some.times[-1]), max_steps=most)
+    return (time.process_time() - begin) / (len(fit) // width * width)
+
+
+class _Park:
+    """Puts an ended lane on a motion that needs few steps."""
+
+    def __init__(self, some: Starts) -> None:
+        self.park = some.model.parking
+
+    def __call__(self, batch: Any, _sign: int, lane: int) -> bool:
+        self.park(batch.state, batch.pars, lane)
+        return True
+
+
+def reference(count: int, repeats: int) -> None:
+    """Launches near the reference launch, to T = 100: the same work, and what it costs here."""
+    rng = np.random.default_rng(7)
+    start = st.launch("rolling", at=1.2) + rng.uniform(-0.01, 0.01, (count, 6))
+    names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
+    asked = prepare(None, "viscous", names, {}, "", (), {"mu": MU})
+    some = asked.starts(dict(zip(names, start.T, strict=True)), 100.0)
+    shares = []
+    outcomes(some, Judging(check=False))
+    for _ in range(repeats):
+        bare = raw(some, 1e-9, 10**6)
+        begin = time.process_time()
+        outcomes(some, Judging(check=False))
+        shares.append(bare / ((time.process_time() - begin) / count))
+    print(f"reference batch, {count} launches to T = 100, tolerance 1e-9: throughput "
+          f"{statistics.median(shares):.2f} of raw heyoka's batch")  # fmt: skip
+
+
+def scene(count: int, repeats: int) -> None:
+    """The scene of rolling and spinning starts, against raw batches."""
+    print(f"rolling and spinning starts, mu = {MU}, to T = {HORIZON:g}, tolerance 1e-9, "
+          f"{count} launches each")  # fmt: skip
+    for body, k in BODIES.items():
+        for family in SCENES:
+            some = launches(family, k, count, 1, HORIZON)
+            outcomes(some, Judging(check=False))
+            ratios, single, checked = [], [], []
+            for _ in range(repeats):
+                bare = raw(some, 1e-9, 20_000)
+                begin = time.process_time()
+                found = outcomes(some, Judging(check=False))
+                middle = time.process_time()
+                outcomes(some, Judging())
+                single.append((middle - begin) / count)
+                checked.append((time.process_time() - middle) / count)
+                ratios.append(bare / single[-1])
+            codes, many = np.unique(found.outcome, return_counts=True)
+            ends = ", ".join(f"{n} {BY_CODE[c].word}" for c, n in zip(codes, many, strict=True))
+            once, twice = (1e6 * min(seconds) for seconds in (single, checked))
+            print(f"  {body}, {family}: {once:.0f} us a launch, run twice {twice:.0f} us; "
+                  f"{statistics.median(ratios):.1f} times raw batches; {ends}")  # fmt: skip
+
+
+def predicted() -> None:
+    """The cost that is predicted, over that which it takes."""
+    for family, own in SCENES.items():
+        plan = planned(None, "viscous", mu=MU, family=family, horizon=300.0,
+                       x=(own, 0.3, 4.0, 64), y=("tilt", 0.01, 0.6, 32))  # fmt: skip
+        cost = predict(plan)
+        begin = time.process_time()
+        st.basins(contact="viscous", mu=MU, family=family, horizon=300.0, workers=1,
+                  x=(own, 0.3, 4.0, 64), y=("tilt", 0.01, 0.6, 32))  # fmt: skip
+        real = time.process_time() - begin
+        print(f"predicted cost, {family}: {cost.computing:.1f} s, real {real:.1f} s")
+
+
+def million(count: int) -> None:
+    """A map of many launches in a store, by two processes: wall time and memory."""
+    import tempfile
+
+    side = round(count**0.5)
+    with tempfile.TemporaryDirectory() as folder:
+        begin = time.perf_counter()
+        found = st.basins(contact="viscous", mu=MU, family="spinning", horizon=HORIZON,
+                          x=("phi_dot", 0.3, 4.0, side), y=("tilt", 0.0, 0.6, side), check=False,
+                          store=f"{folder}/map.zarr", executor="processes", workers=2)  # fmt: skip
+        wall = time.perf_counter() - begin
+        codes, many = np.unique(found.outcome.values, return_counts=True)
+    own, theirs = (resource.getrusage(who).ru_maxrss / 2**20
+                   for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))  # fmt: skip
+    ends = ", ".join(f"{n} {BY_CODE[c].word}" for c, n in zip(codes, many, strict=True))
+    print(f"{side * side} launches, spinning, two processes: {wall:.0f} s, peak memory {own:.2f} "
+          f"and {theirs:.2f} GiB a process; {ends}")  # fmt: skip
+
+
+def main() -> None:
+    """Print all figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--large", action="store_true", help="a million launches too")
+    parser.add_argument("--count", type=int, default=2048, help="launches of a scene")
+    parser.add_argument("--repeats", type=int, default=3)
+    asked = parser.parse_args()
+    if not taylor.available():
+        print("heyoka is not installed")
+        return
+    flow("viscous")
+    reference(asked.count, asked.repeats)
+    scene(asked.count, asked.repeats)
+    predicted()
+    if asked.large:
+        million(1_000_000)
+
+
+if __name__ == "__main__":
+    main()
