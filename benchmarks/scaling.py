@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import heapq
+import os
 import statistics
 import tempfile
 import time
@@ -127,13 +128,13 @@ def driver_times(folder: Path, name: str) -> dict[int, float]:
     return found
 
 
-def start_time(name: str, size: int) -> float:
-    """From nothing to the first chunk that compiled code has computed, less that chunk [s]."""
+def start_time(name: str, size: int, chunk: float) -> float:
+    """CPU time of a driver and a worker for their start and a first chunk, less a chunk's [s]."""
+    begin = sum(os.times()[:4])
     with tempfile.TemporaryDirectory() as folder:
-        begin = time.perf_counter()
         with engine(name, 1) as (pool, _):
             filled(Path(folder), 1, size, Launches(size), executor=pool, workers=1)
-            return time.perf_counter() - begin
+    return sum(os.times()[:4]) - begin - chunk
 
 
 # --- simulated ---
@@ -157,14 +158,17 @@ def simulated(times: Sequence[float], workers: int, driver: float) -> Run:
     """One driver serves the workers: it sends each chunk, and takes each result, in turn."""
     free, served = 0.0, 0.0
     done = [0.0] * workers
-    left, ended = list(times), [(0.0, w) for _ in range(AHEAD) for w in range(workers)]
+    left = list(times)
     busy = sum(left)
-    while ended:  # the first of these only ask for a chunk
-        at, worker = heapq.heappop(ended)
-        free, served = max(free, at) + driver, served + driver
+    # the first entries bring no result: they only ask for a chunk
+    ended = [(0.0, w, False) for _ in range(AHEAD) for w in range(workers)]
+    while ended:
+        at, worker, result = heapq.heappop(ended)
+        cost = driver / 2 * (result + bool(left))
+        free, served = max(free, at) + cost, served + cost
         if left:
             done[worker] = max(done[worker], free) + left.pop()
-            heapq.heappush(ended, (done[worker], worker))
+            heapq.heappush(ended, (done[worker], worker, True))
     return Run(max(free, *done), busy, served, sum(max(done) - d for d in done))
 
 
@@ -206,10 +210,10 @@ def draw(curves: Mapping[str, Sequence[float]], measured: Mapping[str, float]) -
             lines += axes.plot(WORKERS, values, style, label=name)
         for (name, value), mark in zip(measured.items(), "os", strict=False):
             lines += axes.plot([2], [value], mark, ms=4, mfc="none", color="black",
-                               label=f"{name}, measured")  # fmt: skip
-        axes.set(xscale="log", ylim=(0, 1.05), xlabel="workers", ylabel="efficiency",
+                               label=f"{name}, short run, measured")  # fmt: skip
+        axes.set(xscale="log", ylim=(0, 1.05), xlabel="workers", ylabel="share of workers' time in chunks",
                  xlim=(1, WORKERS[-1]))  # fmt: skip
-        key(axes, lines, "Chunks of different length")
+        key(axes, lines, f"Simulated, {EACH} chunks a worker")
     save_figure(figure, PICTURE)
 
 
@@ -227,12 +231,17 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         times = chunk_times(folder, options.chunks, size)
-        print(f"{size} launches a chunk: {statistics.mean(times):.3f} s of CPU, "
-              f"{min(times):.3f} to {max(times):.3f}")  # fmt: skip
+        print(
+            f"{size} launches a chunk: {statistics.mean(times):.3f} s of CPU, "
+            f"{min(times):.3f} to {max(times):.3f}; load of the machine {os.getloadavg()[0]:.1f}"
+        )
         for kind in ENGINES:
             took, share = turns(folder, kind, options.chunks, size, options.turns)
             measured[kind] = share[2]
-            driver, start = driver_times(folder, kind), start_time(kind, size)
+            driver, start = (
+                driver_times(folder, kind),
+                start_time(kind, size, statistics.mean(times)),
+            )
             per = ", ".join(f"{1e3 * t:.2f} ms for {n}" for n, t in driver.items())
             print(
                 f"\n{kind}: 1 worker {took[1]:.2f} s, 2 workers {took[2]:.2f} s, efficiency "

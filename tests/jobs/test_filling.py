@@ -247,18 +247,12 @@ def test_workers_that_end_again_and_again_are_no_loop(
 
 def test_processes_that_do_not_start_are_a_sentence(tmp_path: Path) -> None:
     """A script without the guard starts itself again in each process."""
-    code = (
-        "import chunk_work as c, pathlib\n"
-        "try:\n"
-        "    c.run('processes', 0.0)\n"
-        "except ValueError as error:\n"
-        "    print(error)\n"
-    )
-    (tmp_path / "script.py").write_text(code)
+    (tmp_path / "script.py").write_text("import chunk_work as c\nc.run('processes', 0.0)\n")
     found = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=environment(""),
                            capture_output=True, text=True, timeout=120, check=False)  # fmt: skip
-    assert "or did not start (a script needs `if __name__" in found.stdout.splitlines()[-1]
-    assert found.returncode == 0
+    assert "or did not start (a script needs `if __name__" in found.stderr.splitlines()[-1]
+    assert found.returncode == 1
+    assert done(tmp_path / "log") == []
 
 
 def test_an_error_of_the_work_is_the_callers_and_what_is_done_is_kept(tmp_path: Path) -> None:
