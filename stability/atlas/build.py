@@ -1,4 +1,4 @@
-"""The atlas: diagrams and loci of the families for three bodies, with data and a page.
+"""The atlas: diagrams and loci of the families, and ends of launches, with data and a page.
 
 Each figure is one job.  Jobs run in separate processes.  All files are written into a
 temporary folder next to the target, and move to the target when the atlas is complete.
@@ -29,6 +29,7 @@ from ..jobs.pipeline import Counted, check_run, here, ordered
 from ..storage.files import postponed, record
 from ..storage.litter import clear, temporary
 from ..storage.targets import check_folder, path_text, place, refusing
+from .launches import basin_diagrams
 from .page import (
     BODIES,
     CODE_KINDS,
@@ -50,10 +51,11 @@ COLUMNS = (
     "error", "error_along",
 )  # fmt: skip
 """Columns of the CSV of boundaries."""
-_Key = tuple[str, str, float | None]
-"""A figure: body, family, and the friction coefficient of loci or None for the diagram."""
-_Drawn = tuple[Picture, tuple[tuple[Any, ...], ...]]
-"""A figure, and the rows of the CSV that come with it."""
+_Key = tuple[str, str, float | None] | None
+"""A figure: body, family, and the friction coefficient of loci or None for the diagram; None for
+the figures of launches."""
+_Drawn = tuple[tuple[Picture, ...], tuple[tuple[Any, ...], ...]]
+"""Figures, and the rows of the CSV that come with them."""
 
 
 def atlas(
@@ -68,6 +70,8 @@ def atlas(
 ) -> Path:
     """Write the atlas into a folder: figures (PNG, PDF), maps (NetCDF), boundaries (CSV), a page.
 
+    Its parts are the three families, and the ends of launches near two of them.
+
     Parameters
     ----------
     out
@@ -75,8 +79,8 @@ def atlas(
     resolution
         Points along the axis of the family; three quarters as many along mu.
     draft
-        Whether to write the diagrams alone, as PNG, without loci and PDFs; below `DRAFT` points
-        when left out.
+        Whether to write the diagrams alone, as PNG, without loci, launches and PDFs; below `DRAFT`
+        points when left out.
     overwrite
         Whether files in an existing folder may be replaced; other files there stay unchanged.
     workers
@@ -110,20 +114,22 @@ def atlas(
         pairs = [(body, family) for body in BODIES for family in drawn()]
         # the loci first, since each is soon done; then the diagrams, the longest first
         jobs: list[_Key] = [(*pair, mu) for mu in frictions for pair in pairs]
+        jobs += [] if draft else [None]
         longest = sorted(pairs, key=lambda pair: not FAMILIES[pair[1]].by_angle)
         jobs += [(*pair, None) for pair in longest]
         counted = Counted(progress, len(jobs))
         counted.add(0)
         count = min(workers or os.cpu_count() or 1, len(jobs))
         with closing(ordered(
-            jobs, lambda job: partial(_job, *job, str(folder), resolution, draft),
+            jobs, lambda job: partial(_job, job, str(folder), resolution, draft),
             executor=executor, workers=count, own=here if workers == 1 else processes,
             progress=counted,
         )) as results:  # fmt: skip
             found = dict(results)
         pages = [_page(*pair, found, frictions) for pair in pairs]
         _write_csv(folder / "boundaries.csv", pages)
-        (folder / "index.html").write_text(_html(pages, resolution, draft), encoding="utf-8")
+        ends = () if draft else found[None][0]
+        (folder / "index.html").write_text(_html(pages, ends, resolution, draft), encoding="utf-8")
         move(folder, target)
     return target / "index.html"
 
@@ -188,18 +194,22 @@ def folder_for(out: str | os.PathLike[str], *, overwrite: bool) -> Path:
 # --- one job ---
 
 
-def _job(
-    body: str, family: str, mu: float | None, folder: str, resolution: int, draft: bool
-) -> _Drawn:
-    """One figure: the loci at a friction coefficient, or the diagram where there is none."""
+def _job(job: _Key, folder: str, resolution: int, draft: bool) -> _Drawn:
+    """One figure: the loci at a friction coefficient, or the diagram where there is none.
+
+    Without a body, all figures of launches.
+    """
     from ..figures.canvas import FORMATS, save
 
+    if job is None:
+        return basin_diagrams(Path(folder), resolution), ()
+    body, family, mu = job
     if mu is None:
-        figure, found = _diagram(Path(folder), body, family, resolution)
+        figure, picture, rows = _diagram(Path(folder), body, family, resolution)
     else:
-        figure, found = _locus(body, family, mu, resolution)
-    save(figure, Path(folder) / found[0].stem, FORMATS[:1] if draft else FORMATS)
-    return found
+        figure, picture, rows = *_locus(body, family, mu, resolution), ()
+    save(figure, Path(folder) / picture.stem, FORMATS[:1] if draft else FORMATS)
+    return (picture,), rows
 
 
 def _page(
@@ -207,10 +217,12 @@ def _page(
 ) -> Page:
     """The figures of a body's family, the diagram first."""
     drawings = [found[body, family, mu] for mu in (None, *frictions)]
-    return Page(body, family, tuple(picture for picture, _ in drawings), drawings[0][1])
+    return Page(body, family, tuple(p for (p,), _ in drawings), drawings[0][1])
 
 
-def _diagram(here: Path, body: str, family: str, resolution: int) -> tuple[Any, _Drawn]:
+def _diagram(
+    here: Path, body: str, family: str, resolution: int
+) -> tuple[Any, Picture, tuple[tuple[Any, ...], ...]]:
     from ..boundary.changes import boundaries
     from ..figures.diagram import Strip, plot_map
     from ..maps.netcdf import write_map
@@ -245,10 +257,10 @@ def _diagram(here: Path, body: str, family: str, resolution: int) -> tuple[Any, 
     figure = plot_map(dataset, above=strips[0], below=strips[1], title=f"{family}: {name}")
     caption = _diagram_caption(family, name, inertia, dataset, limits, strips)
     picture = Picture(stem, caption, f"Stability diagram of {family} of the {name}")
-    return figure, (picture, tuple(rows))
+    return figure, picture, tuple(rows)
 
 
-def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, _Drawn]:
+def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, Picture]:
     from ..boundary.changes import boundaries
     from ..figures.locus.loci import plot_locus
     from ..spectra.spectrum import spectrum
@@ -275,7 +287,7 @@ def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, _Dr
         f"{_lines(spectra)}. {dotted}."
     )
     picture = Picture(stem, caption, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}")
-    return figure, (picture, ())
+    return figure, picture
 
 
 def _lines(spectra: Any) -> str:

@@ -147,7 +147,7 @@ def _head(title: str) -> list[str]:
     ]  # fmt: skip
 
 
-def _html(pages: list[Page], resolution: int, draft: bool) -> str:
+def _html(pages: list[Page], ends: Sequence[Picture], resolution: int, draft: bool) -> str:
     command = f"stability atlas --resolution {resolution}"
     parts = [
         *_head("Stability atlas of the rolling and sliding disk"),
@@ -157,12 +157,14 @@ def _html(pages: list[Page], resolution: int, draft: bool) -> str:
         "dimensionless (m = R = g = 1). The equations are those of Przybylska &amp; "
         "Rauch-Wojciechowski, <cite>Regul. Chaotic Dyn.</cite> 21(2), 2016, 204–231; every result "
         "is recomputed. All boundaries: <a href=\"boundaries.csv\">boundaries.csv</a>.</p>",
-        "<nav>" + "".join(f'<a href="#{f}">{f}</a>' for f in drawn()) + "</nav>",
+        "<nav>" + "".join(f'<a href="#{f}">{f}</a>' for f in (*drawn(), *["launches"] * bool(ends)))
+        + "</nav>",
     ]  # fmt: skip
     if draft:
         parts.append(
             "<p><strong>Draft:</strong> the diagrams alone, as PNG. "
-            f"<code>{command} --no-draft</code> adds the eigenvalue loci and PDFs.</p>"
+            f"<code>{command} --no-draft</code> adds the eigenvalue loci, the ends of launches and "
+            "PDFs.</p>"
         )
     for family in drawn():
         mine = [p for p in pages if p.family == family]
@@ -174,6 +176,13 @@ def _html(pages: list[Page], resolution: int, draft: bool) -> str:
             parts.append('<div class="row">')
             parts += [_figure(p.pictures[index], index == 0, draft) for p in mine]
             parts.append("</div>")
+    if ends:
+        parts += [
+            '<h2 id="launches">Launches</h2>',
+            "<p>Which launch ends where: the disk starts near a steady motion, its axis tilted, "
+            "and moves until its end is proved. <code>make basins</code> draws large ones.</p>",
+            '<div class="row">', *(_figure(p, True, True) for p in ends), "</div>",
+        ]  # fmt: skip
     other = (" --draft" if draft else " --no-draft") * (draft != (resolution < DRAFT))
     parts.append(_foot(command + other))
     return "\n".join(parts) + "\n"

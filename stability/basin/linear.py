@@ -13,11 +13,14 @@ from ..base.verdict import CODES
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_families import FAMILIES
+from ..boundary.changes import boundaries
 from ..spectra.spectrum import spectrum
 from .launches import SCALES, TILT, Launches
 
 LINEAR = "linear_verdict"
 """Name of the coordinate."""
+DIGITS = 12
+"""Significant digits of a change of verdict, so that any machine writes the same bytes."""
 
 
 def linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]:
@@ -35,8 +38,9 @@ def linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]
     Returns
     -------
     dict
-        The coordinate by name; empty where launches start near no family, where another axis
-        changes the verdict, or where the contact law has no linearisation.
+        The coordinate by name, with attributes `changes`, where the verdict changes, and `zones`,
+        the verdicts before, between and after.  It is empty where launches start near no family,
+        where another axis changes the verdict, or where the contact law has no linearisation.
 
     Examples
     --------
@@ -45,6 +49,8 @@ def linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]
     ...                   x=("at", 1.0, 3.0, 2), y=("tilt", 0.1, 0.2, 2))
     >>> found.linear_verdict.dims, found.linear_verdict.values.tolist()
     (('phi_dot',), [2, 1])
+    >>> found.linear_verdict.attrs["changes"], found.linear_verdict.attrs["zones"]
+    ([2.0], [2, 1])
     """
     if not launches.family or not isinstance(launches.thing, Disk) or launches.contact is None:
         return {}
@@ -59,11 +65,25 @@ def linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]
         law = type(law)(**(law.given | {n: held[n] for n in law.given if n in held}))
     try:
         found = spectrum(launches.family, at=along[0].values, disk=disk, contact=law)
+        changes, zones = _zones(launches.family, along[0], {"disk": disk, "contact": law})
     except StabilityError:  # dry friction is not smooth at a member
         return {}
-    attributes = {
+    attributes: dict[str, Any] = {
         "long_name": f"linear verdict of {launches.family} under {law.name} contact",
         "flag_values": [int(c) for c in CODES.values()],
         "flag_meanings": " ".join(v.word for v in CODES),
     }
+    if zones:
+        attributes |= {"changes": changes, "zones": zones}
     return {LINEAR: (own, np.asarray(found.codes, dtype=np.int8), attributes)}
+
+
+def _zones(family: str, axis: Axis, given: dict[str, Any]) -> tuple[list[float], list[int]]:
+    """Changes of verdict and the verdicts between them; none where a piece stays open."""
+    found = boundaries(family, axis=("at", axis.low, axis.high, axis.count), **given)
+    if not found.complete or not len(found):
+        return [], []
+    changes = [float(f"{p.value:.{DIGITS}g}") for p in found]
+    ends = np.array([axis.low, *changes, axis.high])
+    between = spectrum(family, at=(ends[1:] + ends[:-1]) / 2, **given)
+    return changes, [int(c) for c in between.codes]

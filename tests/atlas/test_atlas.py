@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 
 import stability as st
 from stability.atlas.build import COLUMNS, atlas, zeros_of_rates
+from stability.atlas.launches import LAUNCHED
 from stability.atlas.page import BODIES, drawn
 from stability.atlas.page import LOCUS_FRICTION as EVERY_FRICTION
 
@@ -34,13 +36,15 @@ def folder(bodies: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) ->
     out = tmp_path_factory.mktemp("atlas") / "atlas"
     told: list[tuple[int, int]] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stability.atlas.build.BODIES", {name: BODIES[name] for name in bodies})
+        for module in ("build", "launches"):
+            of = {name: BODIES[name] for name in bodies}
+            patch.setattr(f"stability.atlas.{module}.BODIES", of)
         patch.setattr("stability.atlas.build.LOCUS_FRICTION", frictions(bodies))
         page = atlas(
             out, resolution=16, draft=False, workers=1, progress=lambda *pair: told.append(pair)
         )
     assert page == out / "index.html"
-    figures = 3 * len(bodies) * (1 + len(frictions(bodies)))
+    figures = 3 * len(bodies) * (1 + len(frictions(bodies))) + 1  # launches are one piece of work
     assert told[0] == (0, figures)
     assert told[-1] == (figures, figures)
     return out
@@ -57,6 +61,7 @@ def test_it_has_every_diagram_locus_map_and_the_boundaries(
             of = frictions(bodies)
             stems += [f"locus-{family}-{body}-mu{m:g}".replace(".", "_") for m in of]
             expected |= {f"{s}.{kind}" for s in stems for kind in ("png", "pdf")}
+        expected |= {f"basins-{f}-{body}.{kind}" for f in LAUNCHED for kind in ("png", "nc")}
     assert {p.name for p in folder.iterdir()} == expected
     assert all(p.stat().st_size > 500 for p in folder.iterdir())
 
@@ -64,7 +69,7 @@ def test_it_has_every_diagram_locus_map_and_the_boundaries(
 def test_the_page_points_only_at_what_is_there_and_says_what_was_computed(
     folder: Path, bodies: tuple[str, ...]
 ) -> None:
-    count = 3 * (1 + len(frictions(bodies))) * len(bodies)
+    count = (3 * (1 + len(frictions(bodies))) + len(LAUNCHED)) * len(bodies)
     page = (folder / "index.html").read_text()
     links = re.findall(r'(?:src|href)="([^"#]+)"', page)
     assert len(links) > 2 * count
@@ -73,25 +78,44 @@ def test_the_page_points_only_at_what_is_there_and_says_what_was_computed(
     assert len(images) == len(set(images)) == count
     captions = re.findall(r"<figcaption>(.*?)</figcaption>", page, re.DOTALL)
     assert len(captions) == count
-    for caption in captions:
+    ends = captions[-len(LAUNCHED) * len(bodies) :]
+    for caption in captions[: -len(ends)]:
         assert "structural zero" in caption  # of which the spectrum is free
         assert "√(g/R)" in caption
+    for caption in ends:
+        assert "Ends of 24 launches" in caption
+        assert "Strip: linear verdict" in caption
     assert "recomputed" in page
     assert "16 × 12 points" in captions[0]
 
 
 def test_maps_behind_the_figures_can_be_read(folder: Path) -> None:
     for path in folder.glob("*.nc"):
+        if path.name.startswith("basins"):
+            continue
         found = st.read_map(path)
         assert found.abscissa.shape == (12, 16)
         assert np.isfinite(found.abscissa.values).all()
+
+
+def test_launches_behind_the_figures_are_those_of_the_function(folder: Path) -> None:
+    paths = sorted(folder.glob("basins-*-hoop.nc"))
+    assert len(paths) == len(LAUNCHED)
+    for path in paths:
+        family = path.name.split("-")[1]
+        found = xarray.open_dataset(path, engine="h5netcdf")
+        true = st.basins(st.Disk.hoop(), "viscous", mu=0.3, family=family, horizon=200.0,
+                         x=("at", 0.1, 3.0, 6), y=("tilt", 0.01, 1.2, 4))  # fmt: skip
+        for name in ("outcome", "family", "linear_verdict"):
+            np.testing.assert_array_equal(found[name].values, true[name].values)
 
 
 def test_boundaries_are_those_of_the_maps_and_the_limit_laws(folder: Path) -> None:
     with (folder / "boundaries.csv").open() as handle:
         rows = list(csv.DictReader(handle))
     assert tuple(rows[0]) == COLUMNS
-    count = sum(st.read_map(p).sizes["boundary_point"] for p in folder.glob("*.nc"))
+    maps = [p for p in folder.glob("*.nc") if not p.name.startswith("basins")]
+    count = sum(st.read_map(p).sizes["boundary_point"] for p in maps)
     assert sum(r["contact"] == "viscous" for r in rows) == count
     smooth = [
         r for r in rows if (r["contact"], r["family"], r["body"]) == ("smooth", "rolling", "hoop")
@@ -105,7 +129,8 @@ def test_boundaries_are_those_of_the_maps_and_the_limit_laws(folder: Path) -> No
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Files in place of figures, of one body, for tests that are about files."""
-    monkeypatch.setattr("stability.atlas.build.BODIES", {"disk": BODIES["disk"]})
+    for module in ("build", "launches"):
+        monkeypatch.setattr(f"stability.atlas.{module}.BODIES", {"disk": BODIES["disk"]})
 
     def save(figure: None, stem: Path, formats: tuple[str, ...]) -> list[Path]:
         paths = [stem.parent / (stem.name + suffix) for suffix in formats]
@@ -116,6 +141,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stability.figures.canvas.save", save)
     monkeypatch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
     monkeypatch.setattr("stability.figures.locus.loci.plot_locus", lambda *_, **__: None)
+    monkeypatch.setattr("stability.figures.basin.basins.plot_basins", lambda *_, **__: None)
 
 
 @pytest.mark.usefixtures("undrawn")

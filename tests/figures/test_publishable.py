@@ -58,7 +58,7 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Figure]:
 
 
 def test_no_text_of_the_atlas_overlaps_or_is_too_small(pictures: dict[str, Figure]) -> None:
-    assert len(pictures) == 27
+    assert len(pictures) == 33
     assert {name: said for name, f in pictures.items() if (said := faults(f))} == {}
 
 

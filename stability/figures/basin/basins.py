@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ...base.errors import ParameterError
-from ...base.quantities import Kind, Quantity, axis_label, in_latex, unit_of
+from ...base.quantities import Kind, Quantity, axis_label, in_latex, readable, unit_of
 from ...base.verdict import BY_CODE
 from ...bodies.contact_laws import MOTION_LAWS
 from ...bodies.thin_disk.disk_families import FAMILIES
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 LINEAR = "linear_verdict"
 """Coordinate with the verdict of the family near which launches start."""
+FINE = 600
+"""Points of the strip where the places of its changes are known."""
 SHADE = {"stable": -0.35, "unstable": 0.5}
 """Place of a verdict on the scale of growth rates, -1 to 1."""
 
@@ -137,9 +139,16 @@ def linear_strip(dataset: xarray.Dataset, x: str) -> Strip | None:
     if LINEAR not in dataset.coords or dataset[LINEAR].dims != (x,):
         return None
     at, codes = dataset[x].values, dataset[LINEAR].values
+    told = dataset[LINEAR].attrs
+    if "zones" in told:
+        changes, zones = (np.atleast_1d(told[n]) for n in ("changes", "zones"))
+        at = np.linspace(at[0], at[-1], FINE)
+        codes = zones[np.searchsorted(changes, at)]
+    else:
+        steps = np.flatnonzero(np.diff(codes))
+        changes = (at[steps] + at[steps + 1]) / 2
     shade = np.array([SHADE.get(BY_CODE[int(c)].word, 0.0) for c in codes])
-    changes = np.flatnonzero(np.diff(codes))
-    return Strip("linear", at, shade, tuple((at[changes] + at[changes + 1]) / 2), codes)
+    return Strip("linear", at, shade, tuple(float(v) for v in changes), codes)
 
 
 def _colour(axes: Axes, dataset: xarray.Dataset, present: list[Fate], x: str, y: str) -> None:
@@ -232,10 +241,11 @@ def _fixed(dataset: xarray.Dataset) -> str:
     known = _quantities(dataset)
     law = str(told.get("contact", ""))
     text = fixed(values, known, units, law=law, dimensionless=plain)
-    unit = (
-        known["time"].kind.label(dimensionless=plain) if known else unit_of(dataset.end_time.attrs)
-    )
-    last = f"$t$ = {float(told['horizon']):g} {in_latex(unit)}".removesuffix(" 1")
+    unit = unit_of(dataset.end_time.attrs)
+    if known:
+        unit = known["time"].kind.label(dimensionless=plain)
+    # a root in mathematics would be taller than a line of the note
+    last = f"$t$ = {float(told['horizon']):g} {readable(unit)}".removesuffix(" 1")
     near = f"launched near {told['launched_near']}, " if "launched_near" in told else ""
     return f"{near}{text}, until {last}" if text else f"{near}until {last}"
 

@@ -1,0 +1,176 @@
+"""The basin diagram shows every launch by its end, in colour and in grey."""
+
+import itertools
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray
+from figure_audit import faults, lab, linear, seen
+from matplotlib.collections import LineCollection, QuadMesh
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+import stability as st
+from stability.base.errors import ParameterError
+from stability.basin.borders import borders
+from stability.figures.basin.basins import basins_caption
+from stability.figures.basin.edges import cell_edges
+from stability.figures.basin.fates import PLAIN, RAMPS, fates, kinds
+from stability.motion.result import Outcome
+
+
+@pytest.fixture(scope="module")
+def found() -> xarray.Dataset:
+    return st.basins(st.Disk.hoop(), "viscous", mu=0.3, family="spinning",
+                     x=("at", 0.1, 3.0, 14), y=("tilt", 0.01, 1.2, 10), horizon=200.0)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def every(found: xarray.Dataset) -> xarray.Dataset:
+    """All outcomes, and members of three families: data of no motion."""
+    dataset = found.copy(deep=True)
+    codes = dataset.outcome.values
+    codes[:] = np.arange(codes.size).reshape(codes.shape) % len(Outcome)
+    settled = codes == Outcome.SETTLED.code
+    number = np.arange(codes.size).reshape(codes.shape)
+    dataset.family.values[:] = np.where(settled, 1 + number % 3, 0)
+    dataset.member.values[:] = np.where(settled, 0.3 + 0.01 * number, np.nan)
+    return dataset
+
+
+def mesh(figure: Figure) -> Any:
+    [main] = [a for a in figure.axes if a.get_ylabel().startswith("tilt")]
+    return next(c for c in main.collections if isinstance(c, QuadMesh))
+
+
+def test_nothing_keeps_it_from_being_printed(found: xarray.Dataset, every: xarray.Dataset) -> None:
+    assert faults(st.plot_basins(found, title="launches near spinning: hoop")) == []
+    assert faults(st.plot_basins(every)) == []
+    assert faults(st.plot_basins(found, width=6.9, fontsize=9)) == []
+    quarter = st.basins(st.Disk.named("quarter"), "viscous", mu=0.3, horizon=0.3,
+                        x=("omega3", 1, 90, 5, "log"), y=("theta", 0.3, 1.5, 4))  # fmt: skip
+    figure = st.plot_basins(quarter)
+    assert faults(figure) == []
+    assert [a.get_xlabel() for a in figure.axes if a.get_xlabel()] == [
+        r"axial angular velocity $\omega_3$  [rad/s]"
+    ]
+    assert figure.axes[0].get_xscale() == "log"
+
+
+def test_each_launch_has_the_colour_of_its_end_and_its_member(found: xarray.Dataset) -> None:
+    drawn = np.asarray(mesh(st.plot_basins(found)).get_array()).reshape(*found.outcome.shape, 3)
+    moving = found.outcome.values == Outcome.MOVING.code
+    colours = drawn[moving]
+    np.testing.assert_allclose(
+        colours, np.tile(to_rgb(PLAIN[Outcome.MOVING][0]), (len(colours), 1))
+    )
+    words = found.family.attrs["flag_meanings"].split()
+    for name in ("spinning", "tumbling"):
+        mine = found.family.values == words.index(name)
+        assert mine.sum() > 5
+        members, light = found.member.values[mine], lab(linear(drawn[mine]))[:, 0]
+        order = np.argsort(members)
+        assert (np.diff(light[order]) <= 1e-9).all()
+        assert light.max() - light.min() > 15
+
+
+def test_ends_differ_by_hatching_and_by_hue_for_every_reader() -> None:
+    looks = [("settled", ramp, texture) for ramp, texture, _ in RAMPS]
+    looks += [(o.word, (c, c), texture) for o, (c, texture, _) in PLAIN.items()
+              if o is not Outcome.DOMAIN_END]  # fmt: skip
+    textures = [texture for _, _, texture in looks]
+    assert len(set(textures)) == len(textures)
+    for (_, a, _), (_, b, _) in itertools.combinations(looks, 2):
+        if a == b == ("#ffffff", "#ffffff"):  # no outcome: told apart by hatching alone
+            continue
+        middle = [np.mean([to_rgb(c) for c in pair], axis=0) for pair in (a, b)]
+        one, other = (lab(linear(np.array(m))) for m in middle)
+        assert np.linalg.norm(one - other) > 12
+    for _, pair, _ in looks:  # hatching is dark on every shade, in grey too
+        dark = seen(matplotlib.rcParamsDefault["text.color"])["grey"][0]
+        assert min(seen(c)["grey"][0] for c in pair) - dark > 45
+
+
+def test_borders_run_between_cells_of_different_ends_and_nowhere_else(
+    found: xarray.Dataset,
+) -> None:
+    drawn = kinds(found)
+    x, y = found.phi_dot.values, found.tilt.values
+    lines = cell_edges(x, y, drawn)
+    step = (x[1] - x[0], y[1] - y[0])
+    length = sum(abs(b[0] - a[0]) / step[0] + abs(b[1] - a[1]) / step[1] for a, b in lines)
+    inner = [drawn[:, 1:] != drawn[:, :-1], (drawn[1:] != drawn[:-1]).T]
+    # cells at the margin are half as wide
+    weight = [np.r_[0.5, np.ones(len(v) - 2), 0.5] for v in (y, x)]
+    assert length == pytest.approx(
+        sum(float(w @ i.sum(axis=1)) for w, i in zip(weight, inner, strict=True))
+    )
+    for (x0, y0), (x1, y1) in lines:
+        side = 1e-3 * np.array(step)
+        for cut in np.linspace(0.01, 0.99, 7):
+            at = np.array([x0 + cut * (x1 - x0), y0 + cut * (y1 - y0)])
+            off = side * ([1, 0] if x0 == x1 else [0, 1])
+            cells = [drawn[round((q[1] - y[0]) / step[1]), round((q[0] - x[0]) / step[0])]
+                     for q in (at - off, at + off)]  # fmt: skip
+            assert cells[0] != cells[1]
+
+
+def test_refined_borders_are_drawn_where_the_dataset_holds_them(found: xarray.Dataset) -> None:
+    lines = borders(lambda p: (np.hypot(p[:, 0] - 1.5, p[:, 1] - 0.6) < 0.4).astype(int),
+                    ("phi_dot", 0.1, 3, 14), ("tilt", 0.01, 1.2, 10), levels=3).lines  # fmt: skip
+    points = np.concatenate([line.points for line in lines])
+    curve = np.repeat(np.arange(len(lines)), [len(line.points) for line in lines])
+    refined = found.assign(
+        border_curve=("border_point", curve), border_phi_dot=("border_point", points[:, 0]),
+        border_tilt=("border_point", points[:, 1]),
+    )  # fmt: skip
+    [main] = [a for a in st.plot_basins(refined).axes if a.get_ylabel().startswith("tilt")]
+    drawn = [c for c in main.collections if isinstance(c, LineCollection)][-1].get_segments()
+    np.testing.assert_array_equal(np.concatenate(drawn), points)
+    assert "refined" in basins_caption(refined)
+    assert "edges between cells" in basins_caption(found)
+
+
+def test_the_strip_has_the_proved_thresholds(found: xarray.Dataset) -> None:
+    above = st.plot_basins(found).axes[0]
+    [line] = [li for li in above.lines if len(li.get_xdata()) == 2]
+    true = st.boundaries("spinning", axis=("at", 0.1, 3, 5), disk=st.Disk.hoop(),
+                         contact=st.Viscous(0.3))  # fmt: skip
+    assert line.get_xdata()[0] == pytest.approx(true[0].value, rel=1e-11)
+    assert [t.get_text() for t in above.texts] == ["unstable", "stable"]
+
+
+def test_a_user_draws_on_axes_of_their_own(found: xarray.Dataset) -> None:
+    figure = Figure(figsize=(7, 3.2), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    assert st.plot_basins(found, ax=left) is figure
+    st.plot_basins(found, ax=right, fontsize=8)
+    assert len([a for a in figure.axes if a.get_ylabel().startswith("tilt")]) == 2
+    assert not [said for said in faults(figure) if "leaves" in said]
+
+
+def test_the_caption_counts_every_launch(found: xarray.Dataset, every: xarray.Dataset) -> None:
+    for dataset in (found, every):
+        said = basins_caption(dataset)
+        for fate in fates(dataset):
+            assert f"{int(fate.where.sum())} {fate.label}" in said
+        assert sum(int(f.where.sum()) for f in fates(dataset)) == dataset.outcome.size
+    some = found.copy(deep=True)
+    some.outcome.values[0] = -1  # a chunk that is not there yet
+    assert "14 not computed yet (white)" in basins_caption(some)
+    drawn = np.asarray(mesh(st.plot_basins(some)).get_array()).reshape(*some.outcome.shape, 3)
+    assert (drawn[0] == 1).all()
+
+
+def test_what_is_no_map_is_refused(found: xarray.Dataset) -> None:
+    with pytest.raises(ParameterError, match="give what basins returns"):
+        st.plot_basins(xarray.Dataset())
+    with pytest.raises(ParameterError, match="random sample"):
+        st.plot_basins(st.basins(contact="viscous", mu=0.3, count=3, horizon=1.0,
+                                 distribution={"theta": st.Uniform(0.3, 1)}))  # fmt: skip
+    with pytest.raises(ParameterError, match=r"choose two, such as dataset.isel\(k=0\)"):
+        st.plot_basins(found.expand_dims("k"))
+    with pytest.raises(ParameterError, match="fontsize"):
+        st.plot_basins(found, fontsize=3)
