@@ -134,31 +134,41 @@ class _Run:
         batch.set_dtime(high, low)
 
     def _move(self, at: int) -> NDArray[np.int8]:
-        """Move one batch by a stride; how its lanes stand."""
-        carried, batch = self.lanes[at], self.batches[at]
-        used = carried >= 0
+        """Move one batch by a stride; how its lanes stand.
+
+        A launch that ends stops the whole batch.  The others then finish their stride, so that each
+        is seen at the same steps whatever its neighbours do.
+        """
+        carried, batch, left = self.lanes[at], self.batches[at], STRIDE
+        going = carried >= 0
         stand = np.full(self.width, RUNNING, dtype=np.int8)
-        last = np.where(used, self.horizon[carried], batch.time)
-        batch.propagate_until(
-            last, max_steps=STRIDE, max_delta_t=np.where(used, self.longest[carried], np.inf)
-        )
-        for lane, (outcome, _, _, steps) in enumerate(batch.propagate_res):
-            if used[lane]:
-                stand[lane] = self.codes.get(int(outcome), EVENT)
-                self.found.steps[carried[lane]] += steps
-        # one lane that stops stops the others, of which the library says the same
-        there = np.asarray(batch.time) >= last
-        stand[used & ((stand == RUNNING) | (stand == LASTED))] = RUNNING
-        stand[used & (stand == RUNNING) & there] = LASTED
+        longest = np.where(going, self.longest[carried], np.inf)
+        while left > 0 and going.any():
+            last = np.where(going, self.horizon[carried], batch.time)
+            batch.propagate_until(last, max_steps=left, max_delta_t=longest)
+            made = 0
+            for lane, (outcome, _, _, steps) in enumerate(batch.propagate_res):
+                if going[lane]:
+                    made = max(made, steps)
+                    self.found.steps[carried[lane]] += steps
+                    stand[lane] = self.codes.get(int(outcome), EVENT)
+            # of lanes that another one has stopped the library says that they have lasted
+            stand[stand == LASTED] = RUNNING
+            stand[going & (stand == RUNNING) & (np.asarray(batch.time) >= last)] = LASTED
+            wild = going & ~(np.isfinite(batch.state).all(axis=0) & np.isfinite(batch.time))
+            if wild.any():
+                stand[wild] = FAILED
+                batch.state[:, wild] = self.found.state[:1].T
+                high, low = (np.where(wild, 0.0, part) for part in batch.dtime)
+                batch.set_dtime(high, low)
+            going &= stand == RUNNING
+            left -= made or left
         return stand
 
     def _look(self, used: NDArray[np.intp], stand: NDArray[np.int8]) -> None:
         """Show the states to the watcher, write what has ended, and refill the lanes."""
         states = np.stack([self.batches[at].state for at in used])  # (batches, n, lanes)
         times, carried = np.stack([self.batches[at].time for at in used]), self.lanes[used]
-        with np.errstate(invalid="ignore"):
-            wild = ~(np.isfinite(states).all(axis=1) & np.isfinite(times))
-        stand[(carried >= 0) & wild] = FAILED
         going = (carried >= 0) & (stand == RUNNING)
         spent = going & (self.found.steps[carried] >= self.most)
         stand[spent] = FAILED

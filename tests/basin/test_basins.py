@@ -97,12 +97,12 @@ def test_a_store_continues_and_is_the_same_as_memory(
     monkeypatch.setattr(module, "outcomes", stopping)
     with pytest.raises(KeyboardInterrupt):
         st.basins(**SPIN, store=place, chunk=7, workers=1)
-    stored = [n for n in contents(place) if n.startswith("outcome/c/")]
+    stored = [n for n in contents(place) if n.startswith("outcome/c.")]
     assert len(stored) >= 2
     calls.extend([1] * 3)  # no interruption any more
     before = len(calls)
     found = st.basins(**SPIN, store=place, chunk=7, workers=1)
-    whole = [n for n in contents(place) if n.startswith("outcome/c/")]
+    whole = [n for n in contents(place) if n.startswith("outcome/c.")]
     assert len(calls) - before == len(whole) - len(stored) > 0  # nothing twice
     found.load()
     assert set(found.variables) == set(spin.variables)

@@ -51,6 +51,29 @@ def test_a_launch_does_not_depend_on_the_others(monkeypatch: pytest.MonkeyPatch)
     assert (some.steps == whole.steps[order]).all()
 
 
+def test_a_launch_is_seen_at_the_same_steps_in_any_company(monkeypatch: pytest.MonkeyPatch) -> None:
+    f = flow("viscous")
+    y = f.pack(st.launch("spinning", at=np.linspace(3.2, 3.9, 40), tilt=0.55))  # some lift off
+    p, horizon = np.tile([0.25, 0.3, 1e-6], (40, 1)), np.linspace(3.0, 30.0, 40)
+
+    def times(order: Any) -> dict[int, list[float]]:
+        seen: dict[int, list[float]] = {int(i): [] for i in order}
+
+        def watch(rows: Any, _states: Any, at: Any) -> Any:
+            for row, time in zip(rows, at, strict=True):
+                seen[int(order[row])].append(float(time))
+            return np.zeros(len(rows), dtype=bool)
+
+        ends(f, y[order], p[order], horizon[order], 1e-9, 10**6, watch)
+        return seen
+
+    whole = times(np.arange(40))
+    order = np.random.default_rng(3).permutation(40)[:17]
+    monkeypatch.setattr(lanes, "TURNS", 1)
+    some = times(order)
+    assert {i: some[i] for i in some} == {i: whole[i] for i in some}
+
+
 def test_each_launch_has_its_own_horizon() -> None:
     f, (y, p) = flow("viscous"), many(30, 0.01)
     horizon = np.linspace(0.5, 30.0, 30)

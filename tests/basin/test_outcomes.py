@@ -57,6 +57,16 @@ def test_outcomes_are_those_of_the_checked_single_run(
     assert (late <= allowed + 1e-9).all()
 
 
+def test_outcomes_do_not_depend_on_the_company() -> None:
+    launches = launched("spinning", "phi_dot", 60, 8, 150.0)
+    whole = outcomes(launches, Judging())
+    rows = np.random.default_rng(1).permutation(60)[:23]
+    some = outcomes(engine.subset(launches, rows), Judging())
+    for name in Outcomes.__dataclass_fields__:
+        np.testing.assert_array_equal(getattr(some, name), getattr(whole, name)[rows])
+    assert (whole.outcome == CODES[Outcome.SETTLED]).sum() > 20
+
+
 def test_a_start_without_contact_has_ended_already() -> None:
     asked = prepare(None, "viscous", ("theta", "theta_dot", "slip_x"), {}, "", (), {"mu": 3.0})
     points = {

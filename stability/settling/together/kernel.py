@@ -212,18 +212,19 @@ class _Test:
 
         Launches with the same parameters share the bases of members on a grid.
         """
-        given, rows, own = self.given[some], np.arange(len(some)), a
-        if self.around.along == 1 and len(some) and (given == given[0]).all():
-            nodes, shared = np.unique(np.rint(centre[:, 0] / STEP), return_inverse=True)
-            if 2 * len(nodes) < len(some):
-                both = self.slopes(nodes[:, None] * STEP, np.tile(given[0], (len(nodes), 1)))
-                a, rows = both[:, : self.around.across], shared
-        stable, z, x, rate = _modal(a)
-        stable, z, x, rate = stable[rows], z[rows], x[rows], rate[rows]
-        if a is not own:
-            off = z @ (own - a[rows]) @ x
+        if self.around.along != 1 or not len(some):
+            stable, z, x, rate = _modal(a)
+        else:
+            # in any company the same: the basis of the next member on the grid
+            own = np.column_stack([np.rint(centre[:, 0] / STEP), self.given[some]])
+            nodes, rows = np.unique(own, axis=0, return_inverse=True)
+            both = self.slopes(nodes[:, :1] * STEP, nodes[:, 1:])
+            there, mine = both[:, : self.around.across], rows.ravel()
+            stable, z, x, rate = _modal(there)
+            stable, z, x, rate = stable[mine], z[mine], x[mine], rate[mine]
+            off = z @ (a - there[mine]) @ x
             poor = ~(np.square(off).sum((1, 2)) < np.square(APART * rate))
-            stable[poor], z[poor], x[poor], _ = _modal(own[poor])
+            stable[poor], z[poor], x[poor], rate[poor] = _modal(a[poor])
         return stable, z[stable], x[stable], rate[stable]
 
     def boxes(
