@@ -137,7 +137,7 @@ class _Run:
         """Move one batch by a stride; how its lanes stand.
 
         A launch that ends stops the whole batch.  The others then finish their stride, so that each
-        is seen at the same steps whatever its neighbours do.
+        is seen at the same steps and not where a neighbour ended.
         """
         carried, batch, left = self.lanes[at], self.batches[at], STRIDE
         going = carried >= 0

@@ -83,7 +83,7 @@ def test_ends_differ_by_hatching_and_by_hue_for_every_reader() -> None:
     textures = [texture for _, _, texture in looks]
     assert len(set(textures)) == len(textures)
     for (_, a, _), (_, b, _) in itertools.combinations(looks, 2):
-        if a == b == ("#ffffff", "#ffffff"):  # no outcome: told apart by hatching alone
+        if a == b == ("#ffffff", "#ffffff"):  # no outcome: distinguished by hatching alone
             continue
         middle = [np.mean([to_rgb(c) for c in pair], axis=0) for pair in (a, b)]
         one, other = (lab(linear(np.array(m))) for m in middle)
