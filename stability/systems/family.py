@@ -131,7 +131,12 @@ class Family(Record):
         return (*super()._content(), tuple(self.unknown))  # their order is that of the guesses
 
     def __hash__(self) -> int:
-        return hash((self.system, self.name, self.at))
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        # with one hash for two bodies, each look-up in a cache would compare all their content
+        return hash(self._content())
 
     def __repr__(self) -> str:
         return f"<Family {self.name} of {self.system.name}, named by {', '.join(self.at)}>"

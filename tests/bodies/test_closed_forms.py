@@ -136,3 +136,19 @@ def test_a_root_of_what_may_be_negative_has_no_bound() -> None:
     with np.errstate(all="ignore"):
         error = program.run(numpy_algebra(), [[np.array([np.sqrt(2.0)])]])[1][0]
     assert not np.isfinite(error).any()
+
+
+def test_families_of_two_bodies_are_told_apart_without_a_comparison(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    families = [st.Torus(tube).family("rolling", "smooth") for tube in (0.2, 0.2002)]
+    assert families[0] != families[1]
+    assert families[0] == replace(families[0])
+    assert hash(families[0]) == hash(replace(families[0]))
+    table = {family: i for i, family in enumerate(families)}
+
+    def compared(*_: object) -> bool:
+        raise AssertionError("a look-up compares families")
+
+    monkeypatch.setattr(st.Family, "__eq__", compared)
+    assert [table[family] for family in families] == [0, 1]
