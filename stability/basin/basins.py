@@ -243,11 +243,16 @@ def basins(
         raise ParameterError("levels refines a map over x and y alone; leave it out.")
     kept, _ = run(plan, store, overwrite, executor, workers, progress)
     found = labelled(kept, plan)
-    if not levels:
-        return found
+    return bordered(found, plan, levels, given, workers) if levels else found
+
+
+def bordered(
+    found: xarray.Dataset, plan: Plan, levels: int, executor: Executor | None, workers: int | None
+) -> xarray.Dataset:  # fmt: skip
+    """A map of two axes, with its borders refined."""
     axes = plan.axes[1], plan.axes[0]
     order = replace(plan.launches, varied=tuple(a.name for a in axes))
-    labels = LaunchLabels(order, plan.horizon, plan.judging, given, workers)
+    labels = LaunchLabels(order, plan.horizon, plan.judging, executor, workers)
     return refined(found.load(), labels, axes, levels)
 
 

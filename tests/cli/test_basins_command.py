@@ -85,6 +85,20 @@ def test_a_dry_run_leaves_a_store_of_another_question_as_it_is(
     assert {p: p.read_bytes() for p in out.rglob("*") if p.is_file()} == before
 
 
+def test_borders_are_refined_for_the_figure(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[xarray.Dataset] = []
+    monkeypatch.setattr("stability.figures.basin.basins.plot_basins", drawn.append)
+    monkeypatch.setattr("stability.figures.canvas.save_figure", lambda _, path: path.touch())
+    words = (*MAP, "--out", str(tmp_path / "a.zarr"))
+    output(capsys, *words, "--plot", str(tmp_path / "a.png"), "--levels", "2")
+    true = st.basins(contact="viscous", mu=0.3, family="spinning", x=("at", 0.5, 3, 6),
+                     y=("tilt", 0.1, 0.5, 4), horizon=30.0, levels=2)  # fmt: skip
+    assert true.sizes["border_point"] > 10
+    np.testing.assert_array_equal(drawn[0].border_tilt.values, true.border_tilt.values)
+
+
 def launches_of(capsys: pytest.CaptureFixture[str], tmp_path: Path, *words: str) -> xarray.Dataset:
     tmp_path.mkdir(exist_ok=True)
     out = tmp_path / "s.zarr"
@@ -164,6 +178,8 @@ GOOD = (
         ((*GOOD, "--scheduler", "tcp://127.0.0.1:1"), "does not answer"),
         ((*GOOD, "--family", "flying"), "give one of rolling, spinning, tumbling"),
         ((*GOOD, "--workers", "0"), "workers"),
+        ((*GOOD, "--levels", "2"), "--levels belongs to --plot"),
+        ((*GOOD, "--levels", "-1", "--plot", "a.png"), "levels is -1"),
         ((*GOOD, "--chunk", "0"), "chunk"),
         ((*GOOD[:6], "--time", "-1", "--out", "a.zarr"), "horizon is -1"),
         ((*GOOD, "--x", "mu:0.1:1:3"), "mu is given as --mu and as an axis"),

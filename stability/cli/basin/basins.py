@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...base.checks import whole_number
 from ...base.errors import FileError, ParameterError
 from ...storage.json_text import json_text
 from ..options import PARAMETER_HELP, _picture, add_body, overwriting
@@ -64,7 +65,7 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
     sub.add_argument("--system", metavar="MODULE:NAME",
                      help="a system of your own in place of the disk, or a family of it; its "
                      "numbers are set by --set")  # fmt: skip
-    add_body(sub, words)
+    add_body(sub, words, motion=True)
     sub.add_argument("--mu", type=float, help="friction coefficient")
     sub.add_argument("--epsilon", type=float, help="slip speed of coulomb-regularised")
     sub.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
@@ -82,6 +83,9 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
                      help="Zarr store; finished launches are kept there, and the same command "
                      "goes on")  # fmt: skip
     sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
+    sub.add_argument("--levels", type=int, default=0, metavar="L",
+                     help="with --plot: halve the steps this often along borders, and draw these; "
+                     "they are not in the store")  # fmt: skip
     sub.add_argument("--scheduler", metavar="WHERE", default="threads",
                      help="threads (default), processes, dask, or the address of a scheduler of "
                      "dask such as tcp://127.0.0.1:8786")  # fmt: skip
@@ -113,7 +117,7 @@ def run(options: argparse.Namespace) -> None:
             kept, _ = fill(plan, out, options.force, options.scheduler, options.workers, progress)
             dataset = labelled(kept, plan)
             if picture is not None:
-                _draw(dataset, picture, options.force)
+                _draw(dataset, plan, picture, options)
     if options.dry_run:
         print(json_text({"cost": _record(cost)}) if options.json else _in_words(cost))
         return
@@ -122,13 +126,16 @@ def run(options: argparse.Namespace) -> None:
 
 def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
     """The plan and the targets, checked before anything is computed."""
-    from ...basin.basins import planned
+    from ...basin.basins import MOST_LEVELS, planned
     from ...storage.targets import check_folder, check_suffix
 
     out = check_folder(check_suffix(options.out, (".zarr",), "--out"))
     picture = None if options.plot is None else _picture(options.plot, options.force)
     if picture is not None and (options.sample or options.more):
         raise ParameterError("--plot draws a map of two axes; leave it out.")
+    whole_number("levels", options.levels, 0, MOST_LEVELS)
+    if options.levels and picture is None:
+        raise ParameterError("--levels belongs to --plot; leave it out, or name a figure.")
     given = launched(options)
     thing = given.pop("disk")
     plan = planned(
@@ -155,12 +162,15 @@ def _cost(plan: Plan, out: Path, options: argparse.Namespace) -> Cost:
     return predict(plan, workers_of(options.scheduler, options.workers), missing)
 
 
-def _draw(dataset: Any, picture: Path, force: bool) -> None:
+def _draw(dataset: Any, plan: Plan, picture: Path, options: argparse.Namespace) -> None:
+    from ...basin.basins import bordered
     from ...figures.basin.basins import plot_basins
     from ...figures.canvas import save_figure
     from ...storage.files import atomic_write
 
-    with atomic_write(picture, overwrite=force) as draft:
+    if options.levels:
+        dataset = bordered(dataset, plan, options.levels, None, options.workers)
+    with atomic_write(picture, overwrite=options.force) as draft:
         save_figure(plot_basins(dataset), draft)
 
 

@@ -47,9 +47,6 @@ def launched(options: argparse.Namespace) -> dict[str, Any]:
         if name in (*names, *held) and getattr(options, name) is not None:
             twice = "as an axis" if name in names else "by --set"
             raise ParameterError(f"{name} is given as --{name} and {twice}; give it once.")
-    for name in ("theta", "pole"):
-        if getattr(options, name, None) is not None:
-            raise ParameterError(f"--{name} names a member; give states at the start by --set.")
     options.family = options.family or ""
     body = body_of(options, {a[0]: a for a in axes})
     contact = contact_of(options, motion=True, swept={*names, *held})
