@@ -3,11 +3,22 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: atlas report notebooks pictures peers test test-long lint bench derive lock clean
+.PHONY: atlas basins report notebooks pictures peers test test-long lint bench derive lock clean
 
 # The main job: the stability diagrams of three bodies, in atlas/index.html.
 atlas: $(READY)
 	$(BIN)/stability atlas --out atlas --overwrite
+
+# Which launch ends where, near rolling and spinning, for three bodies: stores and figures in
+# basins/, with SIZE launches.  What was finished before an interruption is kept.
+SIZE ?= 400x320
+basins: $(READY)
+	@mkdir -p basins
+	@for body in disk:0.25 annulus:0.3125 hoop:0.5; do for family in rolling spinning; do \
+	  $(BIN)/stability basins --family $$family --k $${body#*:} --mu 0.3 --time 200 --overwrite \
+	    --x at:0.02:3:$(firstword $(subst x, ,$(SIZE))) --y tilt:0.01:1.2:$(lastword $(subst x, ,$(SIZE))) \
+	    --out basins/$$family-$${body%:*}.zarr --plot basins/$$family-$${body%:*}.pdf || exit 1; \
+	done; done
 
 # Cost against error by every route, and where methods fail, measured on this machine, in
 # report/index.html; what was finished before an interruption is kept.
@@ -74,4 +85,4 @@ $(READY): pyproject.toml constraints.txt
 	@touch $@
 
 clean:
-	rm -rf .venv atlas report build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv atlas basins report build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
