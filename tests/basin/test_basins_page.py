@@ -28,7 +28,7 @@ def test_the_code_of_the_page_runs(
     assert names["both"].sizes["phi_dot"] == 32
     assert float(names["settled"][-1]) > 0.5 > float(names["settled"][0])
     low, high = names["exponent"].interval
-    assert low < names["exponent"].value < high
+    assert low < names["exponent"].exponent < high
     assert 0 < names["shock"].size <= 0.3
 
 
