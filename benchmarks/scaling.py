@@ -210,9 +210,9 @@ def draw(curves: Mapping[str, Sequence[float]], measured: Mapping[str, float]) -
             lines += axes.plot(WORKERS, values, style, label=name)
         for (name, value), mark in zip(measured.items(), "os", strict=False):
             lines += axes.plot([2], [value], mark, ms=4, mfc="none", color="black",
-                               label=f"{name}, short run, measured")  # fmt: skip
-        axes.set(xscale="log", ylim=(0, 1.05), xlabel="workers",
-                 ylabel="share of workers' time in chunks", xlim=(1, WORKERS[-1]))  # fmt: skip
+                               label=f"{name}, measured")  # fmt: skip
+        axes.set(xscale="log", xlim=(1, WORKERS[-1]), xlabel="workers",
+                 ylim=(0, 1.05), ylabel="share of time in chunks")  # fmt: skip
         key(axes, lines, f"Simulated, {EACH} chunks a worker")
     save_figure(figure, PICTURE)
 
