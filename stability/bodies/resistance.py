@@ -12,6 +12,9 @@ from ..base.checks import positive
 from ..base.errors import ParameterError, shown
 from ..base.types import Record
 
+UNITS = ("kg", "m", "s", "N")
+"""Units whose products are those of coefficients: of mass, length, time and force."""
+
 
 @dataclass(frozen=True, eq=False)
 class Resistance(Record):

@@ -17,7 +17,7 @@ from ..base.types import Floats
 from ..bodies.contact import Contact, Scales
 from ..bodies.contact_laws import MOTION_LAWS, Creep, spelled
 from ..bodies.model import TAKEN, Model
-from ..bodies.resistance import Resistance, resistances
+from ..bodies.resistance import UNITS, Resistance, resistances
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.equations import Resistances
 from ..bodies.round_body.models.angle_model import round_model
@@ -135,7 +135,8 @@ def _gathered(
     units = Scales(flat | {"radius": flat["length"]}, np.sqrt)
     own = flat | {p.name: p.dimensionless(flat[p.name], units)
                   for p in law.parameters if p.name in flat}  # fmt: skip
-    sizes = {"kg": flat["mass"], "m": flat["length"], "s": scales["time"], "N": scales["force"]}
+    own_units = flat["mass"], flat["length"], scales["time"], scales["force"]
+    sizes = dict(zip(UNITS, own_units, strict=True))
     own |= {r.coefficient: replace(r, **{r.coefficient: flat[r.coefficient]}).dimensionless(sizes)
             for r in against}  # fmt: skip
     columns = [np.broadcast_to(own[n], (count,)) for n in model.system.parameters]

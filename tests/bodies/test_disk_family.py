@@ -228,7 +228,7 @@ def test_the_atlas_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
     assert [*page.drawn()] == ["rolling", "spinning", "tumbling", "edge-on"]
     monkeypatch.setattr(page, "drawn", lambda: {"edge-on": EDGE_ON.drawn})
-    drawn = build._job("disk", "edge-on", None, str(tmp_path), 8, draft=True)
+    drawn = build._job(("disk", "edge-on", None), str(tmp_path), 8, draft=True)
     pages = [build._page("disk", "edge-on", {("disk", "edge-on", None): drawn}, ())]
     assert st.read_map(tmp_path / "edge-on-disk.nc").attrs["family"] == "edge-on"
     at = [row[6] for row in pages[0].rows if row[3] == "rough"]
