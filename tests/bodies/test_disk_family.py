@@ -233,7 +233,7 @@ def test_the_atlas_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert st.read_map(tmp_path / "edge-on-disk.nc").attrs["family"] == "edge-on"
     at = [row[6] for row in pages[0].rows if row[3] == "rough"]
     assert at == pytest.approx([2 / math.sqrt(5)])  # phi_dot² = 1/(1 + k)
-    assert '<h2 id="edge-on">Edge-on</h2>\n<p>θ = π/2</p>' in page._html(pages, 8, draft=True)
+    assert '<h2 id="edge-on">Edge-on</h2>\n<p>θ = π/2</p>' in page._html(pages, (), 8, draft=True)
 
 
 def test_flutter_points_are_those_of_the_same_motion(family: str) -> None:
