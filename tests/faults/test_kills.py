@@ -125,6 +125,7 @@ def test_a_signal_to_the_group_leaves_the_helper_of_multiprocessing_alone(number
         "from multiprocessing.resource_tracker import _resource_tracker as helper\n"
         "from stability.jobs.following import processes\n"
         "with processes(1) as pool:\n"
+        "    pool.submit(abs, -2).result()\n"
         "    first = helper._pid\n"
         f"    os.kill(first, {int(number)})\n"
         "    time.sleep(0.3)\n"
