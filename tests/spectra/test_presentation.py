@@ -242,6 +242,7 @@ def test_a_law_is_given_by_name_class_or_instance() -> None:
 
 
 SPINS = {"x": ("at", 1, 3, 4), "y": ("k", 0.2, 0.3, 3)}
+TILTS = {"x": ("theta", 1.3, 1.5, 2), "y": ("phi_dot", 0.5, 1.0, 2)}
 CALLS: dict[str, Any] = {
     "spectrum": lambda **law: st.spectrum("rolling", at=1.8, **law),
     "boundaries": lambda **law: st.boundaries("rolling", axis=("at", 1, 2, 5), **law),
@@ -252,6 +253,9 @@ CALLS: dict[str, Any] = {
     "stream_map": lambda **law: st.stream_map("spinning", **SPINS, **law),
     "simulate": lambda **law: st.simulate(start={"theta": 1.5}, times=1.0, **law).theta,
     "Scene": lambda **law: st.Scene(start={"theta": 1.5}, horizon=1.0, **law),
+    "basins": lambda **law: st.basins(**TILTS, horizon=1.0, **law).end_time,
+    "launch_labels": lambda **law: st.launch_labels(varied=("theta",), horizon=1.0, **law)(
+        np.array([[1.5], [1.2]])).tolist(),
 }  # fmt: skip
 """A call of every public name that takes a contact law."""
 
