@@ -373,6 +373,7 @@ def bounded(function: ca.Function, constants: Sequence[float] | None = None) -> 
 
     Examples
     --------
+    >>> from stability.algebra.number_types import numpy_algebra
     >>> x = ca.SX.sym("x")
     >>> program = bounded(ca.Function("f", [x], [x * x - 2]))
     >>> (value,), (error,) = program.run(numpy_algebra(), [[1.5]])

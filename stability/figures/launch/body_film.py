@@ -94,7 +94,7 @@ def surface(body: Body) -> Surface:
     --------
     >>> from stability.bodies.round_body.shapes.named import ThickDisk
     >>> seen = surface(ThickDisk(0.4))
-    >>> float(seen.z.min()), float(seen.z.max()), float(seen.r[-1])
+    >>> round(float(seen.z.min()), 12), round(float(seen.z.max()), 12), float(seen.r[-1])
     (-0.2, 0.2, 0.0)
     """
     r, z, theta = meridian(body)
