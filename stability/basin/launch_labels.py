@@ -70,11 +70,10 @@ class LaunchLabels:
         size = min(PIECE, max(256, -(-len(table) // workers)))
         mine = shared(replace(self, executor=None), self.executor)
         pieces = [table[n : n + size] for n in range(0, len(table), size)]
-        own = threads
         found = [np.zeros(0, dtype=np.int64)]
         with closing(ordered(
             range(len(pieces)), lambda i: partial(_labels, mine, pieces[i]),
-            executor=self.executor, workers=workers, own=own,
+            executor=self.executor, workers=workers, own=threads,
         )) as results:  # fmt: skip
             found += [labels for _, labels in results]
         return np.concatenate(found)

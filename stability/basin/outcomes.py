@@ -31,6 +31,8 @@ from .proofs import NONE, Watcher, limits
 
 LOOSER = 100.0
 """Tolerance of the second run over that of the first."""
+PARTED = 0.1
+"""Difference of final states beyond which the two runs of a launch have parted."""
 NEWTON, SHIFT = 3, 1e-3
 """Steps that move an event to its guard's zero, and the longest of them."""
 
@@ -148,6 +150,8 @@ def _together(
         same = (first.outcome == second.outcome) & (first.family == second.family)
         alone |= ~same
         first.error[:] = _differences(first, second)
+        # where the two runs have parted, neither says how the launch ends
+        alone |= (first.outcome == CODES[Outcome.MOVING]) & (first.error > PARTED)
     _write(found, rows, first)
     _singly(found, launches, rows[alone], judging)
 

@@ -116,6 +116,25 @@ def pendulum() -> Any:
     return system, tuple(turns.values())
 
 
+def test_launches_whose_two_runs_part_are_decided_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    launches, alone = launched("rolling", "omega3", 24, 5, 60.0), []
+    single = engine._singly
+    monkeypatch.setattr(
+        engine,
+        "_singly",
+        lambda found, some, rows, judging: (
+            alone.extend(rows.tolist()),
+            single(found, some, rows, judging),
+        ),
+    )
+    usual = outcomes(launches, Judging())
+    assert not alone
+    worst = int(np.argmax(np.where(usual.outcome == 0, usual.error, 0.0)))
+    monkeypatch.setattr(engine, "PARTED", 0.99 * usual.error[worst])
+    again = outcomes(launches, Judging())
+    assert worst in alone and (again.outcome == usual.outcome).all()
+
+
 def test_a_systems_launches_settle_where_an_independent_integration_ends() -> None:
     system, rests = pendulum()
     asked = prepare(system, None, ("angle", "rate"), {"c": 0.3}, "", rests, {})
