@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from ..base.types import Floats
 from ..bodies.model import WORK
 from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
-from ..integrators.taylor import available, unread
+from ..integrators.taylor import NEWTON, SHIFT, available, unread
 from ..motion.neighbours import signs
 from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
@@ -33,8 +34,6 @@ LOOSER = 100.0
 """Tolerance of the second run over that of the first."""
 PARTED = 0.1
 """Difference of final states beyond which the two runs of a launch have parted."""
-NEWTON, SHIFT = 3, 1e-3
-"""Steps that move an event to its guard's zero, and the longest of them."""
 
 
 @dataclass(frozen=True)
@@ -202,17 +201,19 @@ def _judged(
     return run
 
 
-_LEAN: dict[Flow, Flow] = {}
-
-
+@lru_cache(maxsize=64)
 def _lean(flow: Flow) -> Flow:
-    """The flow without the energy account, where that comes last."""
+    """The flow without the energy account, where that comes last; built once for each."""
     if flow.names[-1] != WORK:
         return flow
-    if flow not in _LEAN:
-        n = len(flow.names) - 1
-        _LEAN[flow] = flow.having(x=flow.x[:n], rhs=flow.rhs[:n], names=flow.names[:n])
-    return _LEAN[flow]
+    n = len(flow.names) - 1
+    return flow.having(x=flow.x[:n], rhs=flow.rhs[:n], names=flow.names[:n])
+
+
+@lru_cache(maxsize=64)
+def _rates(flow: Flow) -> Program:
+    """The rates of many states; read from the graph once for each flow."""
+    return Program(flow.rates)
 
 
 def _events(run: _Run, flow: Flow, rows: NDArray[np.intp], p: Floats) -> None:
@@ -225,7 +226,7 @@ def _events(run: _Run, flow: Flow, rows: NDArray[np.intp], p: Floats) -> None:
     values, _ = flow.margins(y, given)
     which = np.argmin(np.abs(values), axis=1)
     pick = np.arange(len(rows))
-    rates = Program(flow.rates)
+    rates = _rates(flow)
     for _ in range(NEWTON):
         values, speeds = flow.margins(y, given)
         value, speed = values[pick, which], speeds[pick, which]
