@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.axis import Axis, AxisLike
-from ..base.checks import flag, one_number, whole_number
+from ..base.checks import whole_number
 from ..base.errors import ParameterError
 from ..base.types import Floats, Progress
 from ..bodies.disk import Disk
@@ -34,7 +34,7 @@ from .dataset import arrays, attributes, blank, coordinates, label, question, va
 from .launch_labels import LaunchLabels, refined
 from .launches import Launches, prepare
 from .linear import linear_verdict
-from .outcomes import Judging, outcomes
+from .outcomes import Judging, judged_by, last_time, outcomes
 from .statistics.samples import DistributionLike, Independent, sample
 
 if TYPE_CHECKING:
@@ -277,10 +277,8 @@ def planned(
     """
     if body is not None and disk is not None:
         raise ParameterError("body is given, and another one in the first place; give one of them.")
-    judging = _judging(tolerance, check, settle, flat, max_steps, max_seconds)
-    last = one_number("horizon", horizon)
-    if not last > 0:
-        raise ParameterError(f"horizon is {last:g}; give a last time above 0.")
+    judging = judged_by(tolerance, check, settle, flat, max_steps, max_seconds)
+    last = last_time(horizon)
     axes: tuple[Axis, ...] = ()
     if distribution is None:
         axes = _axes(x, y, more, family)
@@ -302,16 +300,6 @@ def planned(
     seed = whole_number("seed", seed, least=0)
     layout = Layout(dims, shape, _tile(shape, size))
     return Plan(launches, last, judging, layout, axes, distribution, seed)
-
-
-def _judging(
-    tolerance: Any, check: Any, settle: Any, flat: Any, max_steps: Any, max_seconds: Any
-) -> Judging:
-    found = Judging(tolerance, flag("check", check), settle, flat, max_steps, max_seconds)
-    single = found.single
-    single.refuse()
-    return replace(found, tolerance=single.tolerance, settle=single.settle, flat=single.flat,
-                   most=single.max_steps, seconds=single.max_seconds)  # fmt: skip
 
 
 def _axes(x: Any, y: Any, more: Sequence[Any], family: str) -> tuple[Axis, ...]:

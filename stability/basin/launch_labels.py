@@ -15,13 +15,13 @@ from ..base.errors import ParameterError, shown
 from ..base.types import Floats
 from ..integrators.flow import CASADI
 from ..integrators.taylor import CORES
-from ..jobs.pipeline import ordered, threads
+from ..jobs.pipeline import check_run, ordered, threads
 from ..jobs.shared import shared
 from ..motion.result import BY_CODE
 from .borders import Borders, borders
 from .lattice.labels import Ints
 from .launches import Launches, prepare
-from .outcomes import Judging, outcomes
+from .outcomes import Judging, judged_by, last_time, outcomes
 
 if TYPE_CHECKING:
     import xarray
@@ -161,7 +161,9 @@ def launch_labels(
         raise ParameterError(f"varied is {shown(varied)}; give a list of names.")
     thing = body if disk is None else disk
     asked = prepare(thing, contact, tuple(varied), held, family, families, parameters)
-    return LaunchLabels(asked, float(horizon), Judging(tolerance, check), executor, workers)
+    check_run(workers, None, executor)
+    judging = judged_by(tolerance, check)
+    return LaunchLabels(asked, last_time(horizon), judging, executor, workers)
 
 
 def refined(

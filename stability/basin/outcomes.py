@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.program import Program
+from ..base.checks import flag, one_number
+from ..base.errors import ParameterError
 from ..base.types import Floats
 from ..bodies.model import WORK
 from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
@@ -58,6 +60,43 @@ class Judging:
         """Settings of a launch that is decided alone."""
         return Settings("auto", self.tolerance, False, self.flat, self.settle, self.most, 1,
                         True, self.seconds)  # fmt: skip
+
+
+def judged_by(
+    tolerance: Any, check: Any, settle: Any = Judging.settle, flat: Any = Judging.flat,
+    most: Any = Judging.most, seconds: Any = Judging.seconds,
+) -> Judging:  # fmt: skip
+    """Settings from a user's values, refused in one sentence where they are out of range.
+
+    Parameters
+    ----------
+    tolerance, check, settle, flat, most, seconds
+        As the fields of `Judging`.
+
+    Raises
+    ------
+    ParameterError
+        If a value is out of range.
+    """
+    found = Judging(tolerance, flag("check", check), settle, flat, most, seconds)
+    single = found.single
+    single.refuse()
+    return replace(found, tolerance=single.tolerance, settle=single.settle, flat=single.flat,
+                   most=single.max_steps, seconds=single.max_seconds)  # fmt: skip
+
+
+def last_time(horizon: Any) -> float:
+    """The last time of launches, refused unless it is above 0.
+
+    Parameters
+    ----------
+    horizon
+        A user's value.
+    """
+    last = one_number("horizon", horizon)
+    if not last > 0:
+        raise ParameterError(f"horizon is {last:g}; give a last time above 0.")
+    return last
 
 
 @dataclass(frozen=True, eq=False)

@@ -94,6 +94,16 @@ def test_the_smallest_shock_is_confirmed_by_an_independent_integration() -> None
 def test_labels_refuse_what_they_cannot_read() -> None:
     with pytest.raises(ParameterError, match="give a list of names"):
         st.launch_labels(contact="viscous", mu=0.3, varied="theta", horizon=1.0)
+    refused: list[tuple[dict[str, Any], str]] = [
+        ({"horizon": -1.0}, "horizon is -1; give a last time above 0"),
+        ({"tolerance": 1.0}, "tolerance is 1; give one from"),
+        ({"check": "yes"}, "check is"),
+        ({"workers": 0}, "workers is 0"),
+    ]
+    for wrong, words in refused:
+        with pytest.raises(ParameterError, match=words):
+            st.launch_labels(contact="viscous", mu=0.3, varied=("theta",),
+                             **({"horizon": 1.0} | wrong))  # fmt: skip
     ends = st.launch_labels(contact="viscous", mu=0.3, varied=("theta",), horizon=1.0)
     with pytest.raises(ParameterError, match=r"give shape \(n, 1\): theta"):
         ends(np.zeros((2, 2)))
