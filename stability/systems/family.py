@@ -16,26 +16,20 @@ from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
 from ..base.errors import (
     DomainError,
-    NameUnknownError,
     NoMemberError,
     ParameterError,
     StabilityError,
-    shown,
 )
 from ..base.types import Floats, Record, fields_of
 from .closed_form import ClosedForm
 from .equations import Equations
-from .following.members import Found, find
+from .following.members import Found, find, require_steady
 from .following.members import listing as listing
 from .following.sheet import Anchor
-from .following.steadiness import rate_noise
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable
 from .graph.smoothness import KINKED, REMOVABLE, gap, sloped
-from .system_checks import check_family, tables
-
-UNKNOWN = 1e-10
-"""Largest rate that counts as zero, in units of the linearisation, if its rounding has no bound."""
+from .system_checks import check_family, check_states, tables
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,39 +140,24 @@ class Family(Record):
         check_family(self)
         if self.anchor is not None:
             instance("anchor", self.anchor, Anchor, "take the family from System.steady")
-        for name in (*self.held, *self.unknown, *self.equations):
-            seen = self.system.observables.get(name) if name in self.equations else None
-            if seen is None or seen.shape != (1, 1):
-                self.system.index(name)
-        for name in self.at:
-            if name not in (*self.system.states, *self.system.parameters):
-                raise NameUnknownError(
-                    f"at is {shown(name)}, neither a state nor a parameter of {self.system.name}."
-                )
-        given = [*self.held, *self.unknown, *(n for n in self.at if n in self.system.states)]
-        for state in self.system.states:
-            if given.count(state) != 1 and (state in given or state not in self.left_out):
-                raise ParameterError(
-                    f"state {shown(state)} of family {self.name} is given {given.count(state)} "
-                    "times; name each state once, in at, held or unknown."
-                )
+        check_states(self)
         for state in self.left_out:
-            other = acting_on(self.system, state, given)
+            other = acting_on(self.system, state, self.named)
             if other:
                 raise ParameterError(
                     f"family {self.name} leaves {state} out, but the rate of {other} depends on "
                     f"it; leave {other} out too, or give {state}."
                 )
-        if len(self.unknown) != len(self.equations):
-            raise ParameterError(
-                f"family {self.name} has {len(self.unknown)} unknowns and {len(self.equations)} "
-                "equations; give as many of one as of the other."
-            )
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the system's parameters that `at` does not take."""
         return tuple(n for n in self.system.parameters if n not in self.at)
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """Names of the states that are given: held, solved for, or in `at`."""
+        return (*self.held, *self.unknown, *(n for n in self.at if n in self.system.states))
 
     # --- states that may move ---
 
@@ -279,7 +258,7 @@ class Family(Record):
         given = self._system_parameters(a, q)
         self.system.check(states, given)
         try:
-            self._require_steady(a, u, q)
+            require_steady(self, a, u, q, states)
             # a factor zero folds away in the family's graph, which may hide an overflow
             self.system.rates(states, given)
         except StabilityError:
@@ -460,37 +439,6 @@ class Family(Record):
             return f"{self.name} does not exist there: {reason}"
 
         return np.asarray(fine.all(axis=0)), why
-
-    def _require_steady(self, a: Floats, u: Floats, q: Floats) -> None:
-        arguments = [columns(a), columns(u), columns(q)]
-        rates = self.graph.rates.arrays(arguments, a.shape[:1])[0][..., 0]
-        rates[:, [self.system.index(n) for n in self.left_out]] = 0.0
-        if not rates.any():
-            return
-        with np.errstate(all="ignore"):
-            matrix = self.matrix(a, u, q)
-            size = np.abs(matrix).max(axis=(1, 2))
-            scale = 1 + size * (1 + np.abs(u).max(axis=1, initial=0))
-        if not (np.isfinite(rates).all() and np.isfinite(scale).all()):
-            raise NoMemberError(
-                f"{self.name}: the rates have no value there, such as the sign of 0, or overflow "
-                "double precision; give values nearer to 1."
-            )
-        bound = rate_noise(self.graph, a, u, q, self.states(a, u, q), matrix)
-        bound = np.where(np.isfinite(bound), bound, UNKNOWN * scale[:, None])
-        over = ~(np.abs(rates) <= bound)
-        if over.any():
-            row = int(np.argmax(over.any(axis=1)))
-            which = int(np.argmax(np.where(over[row], np.abs(rates[row]), -1.0)))
-            remedy = "it is ignorable, so leave it out of the family"
-            if self.system.states[which] not in ignorable(self.system):
-                remedy = "add its rate to the family's equations, or give what is held "
-                remedy += "to all its digits"
-            raise NoMemberError(
-                f"{self.name} at {listing(self.at, a[row])} is not steady: "
-                f"{self.system.states[which]} still changes at {abs(rates[row, which]):.3g}, and "
-                f"rounding accounts for {bound[row, which]:.1g} of that at most; {remedy}."
-            )
 
     # --- inputs ---
 

@@ -8,11 +8,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.errors import NoMemberError
 from ...base.types import Floats
 from ..graph.family_graph import FamilyGraph
+from ..graph.ignorable import ignorable
 from .roots import newton_step, roots
 from .sheet import follow
 from .singular_points import Curve, Located, locate_branch_point, locate_fold
+from .steadiness import rate_noise
+
+UNKNOWN = 1e-10
+"""Largest rate that counts as zero, in units of the linearisation, if its rounding has no bound."""
 
 NEXT = 1e-4
 """Longest way from the end of a line to the fold or branch point that ended it, as a share."""
@@ -175,3 +181,54 @@ def _upright(curve: Curve, fold: Located) -> bool:
     bend = np.einsum("i,kij,k,j->", left, curve.turning(z)[:n, :, :n], phi, phi)
     size = float(np.max(1 + np.abs(z[:n]))) ** 2 / (1 + abs(float(z[-1])))
     return bool(abs(bend) * size <= UPRIGHT * abs(left @ slope[:, -1]))
+
+
+def require_steady(family: Any, a: Floats, u: Floats, q: Floats, states: Floats) -> None:
+    """Refuse members at which a rate does not vanish within its rounding.
+
+    Parameters
+    ----------
+    family
+        A `Family`.
+    a, u, q
+        Family parameters, unknowns and parameters, shapes (N, ·).
+    states
+        States of the members, shape (N, n).
+
+    Raises
+    ------
+    NoMemberError
+        If a rate does not vanish, or has no value.
+    """
+    arguments = [list(block.T) for block in (a, u, q)]
+    rates = family.graph.rates.arrays(arguments, a.shape[:1])[0][..., 0]
+    rates[:, [family.system.index(n) for n in family.left_out]] = 0.0
+    if not rates.any():
+        return
+    with np.errstate(all="ignore"):
+        matrix = family.matrix(a, u, q)
+        size = np.abs(matrix).max(axis=(1, 2))
+        scale = 1 + size * (1 + np.abs(u).max(axis=1, initial=0))
+    if not (np.isfinite(rates).all() and np.isfinite(scale).all()):
+        raise NoMemberError(
+            f"{family.name}: the rates have no value there, such as the sign of 0, or overflow "
+            "double precision; give values nearer to 1."
+        )
+    bound = rate_noise(family.graph, a, u, q, states, matrix)
+    bound = np.where(np.isfinite(bound), bound, UNKNOWN * scale[:, None])
+    over = ~(np.abs(rates) <= bound)
+    if over.any():
+        row = int(np.argmax(over.any(axis=1)))
+        which = int(np.argmax(np.where(over[row], np.abs(rates[row]), -1.0)))
+        raise NoMemberError(
+            f"{family.name} at {listing(family.at, a[row])} is not steady: "
+            f"{family.system.states[which]} still changes at {abs(rates[row, which]):.3g}, and "
+            f"rounding accounts for {bound[row, which]:.1g} of that at most; "
+            f"{_remedy(family.system, family.system.states[which])}."
+        )
+
+
+def _remedy(system: Any, state: str) -> str:
+    if state in ignorable(system):
+        return "it is ignorable, so leave it out of the family"
+    return "add its rate to the family's equations, or give what is held to all its digits"
