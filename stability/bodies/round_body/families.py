@@ -26,7 +26,7 @@ from ..contact import Contact
 from ..contact_laws import law_class
 from ..law_names import class_named
 from .equations import Resistances, round_system
-from .inclinations import first_numbers, level, slope_of, stands_upright, tumbling_ranges
+from .inclinations import level, sizes, slope_of, stands_upright
 from .pole_equations import AXIS, SLIP, TURN, pole_system, refuse_rough_pole
 from .polynomials import closed_form
 from .shape import SCALES, RoundShape
@@ -223,14 +223,8 @@ def _near(pole: Any) -> int:
 
 
 def _typical(body: RoundShape, record: RoundFamily) -> dict[str, float]:
-    """Sizes near which the family has members: the body's own numbers, and an inclination."""
-    own = {n: float(v) for n, v in first_numbers(body).items() if n not in SCALES}
-    found = {"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3} | own
-    if record.rests:
-        ranges = tumbling_ranges(body)
-        low, high = max(ranges, key=lambda r: r[1] - r[0], default=(1.0, 1.0))
-        found["theta"] = (low + high) / 2
-    return found
+    """Sizes near which the family has members: those of the body's numbers, and an inclination."""
+    return {"phi_dot": 1.9, "omega3": 1.3} | sizes(body, rests=record.rests)
 
 
 def body_family(

@@ -14,10 +14,15 @@ from scipy.optimize import brentq
 from ...base.checks import one_number
 from ...base.errors import NoMemberError
 from ...base.types import Floats
-from .shape import SAMPLES, RoundShape
+from .shape import MOMENTS, SAMPLES, SCALES, Outline, RoundShape
+from .si_law import Shape, shape_of
 
 CLOSE = 1e-12
 """Largest slope of the height, over the height, that counts as zero at π/2 before the proof."""
+COARSEST, FINEST = 2, 4
+"""Binary digits of the sizes near which the equations of all bodies of one shape are sampled."""
+SPREAD = 1.25
+"""Room between these sizes and the limits of a shape's numbers, as a factor."""
 
 
 def first_numbers(body: RoundShape) -> dict[str, float]:
@@ -55,6 +60,60 @@ def tumbling_ranges(body: RoundShape) -> list[tuple[float, float]]:
     step = (high - low) / SAMPLES / 2
     return [(float(theta[a] - step), float(theta[b - 1] + step))
             for a, b in ends.reshape(-1, 2)]  # fmt: skip
+
+
+def sizes(body: RoundShape, *, rests: bool) -> dict[str, float]:
+    """Sizes of a body's numbers, and an inclination near which it has members.
+
+    Numbers that differ by little have the same sizes, so that what is derived near these sizes is
+    derived once for all of them.
+
+    Parameters
+    ----------
+    body
+        The body.
+    rests
+        Whether the inclination is one at which the body tumbles.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> a, b = (sizes(st.Torus(tube), rests=True) for tube in (0.2, 0.21))
+    >>> a == b, a["tube"]
+    (True, 0.1875)
+    """
+    numbers = {n: v for n, v in first_numbers(body).items() if n not in SCALES}
+    limits = getattr(body, "limits", {})
+    for digits in range(COARSEST, FINEST + 1):
+        near = {n: _rounded(v, digits) for n, v in numbers.items()}
+        inside = all(low < near[n] / SPREAD and near[n] * SPREAD <= high
+                     for n, (low, high) in limits.items())  # fmt: skip
+        theta = _tumbling_at(shape_of(body), tuple(near.items())) if rests else 1.0
+        if inside and theta is not None:
+            return near | {"theta": theta}
+    theta = _tumbling_at(shape_of(body), tuple(numbers.items())) if rests else 1.0
+    return numbers | {"theta": 1.0 if theta is None else theta}
+
+
+def _rounded(value: float, digits: int) -> float:
+    """A number to a few binary digits."""
+    share, power = math.frexp(value)
+    return math.ldexp(round(math.ldexp(share, digits)), power - digits)
+
+
+@lru_cache(maxsize=256)
+def _tumbling_at(shape: Shape, numbers: tuple[tuple[str, float], ...]) -> float | None:
+    """The middle of the widest interval in which a body tumbles; None where it does not."""
+    name, height, moments, words, between = shape
+    known = dict(numbers)
+    axial, transverse = (known[n] if m is None else m
+                         for n, m in zip(MOMENTS, moments, strict=True))  # fmt: skip
+    body = Outline(height, axial, transverse, {n: known[n] for n in words}, name, between)
+    ranges = tumbling_ranges(body)
+    if not ranges:
+        return None
+    low, high = max(ranges, key=lambda r: r[1] - r[0])
+    return (low + high) / 2
 
 
 def slope_of(body: RoundShape) -> Callable[[ArrayLike], Floats]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -95,6 +96,19 @@ class RoundShape(Record):
         shape = np.broadcast_shapes(*(v.shape for v in values))
         found = _program(self.height, tuple(self.shape)).arrays([[v] for v in values], shape)
         return found[0][..., 0, 0], found[2][..., 0, 0]
+
+
+@dataclass(frozen=True, eq=False)
+class Outline(RoundShape):
+    """A body's numbers without scales and without checks."""
+
+    height: Callable[..., Any]
+    axial: Any
+    transverse: Any
+    shape: Mapping[str, Any]
+    name: str
+    between: tuple[float, float]
+    mass = gravity = length = 1.0
 
 
 @lru_cache(maxsize=64)

@@ -289,6 +289,31 @@ def edged(system: Equations) -> bool:
     return _program(system) is not None
 
 
+def _at_edges(program: Program, x: Floats, p: Floats) -> NDArray[np.bool_]:
+    """Rows at which the double of some argument is at an edge, in the order of the instructions."""
+    found = np.zeros(len(x), dtype=bool)
+
+    def watched(name: str) -> Callable[..., Any]:
+        ends = [0.0] if name in ("fabs", "pow") else [e for pair in EDGES.get(name, ()) for e in pair]
+
+        def apply(*arguments: Any) -> Any:
+            if name == "atan2":
+                hit = np.equal(arguments[0], 0) & np.less_equal(arguments[1], 0)
+            else:
+                hit = np.isin(arguments[0], ends)
+            np.logical_or(found, hit, out=found)
+            return _PLAIN[name](*arguments)
+
+        return apply
+
+    table = {name: _PLAIN[name] for name in (*UNARY, *MORE)}  # others are written by these
+    table |= {name: watched(name) for name in (*EDGES, "fabs", "pow", "atan2")}
+    algebra = Algebra("edges", np.float64, table)
+    with np.errstate(all="ignore"):
+        program.run(algebra, [list(x.T), list(p.T)])
+    return found
+
+
 def sloped(system: Equations, x: Floats, p: Floats) -> NDArray[np.bool_]:
     """Whether the rates of a system have a slope at states, which |x| has not at 0.
 
@@ -317,6 +342,11 @@ def sloped(system: Equations, x: Floats, p: Floats) -> NDArray[np.bool_]:
     fine = np.ones(len(x), dtype=bool)
     program = _program(system)
     if program is None:
+        return fine
+    edge = _at_edges(program, x, p)
+    if not edge.all():  # elsewhere no number of the graph can lack a slope
+        if edge.any():
+            fine[edge] = sloped(system, x[edge], p[edge])
         return fine
     moving = np.ones(len(x), dtype=bool)
     no = np.zeros(len(x), dtype=bool)
