@@ -293,7 +293,7 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
         point = _crossing(line, *near)
         if point is not None:
             return point
-    return _bracket(line, root, Crossing.TOUCHING)
+    return bracketed(line, root, Crossing.TOUCHING)
 
 
 def zeros(line: AxisScan, low: float, high: float) -> list[float]:
@@ -313,7 +313,7 @@ def _crossing(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     for crossing in (Crossing.STATIC, Crossing.FLUTTER):
         f = line.function(crossing)
         if f(low) * f(high) < 0:
-            point = _bracket(line, _zero(f, low, high), crossing)
+            point = bracketed(line, _zero(f, low, high), crossing)
             if point is not None:
                 return point
     return None
@@ -325,7 +325,18 @@ def _zero(f: Callable[[float], float], low: float, high: float) -> float:
     return float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=5000))
 
 
-def _bracket(line: AxisScan, root: float, crossing: Crossing) -> BoundaryPoint | None:
+def bracketed(line: AxisScan, root: float, crossing: Crossing) -> BoundaryPoint | None:
+    """The boundary at a root that is known to double precision; None where none is proved.
+
+    Parameters
+    ----------
+    line
+        The line.
+    root
+        Value of its axis.
+    crossing
+        Determinant that vanishes there.
+    """
     found = bracket(line.sign, root)
     if found is None:
         return None
@@ -397,4 +408,4 @@ def at_point(line: AxisScan, value: float) -> BoundaryPoint | None:
     with precision(MOST_BITS):  # to see which of the two determinants vanishes
         p = line.polynomial(value, MOST_BITS)
         crossing = Crossing.STATIC if p[0].contains(0) else Crossing.FLUTTER
-    return _bracket(line, value, crossing)
+    return bracketed(line, value, crossing)

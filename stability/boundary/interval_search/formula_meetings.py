@@ -18,6 +18,7 @@ from ...algebra.balls import precision
 from ...base.errors import NoMemberError
 from ...systems.closed_form import ClosedForm
 from ..brackets import BITS, AxisScan
+from ..crossings import Crossing
 from .blocks import NoValueError, nonzero
 from .meetings import POINT_BITS, middle_of
 from .taylor import coefficient, series_algebra, span, terms
@@ -122,13 +123,15 @@ class FormulaMeetings:
 
     def _functions(self, coefficients: Sequence[Any]) -> list[Any]:
         """Numbers that vanish where an eigenvalue meets the imaginary axis, or infinity."""
-        if self.formulas.even:
-            row = coefficients[::2]
-            if len(row) > 2:
-                raise NoValueError
-            return list(row)
-        size = len(coefficients) - 2
-        return [coefficients[0], coefficients[-1], hurwitz(coefficients, size)]
+        if self.formulas.even and len(coefficients) > 3:
+            raise NoValueError
+        return watched(coefficients, even=self.formulas.even)
+
+    @property
+    def kinds(self) -> list[Crossing | None]:
+        """What each of these numbers means; None for infinity."""
+        own: list[Crossing | None] = [Crossing.STATIC, None]
+        return own if self.formulas.even else [*own, Crossing.FLUTTER]
 
     def zeros_in(self, piece: FormulaPiece) -> int | None:
         """Number of zeros of all functions on a piece, each simple; None if this is not proved.
@@ -181,6 +184,21 @@ class FormulaMeetings:
             Value of the axis.
         """
         return 0 not in self._signs(value)
+
+
+def watched(coefficients: Sequence[Any], *, even: bool) -> list[Any]:
+    """Functions of a polynomial that vanish where a root meets the imaginary axis, or infinity.
+
+    Parameters
+    ----------
+    coefficients
+        By powers, lowest first, of any number type.
+    even
+        Whether those of odd powers vanish; the polynomial is then linear in λ².
+    """
+    if even:
+        return list(coefficients[::2])
+    return [coefficients[0], coefficients[-1], hurwitz(coefficients, len(coefficients) - 2)]
 
 
 def hurwitz(coefficients: Sequence[Any], size: int) -> Any:

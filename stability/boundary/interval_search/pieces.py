@@ -17,9 +17,11 @@ from ...base.errors import NoMemberError, StabilityError
 from ...systems.structure.multiplicity import certain
 from ...systems.structure.structural_zeros import structure
 from ..brackets import BITS, AxisScan
+from ..crossings import Crossing
 from .blocks import NoValueError
 from .formula_meetings import FormulaMeetings
 from .meetings import Meetings, middle_of
+from .quick_pieces import Quick, quick_pieces
 
 MOST_PIECES = 1200
 """Largest number of pieces for a system of few states."""
@@ -63,6 +65,8 @@ class Leaf:
     """Number of simple meetings with the imaginary axis in it; None where this is not proved."""
     reason: str = ""
     """Reason why nothing is proved."""
+    near: tuple[float, Crossing] | None = None
+    """The single meeting to double precision, where it is known."""
 
 
 @dataclass(frozen=True)
@@ -101,14 +105,28 @@ def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pie
         found = str(error)
     if isinstance(found, str):
         return Pieces((Leaf(low, high, None, found),), low, high, 0)
+    leaves, waiting, count = [], [(low, high)], 0
+    quick = quick_pieces(found, low, high, log=log) if isinstance(found, FormulaMeetings) else None
+    if quick is not None:
+        leaves, waiting, count = _leaves(quick), list(quick.left), quick.count
+        if not waiting:
+            return Pieces(tuple(_joined(leaves)), low, high, count)
     tests = [low + share * (high - low) for share in (0.2718, 0.5772, 0.8541)]
-    if not any(found.clear(v) for v in tests) and any(found.root(v) is not None for v in tests):
+    if not leaves and not any(found.clear(v) for v in tests) and any(found.root(v) is not None for v in tests):
         reason = ALONG.format(bits=BITS)
         return Pieces((Leaf(low, high, None, reason),), low, high, len(tests))
     least = FINEST * max(abs(low), abs(high))
     ends = _beyond(found, low, -least), _beyond(found, high, least)
-    leaves, count = _Search(found, *ends, least, log=log and ends[0] > 0).run()
-    return Pieces(tuple(_joined(leaves)), *ends, count)
+    waiting = [(ends[0] if a == low else a, ends[1] if b == high else b) for a, b in waiting]
+    searched = _Search(found, *ends, least, log=log and ends[0] > 0).run(waiting, count)
+    return Pieces(tuple(_joined([*leaves, *searched[0]])), *ends, searched[1])
+
+
+def _leaves(quick: Quick) -> list[Leaf]:
+    """The pieces that doubles prove."""
+    one = [Leaf(s.low, s.high, 1, near=None if s.crossing is None else (s.root, s.crossing))
+           for s in quick.single]  # fmt: skip
+    return [*(Leaf(*ends, 0) for ends in quick.clear), *one]
 
 
 def _meetings(line: AxisScan) -> Meetings | FormulaMeetings | str:
@@ -149,10 +167,12 @@ class _Search:
         self.most = min(MOST_PIECES, MOST_WORK // max(map(len, found.blocks)) ** 3)
         self.lost = 0
 
-    def run(self) -> tuple[list[Leaf], int]:
-        """The leaves, not in order, and the number of pieces."""
-        heap = [(-self._width(self.low, self.high), self.low, self.high, "")]
-        leaves, count = [], 0
+    def run(self, waiting: list[tuple[float, float]], count: int) -> tuple[list[Leaf], int]:
+        """The leaves of pieces, not in order, and the number of pieces with those before."""
+        heap = [(-self._width(*ends), *ends, "") for ends in waiting]
+        heapq.heapify(heap)
+        leaves: list[Leaf] = []
+        self.most += count
         while heap:
             if not self.found.prepared(middle_of(*heap[0][1:3])):
                 self._prepare([waiting[1:3] for waiting in heap[: self.most - count]])

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...base.errors import StabilityError
 from ...base.types import Floats
-from ..brackets import AxisScan, at_point, refine
+from ..brackets import AxisScan, at_point, bracketed, refine
 from ..crossings import Boundaries, BoundaryPoint, Unresolved
 from ..scan import scanned
 from .pieces import TOUCH, Leaf, pieces
@@ -73,13 +73,19 @@ def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> Part:
         if signs[0] == signs[1] != 0 and leaf.meetings == 1:
             return [], []
         if signs[0] * signs[1] < 0 and leaf.meetings in (1, 2):
-            point = _at_end(line, leaf, low, high) or refine(line, leaf.low, leaf.high)
+            point = _at_end(line, leaf, low, high) or _near(line, leaf)
+            point = point or refine(line, leaf.low, leaf.high)
             if point is not None:
                 return [point], []
     except StabilityError as error:
         return [], [Unresolved(first, last, f"no verdict there: {error}")]
     reason = TOUCH if signs[0] == signs[1] else "the change could not be bracketed"
     return [], [Unresolved(first, last, f"{reason}.")]
+
+
+def _near(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
+    """The change at a meeting that is known to double precision."""
+    return None if leaf.near is None else bracketed(line, *leaf.near)
 
 
 def _at_end(line: AxisScan, leaf: Leaf, low: float, high: float) -> BoundaryPoint | None:

@@ -8,11 +8,13 @@ linearly or not at all, and the equations vanish identically.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
 from flint import arb
+from flint.utils.flint_exceptions import DomainError
 
 from ...algebra.balls import precision
 from ...algebra.exact.function_field import Expression
@@ -93,6 +95,33 @@ def _cached(family: Family, x: str, y: str, fixed: tuple[tuple[str, float], ...]
         return None
 
 
+class _Field(RecordingField):
+    """A recording field in which the root of a square p², or |p|, is p, on one side of p = 0."""
+
+    def __init__(self, names: Sequence[str], budget: Budget, near: Sequence[Any]) -> None:
+        super().__init__(names, budget)
+        self.near = near
+        self.sides: list[Poly] = []
+        """Polynomials that are positive where the roots are the ones taken."""
+
+    def root(self, kind: str, square: Any, over: Any = None) -> Expression:
+        """An indeterminate whose square is a polynomial, or a polynomial."""
+        own = range(len(self.near))
+        used = occurring(square) | (set() if over is None else occurring(over))
+        value = None
+        if used <= {*own}:
+            with suppress(DomainError):  # no square
+                value = square.sqrt()
+        if value is None:
+            return super().root(kind, square, over)
+        side = value if over is None else value * over
+        if evaluate(side, dict(zip(own, self.near, strict=True))) < 0:
+            value, side = -value, -side
+        if not side.is_constant():
+            self.sides.append(side)
+        return Expression(self, value, self.one)
+
+
 class _Reading:
     """A family's graph as expressions in the axes."""
 
@@ -100,7 +129,8 @@ class _Reading:
         self, family: Family, axes: tuple[str, str], fixed: Mapping[str, float], budget: Budget
     ) -> None:
         self.family, self.budget = family, budget
-        self.field = RecordingField([*axes, *family.unknown], budget)
+        near = [rational(float(family.typical.get(n, 1.0))) for n in axes]
+        self.field = _Field([*axes, *family.unknown], budget, near)
         self.required: list[Poly] = []
         self.nonzero: list[Poly] = []
         known: dict[str, Any] = {n: self.field.number(rational(v)) for n, v in fixed.items()}
@@ -189,7 +219,8 @@ class _Reading:
         rows = self._in_balls(matrix) if self.field.meaning else self._over_q(matrix)
         convert = self._enclosed if self.field.meaning else self._moved
         table = Table()
-        required = tuple(table.condition(convert(p)) for p in self.required)
+        sides = self.field.sides  # roots of squares were taken on one side of zero
+        required = tuple(table.condition(convert(p)) for p in (*self.required, *sides))
         apart = [convert(p) for p in self.nonzero] + [row[-1] for row, _, _ in rows]
         nonzero = tuple(table.condition(p) for p in apart if not p.is_constant())
         with precision(BITS):

@@ -1,0 +1,244 @@
+"""Pieces of an axis proved in double precision, many at once, from the formulas of a family.
+
+Every function of `FormulaMeetings` is a Taylor form on each piece: coefficients at the midpoint and
+a remainder over the piece, all as balls of doubles by one kernel.  Pieces that stay open are cut;
+the few that are still open at the end are left to balls of any precision.
+
+Source: tests/boundary/test_formula_boundaries.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from ...algebra.balls import precision
+from ...algebra.kernels.series_tape import recorded_series
+from ...algebra.kernels.tape import Tape
+from ...algebra.number_types import Algebra
+from ...base.errors import StabilityError
+from ...base.types import Floats
+from ...systems.closed_form import ClosedForm
+from ..brackets import BITS, AxisScan
+from ..crossings import Crossing
+from .formula_meetings import FormulaMeetings, watched
+from .taylor import series_algebra
+
+ORDER = 3
+"""Order of the Taylor forms."""
+FIRST = 64
+"""Pieces of the first round."""
+SPLIT = 4
+"""Parts into which an open piece is cut."""
+MOST = 2048
+"""Largest number of pieces of all rounds."""
+ROUNDS = 12
+"""Largest number of rounds."""
+ROOM = 1 + 2.0**-40
+"""Factor for the roundings of a sum of sizes."""
+SKEW = 0.0137
+"""Share by which the first cuts are moved: no simple numbers, since boundaries often are."""
+STEPS = 12
+"""Most steps of Newton's method from a piece to the root in it."""
+
+Flags = NDArray[np.bool_]
+Span = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Single:
+    """A piece with one zero of one function."""
+
+    low: float
+    high: float
+    root: float
+    """The zero, to double precision."""
+    crossing: Crossing | None
+    """What meets the imaginary axis there; None for a pole."""
+
+
+@dataclass(frozen=True)
+class Quick:
+    """What doubles prove along an axis."""
+
+    clear: tuple[Span, ...]
+    """Pieces without a meeting."""
+    single: tuple[Single, ...]
+    """Pieces with one."""
+    left: tuple[Span, ...]
+    """Pieces that stay open."""
+    count: int
+    """Number of pieces that were examined."""
+
+
+def quick_pieces(found: FormulaMeetings, low: float, high: float, *, log: bool) -> Quick | None:
+    """Pieces of an interval, proved in doubles; None where the formulas have no kernel.
+
+    Parameters
+    ----------
+    found
+        The functions along a line.
+    low, high
+        Ends of the interval.
+    log
+        Whether pieces are cut at equal ratios.
+    """
+    line = found.line
+    names = (*line.problem.family.at, *line.problem.family.parameters)
+    if line.problem.ratios or line.problem.law is not None or line.axis not in names:
+        return None
+    place = names.index(line.axis)
+    try:
+        tapes = [_tape(found.formulas, place, order) for order in (ORDER, 1)]
+    except StabilityError:
+        return None
+    values = np.array([line.fixed.get(n, 0.0) for n in names])
+    return _Rounds(found, tapes, values, place).run(low, high, log=log)
+
+
+@lru_cache(maxsize=64)
+def _tape(formulas: ClosedForm, place: int, order: int) -> Tape:
+    """Taylor coefficients of the functions, then of the numbers that are positive at members."""
+    cut, count = formulas.function.numel_in(0), formulas.function.numel_in(1)
+
+    def run(inputs: list[Any], algebra: Algebra) -> list[Any]:
+        coefficients, _, positive = formulas(algebra, inputs[:cut], inputs[cut:])
+        return [*watched(coefficients, even=formulas.even), *positive]
+
+    return recorded_series(run, cut + count, place, order)
+
+
+class _Rounds:
+    """Rounds of pieces, each cut where the one before left it open."""
+
+    def __init__(
+        self, found: FormulaMeetings, tapes: Sequence[Tape], values: Floats, place: int
+    ) -> None:
+        self.found, self.values, self.place = found, values, place
+        self.form, self.slope = tapes
+        self.functions = len(found.kinds)
+
+    def run(self, low: float, high: float, *, log: bool) -> Quick:
+        """All rounds."""
+        cuts = (np.arange(FIRST + 1) + SKEW) / FIRST
+        cuts = low * (high / low) ** cuts if log and low > 0 else low + (high - low) * cuts
+        cuts[0], cuts[-1] = low, high
+        lows, highs = cuts[:-1], cuts[1:]
+        clear: list[Span] = []
+        single: list[Single] = []
+        left: list[Span] = []
+        count = 0
+        for number in range(ROUNDS):
+            count += len(lows)
+            free, slopes = self._judged(lows, highs)
+            clear += zip(lows[free].tolist(), highs[free].tolist(), strict=True)
+            done = free.copy()
+            for i in np.flatnonzero(~free & slopes.any(axis=0)):
+                meeting = self._single(float(lows[i]), float(highs[i]), slopes[:, i])
+                if isinstance(meeting, Single):
+                    single.append(meeting)
+                elif meeting:
+                    clear.append((float(lows[i]), float(highs[i])))
+                done[i] = meeting is not None
+            lows, highs = lows[~done], highs[~done]
+            if not len(lows):
+                break
+            if number == ROUNDS - 1 or count + SPLIT * len(lows) > MOST:
+                left += zip(lows.tolist(), highs.tolist(), strict=True)
+                break
+            lows, highs = _cut(lows, highs, log=log and low > 0)
+        return Quick(tuple(clear), tuple(single), tuple(left), count)
+
+    def _at(self, points: Floats, radius: Floats, tape: Tape) -> tuple[Any, Any]:
+        """Coefficients as balls at points, or over pieces, shape (functions, orders, points)."""
+        mid = np.repeat(self.values[:, None], len(points), axis=1)
+        rad = np.zeros_like(mid)
+        mid[self.place], rad[self.place] = points, radius
+        order = ORDER if tape is self.form else 1
+        shape = (-1, order + 1, len(points))
+        m, r = tape.run(mid, rad)
+        return m.reshape(shape), r.reshape(shape)
+
+    def _judged(self, lows: Floats, highs: Floats) -> tuple[Flags, Flags]:
+        """Pieces without a zero; and functions that are open but monotone there, where all are."""
+        count = len(lows)
+        points = lows + (highs - lows) / 2
+        half = np.nextafter(np.maximum(highs - points, points - lows), np.inf)
+        m, r = self._at(np.concatenate([points, points]),
+                        np.concatenate([np.zeros(count), half]), self.form)  # fmt: skip
+        with np.errstate(all="ignore"):
+            m, r = (np.concatenate([v[:, :ORDER, :count], v[:, ORDER:, count:]], axis=1)
+                    for v in (m, r))  # fmt: skip
+            powers = half ** np.arange(ORDER + 1)[:, None]
+            size = (np.abs(m) + r) * powers
+            rest = (r[:, 0] + size[:, 1:].sum(axis=1)) * ROOM
+            free = np.abs(m[:, 0]) > rest
+            member = (m[self.functions :, 0] > rest[self.functions :]).all(axis=0)
+            turns = np.arange(ORDER + 1)[:, None] * size
+            bent = (r[:, 1] * half + turns[:, 2:].sum(axis=1)) * ROOM
+            steep = np.abs(m[:, 1]) * half > bent
+        open_ = ~free[: self.functions]
+        monotone = member & (~open_ | steep[: self.functions]).all(axis=0)
+        return member & ~open_.any(axis=0), open_ & monotone
+
+    def _single(self, low: float, high: float, open_: Flags) -> Single | bool | None:
+        """The one zero on a piece, True where there is none, None where neither is proved."""
+        m, r = self._at(np.array([low, high]), np.zeros(2), self.slope)
+        value, error = (v[: self.functions, 0][open_] for v in (m, r))
+        if not (np.abs(value) > error).all():
+            return None
+        turned = (value[:, 0] > 0) != (value[:, 1] > 0)
+        if not turned.any():
+            return True
+        if turned.sum() > 1:
+            return None
+        which = int(np.flatnonzero(open_)[np.argmax(turned)])
+        root = self._root(low, high, which, rising=bool(value[np.argmax(turned), 1] > 0))
+        return None if root is None else Single(low, high, root, self.found.kinds[which])
+
+    def _root(self, low: float, high: float, which: int, *, rising: bool) -> float | None:
+        """The zero of a function between two signs: Newton's method, at last with balls."""
+        ends, here = (low, high), low + (high - low) / 2
+        for _ in range(STEPS):
+            m, _ = self._at(np.array([here]), np.zeros(1), self.slope)
+            value, slope = float(m[which, 0, 0]), float(m[which, 1, 0])
+            if (value > 0) == rising:
+                high = here
+            else:
+                low = here
+            after = here - value / slope if slope else low
+            after = after if low < after < high else low + (high - low) / 2
+            gap, here = abs(after - here), after
+            if gap <= 1e-12 * abs(here):
+                break
+        exact = _exactly(self.found.line, self.found.formulas, here)
+        polished = here - exact[which] / slope if exact is not None and slope else here
+        return polished if ends[0] <= polished <= ends[1] else here
+
+
+def _exactly(line: AxisScan, formulas: ClosedForm, value: float) -> list[float] | None:
+    """The functions at a point, to all digits of a double; None without a member."""
+    with precision(BITS):
+        a, q = line.problem.balls(line.fixed | {line.axis: value})
+        coefficients, _, positive = formulas(series_algebra(), a, q)
+        if not all(v > 0 for v in positive):
+            return None
+        return [float(arb(f).mid()) for f in watched(coefficients, even=formulas.even)]
+
+
+def _cut(lows: Floats, highs: Floats, *, log: bool) -> tuple[Floats, Floats]:
+    """Each piece in parts."""
+    share = np.arange(SPLIT + 1)[:, None] / SPLIT
+    with np.errstate(all="ignore"):
+        cuts = lows * (highs / lows) ** share if log else lows + (highs - lows) * share
+    cuts[0], cuts[-1] = lows, highs
+    cuts = np.sort(np.clip(cuts, lows, highs), axis=0)
+    first, last = cuts[:-1].ravel(), cuts[1:].ravel()
+    wide = last > first
+    return first[wide], last[wide]
