@@ -200,6 +200,7 @@ class Cells:
         if self.by_slice:
             self._complete()
         if (self.codes == NO_MEMBER).all():
+            self._inputs(0, 1)  # says why
             raise NoMemberError(self.refusal or f"{self.problem.family.name} has no member here.")
 
     def settle(self, most: int | None = None) -> None:

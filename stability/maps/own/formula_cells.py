@@ -15,6 +15,7 @@ from ...algebra.number_types import numpy_algebra
 from ...algebra.running_error import TRACKED, RunningError
 from ...base.axis import Axis
 from ...base.types import Floats
+from ...base.verdict import NO_MEMBER
 from ...spectra.problem import Problem, formulas_of
 from ...systems.closed_form import ClosedForm
 from .rates import Rates, monic, rates
@@ -93,8 +94,8 @@ class FormulaCells:
         columns = zip(*parts, strict=True)
         joined = [None if c[0] is None else np.concatenate(c) for c in columns]
         found = Rates(*joined)  # type: ignore[arg-type]  # only the eigenvalues may be None
-        poor = found.poor
-        found.codes[poor | (found.codes == 0)] = ELSEWHERE
+        open_ = found.poor | (found.codes == 0)
+        found.codes[open_ & (found.codes != NO_MEMBER)] = ELSEWHERE
         found.error[found.codes == ELSEWHERE] = np.inf
         return found.codes, 0, found
 
@@ -105,13 +106,20 @@ class FormulaCells:
         with np.errstate(all="ignore"):
             (value, error), numbers = self._bounded(values)
             member: Any = np.True_
+            lacking: Any = np.False_
             for v, e in numbers:
-                member = member & (v > e)
+                member, lacking = member & (v > e), lacking | (v < -e)
             coefficients = [[np.broadcast_to(v, shape).reshape(-1) for v in some]
                             for some in (value, error)]  # fmt: skip
             out = rates([(monic(*coefficients), self.even, 1)], modes=self.modes)
         out.poor[:] |= ~np.broadcast_to(member, shape).reshape(-1)
         out.poor[:] |= ~np.isfinite(out.error)
+        none = np.broadcast_to(lacking, shape).reshape(-1)
+        out.codes[none] = NO_MEMBER
+        for rate in (out.abscissa, out.error, out.frequency):
+            rate[none] = np.nan
+        if out.values is not None:
+            out.values[none] = np.nan
         return out
 
     def _bounded(self, values: dict[str, Any]) -> tuple[Any, list[tuple[Any, Any]]]:

@@ -32,37 +32,44 @@ class Inclination:
         Symbol of cos θ.
     times
         The whole number n.
+    known
+        cos nθ and sin nθ / sinθ for n = 0, 1, …, as far as they are known, which all multiples of
+        one angle share: a series of n terms has n of them.
     """
 
-    def __init__(self, cosine: ca.SX, times: int = 1) -> None:
+    def __init__(
+        self, cosine: ca.SX, times: int = 1, known: list[tuple[ca.SX, ca.SX]] | None = None
+    ) -> None:
         self.cosine, self.times = cosine, times
+        self.known = [(ca.SX(1), ca.SX(0)), (cosine, ca.SX(1))] if known is None else known
+
+    def _times(self, times: int) -> Inclination:
+        return Inclination(self.cosine, times, self.known)
 
     def __mul__(self, other: Any) -> Inclination:
         value = other.even if isinstance(other, InCosine) else other
         if isinstance(value, ca.SX) and value.is_constant() and float(value).is_integer():
-            return Inclination(self.cosine, self.times * int(float(value)))
+            return self._times(self.times * int(float(value)))
         raise NotSmoothError("theta stands outside sines and cosines of its whole multiples")
 
     __rmul__ = __mul__
 
     def __add__(self, other: Any) -> Inclination:
         if isinstance(other, Inclination):
-            return Inclination(self.cosine, self.times + other.times)
+            return self._times(self.times + other.times)
         raise NotSmoothError("theta stands outside sines and cosines of its whole multiples")
 
     def __neg__(self) -> Inclination:
-        return Inclination(self.cosine, -self.times)
+        return self._times(-self.times)
 
     def wave(self) -> tuple[InCosine, InCosine]:
         """Cosine and sine, by the recurrence of Chebyshev's polynomials."""
-        c = self.cosine
-        before, here = (ca.SX(1), ca.SX(0)), (c, ca.SX(1))  # cos nθ, sin nθ / sin θ
-        for _ in range(abs(self.times)):
-            (a, b), (a1, b1) = before, here
-            before, here = here, (2 * c * a1 - a, 2 * c * b1 - b)
-        sign = -1 if self.times < 0 else 1
-        zero = ca.SX(0)
-        return InCosine(c, before[0], zero), InCosine(c, zero, sign * before[1])
+        c, known = self.cosine, self.known
+        while len(known) <= abs(self.times):
+            (a, b), (a1, b1) = known[-2:]
+            known.append((2 * c * a1 - a, 2 * c * b1 - b))
+        (even, odd), zero = known[abs(self.times)], ca.SX(0)
+        return InCosine(c, even, zero), InCosine(c, zero, -odd if self.times < 0 else odd)
 
 
 class InCosine:
