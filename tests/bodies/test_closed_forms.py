@@ -14,7 +14,7 @@ from stability.algebra.number_types import numpy_algebra
 from stability.algebra.program import Program
 from stability.algebra.running_error import bounded
 from stability.base.verdict import CODES
-from stability.bodies.round_body.families import tumbling_ranges
+from stability.bodies.round_body.inclinations import tumbling_ranges
 from stability.maps import cells
 from stability.spectra.problem import formulas_of
 

@@ -26,7 +26,7 @@ from ..contact import Contact
 from ..contact_laws import law_class
 from ..law_names import class_named
 from .equations import Resistances, round_system
-from .inclinations import level, sizes, slope_of, stands_upright
+from .inclinations import guess, level, sizes, slope_of, stands_upright
 from .pole_equations import AXIS, SLIP, TURN, pole_system, refuse_rough_pole
 from .polynomials import closed_form
 from .shape import SCALES, RoundShape
@@ -180,9 +180,10 @@ def round_family(
             held["theta"] = UPRIGHT
         else:
             # not the rate of theta_dot, which falls again where the lever is long
-            unknown, equations = {"theta": at}, ["lever"]
+            unknown, equations = {"theta": guess(body, at)}, ["lever"]
     every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
-    shaped = None if resistance else (shape_of(body), given, physical)
+    upright = record.level and not unknown  # rational in every number: read from the graph
+    shaped = None if resistance or upright else (shape_of(body), given, physical)
     return _family(system, record, *every, law, shaped)  # type: ignore[arg-type]  # a class is hashable
 
 
@@ -205,7 +206,8 @@ def _family(  # noqa: PLR0913
     formulas = None
     if own is not None:
         shape, given, physical = own
-        formulas = closed_form(system, record.name, shape, law, given, physical=physical)
+        formulas = closed_form(system, record.name, shape, law, given, physical=physical,
+                               start=dict(unknown).get("theta"))  # fmt: skip
     return Family(
         system, record.name, record.at, held=dict(held), unknown=dict(unknown),
         equations=equations, positive=record.positive, typical=dict(typical),

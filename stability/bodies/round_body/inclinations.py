@@ -21,6 +21,8 @@ CLOSE = 1e-12
 """Largest slope of the height, over the height, that counts as zero at π/2 before the proof."""
 COARSEST, FINEST = 2, 4
 """Binary digits of the sizes near which the equations of all bodies of one shape are sampled."""
+GUESSES = (3, 12)
+"""Range of the binary digits of a guessed inclination."""
 SPREAD = 1.25
 """Room between these sizes and the limits of a shape's numbers, as a factor."""
 
@@ -206,6 +208,25 @@ def level(body: RoundShape, theta: float | None = None) -> float | None:
             f"{body.name} rolls at theta = {angles}; give theta=, a number near one of them."
         )
     return None if best == math.pi / 2 and stands_upright(body) else best
+
+
+def guess(body: RoundShape, at: float) -> float:
+    """An inclination with few digits from which Newton's method goes to a zero of the slope.
+
+    Bodies that differ by little have the same guess.
+
+    Parameters
+    ----------
+    body
+        The body.
+    at
+        The zero, from `level`.
+    """
+    others = [abs(v - at) for v in levels(body) if v != at]
+    low, high = body.between
+    room = min([*others, at - low, high - at]) / 2
+    tries = (round(at * 2**n) / 2**n for n in range(*GUESSES))
+    return next((near for near in tries if abs(near - at) < room), at)
 
 
 def tumbling_rates(body: RoundShape, theta: Any) -> tuple[Any, Any]:

@@ -20,6 +20,7 @@ import casadi as ca
 from ...algebra.polynomial import Polynomial
 from ...base.errors import StabilityError
 from ...systems.closed_form import ClosedForm
+from ...systems.implicit_form import ImplicitForm
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import LinearViscous, Rough, Smooth, Viscous
@@ -29,7 +30,7 @@ from .si_law import Numbers, Shape
 
 DATA = "body_polynomials.json"
 """The file of derived polynomials, next to this module."""
-DIGEST = "ed57b202064387fc2150be060c9f578e9772f383180d33969947be217e5d93b3"
+DIGEST = "617236fe51c95b03a056857353da055d1d6ebb34d2ffdba8c9df3f33e9f57530"
 """SHA-256 of that file, written by `make derive`; a file with another digest is refused."""
 KINDS = {Viscous: "viscous", LinearViscous: "viscous", Rough: "rough", Smooth: "smooth"}
 """The polynomial of each law: at a steady motion a drag is linear in the slip."""
@@ -50,7 +51,7 @@ def _catalogue() -> dict[str, Any]:
 
 def closed_form(
     system: System, name: str, shape: Shape, law: type[Contact], given: Sequence[str], *,
-    physical: bool,
+    physical: bool, start: float | None = None,
 ) -> ClosedForm | None:  # fmt: skip
     """Unknowns and polynomial of a family; None where none is stored.
 
@@ -66,10 +67,12 @@ def closed_form(
         Class of the law, and names of its coefficients.
     physical
         Whether mass, gravity and length are parameters.
+    start
+        First guess of the inclination where that is solved for.
     """
     record = _catalogue().get(f"{name} {KINDS.get(law, '')}")
     return None if record is None else _Formulas(system, name, record).of(
-        shape, Numbers.of(shape, given, physical=physical), given)  # fmt: skip
+        shape, Numbers.of(shape, given, physical=physical), given, start)  # fmt: skip
 
 
 class _Formulas:
@@ -80,7 +83,9 @@ class _Formulas:
         self.theta, self.turn = ca.SX.sym("theta"), ca.SX.sym("phi_dot")
         self.constants: list[tuple[ca.SX, float]] = []
 
-    def of(self, shape: Shape, numbers: Numbers, given: Sequence[str]) -> ClosedForm:
+    def of(
+        self, shape: Shape, numbers: Numbers, given: Sequence[str], start: float | None
+    ) -> ClosedForm:
         """The closed form of one body under one law."""
         table, theta = numbers.table, self.theta
         rate = table["gravity"] / table["length"]  # square of the unit of rates
@@ -90,6 +95,7 @@ class _Formulas:
         known = {
             "I1": self._kept(table["transverse"]), "I3": self._kept(table["axial"]), "s": s, "c": c,
             "r": h * s + slope * c, "z": h * c - slope * s, "ρ": h + ca.jacobian(slope, theta),
+            "h": h, "h′′": ca.jacobian(slope, theta),
         }  # fmt: skip
         turn = self.turn / ca.sqrt(rate)
         unknowns, positive = self._member(known, h, slope, turn)
@@ -97,19 +103,29 @@ class _Formulas:
         powers = [self._value(terms, known) for terms in self.record["coefficients"]]
         scaled = [p / ca.sqrt(rate) ** k if k % 2 else p / rate ** (k // 2)
                   for k, p in enumerate(powers)]  # fmt: skip
-        solved = {n: v * ca.sqrt(rate) for n, v in unknowns.items() if n != "phi_dot" or
-                  self.name == "tumbling"}  # fmt: skip
-        free = {"theta": theta, "phi_dot": self.turn} | solved
+        if self.name == "rolling":
+            solved = {"theta": theta}
+            free = {"theta": theta, "omega3": self.turn}
+        else:
+            solved = {n: v * ca.sqrt(rate) for n, v in unknowns.items() if n != "phi_dot" or
+                      self.name == "tumbling"}  # fmt: skip
+            free = {"theta": theta, "phi_dot": self.turn} | solved
         state = ca.vertcat(*[free.get(n, 0) for n in self.system.states])
         asked = ca.Function("asked", [self.system.x, self.system.p],
                             [ca.vertcat(*[c.value for c in self.system.conditions])])  # fmt: skip
         members = ca.vertcat(asked(state, numbers.p), *positive)
-        at = [theta] if self.name == "tumbling" else [theta, self.turn]
+        places = {"tumbling": [theta], "rolling": [self.turn, theta]}
+        at = places.get(self.name, [theta, self.turn])
         outputs = ca.cse([ca.vertcat(*scaled), ca.vertcat(*solved.values()), members])
         symbols = ca.vertcat(*[symbol for symbol, _ in self.constants])
         function = ca.Function("closed", [ca.vertcat(*at), numbers.p, symbols], outputs)
         values = tuple(value for _, value in self.constants)
-        return ClosedForm(function.serialize(), self.record["zeros"], self.record["even"], values)
+        record = function.serialize(), self.record["zeros"], self.record["even"], values
+        if start is None:
+            return ClosedForm(*record)
+        parts = ca.cse([slope, ca.jacobian(slope, theta)])
+        equation = ca.Function("equation", [theta, numbers.p], [ca.densify(v) for v in parts])
+        return ImplicitForm(*record, equation.serialize(), start)
 
     def _kept(self, moment: Any) -> ca.SX:
         """A moment, as a symbol where it is a number: CasADi would round its square."""
@@ -123,6 +139,8 @@ class _Formulas:
     ) -> tuple[dict[str, ca.SX], list[ca.SX]]:
         """φ̇ and ω₃ without unit, and numbers that are positive at every member."""
         i1, i3, s, c, r, z = (known[n] for n in ("I1", "I3", "s", "c", "r", "z"))
+        if self.name == "rolling":
+            return {"omega3": turn}, []
         if self.name == "circling":
             across = turn * (r * h + i3 * s)
             spin = (turn * turn * s * (z * h + i1 * c) - slope) / across

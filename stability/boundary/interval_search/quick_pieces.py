@@ -10,6 +10,7 @@ Source: tests/boundary/test_formula_boundaries.py.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -21,10 +22,11 @@ from numpy.typing import NDArray
 from ...algebra.balls import precision
 from ...algebra.kernels.series_tape import recorded_series
 from ...algebra.kernels.tape import Tape
-from ...algebra.number_types import Algebra
-from ...base.errors import StabilityError
+from ...algebra.number_types import Algebra, balls
+from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...systems.closed_form import ClosedForm
+from ...systems.implicit_form import ImplicitForm
 from ..brackets import BITS, AxisScan
 from ..crossings import Crossing
 from .formula_meetings import FormulaMeetings, watched
@@ -93,13 +95,26 @@ def quick_pieces(found: FormulaMeetings, low: float, high: float, *, log: bool) 
     names = (*line.problem.family.at, *line.problem.family.parameters)
     if line.problem.ratios or line.problem.law is not None or line.axis not in names:
         return None
+    cut = len(line.problem.family.at)
     place = names.index(line.axis)
+    values = np.array([line.fixed.get(n, 0.0) for n in names])
+    errors = np.zeros(len(names))
+    if isinstance(found.formulas, ImplicitForm):
+        if place - cut in found.formulas.used:
+            return None
+        with precision(BITS), suppress(NoMemberError):
+            ball = found.formulas.solved(balls(), [arb(v) for v in values[cut:]])
+            off = float((ball - arb(float(ball.mid()))).abs_upper())
+            values = np.insert(values, cut, float(ball.mid()))
+            errors = np.insert(errors, cut, np.nextafter(off, np.inf))
+        place += place >= cut
     try:
         tapes = [_tape(found.formulas, place, order) for order in (ORDER, 1)]
     except StabilityError:
         return None
-    values = np.array([line.fixed.get(n, 0.0) for n in names])
-    return _Rounds(found, tapes, values, place).run(low, high, log=log)
+    if len(values) < tapes[0].inputs:  # no root is proved
+        return None
+    return _Rounds(found, tapes, (values, errors), place).run(low, high, log=log)
 
 
 @lru_cache(maxsize=64)
@@ -108,7 +123,7 @@ def _tape(formulas: ClosedForm, place: int, order: int) -> Tape:
     cut, count = formulas.function.numel_in(0), formulas.function.numel_in(1)
 
     def run(inputs: list[Any], algebra: Algebra) -> list[Any]:
-        coefficients, _, positive = formulas(algebra, inputs[:cut], inputs[cut:])
+        coefficients, _, positive = formulas.entries(algebra, inputs[:cut], inputs[cut:])
         return [*watched(coefficients, even=formulas.even), *positive]
 
     return recorded_series(run, cut + count, place, order)
@@ -118,9 +133,10 @@ class _Rounds:
     """Rounds of pieces, each cut where the one before left it open."""
 
     def __init__(
-        self, found: FormulaMeetings, tapes: Sequence[Tape], values: Floats, place: int
-    ) -> None:
-        self.found, self.values, self.place = found, values, place
+        self, found: FormulaMeetings, tapes: Sequence[Tape], inputs: tuple[Floats, Floats],
+        place: int,
+    ) -> None:  # fmt: skip
+        self.found, self.inputs, self.place = found, inputs, place
         self.form, self.slope = tapes
         self.functions = len(found.kinds)
 
@@ -157,8 +173,7 @@ class _Rounds:
 
     def _at(self, points: Floats, radius: Floats, tape: Tape) -> tuple[Any, Any]:
         """Coefficients as balls at points, or over pieces, shape (functions, orders, points)."""
-        mid = np.repeat(self.values[:, None], len(points), axis=1)
-        rad = np.zeros_like(mid)
+        mid, rad = (np.repeat(v[:, None], len(points), axis=1) for v in self.inputs)
         mid[self.place], rad[self.place] = points, radius
         order = ORDER if tape is self.form else 1
         shape = (-1, order + 1, len(points))

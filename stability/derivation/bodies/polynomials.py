@@ -134,8 +134,8 @@ def derivatives_that_enter() -> tuple[bool, str]:
 
 # --- for use without SymPy ---
 
-VARIABLES = (I1, I3, R, Z, RHO, SIN, COS, PHI, SPIN, MU)
-"""Variables of a stored polynomial; that of tumbling has no ω₃."""
+VARIABLES = (I1, I3, H, BEND, R, Z, RHO, SIN, COS, PHI, SPIN, MU)
+"""Variables of a stored polynomial; that of tumbling has no ω₃, that of rolling no r, z and ρ."""
 PAIRS = {"circling": "rough", "precession": "smooth"}
 """Families that two numbers name, each under its one law."""
 
@@ -150,8 +150,9 @@ def stored() -> dict[str, Any]:
     """
     cases: dict[str, Any] = {}
     for law in LAWS:
-        found = characteristic("tumbling", law)
-        cases[f"tumbling {law}"] = _record(found.zeros, found.coefficients[::-1])
+        for family in ("rolling", "tumbling"):
+            found = characteristic(family, law)
+            cases[f"{family} {law}"] = _record(found.zeros, found.coefficients[::-1])
     place = CENTRE | {BEND: RHO - CENTRE[H]}
     for family, law in PAIRS.items():
         force = PHI * (R * SPIN - PHI * SIN * Z) if law == "rough" else 0  # mass times acceleration

@@ -18,6 +18,7 @@ from ...base.types import Floats
 from ...base.verdict import NO_MEMBER
 from ...spectra.problem import Problem, formulas_of
 from ...systems.closed_form import ClosedForm
+from ...systems.implicit_form import ImplicitForm
 from .rates import Rates, monic, rates
 from .slice_verdicts import ELSEWHERE, Codes
 
@@ -64,7 +65,7 @@ class FormulaCells:
         self.axes = axes[0].name, axes[1].name
         self.values = {n: float(v) for n, v in problem.values.items() if n not in self.axes}
         x, y = (g.values[:: max(1, g.count // SAMPLE)] for g in axes)
-        self.sized = formulas.even
+        self.sized = formulas.even and not isinstance(formulas, ImplicitForm)
         self.growth = self._fine(x, y)
         """Whether the discs are good enough for growth rates."""
 
