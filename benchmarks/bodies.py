@@ -1,8 +1,10 @@
 """Maps and boundaries of bodies of revolution against those of the disk, side by side in one run.
 
 The disk and the body take turns, since machines are shared and noisy.  Processor time of all
-threads counts.  The first call derives what later calls find again; it is stated by itself.  Later
-calls have other numbers of the body, so that no stored answer counts.  The disk has no vertical
+threads counts.  The first call derives what later calls find again; it is stated by itself.  Two
+ratios follow.  *new*: each call has another number of the body, and the disk another k, so that
+neither finds a stored answer: a user who asks along a body's own number pays this.  *same*: each
+call repeats the first one: a user who asks one body many times pays this.  The disk has no vertical
 spin, so that of a body is compared with the disk's spinning.
 
 Usage: python benchmarks/bodies.py [--json] [WORD ...]
@@ -33,6 +35,8 @@ BODIES: dict[str, tuple[Callable[[float], st.Body], tuple[str, float, float]]] =
     "egg": (lambda x: replace(EGG, axial=EGG.axial * x), ("axial", 0.35, 0.45)),
 }
 """Each body with a number times x, and the number that is an axis under laws without one."""
+K = 0.25
+"""The disk's number times x."""
 STEP = 1e-3
 """Change of that number from call to call, so that no call finds the numbers of another."""
 AXES = {"rolling": (0.2, 3.0), "spinning": (0.5, 5.0), "tumbling": (0.05, 1.55),
@@ -73,9 +77,13 @@ class Case:
         number = ("k", 0.25, 0.5) if body is None else BODIES[self.body][1]
         return family, {"x": x, "y": (*number, NY), **held}, {"axis": (*x[:3], 50), **held}
 
-    def runs(self, body: st.Body | None) -> dict[str, Callable[[], Any]]:
-        """A map and boundaries."""
+    def runs(self, body: st.Body | None, x: float) -> dict[str, Callable[[], Any]]:
+        """A map and boundaries; x is a new number of the disk too, which has k alone."""
         family, chart, line = self.arguments(body)
+        if body is None and "k" not in (chart["y"][0], chart["x"][0]):
+            chart["disk"] = st.Disk(k=K * x)
+        if body is None:
+            line["disk"] = st.Disk(k=K * x)
         return {
             "map": lambda: st.stability_map(family, contact=self.law, **chart),
             "boundaries": lambda: st.boundaries(family, contact=self.law, **line),
@@ -104,21 +112,26 @@ def seconds(run: Callable[[], Any]) -> float:
 
 
 def measured(case: Case) -> dict[str, Any]:
-    """First and median times of both, and the ratio of the medians."""
+    """First and median times of both, and the ratios of the medians, with new and with old numbers.
+
+    With old numbers body and disk both ask what they have asked before, and find stored answers.
+    """
     row: dict[str, Any] = {"family": case.family, "law": case.law, "body": case.body}
     make = BODIES[case.body][0]
-    disks = case.runs(None)
-    for what, disk in disks.items():
+    for what in ("map", "boundaries"):
         try:
-            first = seconds(case.runs(make(1.0))[what]), seconds(disk)
-            pairs = [(seconds(case.runs(make(1 + STEP * i))[what]), seconds(disk))
-                     for i in range(1, REPEATS + 1)]  # fmt: skip
+            first = [seconds(case.runs(make(1.0), 1.0)[what]), seconds(case.runs(None, 1.0)[what])]
+            found: dict[str, Any] = {"body_first_s": first[0], "disk_first_s": first[1]}
+            for name, step in (("new", STEP), ("same", 0.0)):
+                pairs = []
+                for i in range(1, REPEATS + 1):
+                    x = 1 + step * i
+                    pairs.append([seconds(case.runs(b, x)[what]) for b in (make(x), None)])
+                ours, theirs = (statistics.median(t) for t in zip(*pairs, strict=True))
+                found[name] = {"body_s": ours, "disk_s": theirs, "ratio": ours / theirs}
         except st.StabilityError as error:
-            row[what] = {"refused": str(error)}
-            continue
-        ours, theirs = (statistics.median(t) for t in zip(*pairs, strict=True))
-        row[what] = {"body_first_s": first[0], "disk_first_s": first[1], "body_s": ours,
-                     "disk_s": theirs, "ratio": ours / theirs}  # fmt: skip
+            found = {"refused": str(error)}
+        row[what] = found
     return row
 
 
@@ -127,11 +140,15 @@ def line(row: dict[str, Any]) -> str:
     words = [f"{row['family']:10s} {row['law']:8s} {row['body']:17s}"]
     for what in ("map", "boundaries"):
         found = row[what]
+        if "refused" in found:
+            words.append(f"{what}: refused")
+            continue
+        new, same = found["new"], found["same"]
         words.append(
-            f"{what}: refused" if "refused" in found else
-            f"{what} {found['ratio']:7.2f} x ({1e3 * found['body_s']:8.1f} ms against "
-            f"{1e3 * found['disk_s']:6.1f} ms; first {found['body_first_s']:6.2f} s)"
-        )  # fmt: skip
+            f"{what} {new['ratio']:5.2f} new {same['ratio']:5.2f} same "
+            f"({1e3 * new['body_s']:6.1f} ms against {1e3 * new['disk_s']:6.1f}; "
+            f"first {found['body_first_s']:5.2f} s)"
+        )
     return "  ".join(words)
 
 

@@ -297,13 +297,7 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
 
 
 def zeros(line: AxisScan, low: float, high: float) -> list[float]:
-    """A zero between two points of each determinant that changes its sign, as proved in balls.
-
-    Parameters
-    ----------
-    line, low, high
-        As for `refine`.
-    """
+    """A zero between two points of each determinant that changes its sign, as proved in balls."""
     functions = [line.function(c) for c in (Crossing.STATIC, Crossing.FLUTTER)]
     return [_zero(f, low, high) for f in functions if f(low) * f(high) < 0]
 
@@ -326,17 +320,7 @@ def _zero(f: Callable[[float], float], low: float, high: float) -> float:
 
 
 def bracketed(line: AxisScan, root: float, crossing: Crossing) -> BoundaryPoint | None:
-    """The boundary at a root that is known to double precision; None where none is proved.
-
-    Parameters
-    ----------
-    line
-        The line.
-    root
-        Value of its axis.
-    crossing
-        Determinant that vanishes there.
-    """
+    """The boundary at a root that is known to double precision; None where none is proved."""
     found = bracket(line.sign, root)
     if found is None:
         return None

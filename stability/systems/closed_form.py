@@ -59,9 +59,7 @@ class ClosedForm(Record):
         """
         return self.entries(algebra, a, q)
 
-    def entries(
-        self, algebra: Algebra, a: Any, q: Any
-    ) -> tuple[list[Any], list[Any], list[Any]]:
+    def entries(self, algebra: Algebra, a: Any, q: Any) -> tuple[list[Any], list[Any], list[Any]]:
         """The outputs of the function for its first two inputs."""
         zero = algebra.constant(0.0)
         found = self.program.run(algebra, [a, q])

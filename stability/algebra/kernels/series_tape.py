@@ -27,7 +27,7 @@ class _Series:
     order: int
 
     def _read(self, other: Any) -> _Series:
-        return other if isinstance(other, _Series) else _Series([other], self.order)
+        return _Series([other], self.order) if not isinstance(other, _Series) else other
 
     def _of(self, terms: Sequence[Any]) -> _Series:
         return _Series(list(terms), self.order)
@@ -43,10 +43,11 @@ class _Series:
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> _Series:
-        return self + -self._read(other)
+        less = -self._read(other)
+        return self + less
 
     def __rsub__(self, other: Any) -> _Series:
-        return -self + other
+        return self._read(other) - self
 
     def __neg__(self) -> _Series:
         return self._of([-x for x in self.terms])
@@ -80,7 +81,9 @@ class _Series:
             out.terms.append((self[k] - rest) / (2.0 * first))
         return out
 
-    def waves(self, sin: Callable[[Any], Any], cos: Callable[[Any], Any]) -> tuple[_Series, _Series]:
+    def waves(
+        self, sin: Callable[[Any], Any], cos: Callable[[Any], Any]
+    ) -> tuple[_Series, _Series]:
         """Sine and cosine: s' = c x' and c' = -s x'."""
         s, c = self._of([sin(self[0])]), self._of([cos(self[0])])
         slope = self._of([k * x for k, x in enumerate(self.terms)][1:])

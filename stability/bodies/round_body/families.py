@@ -29,7 +29,7 @@ from .equations import Resistances, round_system
 from .inclinations import guess, level, sizes, slope_of, stands_upright
 from .pole_equations import AXIS, SLIP, TURN, pole_system, refuse_rough_pole
 from .polynomials import closed_form
-from .shape import SCALES, RoundShape
+from .shape import RoundShape
 from .si_law import shape_of
 
 

@@ -20,7 +20,7 @@ import casadi as ca
 from ...algebra.polynomial import Polynomial
 from ...base.errors import StabilityError
 from ...systems.closed_form import ClosedForm
-from ...systems.implicit_form import ImplicitForm
+from ...systems.graph.implicit_form import ImplicitForm
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import LinearViscous, Rough, Smooth, Viscous

@@ -112,7 +112,11 @@ def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pie
         if not waiting:
             return Pieces(tuple(_joined(leaves)), low, high, count)
     tests = [low + share * (high - low) for share in (0.2718, 0.5772, 0.8541)]
-    if not leaves and not any(found.clear(v) for v in tests) and any(found.root(v) is not None for v in tests):
+    if (
+        not leaves
+        and not any(found.clear(v) for v in tests)
+        and any(found.root(v) is not None for v in tests)
+    ):
         reason = ALONG.format(bits=BITS)
         return Pieces((Leaf(low, high, None, reason),), low, high, len(tests))
     least = FINEST * max(abs(low), abs(high))

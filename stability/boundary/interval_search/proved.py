@@ -20,6 +20,8 @@ PIECES = (
     "in ball arithmetic each of {count} pieces was proved to hold no eigenvalue on the imaginary "
     "axis, or a single crossing"
 )
+NARROW = 8
+"""Largest half-width of a bracket about a root that is known, in units of its last place."""
 BRANCH = "on one branch of steady motions"
 
 
@@ -85,7 +87,10 @@ def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> Part:
 
 def _near(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
     """The change at a meeting that is known to double precision."""
-    return None if leaf.near is None else bracketed(line, *leaf.near)
+    if leaf.near is None:
+        return None
+    found = bracketed(line, *leaf.near)
+    return found if found and found.error <= NARROW * np.spacing(abs(found.value)) else None
 
 
 def _at_end(line: AxisScan, leaf: Leaf, low: float, high: float) -> BoundaryPoint | None:

@@ -26,7 +26,7 @@ from ...algebra.number_types import Algebra, balls
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...systems.closed_form import ClosedForm
-from ...systems.implicit_form import ImplicitForm
+from ...systems.graph.implicit_form import ImplicitForm
 from ..brackets import BITS, AxisScan
 from ..crossings import Crossing
 from .formula_meetings import FormulaMeetings, watched
@@ -46,8 +46,12 @@ ROOM = 1 + 2.0**-40
 """Factor for the roundings of a sum of sizes."""
 SKEW = 0.0137
 """Share by which the first cuts are moved: no simple numbers, since boundaries often are."""
-STEPS = 12
+STEPS = 40
 """Most steps of Newton's method from a piece to the root in it."""
+CLOSE = 1e-10
+"""Step, relative to the root, after which one step with balls gives all digits of a double."""
+POLISHED = 3
+"""Most steps with balls."""
 
 Flags = NDArray[np.bool_]
 Span = tuple[float, float]
@@ -215,9 +219,9 @@ class _Rounds:
             return None
         which = int(np.flatnonzero(open_)[np.argmax(turned)])
         root = self._root(low, high, which, rising=bool(value[np.argmax(turned), 1] > 0))
-        return None if root is None else Single(low, high, root, self.found.kinds[which])
+        return Single(low, high, root, self.found.kinds[which])
 
-    def _root(self, low: float, high: float, which: int, *, rising: bool) -> float | None:
+    def _root(self, low: float, high: float, which: int, *, rising: bool) -> float:
         """The zero of a function between two signs: Newton's method, at last with balls."""
         ends, here = (low, high), low + (high - low) / 2
         for _ in range(STEPS):
@@ -227,14 +231,19 @@ class _Rounds:
                 high = here
             else:
                 low = here
-            after = here - value / slope if slope else low
-            after = after if low < after < high else low + (high - low) / 2
-            gap, here = abs(after - here), after
-            if gap <= 1e-12 * abs(here):
+            step = value / slope if slope else np.inf
+            if abs(step) <= CLOSE * abs(here):
                 break
-        exact = _exactly(self.found.line, self.found.formulas, here)
-        polished = here - exact[which] / slope if exact is not None and slope else here
-        return polished if ends[0] <= polished <= ends[1] else here
+            after = here - step
+            here = after if low < after < high else low + (high - low) / 2
+        for _ in range(POLISHED):
+            exact = _exactly(self.found.line, self.found.formulas, here)
+            step = exact[which] / slope if exact is not None and slope else 0.0
+            if ends[0] <= here - step <= ends[1]:
+                here -= step
+            if abs(step) <= CLOSE * abs(here):
+                break
+        return here
 
 
 def _exactly(line: AxisScan, formulas: ClosedForm, value: float) -> list[float] | None:

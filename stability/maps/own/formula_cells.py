@@ -18,7 +18,7 @@ from ...base.types import Floats
 from ...base.verdict import NO_MEMBER
 from ...spectra.problem import Problem, formulas_of
 from ...systems.closed_form import ClosedForm
-from ...systems.implicit_form import ImplicitForm
+from ...systems.graph.implicit_form import ImplicitForm
 from .rates import Rates, monic, rates
 from .slice_verdicts import ELSEWHERE, Codes
 

@@ -294,7 +294,9 @@ def _at_edges(program: Program, x: Floats, p: Floats) -> NDArray[np.bool_]:
     found = np.zeros(len(x), dtype=bool)
 
     def watched(name: str) -> Callable[..., Any]:
-        ends = [0.0] if name in ("fabs", "pow") else [e for pair in EDGES.get(name, ()) for e in pair]
+        ends = (
+            [0.0] if name in ("fabs", "pow") else [e for pair in EDGES.get(name, ()) for e in pair]
+        )
 
         def apply(*arguments: Any) -> Any:
             if name == "atan2":

@@ -17,12 +17,12 @@ import casadi as ca
 import numpy as np
 from flint import arb, arb_series, ctx
 
-from ..algebra.number_types import Algebra, balls, numpy_algebra
-from ..algebra.program import Program
-from ..algebra.running_error import TRACKED, RunningError
-from ..base.errors import NoMemberError
-from ..base.types import fields_of
-from .closed_form import ClosedForm
+from ...algebra.number_types import Algebra, balls, numpy_algebra
+from ...algebra.program import Program
+from ...algebra.running_error import TRACKED, RunningError
+from ...base.errors import NoMemberError
+from ...base.types import fields_of
+from ..closed_form import ClosedForm
 
 STEPS = 60
 """Most steps of Newton's method."""
