@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
 import pytest
 
 import stability as st
@@ -11,6 +13,7 @@ from stability.algebra.balls import precision
 from stability.base.errors import NoMemberError
 from stability.boundary import brackets
 from stability.boundary.interval_search.formula_meetings import FormulaMeetings, hurwitz
+from stability.boundary.interval_search.quick_pieces import quick_pieces
 from stability.spectra.problem import system_problem
 from stability.spectra.spectrum import spectrum
 
@@ -45,6 +48,32 @@ def test_both_sides_of_a_boundary_have_proved_verdicts() -> None:
                       mu=0.3, certify=True).verdict for way in (-1, 1)]  # fmt: skip
     assert set(sides) == {"stable", "unstable"}
     assert (sides[0] == "stable") == point.stable_below
+
+
+@pytest.mark.parametrize("log", [False, True])
+def test_pieces_proved_in_doubles_hold_what_they_say(log: bool) -> None:
+    """Signs at many points, in balls: one on each clear piece, and one change on a single piece."""
+    family = st.Torus(0.2).family("tumbling", "viscous")
+    line = brackets.AxisScan(
+        system_problem(family, None, {"tube": 0.2, "mu": 0.3}), "theta", {"tube": 0.2, "mu": 0.3}
+    )
+    assert line.formulas is not None
+    functions = FormulaMeetings(line, line.formulas)
+    found = quick_pieces(functions, 0.1, 1.5, log=log)
+    assert found is not None
+    assert not found.left
+    ends = sorted([*found.clear, *((s.low, s.high) for s in found.single)])
+    assert (ends[0][0], ends[-1][1]) == (0.1, 1.5)
+    assert all(a[1] == b[0] for a, b in pairwise(ends))
+    for low, high in found.clear:
+        points = np.linspace(low, high, 3)
+        assert len({tuple(functions._signs(float(v))) for v in points}) == 1
+    for one in found.single:
+        below, above = (functions._signs(v) for v in (one.low, one.high))
+        assert sum(a != b for a, b in zip(below, above, strict=True)) == 1
+        near = [functions._signs(one.root * (1 + way * 1e-15)) for way in (-1, 1)]
+        assert near == [below, above]
+    assert len(found.single) > 0
 
 
 def test_no_member_leaves_a_part_open() -> None:

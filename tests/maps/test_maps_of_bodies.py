@@ -36,6 +36,21 @@ def test_an_upright_body_is_mapped_by_its_polynomial(body: st.Body, family: str,
         assert chart.abscissa.values[j, i] == pytest.approx(one.abscissa, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.parametrize("law", ["smooth", "rough"])
+def test_the_root_of_a_square_is_read_on_one_side_of_zero(law: str) -> None:
+    """At a pole the height of a spheroid is √(aspect²), which is the aspect itself."""
+    chart = st.stability_map("vertical", x=("at", 0.5, 5.0, 40), y=("aspect", 1.1, 2.0, 32),
+                             body=st.Spheroid(1.5), contact=law)  # fmt: skip
+    assert chart.method.startswith("characteristic polynomial of the family over Q")
+    assert set(np.unique(chart.verdict)) == {Verdict.NEUTRAL.code, Verdict.UNSTABLE.code}
+    rng = np.random.default_rng(2)
+    for j, i in zip(rng.integers(0, 32, 8), rng.integers(0, 40, 8), strict=True):
+        one = st.spectrum("vertical", at=float(chart[chart.abscissa.dims[1]][i]), contact=law,
+                          body=st.Spheroid(float(chart.aspect[j])), certify=True)  # fmt: skip
+        assert chart.verdict.values[j, i] == one.verdict.code
+        assert chart.abscissa.values[j, i] == pytest.approx(one.abscissa, rel=1e-9, abs=1e-12)
+
+
 STATE, LIMIT = ca.SX.sym("theta"), ca.SX.sym("c")
 ABOVE = st.Condition(STATE - 1, "theta is {value:.3g} above 1")
 SINE = st.Condition(ca.sin(STATE) - LIMIT, "the sine is {value:.3g} above c")
