@@ -299,6 +299,7 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
     add_table(command(
         "table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
+        "stability table --list",
         "stability table conditions --k 0.25,0.5 --mu 0.1,1,10",
         "stability table drift --k 0.25 --mu 0.3 --out drift.tex",
         "stability table conditions --system examples/bicycle.py:upright --positive v,g --decimals",
