@@ -25,6 +25,8 @@ from .options import (
     of_own_body,
     overwriting,
 )
+from .publication.export import EXAMPLES as EXPORTS
+from .publication.export import add_arguments as add_export
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
@@ -176,6 +178,12 @@ def _scene(options: argparse.Namespace) -> None:
     run(options)
 
 
+def _export(options: argparse.Namespace) -> None:
+    from .publication.export import run
+
+    run(options)
+
+
 def _compare(options: argparse.Namespace) -> None:
     from .compare import run
 
@@ -306,6 +314,8 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         "stability table hopf --system examples/railway_wheelset.py:centred --x v:1:50:50 "
         "--parameter m=1",
     ))  # fmt: skip
+    add_export(command("export", _export, "A system or family for LaTeX, C, AUTO-07p or "
+                       "BifurcationKit.jl", *EXPORTS), words)  # fmt: skip
     for name, what, example in (
         ("chart", "Time against error, by every route to a spectrum or a motion",
          "stability chart spectrum --out chart"),
