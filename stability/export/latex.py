@@ -73,7 +73,7 @@ def latex(
     >>> pendulum = st.System("pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
     ...                      states=("theta", "omega"), parameters=("g",))
     >>> print(st.latex(pendulum, standalone=False).splitlines()[3])
-    \dot{\omega} &= -\sin\left(\theta\right)\,g
+    \dot{\omega} &= -g\,\sin\left(\theta\right)
     """
     if isinstance(subject, Conditions):
         parts = _of_conditions(subject)
