@@ -25,6 +25,7 @@ from .options import (
     of_own_body,
     overwriting,
 )
+from .publication.cite import add_arguments as add_cite
 from .publication.export import EXAMPLES as EXPORTS
 from .publication.export import add_arguments as add_export
 from .scene import add_arguments as add_scene
@@ -184,6 +185,12 @@ def _export(options: argparse.Namespace) -> None:
     run(options)
 
 
+def _cite(options: argparse.Namespace) -> None:
+    from .publication.cite import run
+
+    run(options)
+
+
 def _compare(options: argparse.Namespace) -> None:
     from .compare import run
 
@@ -316,6 +323,8 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
     ))  # fmt: skip
     add_export(command("export", _export, "A system or family for LaTeX, C, AUTO-07p or "
                        "BifurcationKit.jl", *EXPORTS), words)  # fmt: skip
+    add_cite(command("cite", _cite, "What to cite for this package, or for a file that it wrote",
+                     "stability cite --bibtex", "stability cite map.nc"))  # fmt: skip
     for name, what, example in (
         ("chart", "Time against error, by every route to a spectrum or a motion",
          "stability chart spectrum --out chart"),

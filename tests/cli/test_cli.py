@@ -24,6 +24,7 @@ COMMANDS = (
     "simulate",
     "basins",
     "export",
+    "cite",
 )
 OWN = ("spectrum", "map", "boundaries", "table", "simulate", "basins")
 MAP = ["map", "rolling", "--x", "at:1:2:6", "--y", "mu:0.1:1:5"]
