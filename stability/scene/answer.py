@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.citation.used import cited
 from ..base.quantities import Kind
 from ..base.types import Floats, Record, content
 from ..base.version import __version__
-from ..bodies.disk import Disk
 from ..motion.result import Outcome
 
 if TYPE_CHECKING:
@@ -224,34 +222,6 @@ def _measures(problem: Problem, names: Iterable[str]) -> dict[str, tuple[str, fl
         elif kind is not None:
             found[name] = kind.si, 1.0
     return found
-
-
-def works_of(thing: Any, laws: Mapping[str, Any], answer: Answer) -> str:
-    """Keys of the works to cite: of the model, and of the rung that answered.
-
-    Parameters
-    ----------
-    thing
-        The disk, body or system.
-    laws
-        The contact laws by name.
-    answer
-        The answer.
-
-    Returns
-    -------
-    str
-    """
-    if answer.parts:
-        every = (key for part in answer.parts.values() for key in part.citation.split(", "))
-        return ", ".join(dict.fromkeys(every))
-    law = getattr(next(iter(laws.values()), None), "name", None)
-    return cited(
-        "creep-1" if answer.model.startswith("creep") else law, disk=isinstance(thing, Disk),
-        methods=answer.motion[1].methods if answer.motion else (),
-        eigenvalues=answer.model == "double precision",
-        proofs=answer.model in ("certified", "exact roots"),
-    )  # fmt: skip
 
 
 def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:

@@ -19,7 +19,7 @@ from ..bodies.thin_disk.disk_equations import STATES
 from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
-from .answer import Answer, held_against, tell, works_of
+from .answer import Answer, held_against, tell
 from .inputs import (
     in_words,
     known_to,
@@ -32,7 +32,7 @@ from .inputs import (
     weights_of,
 )
 from .ladder import Climbed, climb
-from .laws import compare
+from .laws import compare, works_of
 from .linear import LINEAR, about_nearest
 from .questions import QUESTIONS, UNKNOWN
 from .rungs.full import truth_of
