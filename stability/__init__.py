@@ -85,8 +85,13 @@ _HOME = {
     "scene.ladder": ("Rung",),
     "scene.rungs.reduced": ("ReducedModel",),
     "compare.report": ("report",),
+    "export.latex": ("latex",),
+    "export.c_code": ("c_code",),
+    "export.auto": ("auto_input",),
+    "export.bifurcationkit": ("bifurcationkit_input",),
     "tables.registry": ("table",),
     "tables.formats.table": ("Table",),
+    "base.citation.citation": ("citation", "Citation"),
     "base.errors": ("StabilityError", "StabilityWarning"),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
@@ -100,6 +105,8 @@ if TYPE_CHECKING:
     from .algebra.exact.known_polynomial import Exact as Exact
     from .algebra.exact.known_polynomial import ExactPolynomial as ExactPolynomial
     from .algebra.upright import UPRIGHT as UPRIGHT
+    from .base.citation.citation import Citation as Citation
+    from .base.citation.citation import citation as citation
     from .base.errors import StabilityError as StabilityError
     from .base.errors import StabilityWarning as StabilityWarning
     from .base.verdict import Nonlinear as Nonlinear
@@ -168,6 +175,10 @@ if TYPE_CHECKING:
     from .compare.report import report as report
     from .derivation.conditions import Conditions as Conditions
     from .derivation.conditions import conditions as conditions
+    from .export.auto import auto_input as auto_input
+    from .export.bifurcationkit import bifurcationkit_input as bifurcationkit_input
+    from .export.c_code import c_code as c_code
+    from .export.latex import latex as latex
     from .figures.basin.basins import plot_basins as plot_basins
     from .figures.diagram import plot_map as plot_map
     from .figures.launch.animate import animate as animate

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..base.axis import Axis
+from ..base.citation.used import cited
 from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Floats
@@ -189,6 +190,10 @@ def attributes(
         "tolerance": judging.tolerance,
         "checked": int(judging.check),
         "settle": judging.settle,
+        "citation": cited(
+            launches.contact.name if launches.contact is not None else None,
+            disk=isinstance(launches.thing, Disk),
+        ),
         "software": f"stability {__version__}",
         "source": sample.model.source,
         "Conventions": "CF-1.11",

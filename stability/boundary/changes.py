@@ -14,6 +14,7 @@ from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.real_roots import UnclearError
 from ..base.axis import AxisLike
+from ..base.citation.used import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Floats
 from ..base.verdict import Verdict
@@ -23,6 +24,7 @@ from ..bodies.round_body.body import Body
 from ..bodies.round_body.by_name import of_body
 from ..spectra.arguments import axis_of, prepare
 from ..spectra.certificate import verdict as certified
+from ..spectra.presentation.labels import is_disk
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
@@ -101,7 +103,9 @@ def boundaries(
     grid = axis_of(family, axis, "axis", MOST_SCAN)
     problem = prepare(family, (grid,), disk, contact, at, given, exact=True)
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
-    found = replace(found, searched=(grid.name, grid.low, grid.high))
+    law = problem.law.name if problem.law else None
+    works = cited(law, disk=is_disk(problem), proofs=True)
+    found = replace(found, searched=(grid.name, grid.low, grid.high), citation=works)
     found.warn(grid.name)
     return found
 

@@ -84,6 +84,8 @@ class Boundaries(Sequence[BoundaryPoint]):
     """One sentence on how the axis was searched."""
     searched: tuple[str, float, float] | None = None
     """Name of the axis, and the closed interval that was searched; None where nobody said."""
+    citation: str = ""
+    """Keys of the works to cite, for `stability.citation`."""
 
     @property
     def complete(self) -> bool:

@@ -25,6 +25,9 @@ from .options import (
     of_own_body,
     overwriting,
 )
+from .publication.cite import add_arguments as add_cite
+from .publication.export import EXAMPLES as EXPORTS
+from .publication.export import add_arguments as add_export
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
@@ -176,6 +179,18 @@ def _scene(options: argparse.Namespace) -> None:
     run(options)
 
 
+def _export(options: argparse.Namespace) -> None:
+    from .publication.export import run
+
+    run(options)
+
+
+def _cite(options: argparse.Namespace) -> None:
+    from .publication.cite import run
+
+    run(options)
+
+
 def _compare(options: argparse.Namespace) -> None:
     from .compare import run
 
@@ -299,12 +314,17 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
     add_table(command(
         "table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
+        "stability table --list",
         "stability table conditions --k 0.25,0.5 --mu 0.1,1,10",
         "stability table drift --k 0.25 --mu 0.3 --out drift.tex",
         "stability table conditions --system examples/bicycle.py:upright --positive v,g --decimals",
         "stability table hopf --system examples/railway_wheelset.py:centred --x v:1:50:50 "
         "--parameter m=1",
     ))  # fmt: skip
+    add_export(command("export", _export, "A system or family for LaTeX, C, AUTO-07p or "
+                       "BifurcationKit.jl", *EXPORTS), words)  # fmt: skip
+    add_cite(command("cite", _cite, "What to cite for this package, or for a file that it wrote",
+                     "stability cite --bibtex", "stability cite map.nc"))  # fmt: skip
     for name, what, example in (
         ("chart", "Time against error, by every route to a spectrum or a motion",
          "stability chart spectrum --out chart"),

@@ -182,6 +182,13 @@ def _axis(text: str, which: str) -> Any:
     return (name, *ends, number, *rest)
 
 
+def _axis_ends(text: str, which: str) -> tuple[str, float, float]:
+    parts = text.split(":")
+    if len(parts) != 3:
+        raise ParameterError(f"{which} is {shown(text)}; give NAME:START:STOP.")
+    return parts[0], _number(parts[1], which), _number(parts[2], which)
+
+
 def _picture(path: str, force: bool) -> Any:
     from ..storage.targets import PICTURES, check_suffix, check_target
 

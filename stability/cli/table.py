@@ -17,6 +17,9 @@ def _table(options: argparse.Namespace) -> None:
     from ..storage.targets import check_suffix, check_target
     from ..tables.formats.table import FORMS as ENDINGS
 
+    if options.list == (options.name is not None) and options.name != "list":
+        raise ParameterError("give the name of a table, or --list to see them, one of them.")
+    options.name = options.name or "list"
     asked = [form for form in FORMS if getattr(options, form)]
     if len(asked) + (options.out is not None) > 1:
         first, second = [*(f"--{form}" for form in asked), "--out"][:2]
@@ -84,9 +87,13 @@ def add_arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "name",
         metavar="NAME",
+        nargs="?",
         help="families, conditions, drift, hopf, codimension, launches, theorems, bodies, "
-        "benchmarks or completeness",
+        "benchmarks, circular, thresholds, flatness, completeness or list",
     )
+    sub.add_argument("--list", action="store_true",
+                     help="the tables with source, what is published and recomputed, difference "
+                     "and status; the same as `table list`")  # fmt: skip
     sub.add_argument("--csv", action="store_true",
                      help="print CSV: one header line with units, all digits")  # fmt: skip
     sub.add_argument("--latex", action="store_true",

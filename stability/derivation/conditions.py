@@ -21,16 +21,18 @@ from ..algebra.polynomial import Polynomial
 from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
 from ..base.checks import flag, instance, known, whole_number
 from ..base.checks import positive as above_zero
+from ..base.citation.used import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Record, fields_of
 from ..base.verdict import Verdict, best
+from ..bodies.thin_disk.disk_quantities import SYSTEM
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from ..systems.system import refuse_system
 from .general.deduction import Deduction, closed_forms, domain_of
 from .general.elimination import Reading, whole
 from .general.members import sloped_somewhere
-from .general.numbers import Numbers
+from .general.numbers import Numbers, sign_of
 from .general.records import Factor, SignCondition, Variable, Witness
 
 MOST_TERMS = 4000
@@ -97,6 +99,11 @@ class Conditions(Record):
     def __repr__(self) -> str:
         family = self.family
         return f"<Conditions of {family.name} of {family.system.name}: {self.rule}>"
+
+    @property
+    def citation(self) -> str:
+        """Keys of the works to cite, for `stability.citation`."""
+        return cited(disk=self.family.system.name.startswith(SYSTEM), proofs=True)
 
     @property
     def deciding(self) -> tuple[SignCondition, ...]:
@@ -172,7 +179,7 @@ class Conditions(Record):
         point = [table[n] for n in names]
         if not self._deduction.members.check(point):
             return Verdict.UNDECIDED
-        signs = [_sign(c.polynomial(*point)) for c in self.deciding]
+        signs = [sign_of(c.polynomial(*point)) for c in self.deciding]
         if -1 in signs:
             return Verdict.UNSTABLE
         even = any(f.even for f in self.factors) or self._extra_zeros > 0
@@ -217,11 +224,8 @@ class Conditions(Record):
             If there is no such member, or none is proved to exist.
         """
         point = self._point(at, parameters)
-        return dict(
-            zip(
-                (v.name for v in self.variables), self._deduction.members.values(point), strict=True
-            )
-        )
+        found = self._deduction.members.values(point)
+        return dict(zip((v.name for v in self.variables), found, strict=True))
 
     def verdict(self, at: ArrayLike, **parameters: Any) -> Verdict:
         """The verdict from the conditions at a member.
@@ -268,10 +272,6 @@ class Conditions(Record):
             if name not in point:
                 raise ParameterError(f"{name} is missing; give a number.")
         return point
-
-
-def _sign(value: Any) -> int | None:
-    return 1 if value > 0 else -1 if value < 0 else 0 if value == 0 else None
 
 
 def conditions(

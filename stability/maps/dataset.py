@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.citation.used import cited
 from ..base.verdict import NO_MEMBER
 from ..spectra.presentation.labels import (
     axis_attributes,
+    is_disk,
     origin,
     rate_attributes,
     verdict_attributes,
@@ -77,8 +79,11 @@ def provenance(
     how = structure(family)
     if family.conservative:
         route += "; conservative law, decided by the sign of λ²"
+    law = problem.law.name if problem.law else None
     return origin(
         problem, fixed,
+        citation=cited(law, disk=is_disk(problem), eigenvalues=route.startswith(GRAPH),
+                       proofs=True),
         axes=" ".join(g.text for g in axes or ()),
         structural_zeros=how.zeros,
         structural_zeros_how=how.how,

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.citation.used import cited
 from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Floats
@@ -330,11 +331,11 @@ def _body(launches: Starts) -> dict[str, Any]:
 def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> dict[str, Any]:
     used = Counter(r.choice.method for r in results)
     outcomes = Counter(r.outcome.word for r in results)
-    first = results[0].choice
+    first, body = results[0].choice, _body(launches)
     attributes: dict[str, Any] = {
         "format": FORMAT,
         "title": launches.model.title,
-        **_body(launches),
+        **body,
         "outcome": ", ".join(
             word if launches.shape == () else f"{count} {word}" for word, count in outcomes.items()
         ),
@@ -346,6 +347,12 @@ def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> 
         **({"flat": settings.flat} if launches.law else {}),
         "settle": settings.settle,
         "max_steps": settings.max_steps,
+        "citation": cited(
+            launches.law.name if launches.law else None,
+            disk=launches.law is not None and "body" not in body,
+            rolling=bool(np.any(launches.given.get("rho", 0))),
+            methods=used,
+        ),
         "software": f"stability {__version__}",
         "versions": _versions(),
         "source": launches.model.source,

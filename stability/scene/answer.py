@@ -72,6 +72,8 @@ class Answer(Record):
     """The question in words: the body and its law, the start, the horizon, with units."""
     measures: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     """Unit of each state and number, and the value at which its error begins to be relative."""
+    citation: str = ""
+    """Keys of the works to cite, for `stability.citation`."""
     motion: tuple[Problem, Track] | None = field(default=None, repr=False, compare=False)
     """The dimensionless problem and its track; None where there is no motion."""
 

@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ..base.citation.used import cited
 from ..base.types import Floats
+from ..bodies.disk import Disk
 from .answer import Answer
 from .rungs.track import relative
 from .uncertain import apart as distance
@@ -136,3 +138,31 @@ def _states(answer: Answer) -> tuple[Floats, Floats]:
     assert answer.motion is not None
     problem, track = answer.motion
     return track.times * float(problem.launches.scales["time"]), track.states[:, :-2]
+
+
+def works_of(thing: Any, laws: Mapping[str, Any], answer: Answer) -> str:
+    """Keys of the works to cite: of the model, and of the rung that answered.
+
+    Parameters
+    ----------
+    thing
+        The disk, body or system.
+    laws
+        The contact laws by name.
+    answer
+        The answer.
+
+    Returns
+    -------
+    str
+    """
+    if answer.parts:
+        every = (key for part in answer.parts.values() for key in part.citation.split(", "))
+        return ", ".join(dict.fromkeys(every))
+    law = getattr(next(iter(laws.values()), None), "name", None)
+    return cited(
+        "creep-1" if answer.model.startswith("creep") else law, disk=isinstance(thing, Disk),
+        methods=answer.motion[1].methods if answer.motion else (),
+        eigenvalues=answer.model == "double precision",
+        proofs=answer.model in ("certified", "exact roots"),
+    )  # fmt: skip

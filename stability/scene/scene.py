@@ -32,7 +32,7 @@ from .inputs import (
     weights_of,
 )
 from .ladder import Climbed, climb
-from .laws import compare
+from .laws import compare, works_of
 from .linear import LINEAR, about_nearest
 from .questions import QUESTIONS, UNKNOWN
 from .rungs.full import truth_of
@@ -262,7 +262,9 @@ class Scene(Record):
             found = self._compared(laws, only, verify=False)
         else:
             found = self._answered(next(iter(laws.values())), only)
-        return replace(found, setting=self._setting(laws), cost=time.perf_counter() - began)
+        works = works_of(self.disk, laws, found)
+        return replace(found, setting=self._setting(laws), citation=works,
+                       cost=time.perf_counter() - began)  # fmt: skip
 
     def _setting(self, laws: Mapping[str, Any]) -> tuple[str, ...]:
         return setting(self.disk, laws, self.start, self.horizon, self.tolerance)
@@ -327,6 +329,7 @@ class Scene(Record):
             told = self._compared(laws, None, verify=True)
             errors: Any = {n: part.true_error for n, part in told.parts.items()}
             seconds = time.perf_counter() - began
+            told = replace(told, citation=works_of(self.disk, laws, told))
             return replace(told, true_error=errors, setting=self._setting(laws), cost=seconds)
         told = self.answer()
         if told.motion is None:

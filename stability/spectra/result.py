@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
+from ..base.citation.used import cited
 from ..base.errors import ParameterError
 from ..base.quantities import Kind, rate_unit
 from ..base.types import Complexes, Floats, Record, fields_of
@@ -22,6 +23,7 @@ from .eigenvalues import REASONS, Eigenpairs, in_words
 from .modes import Modes, lift, mode_labels, track
 from .presentation.dataset import dataset
 from .presentation.drawing import figure_of
+from .presentation.labels import is_disk
 from .presentation.text import line, page
 
 if TYPE_CHECKING:
@@ -150,6 +152,13 @@ class Spectrum(Record):
 
     def _repr_html_(self) -> str:
         return page(self)
+
+    @property
+    def citation(self) -> str:
+        """Keys of the works to cite, for `stability.citation`."""
+        proved = self.proof is not None and bool((self.proof.bits != NOT_ASKED).any())
+        return cited(self.law.name if self.law else None, disk=is_disk(self),
+                     eigenvalues=self.solver is lapack, proofs=proved)  # fmt: skip
 
     def to_xarray(self) -> xarray.Dataset:
         """The spectrum as a labelled dataset, with units, all that was given, and provenance.

@@ -3,5 +3,5 @@
 Columns and rows of each table; `st.table` and the command line ask `registry.py` alone.
 May import `basin`, `scene` and the floors below.
 To add a table: a module with its rows and a `Definition` named `TABLE`, like `drift.py`, and its
-name in `PLACES` of `registry.py`; text, CSV, JSON and LaTeX follow from the columns.
+name in `PLACES` of `contents/places.py`; text, CSV, JSON and LaTeX follow from the columns.
 """

@@ -12,6 +12,7 @@ from typing import Any
 from ..base.quantities import Kind, Quantity, rate_unit, readable
 from ..boundary.beyond_linear.records import CycleBirth, HopfPoint
 from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
+from .formats.about import About, Standing
 from .formats.column import Column, word
 from .formats.letters import symbol
 from .formats.table import Definition, Table
@@ -212,6 +213,12 @@ POINTS = Definition(
     lambda **_: [],
     notes=lambda table: [f"{table.found.statement}."],
     text=_point_text,
+    about=About(
+        "this package: points of codimension two of any family",
+        "no value; tests compare them with normal forms",
+        "points and their kinds from the family's equations",
+        Standing.DERIVED,
+    ),
     home=f"{__name__}:POINTS",
 )
 """Points of codimension two."""

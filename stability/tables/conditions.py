@@ -18,6 +18,7 @@ from ..boundary.changes import along
 from ..boundary.crossings import BoundaryPoint
 from ..spectra.disk_problem import disk_problem
 from .disk_formulas import formula_latex, formula_lines
+from .formats.about import About, Standing
 from .formats.column import Column, word
 from .formats.latex import latex
 from .formats.plain import plain
@@ -228,6 +229,12 @@ TABLE = Definition(
     lambda **options: [asdict(row) for row in conditions(**options)],
     ("k", "mu", "contact", "disk", "progress"),
     _notes, _text, _latex, _formulas,
+    about=About(
+        "Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) 204-231",
+        "no value",
+        "every change of verdict in a bracket with proved ends, for the package's laws",
+        Standing.RECOMPUTED,
+    ),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -12,6 +12,7 @@ from ..bodies.contact_laws import LinearViscous, Viscous
 from ..bodies.disk import Disk
 from ..boundary.drift import FORMULAS, drift
 from .conditions import MU, K
+from .formats.about import About, Standing
 from .formats.column import Column
 from .formats.plain import units_note
 from .formats.table import Definition
@@ -148,6 +149,12 @@ TABLE = Definition(
     lambda **options: [asdict(row) for row in drift_rows(**options)],
     ("k", "mu", "contact", "disk", "tilt"),
     lambda table: [*DRIFT_NOTES, units_note(table)],
+    about=About(
+        "this package: the slow manifold of rolling",
+        "no value",
+        "times by the closed form; tests compare them with simulated motions",
+        Standing.DERIVED,
+    ),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

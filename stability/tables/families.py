@@ -10,6 +10,7 @@ from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, disk_family
 from ..systems.structure.structural_zeros import structure
 from .conditions import scan
+from .formats.about import About, Standing
 from .formats.column import Column, word
 from .formats.plain import framed
 from .formats.table import Definition, Table
@@ -147,6 +148,12 @@ TABLE = Definition(
     lambda: [asdict(row) for row in families()],
     notes=lambda _: ["Dimensionless: m = R = g = 1, angular velocities in √(g/R)."],
     text=_text,
+    about=About(
+        "Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) 204-231",
+        "the model, in abstract, introduction and the start of section 2; no table of it",
+        "conditions, structural zeros and limits, from polynomials of the equations",
+        Standing.RECOMPUTED,
+    ),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

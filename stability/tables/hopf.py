@@ -13,6 +13,7 @@ from ..bodies.thin_disk.disk_families import FAMILIES
 from ..boundary.hopf import hopf
 from .conditions import MU, K, member
 from .drift import _body, law_of
+from .formats.about import About, Standing
 from .formats.column import Column, word
 from .formats.plain import units_note
 from .formats.table import Definition
@@ -117,6 +118,12 @@ TABLE = Definition(
     lambda **options: [asdict(row) for row in hopf_rows(**options)],
     ("k", "mu", "contact", "disk", "progress"),
     lambda table: [*HOPF_NOTES, units_note(table)],
+    about=About(
+        "this package: Hopf bifurcations of lines of steady motions",
+        "no value",
+        "kinds from the centre manifold; tests compare them with simulated motions",
+        Standing.DERIVED,
+    ),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

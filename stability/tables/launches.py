@@ -23,6 +23,7 @@ from ..motion.simulate import simulate
 from ..spectra.spectrum import spectrum
 from .conditions import MU, K, member
 from .drift import law_of
+from .formats.about import About, Standing
 from .formats.column import Column, word
 from .formats.plain import units_note
 from .formats.table import Definition
@@ -269,6 +270,12 @@ TABLE = Definition(
     lambda **options: [asdict(row) for row in launch_rows(**options)],
     ("k", "mu", "contact", "disk", "tilt", "at", "time", "progress"),
     lambda table: [*contact_lines(table.rows), "", *NOTES, units_note(table)],
+    about=About(
+        "Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) 204-231",
+        "no value of its simulations",
+        "outcomes of simulated motions with stated errors",
+        Standing.RECOMPUTED,
+    ),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

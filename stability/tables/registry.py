@@ -4,67 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
-from ..base.errors import NameUnknownError, ParameterError, listed, shown
+from ..base.errors import ParameterError, listed, shown
 from ..base.types import Progress
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_named
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import PHYSICAL, disk_quantities
 from ..systems.family import Family
-from .formats.table import Definition, Table
+from .contents.places import PLACES as PLACES
+from .contents.places import definition as definition
+from .formats.table import Table
 
-PLACES = {
-    "families": "families",
-    "conditions": "conditions",
-    "drift": "drift",
-    "hopf": "hopf",
-    "launches": "launches",
-    "theorems": "proofs.theorems",
-    "bodies": "proofs.bodies",
-    "benchmarks": "benchmarks.catalogue",
-    "completeness": "proofs.completeness",
-}
-"""Module of each table, by name; its `TABLE` is the `Definition`."""
 OF_FAMILY = ("conditions", "hopf", "codimension")
 """Tables of a family of the user's own."""
 OF_POINTS = ("k", "mu", "contact", "disk", "at")
 """Options of the table of codimension two of a disk's family."""
 LISTS = ("k", "mu", "tilt", "at")
 """Options that are lists of numbers."""
-
-
-def definition(name: str) -> Definition:
-    """The definition of a table.
-
-    Parameters
-    ----------
-    name
-        A key of `PLACES`.
-
-    Returns
-    -------
-    Definition
-
-    Raises
-    ------
-    NameUnknownError
-        If the table is unknown.
-
-    Examples
-    --------
-    >>> definition("drift").takes
-    ('k', 'mu', 'contact', 'disk', 'tilt')
-    """
-    if name not in PLACES:
-        known = ", ".join((*PLACES, "codimension"))
-        raise NameUnknownError(f"table is {shown(name)}; known are {known}.")
-    found: Definition = import_module(f".{PLACES[name]}", __package__).TABLE
-    return found
 
 
 def table(
@@ -93,8 +53,8 @@ def table(
     Parameters
     ----------
     name
-        families, conditions, drift, hopf, codimension, launches, theorems, bodies, benchmarks or
-        completeness.
+        list (the tables themselves), families, conditions, drift, hopf, codimension, launches,
+        theorems, bodies, benchmarks, circular, thresholds, flatness or completeness.
     family
         A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by
         name, for codimension.
@@ -165,8 +125,9 @@ def table(
     if "progress" in chosen.takes:
         options["progress"] = progress
     body = options.get("disk")
+    how = " (recomputed)" if chosen.about else ""
     return Table(
-        name, f"{chosen.heading} (recomputed)", chosen.columns, chosen.rows(**options),
+        name, f"{chosen.heading}{how}", chosen.columns, chosen.rows(**options),
         body is None or body.dimensionless,
         chosen.more(**options) if chosen.more else {}, definition=chosen,
     )  # fmt: skip

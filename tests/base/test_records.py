@@ -137,6 +137,7 @@ MAKERS: dict[str, Callable[[float], Any]] = {
     "Scene": scene,
     "Answer": lambda v: scene(100 * v).answer(),
     "Rung": lambda v: scene(100 * v).answer().rungs[0],
+    "Citation": lambda v: st.citation(None if v < 0.35 else edges(v)),
     "ReducedModel": lambda v: reduced(f"model {v}"),
 }  # fmt: skip
 

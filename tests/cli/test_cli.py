@@ -14,7 +14,18 @@ from command_line import output, refused
 
 from stability.cli import main
 
-COMMANDS = ("spectrum", "map", "boundaries", "atlas", "table", "scene", "simulate", "basins")
+COMMANDS = (
+    "spectrum",
+    "map",
+    "boundaries",
+    "atlas",
+    "table",
+    "scene",
+    "simulate",
+    "basins",
+    "export",
+    "cite",
+)
 OWN = ("spectrum", "map", "boundaries", "table", "simulate", "basins")
 MAP = ["map", "rolling", "--x", "at:1:2:6", "--y", "mu:0.1:1:5"]
 

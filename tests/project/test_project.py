@@ -94,7 +94,7 @@ def test_files_and_folders_can_be_taken_in_at_a_glance() -> None:
         assert folder.parent != PACKAGE or folder.name not in stability.__all__
 
 
-NOT_OF_A_FOLDER = {"data", "faults", "oracles", "project", "tools"}
+NOT_OF_A_FOLDER = {"data", "faults", "oracles", "project", "release", "tools"}
 """Folders of tests that no folder of the package is named like."""
 
 

@@ -32,6 +32,9 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "drift in SI": {"k": 1 / 3, "mu": (3e-4, 1e5), "disk": SI, "tilt": 0.0123456},
     "hopf": {"k": (0.375, 0.5), "mu": 0.9},
     "hopf in SI": {"k": 0.375, "mu": 0.9 / SPEED, "disk": SI},
+    "circular": {},
+    "thresholds": {},
+    "list": {},
     "launches": {"k": 0.25, "mu": 0.3, "at": (1.2, 1.6, 2.0)},
     "launches in SI": {"k": 0.25, "mu": 0.3 / SPEED, "disk": SI, "at": (60.0, 137.7951)},
     "codimension": {"family": "spinning", "x": ("at", 0.5, 5, 9), "y": ("mu", 0.1, 3, 9)},
@@ -245,7 +248,7 @@ def test_the_command_takes_the_arguments_of_the_function() -> None:
     named = {n for n, p in parameters.items() if p.kind is not p.VAR_KEYWORD} - {"progress"}
     [commands] = [a for a in _parser()._actions if a.choices]
     options = {a.dest for a in commands.choices["table"]._actions}
-    forms = {"help", "json", "csv", "latex", "out", "force"}
+    forms = {"help", "json", "csv", "latex", "out", "force", "list"}
     assert options - forms - {"system", "parameter"} - {"mass", "radius", "gravity"} == (
         named - {"disk"}
     )

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra.program import Program
 from ...base.checks import one_number
+from ...base.citation.used import cited
 from ...base.errors import ParameterError, shown
 from ...base.types import Floats
 from ...base.version import __version__
@@ -162,7 +163,8 @@ def retrograde_map(
             "start_theta": ("start", [a for a, _ in pairs], {"units": "degree"}),
             "start_speed": ("start", [b for _, b in pairs], {"units": "1"}),
         },
-        attrs={"format": FORMAT, "contact": "rough", "end": FLAT, "stability": __version__},
+        attrs={"format": FORMAT, "contact": "rough", "end": FLAT, "stability": __version__,
+               "citation": cited("rough", rolling=True)},
     )  # fmt: skip
 
 

@@ -169,3 +169,14 @@ class Numbers:
 def _shortened(texts: list[str]) -> str:
     more = len(texts) - MOST_LISTED
     return ", ".join(texts[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
+
+
+def sign_of(value: Any) -> int | None:
+    """The sign of a rational or a ball; None where a ball has both.
+
+    Examples
+    --------
+    >>> sign_of(2), sign_of(0)
+    (1, 0)
+    """
+    return 1 if value > 0 else -1 if value < 0 else 0 if value == 0 else None

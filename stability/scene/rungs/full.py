@@ -226,7 +226,8 @@ def _track(problem: Problem, begin: float, times: Floats, one: Result, tolerance
         return between(problem, known, passed, asked, tolerance)
 
     notes = (one.choice.reason,) if one.choice.reason else ()
-    return Track(when, reported, errors, at, finish, one.path.steps, notes)
+    methods = (one.choice.method,)
+    return Track(when, reported, errors, at, finish, one.path.steps, notes, methods=methods)
 
 
 def between(

@@ -134,6 +134,8 @@ class Track:
     """What happened on the way, in sentences."""
     indicators: dict[str, float] = field(default_factory=dict)
     """Numbers that say how valid the model is on the way, by name."""
+    methods: tuple[str, ...] = ()
+    """Names of the integrators of the full model."""
 
     @property
     def error(self) -> float:

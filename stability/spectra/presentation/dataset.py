@@ -100,7 +100,8 @@ def dataset(spectrum: Any) -> xarray.Dataset:
         coordinates[_free(name)] = (own, array, axis_attributes(spectrum, name))
     fixed = {n: v for n, v in values.items() if np.ndim(v) == 0}
     return xarray.Dataset(variables, coordinates, origin(
-        spectrum, fixed, structural_zeros=int(spectrum.structural_zeros),
+        spectrum, fixed, citation=spectrum.citation,
+        structural_zeros=int(spectrum.structural_zeros),
         method="eigenvalues of the linearisation with structural zeros removed through null "
         "vectors, error discs by running error analysis and Gershgorin's theorem; where certified, "
         "rational arithmetic or balls",

@@ -71,7 +71,12 @@ def _units(asked: Any, fixed: Mapping[str, Any]) -> dict[str, Any]:
     return units
 
 
-def origin(asked: Any, fixed: Mapping[str, Any], **more: Any) -> dict[str, Any]:
+def is_disk(asked: Any) -> bool:
+    """Whether the body is the thin disk: a user's system has no law, a body has its quantities."""
+    return asked.law is not None and not asked.family.system.quantities
+
+
+def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) -> dict[str, Any]:
     """Origin of a result: family, numbers, source, versions, the time.
 
     Parameters
@@ -80,6 +85,8 @@ def origin(asked: Any, fixed: Mapping[str, Any], **more: Any) -> dict[str, Any]:
         A `Problem` or a `Spectrum`.
     fixed
         Numbers by name, in the user's units.
+    citation
+        Keys of the works to cite.
     **more
         Further entries, before the source.
 
@@ -102,6 +109,7 @@ def origin(asked: Any, fixed: Mapping[str, Any], **more: Any) -> dict[str, Any]:
         "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, linearisation recomputed" if asked.law else "equations of a body of revolution "
         "by its height, linearised" if family.system.quantities else "user's system",
+        "citation": citation,
         "software": f"stability {__version__}",
         "versions": ", ".join(f"{n} {version(n)}" for n in LIBRARIES)
         + f", python {platform.python_version()}",

@@ -7,6 +7,7 @@ from dataclasses import asdict
 
 from ...base.checks import chosen
 from ...base.errors import listed
+from ..formats.about import About, Standing
 from ..formats.column import Column, word
 from ..formats.plain import framed
 from ..formats.table import Definition
@@ -141,25 +142,35 @@ def _lines_of(row: dict[str, object]) -> list[str]:
     return lines
 
 
+COLUMNS = (
+    word("system", "name of the system", "group"),
+    word("quantity", "quantity that is compared", share=0.22),
+    word("unit", "unit of the values"),
+    word("source", "source of the equations or the value", "group"),
+    word("origin", "origin of the known value", "below"),
+    word("known", "known value with all its digits"),
+    Column("recomputed", "the value of this package", form="{:.16g}"),
+    Column("difference", "recomputed minus known", form="{:.1e}"),
+    word("status", "digits that agree, or why there is no value", "below"),
+    word("below", "certified verdict below a threshold", "below"),
+    word("above", "certified verdict above a threshold", "below"),
+)
+"""Columns of a table of known values."""
+
 TABLE = Definition(
     "systems with known answers: known value, recomputed value, certified verdicts",
-    (
-        word("system", "name of the system", "group"),
-        word("quantity", "quantity that is compared", share=0.22),
-        word("unit", "unit of the values"),
-        word("source", "source of the equations or the value", "group"),
-        word("origin", "origin of the known value", "below"),
-        word("known", "known value with all its digits"),
-        Column("recomputed", "the value of this package", form="{:.16g}"),
-        Column("difference", "recomputed minus known", form="{:.1e}"),
-        word("status", "digits that agree, or why there is no value", "below"),
-        word("below", "certified verdict below a threshold", "below"),
-        word("above", "certified verdict above a threshold", "below"),
-    ),
+    COLUMNS,
     lambda **options: [asdict(row) for row in benchmark_rows(**options)],
     ("systems", "progress"),
     lambda table: benchmark_notes(table.rows),
     lambda table: framed(table, benchmark_lines(table.rows)),
+    about=About(
+        "a paper, course or code for each system, named in its rows",
+        "values of the rows that are marked `published`",
+        "every value by this package, from the system's equations",
+        Standing.PARTLY,
+        largest=4e-10,
+    ),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

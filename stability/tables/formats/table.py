@@ -15,6 +15,7 @@ from ...base.types import Record
 from ...storage.files import atomic_write
 from ...storage.json_text import json_text
 from ...storage.targets import check_suffix, check_target
+from .about import About
 from .column import Column
 from .csv_text import csv_text, flat
 from .latex import latex
@@ -44,6 +45,8 @@ class Definition:
     """The table as LaTeX."""
     more: Callable[..., dict[str, Any]] | None = None
     """Further keys of the JSON object, from the same options."""
+    about: About | None = field(default=None, kw_only=True)
+    """Source and standing, of a table that the list of tables names."""
     home: str = field(kw_only=True)
     """Where it is, as `module:name`: it is pickled by this."""
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
+from ..formats.about import About, Standing
 from ..formats.column import Column, word
 from ..formats.latex import END, breaking, longtable, start
 from ..formats.letters import prose
@@ -78,6 +79,12 @@ TABLE = Definition(
     ("progress",),
     text=lambda table: framed(table, _lines(table.rows)),
     latex=_latex,
+    about=About(
+        "this package: statements on bodies of revolution; known results named row by row",
+        "no value",
+        "each statement from the general equations, by computer algebra",
+        Standing.DERIVED,
+    ),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

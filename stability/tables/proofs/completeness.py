@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from ..formats.about import About, Standing
 from ..formats.column import Column, word
 from ..formats.plain import framed
 from ..formats.table import Definition, Table
@@ -49,6 +50,12 @@ TABLE = Definition(
     ),
     _rows,
     notes=_notes, text=_text, more=_search,
+    about=About(
+        "this package: the steady motions of the viscous disk",
+        "no value",
+        "a proof step by step, and a search from random starts",
+        Standing.DERIVED,
+    ),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

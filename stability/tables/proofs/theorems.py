@@ -8,6 +8,7 @@ from textwrap import wrap
 from typing import Any
 
 from ...derivation.proof import Step
+from ..formats.about import About, Standing
 from ..formats.column import Column, word
 from ..formats.latex import END, breaking, longtable, start
 from ..formats.letters import prose
@@ -169,6 +170,12 @@ TABLE = Definition(
     ("progress",),
     text=lambda table: framed(table, theorem_lines(table.rows)),
     latex=_latex,
+    about=About(
+        "this package: statements on the disk",
+        "no value",
+        "each step of each proof, by computer algebra",
+        Standing.DERIVED,
+    ),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

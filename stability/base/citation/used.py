@@ -1,0 +1,73 @@
+"""Keys of works by what was used: contact law, body, integrators, proofs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+METHODS = {
+    "heyoka": ("heyoka",),
+    "dop853": ("scipy", "hairer1993"),
+    "lsoda": ("scipy", "petzold1983"),
+    "radau": ("scipy", "hairer1996"),
+    "bdf": ("scipy", "shampine1997"),
+    "cvodes": ("sundials",),
+    "idas": ("sundials",),
+}
+"""Works of each integrator."""
+LAWS = {
+    "coulomb": ("lesaux2005",),
+    "coulomb-regularised": ("lesaux2005",),
+    "creep-1": ("fenichel1979", "fraser1988"),
+    "creep-2": ("fenichel1979", "fraser1988"),
+    "creep-3": ("fenichel1979", "fraser1988"),
+}
+"""Works of a contact law beyond that of the model."""
+
+
+def cited(
+    law: str | None = None,
+    *,
+    disk: bool = False,
+    rolling: bool = False,
+    methods: Iterable[str] = (),
+    eigenvalues: bool = False,
+    proofs: bool = False,
+) -> str:
+    """Keys of the works, as an attribute of a result: joined by commas, without a date.
+
+    Parameters
+    ----------
+    law
+        Name of the contact law; None for a user's system.
+    disk
+        Whether the body is the thin disk, whose model is from a paper.
+    rolling
+        Whether rolling resistance acts.
+    methods
+        Names of the integrators that ran.
+    eigenvalues
+        Whether LAPACK computed eigenvalues.
+    proofs
+        Whether verdicts or boundaries were proved exactly or in balls.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> cited("viscous", disk=True, methods=["heyoka"])
+    'stability, przybylska2016, casadi, heyoka'
+    >>> cited(methods=["radau", "dop853"])
+    'stability, casadi, scipy, hairer1996, hairer1993'
+    """
+    keys = ["stability"]
+    keys += ["przybylska2016"] * disk
+    keys += LAWS.get(law or "", ())
+    keys += ["bondi1986"] * rolling
+    keys += ["casadi"]
+    keys += ["lapack"] * eigenvalues
+    keys += ["arb"] * proofs
+    for method in methods:
+        keys += METHODS.get(method, ())
+    return ", ".join(dict.fromkeys(keys))

@@ -1,0 +1,146 @@
+"""Works to cite: this package, the model, methods, libraries."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from ..version import __version__
+
+
+@dataclass(frozen=True)
+class Work:
+    """A paper, book, or program, as an entry of BibTeX.
+
+    Examples
+    --------
+    >>> WORKS["heyoka"].text
+    'F. Biscani and D. Izzo, Revisiting high-order Taylor methods for astrodynamics and celestial mechanics, Monthly Notices of the Royal Astronomical Society 504(2), 2614-2628, 2021, doi:10.1093/mnras/stab1032'
+    """  # noqa: E501
+
+    key: str
+    """Key of the entry."""
+    kind: str
+    """article, book, inproceedings or software."""
+    role: str
+    """What it is cited for."""
+    author: str
+    """Authors, joined by `and`, as BibTeX takes them."""
+    title: str
+    """Title."""
+    year: str = ""
+    """Year; empty for a program without one."""
+    place: str = ""
+    """Journal, publisher, or proceedings."""
+    volume: str = ""
+    """Volume, with the number in brackets."""
+    pages: str = ""
+    """First and last page."""
+    doi: str = ""
+    """DOI."""
+
+    @property
+    def text(self) -> str:
+        """The work in one line."""
+        people = [_forward(name) for name in self.author.strip("{}").split(" and ")]
+        many = ", ".join(people[:-1]) + " and " + people[-1] if len(people) > 1 else people[0]
+        where = " ".join(filter(None, [self.place, self.volume]))
+        parts = [many, self.title, where, self.pages.replace("--", "-"), self.year]
+        return ", ".join(filter(None, parts)) + (f", doi:{self.doi}" if self.doi else "")
+
+    @property
+    def bibtex(self) -> str:
+        """The entry of BibTeX."""
+        volume, _, number = self.volume.partition("(")
+        where = {"article": "journal", "book": "publisher", "inproceedings": "booktitle",
+                 "software": "note"}[self.kind]  # fmt: skip
+        fields = {
+            "author": self.author, "title": f"{{{self.title}}}", where: self.place,
+            "volume": volume, "number": number.strip(")"), "pages": self.pages, "year": self.year,
+            "doi": self.doi,
+        }  # fmt: skip
+        lines = [f"  {name} = {{{_latex(value)}}}" for name, value in fields.items() if value]
+        kind = "misc" if self.kind == "software" else self.kind
+        return f"@{kind}{{{self.key},\n" + ",\n".join(lines) + "\n}"
+
+
+def _forward(name: str) -> str:
+    """`Last, First` as `F. Last`."""
+    last, _, first = name.partition(", ")
+    initials = " ".join(f"{word[0]}." for word in re.split(r"[ -]", first) if word)
+    return f"{initials} {last}".strip()
+
+
+def _latex(text: str) -> str:
+    return text.replace("&", r"\&").replace("ø", r"{\o}")
+
+
+_EVERY = (
+    Work("stability", "software", "this package", "{The stability developers}",
+         "stability: stability diagrams of nonholonomic and frictional systems, with proved "
+         "boundaries", "", f"version {__version__}"),
+    Work("przybylska2016", "article", "the model of the disk",
+         "Przybylska, Maria and Rauch-Wojciechowski, Stefan",
+         "Dynamics of a Rolling and Sliding Disk in a Plane. Asymptotic Solutions, Stability and "
+         "Numerical Simulations", "2016", "Regular and Chaotic Dynamics", "21(2)", "204--231",
+         "10.1134/S1560354716020052"),
+    Work("lesaux2005", "article", "dry friction of the disk",
+         "Le Saux, Caroline and Leine, Remco I. and Glocker, Christoph",
+         "Dynamics of a Rolling Disk in the Presence of Dry Friction", "2005",
+         "Journal of Nonlinear Science", "15", "27--61", "10.1007/s00332-004-0655-4"),
+    Work("fenichel1979", "article", "the slow manifold of creeping slip", "Fenichel, Neil",
+         "Geometric singular perturbation theory for ordinary differential equations", "1979",
+         "Journal of Differential Equations", "31", "53--98", "10.1016/0022-0396(79)90152-9"),
+    Work("fraser1988", "article", "the iteration of the slow manifold", "Fraser, Simon J.",
+         "The steady state and equilibrium approximations: A geometrical picture", "1988",
+         "The Journal of Chemical Physics", "88", "4732--4738", "10.1063/1.454686"),
+    Work("bondi1986", "article", "the linear law of rolling resistance", "Bondi, Hermann",
+         "The rigid body dynamics of unidirectional spin", "1986",
+         "Proceedings of the Royal Society A", "405", "265--274"),
+    Work("casadi", "article", "the graph of the equations and its derivatives (CasADi)",
+         "Andersson, Joel A. E. and Gillis, Joris and Horn, Greg and Rawlings, James B. and Diehl, "
+         "Moritz", "CasADi: a software framework for nonlinear optimization and optimal control",
+         "2019", "Mathematical Programming Computation", "11(1)", "1--36",
+         "10.1007/s12532-018-0139-4"),
+    Work("lapack", "book", "eigenvalues (LAPACK)",
+         "Anderson, Edward and Bai, Zhaojun and Bischof, Christian and Blackford, Susan and "
+         "Demmel, James and Dongarra, Jack and Du Croz, Jeremy and Greenbaum, Anne and Hammarling, "
+         "Sven and McKenney, Alan and Sorensen, Danny",
+         "LAPACK Users' Guide, third edition", "1999",
+         "Society for Industrial and Applied Mathematics"),
+    Work("arb", "article", "proofs in ball arithmetic (Arb, by python-flint)",
+         "Johansson, Fredrik",
+         "Arb: efficient arbitrary-precision midpoint-radius interval arithmetic", "2017",
+         "IEEE Transactions on Computers", "66(8)", "1281--1292", "10.1109/TC.2017.2690633"),
+    Work("heyoka", "article", "integration by Taylor's method (heyoka)",
+         "Biscani, Francesco and Izzo, Dario",
+         "Revisiting high-order Taylor methods for astrodynamics and celestial mechanics", "2021",
+         "Monthly Notices of the Royal Astronomical Society", "504(2)", "2614--2628",
+         "10.1093/mnras/stab1032"),
+    Work("scipy", "article", "integration (SciPy)",
+         "Virtanen, Pauli and Gommers, Ralf and Oliphant, Travis E. and others",
+         "SciPy 1.0: fundamental algorithms for scientific computing in Python", "2020",
+         "Nature Methods", "17(3)", "261--272", "10.1038/s41592-019-0686-2"),
+    Work("hairer1993", "book", "the method DOP853",
+         "Hairer, Ernst and Nørsett, Syvert P. and Wanner, Gerhard",
+         "Solving Ordinary Differential Equations I: Nonstiff Problems", "1993", "Springer", "", "",
+         "10.1007/978-3-540-78862-1"),
+    Work("hairer1996", "book", "the method Radau IIA", "Hairer, Ernst and Wanner, Gerhard",
+         "Solving Ordinary Differential Equations II: Stiff and Differential-Algebraic Problems",
+         "1996", "Springer", "", "", "10.1007/978-3-642-05221-7"),
+    Work("petzold1983", "article", "the method LSODA", "Petzold, Linda",
+         "Automatic selection of methods for solving stiff and nonstiff systems of ordinary "
+         "differential equations", "1983", "SIAM Journal on Scientific and Statistical Computing",
+         "4(1)", "136--148", "10.1137/0904010"),
+    Work("shampine1997", "article", "the BDF method",
+         "Shampine, Lawrence F. and Reichelt, Mark W.", "The MATLAB ODE Suite", "1997",
+         "SIAM Journal on Scientific Computing", "18(1)", "1--22", "10.1137/S1064827594276424"),
+    Work("sundials", "article", "integration of stiff motions (SUNDIALS, by CasADi)",
+         "Hindmarsh, Alan C. and Brown, Peter N. and Grant, Keith E. and Lee, Steven L. and "
+         "Serban, Radu and Shumaker, Dan E. and Woodward, Carol S.",
+         "SUNDIALS: Suite of nonlinear and differential/algebraic equation solvers", "2005",
+         "ACM Transactions on Mathematical Software", "31(3)", "363--396",
+         "10.1145/1089014.1089020"),
+)  # fmt: skip
+WORKS = {work.key: work for work in _EVERY}
+"""Every work by its key."""

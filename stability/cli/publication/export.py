@@ -1,0 +1,143 @@
+"""The command `export`: a system or family for LaTeX, C, AUTO-07p or BifurcationKit.jl."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import Any
+
+from ...base.errors import ParameterError
+from ...storage.json_text import json_text
+from ..options import CONTACTS, _axis_ends, _family, add_body, body_of, overwriting, where_of
+from ..system_option import doubles, family_named, numbers, system_with_families
+
+FORMATS = ("latex", "c", "auto", "bifurcationkit")
+"""Words after `export`."""
+CONTINUED = ("auto", "bifurcationkit")
+"""Formats of a continuation."""
+POSITIVE = ("k", "mu", "c")
+"""Parameters of the disk that are positive."""
+EXAMPLES = (
+    "stability export latex spinning --out spinning.tex",
+    "stability export c --system examples/bicycle.py:upright --out bicycle",
+    "stability export auto spinning --axis phi_dot:5:1.8 --parameter k=1/4 --parameter mu=0.8 "
+    "--out spinning",
+    "stability export bifurcationkit spinning --axis mu:0.2:1.5 --parameter k=1/4 --parameter "
+    "phi_dot=2.6 --out spinning",
+)
+"""Examples of the help."""
+
+
+def run(options: argparse.Namespace) -> None:
+    """Run the command.
+
+    Parameters
+    ----------
+    options
+        Parsed options.
+    """
+    if (options.axis is None) == (options.format in CONTINUED):
+        what = "needs" if options.axis is None else "has no"
+        raise ParameterError(f"`export {options.format}` {what} --axis NAME:START:STOP.")
+    if options.format not in ("latex",) and options.positive:
+        raise ParameterError("--positive belongs to `export latex`; leave it out.")
+    if options.format == "c":
+        written = _c(options)
+    elif options.format == "latex":
+        written = _latex(options)
+    else:
+        written = _continuation(options)
+    print(json_text(written) if options.json else written["out"])
+
+
+def _subject(options: argparse.Namespace) -> Any:
+    """The family that the options name."""
+    body = body_of(options, {})
+    if (options.family is None) == (options.system is None):
+        raise ParameterError("give FAMILY, or --system MODULE:FAMILY, one of them.")
+    if options.system is not None:
+        if options.contact is not None:
+            raise ParameterError("--contact belongs to the disk; with --system leave it out.")
+        return family_named(options.system)
+    law = options.contact or "viscous"
+    if body is not None:
+        return body.family(options.family, law, **where_of(options))
+    from ...bodies.thin_disk.disk_families import disk_family
+
+    return disk_family(options.family, law)
+
+
+def _latex(options: argparse.Namespace) -> dict[str, Any]:
+    from ...export.latex import latex
+    from ...storage.files import atomic_write
+    from ...storage.targets import check_suffix, check_target
+
+    target = check_target(check_suffix(options.out, (".tex",), "--out"), overwrite=options.force)
+    family = _subject(options)
+    positive = tuple(options.positive.split(",")) if options.positive else ()
+    if options.system is None and not options.positive:
+        positive = tuple(n for n in POSITIVE if n in family.parameters)
+    given = numbers(options.parameter, family)
+    text = latex(family, positive=positive, **dict[str, Any](given))
+    with atomic_write(target, overwrite=options.force) as draft:
+        draft.write_text(text, "utf-8")
+    return {"out": str(target)}
+
+
+def _c(options: argparse.Namespace) -> dict[str, Any]:
+    from ...export.c_code import c_code
+
+    if options.parameter:
+        raise ParameterError("--parameter is no option of `export c`, whose code takes numbers.")
+    if options.system is not None:
+        subject = system_with_families(options.system)[0]
+    else:
+        subject = _subject(options)
+    code = c_code(subject, options.out, overwrite=options.force)
+    return {"out": str(code.folder), "name": code.name, "inputs": list(code.inputs),
+            "outputs": list(code.outputs), "command": code.command}  # fmt: skip
+
+
+def _continuation(options: argparse.Namespace) -> dict[str, Any]:
+    from ...export.auto import auto_input
+    from ...export.bifurcationkit import bifurcationkit_input
+
+    write = auto_input if options.format == "auto" else bifurcationkit_input
+    free, start, stop = _axis_ends(options.axis, "--axis")
+    family = _subject(options)
+    given = doubles(numbers(options.parameter, family))
+    found = write(family, options.out, free=free, start=start, stop=stop, overwrite=options.force,
+                  **given)  # fmt: skip
+    return {"out": str(found), "files": sorted(p.name for p in found.iterdir())}
+
+
+def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> None:
+    """Arguments of the command.
+
+    Parameters
+    ----------
+    sub
+        The command's parser.
+    words
+        The command line, or None.
+    """
+    sub.add_argument("format", choices=FORMATS, help="format of the export")
+    _family(sub)
+    sub.add_argument("--system", metavar="MODULE:FAMILY",
+                     help="a family of your own: module:name, or file.py:name; `c` takes a System "
+                     "too")  # fmt: skip
+    add_body(sub, words)
+    sub.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
+    sub.add_argument("--mass", type=float, help="mass of --body (default 1)")
+    sub.add_argument("--gravity", type=float, help="gravity of --body (default 1)")
+    ends = "`auto`, `bifurcationkit`: what is continued, from where, to where"
+    sub.add_argument("--axis", metavar="NAME:START:STOP", help=ends)
+    sub.add_argument("--parameter", action="append", metavar="NAME=X",
+                     help="a number, such as k=1/4, once for each: all others for a continuation; "
+                     "for `latex` those that the conditions take as numbers")  # fmt: skip
+    sub.add_argument("--positive", metavar="NAMES",
+                     help="`latex`: positive names in the conditions, comma-separated (of the "
+                     "disk: k and mu)")  # fmt: skip
+    sub.add_argument("--out", required=True,
+                     help="`latex`: a .tex file; the others: a folder")  # fmt: skip
+    overwriting(sub, "replace existing files")

@@ -1,0 +1,7 @@
+"""Input of other programs.
+
+LaTeX, C, AUTO-07p and BifurcationKit.jl, from the graph that the package evaluates.
+May import `basin`, `scene` and the floors below.
+To add a format: a module like `bifurcationkit.py` with one function, its name on the face, and a
+word in `FORMATS` of `cli/publication/export.py`.
+"""

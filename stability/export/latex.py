@@ -1,0 +1,266 @@
+"""Equations of motion, Jacobian, characteristic polynomial and conditions in LaTeX."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import casadi as ca
+
+from ..algebra.polynomial import Polynomial
+from ..algebra.program import Program
+from ..algebra.upright import Upright
+from ..base.errors import ParameterError, shown
+from ..derivation.conditions import Conditions, conditions
+from ..systems.equations import Equations
+from ..systems.family import Family
+from ..systems.sources.numeric import NumericSystem
+from .symbols import symbols
+from .typeset import Node, Sheet, algebra, number
+
+WIDTH = 90
+"""Characters of LaTeX in a line of a polynomial."""
+HEAD = r"""\documentclass{article}
+\usepackage{amsmath}
+\usepackage[margin=15mm,landscape]{geometry}
+\allowdisplaybreaks
+\begin{document}
+"""
+"""The document around the formulas: amsmath and geometry, of every LaTeX."""
+
+
+def latex(
+    subject: Equations | Family | Conditions,
+    *,
+    positive: Sequence[str] = (),
+    standalone: bool = True,
+    **parameters: Any,
+) -> str:
+    r"""Equations of motion, Jacobian, characteristic polynomial and conditions in LaTeX.
+
+    Long expressions that occur more than once get names w_1, w_2, … with a line each, so that the
+    formulas are those of the graph, term by term.
+
+    Parameters
+    ----------
+    subject
+        A `System` (its equations of motion, and the Jacobian of its rates); a `Family` (the same at
+        its steady motions, then the characteristic polynomial and the conditions of stability,
+        derived exactly); or `Conditions` that were derived before (these alone).
+    positive
+        Positive variables of the conditions, as for `stability.conditions`.
+    standalone
+        Whether the text is a document of its own; otherwise it is a part for one with amsmath.
+    **parameters
+        Numbers for parameters, in the conditions of a family.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ParameterError
+        If the subject is something else, or has no graph.
+
+    Source: the graph itself; tests/export/test_latex.py reads the formulas back.
+
+    Examples
+    --------
+    >>> import casadi as ca, stability as st
+    >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    >>> pendulum = st.System("pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
+    ...                      states=("theta", "omega"), parameters=("g",))
+    >>> print(st.latex(pendulum, standalone=False).splitlines()[3])
+    \dot{\omega} &= -g\,\sin\left(\theta\right)
+    """
+    if isinstance(subject, Conditions):
+        parts = _of_conditions(subject)
+    elif isinstance(subject, Family):
+        _graph_of(subject.system)
+        found = conditions(subject, positive=positive, **parameters)
+        parts = [*_of_family(subject), *_of_conditions(found)]
+    elif isinstance(subject, Equations):
+        parts = _of_system(_graph_of(subject))
+    else:
+        raise ParameterError(
+            f"subject is {shown(subject)}; give a System, a Family, or Conditions."
+        )
+    body = "\n".join(parts) + "\n"
+    return f"{HEAD}{body}\\end{{document}}\n" if standalone else body
+
+
+def _graph_of(system: Equations) -> Equations:
+    if isinstance(system, NumericSystem):
+        raise ParameterError(
+            f"{system.name} is a Python function without formulas; give a System with a graph."
+        )
+    return system
+
+
+def _of_system(system: Equations) -> list[str]:
+    """Rates and Jacobian of a system."""
+    names = symbols((*system.states, *system.parameters))
+    both = ca.cse([ca.densify(system.rhs), ca.jacobian(system.rhs, system.x)])
+    graph = ca.Function("system", [system.x, system.p], both)
+    rates, slopes, sheet, places = _read(graph, [system.states, system.parameters], names)
+    title = rf"\section*{{Equations of motion: {_words(system.name)}}}"
+    left = [_rate(names[n]) for n in system.states]
+    return [
+        title, *_lines(sheet.lines, list(zip(left, rates, strict=True))),
+        r"\section*{Jacobian}",
+        *_lines([], _entries(slopes, places, system.states, names)),
+    ]  # fmt: skip
+
+
+def _of_family(family: Family) -> list[str]:
+    """Equations of motion, the steady motion, and the Jacobian at it."""
+    system = family.system
+    others = family.parameters
+    names = symbols((*system.states, *system.parameters, *family.at, *others))
+    state = [rf"{names[n]} = {_held(v)}" for n, v in family.held.items()]
+    state += [rf"{names[n]}\text{{ solved for}}" for n in family.unknown]
+    left_out = [rf"{names[n]}\text{{ of any value}}" for n in family.left_out]
+    at = ", ".join(names[n] for n in family.at)
+    text = rf"\section*{{Steady motions: {_words(family.name)}}}"
+    given = r",\quad ".join([*state, *left_out])
+    said = [rf"\[ {given},\quad \text{{named by }} {at} \]"] if given else []
+    program = family.graph.matrix
+    inputs = [[Node("symbol", text=names[n]) for n in group]
+              for group in (family.at, family.unknown, others)]  # fmt: skip
+    values = program.run(algebra(), inputs)[0]
+    sheet = Sheet("v")
+    slopes = sheet.typeset(values)
+    entries = _entries(slopes, program.places[0], system.states, names)
+    return [
+        *_of_system(system), text, *said, r"\section*{Jacobian at the steady motions}",
+        *_lines(sheet.lines, entries),
+    ]  # fmt: skip
+
+
+def _rate(symbol: str) -> str:
+    """The rate of a state."""
+    return symbol.replace(r"\dot", r"\ddot", 1) if symbol[:4] == r"\dot" else rf"\dot{{{symbol}}}"
+
+
+def _held(value: float | Upright) -> str:
+    return r"\tfrac{\pi}{2}" if isinstance(value, Upright) else number(float(value))
+
+
+def _read(
+    graph: ca.Function, groups: Sequence[Sequence[str]], names: Mapping[str, str]
+) -> tuple[list[str], list[str], Sheet, Sequence[tuple[int, int]]]:
+    """Rates and slopes of a graph as expressions, which share their names."""
+    program = Program(graph)
+    inputs = [[Node("symbol", text=names[n]) for n in group] for group in groups]
+    rates, slopes = program.run(algebra(), inputs)
+    sheet = Sheet("w")
+    every = sheet.typeset([*rates, *slopes])
+    return every[: len(rates)], every[len(rates) :], sheet, program.places[1]
+
+
+def _entries(
+    slopes: Sequence[str],
+    places: Sequence[tuple[int, int]],
+    states: Sequence[str],
+    names: Mapping[str, str],
+) -> list[tuple[str, str]]:
+    """Entries of a Jacobian that are not zero."""
+    return [
+        (rf"\frac{{\partial {_rate(names[states[i]])}}}{{\partial {names[states[j]]}}}", text)
+        for (i, j), text in zip(places, slopes, strict=True)
+        if text != "0"
+    ]
+
+
+def _lines(named: Sequence[tuple[str, str]], rows: Sequence[tuple[str, str]]) -> list[str]:
+    """An aligned display: names first, then the rows."""
+    return _display([f"{left} &= {right}" for left, right in (*named, *rows)])
+
+
+def _display(rows: Sequence[str]) -> list[str]:
+    return [r"\begin{align*}", " \\\\\n".join(rows), r"\end{align*}"] if rows else []
+
+
+# --- polynomials and conditions ---
+
+
+def _of_conditions(found: Conditions) -> list[str]:
+    """The characteristic polynomial by its factors, and the sign conditions."""
+    every = [v.name for v in found.variables]
+    names = symbols((*every, *(v for c in found.conditions for v in c.polynomial.variables),
+                     "lambda"))  # fmt: skip
+    lam = names["lambda"]
+    out = [r"\section*{Characteristic polynomial}"]
+    powers = [_power(lam, found.zeros)] if found.zeros else []
+    for i, factor in enumerate(found.factors, start=1):
+        power = f"^{{{factor.multiplicity}}}" if factor.multiplicity > 1 else ""
+        powers.append(rf"p_{{{i}}}({lam}){power}")
+    out.append(rf"\[ {' '.join(powers)} = 0 \]")
+    for i, factor in enumerate(found.factors, start=1):
+        terms = [(n, c) for n, c in enumerate(factor.coefficients) if c.terms]
+        rows = [(rf"p_{{{i},{n}}}", polynomial(c, names)) for n, c in terms]
+        whole = "+".join(rf"p_{{{i},{n}}}{_power(lam, n)}" for n, _ in reversed(terms))
+        out += _lines([(rf"p_{{{i}}}({lam})", whole)], rows)
+    if found.relations:
+        vanishing = [f"&{polynomial(p, names)} = 0" for _, p in found.relations]
+        out += ["with", *_display(vanishing)]
+    out.append(r"\section*{Conditions of stability}")
+    for one in found.conditions:
+        out.append(rf"\noindent {_words(one.name)} of $p_{{{one.factor + 1}}}$: {one.status}")
+        sign = {"negative": "<", "zero": "="}.get(one.status, ">")
+        out += _display([f"&{polynomial(one.polynomial, names)} {sign} 0"])
+    return out
+
+
+def _power(symbol: str, n: int) -> str:
+    return "" if n == 0 else rf"\,{symbol}" if n == 1 else rf"\,{symbol}^{{{n}}}"
+
+
+def polynomial(p: Polynomial, names: Mapping[str, str]) -> str:
+    r"""A polynomial in LaTeX, its highest terms first, broken into lines of an `align*`.
+
+    Parameters
+    ----------
+    p
+        The polynomial.
+    names
+        Symbol of each variable.
+
+    Examples
+    --------
+    >>> p = Polynomial(("k", "z"), ((2, (1, 1)), (-1, (0, 0))))
+    >>> print(polynomial(p, {"k": "k", "z": "z"}))
+    2\,k\,z-1
+    """
+    if not p.terms:
+        return "0"
+    lines: list[str] = []
+    line = ""
+    for coefficient, exponents in sorted(p.terms, key=lambda t: (-sum(t[1]), t[1])):
+        factors = [
+            names[v] if e == 1 else f"{{{names[v]}}}^{{{e}}}"
+            for v, e in zip(p.variables, exponents, strict=True)
+            if e
+        ]
+        size = abs(coefficient)
+        head = [str(size)] if size != 1 or not factors else []
+        sign = "-" if coefficient < 0 else "+" if line or lines else ""
+        term = sign + r"\,".join([*head, *factors])
+        if line and len(line) + len(term) > WIDTH:
+            lines.append(line)
+            line = ""
+        line += term
+    return " \\\\\n&\\quad{}".join([*lines, line])
+
+
+def _words(text: str) -> str:
+    """Words outside of mathematics, with the signs that LaTeX would read."""
+    if "λ" in text:
+        parts = re.split(r"λ(?:\^(\d+))?", text)
+        powers = [rf"$\lambda^{{{n}}}$" if n else r"$\lambda$" for n in parts[1::2]]
+        ends = map(_words, parts[0::2])
+        return "".join(f"{word}{power}" for word, power in zip(ends, [*powers, ""], strict=True))
+    marks = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+    return "".join(marks.get(c) or (f"\\{c}" if c in "&%$#_{}" else c) for c in text)

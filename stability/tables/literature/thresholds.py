@@ -1,0 +1,123 @@
+"""Table of thresholds of As's disk: where rolling, spinning and circling change verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
+
+from flint import arb
+
+from ...algebra.balls import precision
+from ...base.types import Progress
+from ...bodies.disk import Disk
+from ...bodies.thin_disk.disk_families import disk_family
+from ..benchmarks.catalogue import COLUMNS, benchmark_lines, benchmark_notes
+from ..benchmarks.row import (
+    CLOSED,
+    PUBLISHED,
+    BenchmarkRow,
+    Source,
+    at_threshold,
+    compared,
+    threshold,
+)
+from ..formats.about import About, Standing
+from ..formats.plain import framed
+from ..formats.table import Definition
+from .circular import edge_rows
+from .rough_circles import BITS, digits
+
+REPORT = "Y. As, student report, Technion 2017"
+LINEAR = "linearised balance of moments; the report's value was not at hand"
+DISK = Disk(radius=0.5, gravity=9.81)
+"""The report's disk: uniform, k = 1/4 [m, m/s²]."""
+LEAN, PRECESSION = 10, 0.5
+"""Lean [°] and precession [rad/s] of the report's circling disk."""
+SPIN = "-4.6851"
+"""Its spin relative to the turning frame, as the report prints it [rad/s]."""
+
+FORMULAS: tuple[tuple[str, str, str, Callable[[arb], arb]], ...] = (
+    ("rolling", "rough", "g/(2(2k+1)R)", lambda k: 1 / (2 * (2 * k + 1))),
+    ("rolling", "smooth", "g/(4kR)", lambda k: 1 / (4 * k)),
+    ("rolling", "viscous", "g/(2kR)", lambda k: 1 / (2 * k)),
+    ("spinning", "rough", "g/((k+1)R)", lambda k: 1 / (k + 1)),
+    ("spinning", "smooth", "g/(kR)", lambda k: 1 / k),
+)
+"""Family, law, and square of the threshold, as text and without dimension."""
+MU = 1.0
+"""Friction of the viscous disk, without dimension; the threshold does not depend on it."""
+
+
+def threshold_rows(progress: Progress | None = None) -> list[BenchmarkRow]:
+    """Thresholds of the disk under three contact laws, and its spin at the report's lean.
+
+    Parameters
+    ----------
+    progress
+        Called with (parts done, parts in all).
+
+    Returns
+    -------
+    list of BenchmarkRow
+
+    Source: tests/tables/test_literature.py.
+
+    Examples
+    --------
+    >>> first = threshold_rows()[0]
+    >>> first.known, round(first.recomputed, 4), first.origin
+    ('-4.6851', -4.6851, 'published')
+    """
+    rows = [_relative_spin()]
+    for done, (family, law, formula, square) in enumerate(FORMULAS, start=1):
+        rows.append(_change(family, law, formula, square))
+        if progress is not None:
+            progress(done, len(FORMULAS))
+    return [*rows, *edge_rows(DISK, LEAN, Source("circling of the disk of 0.5 m, no slip", LINEAR))]
+
+
+def _relative_spin() -> BenchmarkRow:
+    theta = math.pi / 2 - math.radians(LEAN)
+    at = [theta, PRECESSION * float(DISK.time)]
+    state = disk_family("circling", "rough").member(at, [float(DISK.k)])
+    found = state[3] * DISK.rate - PRECESSION * math.cos(theta)
+    what = f"relative spin, no slip, lean {LEAN}°, precession {PRECESSION} rad/s"
+    about = Source("disk of 0.5 m, no slip", REPORT)
+    return compared(about, what, SPIN, float(found), origin=PUBLISHED, unit="rad/s")
+
+
+def _change(family: str, law: str, formula: str, square: Callable[[arb], arb]) -> BenchmarkRow:
+    with precision(BITS):
+        rate = (arb(DISK.gravity) / arb(DISK.radius)).sqrt()
+        known = digits(square(arb(DISK.k)).sqrt() * rate)
+        near = float(square(arb(DISK.k)).sqrt())
+    values: dict[str, Any] = {"k": float(DISK.k)} | ({"mu": MU} if law == "viscous" else {})
+    found = threshold(disk_family(family, law), near / 2, 2 * near, **values)
+    quantity = {"rolling": "omega3", "spinning": "phi_dot"}[family]
+    return at_threshold(
+        Source(f"{family} of the disk of 0.5 m", LINEAR), found, known, origin=CLOSED,
+        unit="rad/s", scale=float(DISK.rate),
+        quantity=f"{quantity} of {family}, {law}: the root of {formula}",
+    )  # fmt: skip
+
+
+TABLE = Definition(
+    "thresholds of a disk of 0.5 m, by contact law",
+    COLUMNS,
+    lambda **options: [asdict(row) for row in threshold_rows(**options)],
+    ("progress",),
+    lambda table: benchmark_notes(table.rows),
+    lambda table: framed(table, benchmark_lines(table.rows)),
+    about=About(
+        REPORT,
+        "the disk, and one spin, seen at second hand; none of its thresholds",
+        "thresholds as proved changes of the certified verdict; known values by closed forms, in "
+        "balls",
+        Standing.PARTLY,
+        largest=8e-6,
+    ),
+    home=f"{__name__}:TABLE",
+)
+"""The table for the registry."""
