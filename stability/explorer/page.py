@@ -1,0 +1,117 @@
+"""The page as one text: modules of `script/` joined, styles, the 3-D library, and the data."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+from ..base.errors import StabilityError
+
+ENTRY = "explorer.js"
+"""The module that starts the page."""
+IMPORT = re.compile(r'^import \{[^}]*\} from "(\./[\w/.]+|(?:\.\./)+[\w/.]+)";\n', re.MULTILINE)
+EXPORT = re.compile(r"^export (?=const|let|function|class|async)", re.MULTILINE)
+
+
+def page(data: Mapping[str, Any], title: str) -> str:
+    """One HTML file that needs no other file, no server and no network.
+
+    Parameters
+    ----------
+    data
+        Subjects, motions and the view at first.
+    title
+        Title of the page.
+
+    Returns
+    -------
+    str
+    """
+    parts = {
+        "TITLE": title.replace("&", "&amp;").replace("<", "&lt;"),
+        "STYLE": _read("style.css"),
+        "DATA": json_in_html(data),
+        "THREE": _read("three.js").replace("</script", "<\\/script"),
+        "SCRIPT": script().replace("</script", "<\\/script"),
+    }
+    found = _read("page.html")
+    return re.sub(r"@(\w+)@", lambda match: parts[match.group(1)], found)
+
+
+def module(data: Mapping[str, Any]) -> str:
+    """The same page as the module of a widget.
+
+    Parameters
+    ----------
+    data
+        As for `page`.
+    """
+    texts = {name: json.dumps(_read(f"{name}")) for name in ("three.js", "style.css")}
+    return "\n".join([
+        script(), f"const DATA = {json.dumps(data)};", f"const THREE_TEXT = {texts['three.js']};",
+        f"const STYLE_TEXT = {texts['style.css']};",
+        "export default {render({el}) { return mountWidget(el, DATA, THREE_TEXT, STYLE_TEXT); }};",
+    ])  # fmt: skip
+
+
+def json_in_html(data: Mapping[str, Any]) -> str:
+    """JSON that no reader of HTML takes for an end of its element."""
+    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+@lru_cache(maxsize=1)
+def script() -> str:
+    """The modules of `script/` as one text, each after those that it imports.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    StabilityError
+        If two modules import each other, or name something alike.
+    """
+    done: dict[str, str] = {}
+    _collect(ENTRY, done, ())
+    text = "\n".join(done.values())
+    names = re.findall(
+        r"^(?:async )?(?:const|let|function\*?|class) (?:\{[^}]*\}|\[[^\]]*\]|(\w+))", text,
+        re.MULTILINE,
+    )  # fmt: skip
+    twice = {n for n in names if n and names.count(n) > 1}
+    if twice:
+        raise StabilityError(f"two modules of the page name {', '.join(sorted(twice))}.")
+    return text
+
+
+def _collect(name: str, done: dict[str, str], above: tuple[str, ...]) -> None:
+    """Put a module after its imports."""
+    if name in done:
+        return
+    if name in above:
+        raise StabilityError(f"modules of the page import each other: {' → '.join(above)}.")
+    text = _read(f"script/{name}")
+    folder = name.rpartition("/")[0]
+    for match in IMPORT.finditer(text):
+        _collect(_joined(folder, match.group(1)), done, (*above, name))
+    done[name] = f"// --- {name} ---\n{EXPORT.sub('', IMPORT.sub('', text))}"
+
+
+def _joined(folder: str, place: str) -> str:
+    """The path of an import, from `script/`."""
+    parts = [p for p in folder.split("/") if p]
+    for part in place.split("/"):
+        if part == "..":
+            parts.pop()
+        elif part != ".":
+            parts.append(part)
+    return "/".join(parts)
+
+
+def _read(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")
