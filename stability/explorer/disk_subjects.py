@@ -20,7 +20,7 @@ from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_model import POSE, disk_model, pose_rates
 from ..bodies.thin_disk.disk_polynomials import PLAIN, DiskPolynomial, exact_polynomial
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
-from .formulas import Rule, Values, typeset
+from .formulas import Rule, Values, filled, typeset
 from .source_text import graph, javascript
 from .subject import Quantity, Subject
 
@@ -56,7 +56,7 @@ def disk_subject(name: str, law: str) -> Subject:
     Examples
     --------
     >>> disk_subject("rolling", "viscous").texts
-    ('2<i>k</i><i>ω₃</i><sup>2</sup> − 1',)
+    (('2<i>k</i><i>ω₃</i><sup>2</sup> − 1', '2 · {k} · {at}<sup>2</sup> − 1'),)
     """
     record, exact = FAMILIES[name], DiskPolynomial(exact_polynomial(name, law))
     contact = MOTION_LAWS[law]
@@ -66,6 +66,7 @@ def disk_subject(name: str, law: str) -> Subject:
     written = {"k": ("k", 1), "M": ("μ", 2), "z": (symbol, 2), "s": ("sin θ", 1)}
     if law == "linear-viscous":
         written["M"] = ("c", 2)
+    put = {"k": ("{k}", 1), "M": ("{mu}", 2), "z": ("{at}", 2), "s": ("(sin {at})", 1)}
     x, p, pose = system.x, system.p, ca.SX.sym("pose", len(POSE))
     rates = pose_rates(x, system.observables["slip"], pose)
     known = exact.known
@@ -77,7 +78,7 @@ def disk_subject(name: str, law: str) -> Subject:
         coefficients=partial(_coefficients, exact, names),
         rules=tuple(Rule(kind, rule, PLAIN) for kind, rule in known.conditions),
         variables=partial(_variables, exact, names),
-        texts=tuple(typeset(rule, written) for _, rule in known.conditions),
+        texts=tuple((typeset(r, written), filled(r, put)) for _, r in known.conditions),
         states=system.states,
         member=javascript([len(names)], partial(_member, record, names, len(system.states))),
         jacobian=graph(Program(ca.Function("slopes", [x, p], [ca.jacobian(system.rhs, x)]))),

@@ -78,6 +78,41 @@ def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]]) -> str
     return found[3:] if found.startswith(" + ") else found.replace(" − ", "−", 1)
 
 
+MOST_FILLED = 4
+"""Largest number of monomials of a formula that is shown with numbers."""
+
+
+def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]]) -> str:
+    """A short polynomial as HTML with {name} in place of each number; empty for a long one.
+
+    Parameters
+    ----------
+    polynomial
+        The polynomial.
+    names
+        For each variable its number as text with {name}, and the power of it that the variable is.
+
+    Examples
+    --------
+    >>> p = Polynomial(("k", "z"), ((2, (1, 1)), (-1, (0, 0))))
+    >>> filled(p, {"k": ("{k}", 1), "z": ("{at}", 2)})
+    '2 · {k} · {at}<sup>2</sup> − 1'
+    """
+    if len(polynomial.terms) > MOST_FILLED:
+        return ""
+    words = []
+    for c, exponents in polynomial.terms:
+        factors = [str(abs(c))] if abs(c) != 1 or not any(exponents) else []
+        for variable, exponent in zip(polynomial.variables, exponents, strict=True):
+            number, power = names.get(variable, (variable, 1))
+            raised = exponent * power
+            if raised:
+                factors.append(number if raised == 1 else f"{number}<sup>{raised}</sup>")
+        words.append((" − " if c < 0 else " + ") + " · ".join(factors))
+    found = "".join(words)
+    return found[3:] if found.startswith(" + ") else found.replace(" − ", "−", 1)
+
+
 def whole(value: Any) -> Any:
     """A coefficient as a number that JavaScript reads; a ratio is rounded once."""
     return float(Fraction(value)) if isinstance(value, Fraction) else value

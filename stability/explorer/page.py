@@ -13,8 +13,10 @@ from ..base.errors import StabilityError
 
 ENTRY = "explorer.js"
 """The module that starts the page."""
-IMPORT = re.compile(r'^import \{[^}]*\} from "(\./[\w/.]+|(?:\.\./)+[\w/.]+)";\n', re.MULTILINE)
-EXPORT = re.compile(r"^export (?=const|let|function|class|async)", re.MULTILINE)
+IMPORT = re.compile(r'^import (\{[^}]*\}) from "(\.[\w/.]+)";\n', re.MULTILINE)
+"""An import of names from another module of `script/`."""
+EXPORT = re.compile(r"^export (?:async )?(?:const|let|function\*?|class) (\w+)", re.MULTILINE)
+"""An export of a declaration."""
 
 
 def page(data: Mapping[str, Any], title: str) -> str:
@@ -74,32 +76,36 @@ def script() -> str:
     Raises
     ------
     StabilityError
-        If two modules import each other, or name something alike.
+        If two modules import each other.
     """
     done: dict[str, str] = {}
     _collect(ENTRY, done, ())
-    text = "\n".join(done.values())
-    names = re.findall(
-        r"^(?:async )?(?:const|let|function\*?|class) (?:\{[^}]*\}|\[[^\]]*\]|(\w+))", text,
-        re.MULTILINE,
-    )  # fmt: skip
-    twice = {n for n in names if n and names.count(n) > 1}
-    if twice:
-        raise StabilityError(f"two modules of the page name {', '.join(sorted(twice))}.")
-    return text
+    return "\n".join([*done.values(), f"const {{mountPage, mountWidget}} = {_variable(ENTRY)};"])
 
 
 def _collect(name: str, done: dict[str, str], above: tuple[str, ...]) -> None:
-    """Put a module after its imports."""
+    """Put a module after its imports, in a function of its own that returns what it exports."""
     if name in done:
         return
     if name in above:
         raise StabilityError(f"modules of the page import each other: {' → '.join(above)}.")
     text = _read(f"script/{name}")
     folder = name.rpartition("/")[0]
-    for match in IMPORT.finditer(text):
-        _collect(_joined(folder, match.group(1)), done, (*above, name))
-    done[name] = f"// --- {name} ---\n{EXPORT.sub('', IMPORT.sub('', text))}"
+
+    def imported(match: re.Match[str]) -> str:
+        place = _joined(folder, match.group(2))
+        _collect(place, done, (*above, name))
+        return f"const {match.group(1)} = {_variable(place)};\n"
+
+    body = IMPORT.sub(imported, text)
+    exports = ", ".join(match.group(1) for match in EXPORT.finditer(body))
+    body = EXPORT.sub(lambda match: match.group(0).removeprefix("export "), body)
+    done[name] = f"const {_variable(name)} = (() => {{\n{body}return {{{exports}}};\n}})();"
+
+
+def _variable(name: str) -> str:
+    """The variable that holds the exports of a module."""
+    return "of_" + re.sub(r"\W", "_", name.removesuffix(".js"))
 
 
 def _joined(folder: str, place: str) -> str:

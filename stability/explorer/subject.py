@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..algebra.number_types import Algebra
+from ..base.checks import checked
+from ..base.errors import ParameterError, shown
 from .formulas import Coefficients, Rule, Values
 from .shader import look
 from .source_text import JAVASCRIPT, Line, Record, javascript
@@ -41,6 +43,20 @@ class Quantity:
         """The record in the page."""
         return dict(vars(self))
 
+    def checked(self, value: Any) -> float:
+        """A number that the quantity may have, or an error that says which it may."""
+        number = checked(self.name, value)
+        if not isinstance(number, float):
+            raise ParameterError(f"{self.name} is {shown(value)}; give one number.")
+        low = self.least is not None and number <= self.least
+        if low or (self.most is not None and number >= self.most):
+            ends = [f"above {self.least:g}" if self.least is not None else "",
+                    f"below {self.most:.6g}" if self.most is not None else ""]  # fmt: skip
+            raise ParameterError(
+                f"{self.name} is {number:g}; give a number {' and '.join(e for e in ends if e)}."
+            )
+        return number
+
 
 @dataclass(frozen=True)
 class Subject:
@@ -68,8 +84,8 @@ class Subject:
     """Polynomials whose signs decide."""
     variables: Any
     """Function of the number type and the quantities to the variables of the rules."""
-    texts: tuple[str, ...]
-    """Each rule as HTML."""
+    texts: tuple[tuple[str, str], ...]
+    """Each rule as HTML, with symbols and with {name} for numbers."""
     states: tuple[str, ...]
     """Names of the states of the spectrum."""
     member: str
@@ -113,8 +129,8 @@ class Subject:
                 [count], lambda f, q: [v for pair in self.conditions(f, q) for v in pair]
             ),
             "rules": [
-                {"kind": rule.kind, "text": text, "share": rule.share}
-                for rule, text in zip(self.rules, self.texts, strict=True)
+                {"kind": rule.kind, "text": text, "filled": put, "share": rule.share}
+                for rule, (text, put) in zip(self.rules, self.texts, strict=True)
             ],
             "shader": look(count, both, self.even), "states": self.states,
             "member": self.member, "jacobian": self.jacobian, "model": self.model,

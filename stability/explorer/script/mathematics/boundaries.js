@@ -2,14 +2,18 @@
 
 const CELLS_X = 120, CELLS_Y = 90, HALVINGS = 46;
 
-/** Polylines on which the verdict changes: {kind, points: [[x, y], …]} in values of the axes. */
-export function boundaryCurves(subject, values, x, y) {
+/**
+ * Polylines on which the verdict changes: {kind, points: [[x, y], …]} in values of the axes.
+ * `detail` is a share of the grid's full fineness; every point is exact to double precision.
+ */
+export function boundaryCurves(subject, values, x, y, detail = 1) {
+  const cells = [Math.round(CELLS_X * detail), Math.round(CELLS_Y * detail)];
   const at = (u, v) => subject.array({...values, [x.name]: x.value(u), [y.name]: y.value(v)});
   const curves = [];
   subject.rules.forEach((rule, index) => {
     const sign = (u, v) => subject.conditionsAt(at(u, v))[index].value;
     const others = (u, v) => subject.conditionsAt(at(u, v)).every((r, i) => i === index || r.value > 0);
-    for (const points of contour(sign)) {
+    for (const points of contour(sign, cells)) {
       for (const piece of kept(points, others)) {
         curves.push({kind: rule.kind, points: piece.map(([u, v]) => [x.value(u), y.value(v)])});
       }
@@ -19,16 +23,16 @@ export function boundaryCurves(subject, values, x, y) {
 }
 
 /** Zero lines of a function on the unit square, as polylines. */
-function contour(f) {
+function contour(f, [columns, rows]) {
   const grid = [];
-  for (let j = 0; j <= CELLS_Y; j++) {
-    const row = new Float64Array(CELLS_X + 1);
-    for (let i = 0; i <= CELLS_X; i++) row[i] = f(i / CELLS_X, j / CELLS_Y);
+  for (let j = 0; j <= rows; j++) {
+    const row = new Float64Array(columns + 1);
+    for (let i = 0; i <= columns; i++) row[i] = f(i / columns, j / rows);
     grid.push(row);
   }
   const segments = [];
-  for (let j = 0; j < CELLS_Y; j++) {
-    for (let i = 0; i < CELLS_X; i++) segments.push(...cell(f, grid, i, j));
+  for (let j = 0; j < rows; j++) {
+    for (let i = 0; i < columns; i++) segments.push(...cell(f, grid, i, j));
   }
   return joined(segments);
 }
@@ -45,7 +49,7 @@ function cell(f, grid, i, j) {
   }
   if (cuts.length === 2) return [cuts];
   if (cuts.length !== 4) return [];
-  const middle = f((i + 0.5) / CELLS_X, (j + 0.5) / CELLS_Y) > 0;
+  const middle = f((i + 0.5) / (grid[0].length - 1), (j + 0.5) / (grid.length - 1)) > 0;
   return middle === value[0] > 0 ? [[cuts[0], cuts[1]], [cuts[2], cuts[3]]]
     : [[cuts[3], cuts[0]], [cuts[1], cuts[2]]];
 }
@@ -53,7 +57,8 @@ function cell(f, grid, i, j) {
 function edge(f, a, b, grid) {
   let low = 0, high = 1;
   const positive = grid[a[1]][a[0]] > 0;
-  const point = (t) => [(a[0] + t * (b[0] - a[0])) / CELLS_X, (a[1] + t * (b[1] - a[1])) / CELLS_Y];
+  const [columns, rows] = [grid[0].length - 1, grid.length - 1];
+  const point = (t) => [(a[0] + t * (b[0] - a[0])) / columns, (a[1] + t * (b[1] - a[1])) / rows];
   for (let n = 0; n < HALVINGS; n++) {
     const t = (low + high) / 2;
     if (f(...point(t)) > 0 === positive) low = t; else high = t;

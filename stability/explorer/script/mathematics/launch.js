@@ -17,7 +17,8 @@ export function startOf(subject, motion, q, tilt) {
 /** Run a launch; outcome is the name of the guard that ended it, or `moving`. */
 export function launched(subject, motion, q, tilt, until, options = {}) {
   const p = [...subject.parameters.map((i) => q[i]), ...motion.more];
-  const rates = (y) => fromSource(motion.rates)(y, p), guards = (y) => fromSource(motion.guard)(y, p);
+  const f = fromSource(motion.rates), g = fromSource(motion.guard), observe = fromSource(motion.observe);
+  const rates = (y) => f(y, p), guards = (y) => g(y, p);
   const start = options.start || startOf(subject, motion, q, tilt);
   const failed = guards(start).findIndex((g) => !(g > 0));
   if (failed >= 0 || !rates(start).every(Number.isFinite)) {
@@ -28,7 +29,7 @@ export function launched(subject, motion, q, tilt, until, options = {}) {
   const outcome = run.stopped ? "unresolved" : run.end ? motion.guards[run.end.guard] : "moving";
   const kept = times.slice(0, run.states.length), states = [...run.states];
   if (run.end) { kept.push(run.end.time); states.push(run.end.state); }
-  const seen = states.map((y) => fromSource(motion.observe)(y, p));
+  const seen = states.map((y) => observe(y, p));
   const series = Object.fromEntries(motion.observed.map((name, i) => [name, seen.map((v) => v[i])]));
   return {outcome, times: kept, states, series, until: run.time, final: run.state, steps: run.steps,
     refused: false, work: motion.work === undefined ? null : states.map((y) => y[motion.work])};

@@ -16,6 +16,7 @@ export class Subject {
     this.names = this.quantities.map((q) => q.name);
     this.quantity = Object.fromEntries(this.quantities.map((q) => [q.name, q]));
     this.wholeEven = this.even.some((e) => e);
+    this.formula = {coefficients: fromSource(this.coefficients), conditions: fromSource(this.conditions)};
   }
 
   /** Quantities by name as the array that every function takes. */
@@ -25,7 +26,7 @@ export class Subject {
 
   /** Eigenvalues that are not zero by structure, sorted by real, then imaginary part. */
   eigenvalues(q) {
-    const flat = fromSource(this.coefficients)(q), found = [];
+    const flat = this.formula.coefficients(q), found = [];
     let start = 0;
     this.degrees.forEach((degree, i) => {
       found.push(...polynomialRoots(flat.slice(start, start + degree + 1), this.even[i]));
@@ -43,7 +44,7 @@ export class Subject {
 
   /** Each condition with its value, a bound on its rounding error, and its proved sign or 0. */
   conditionsAt(q) {
-    const flat = fromSource(this.conditions)(q);
+    const flat = this.formula.conditions(q);
     return this.rules.map((rule, i) => {
       const value = flat[2 * i], error = rule.share * flat[2 * i + 1];
       const sure = Math.abs(value) > error && Number.isFinite(error);
@@ -53,7 +54,7 @@ export class Subject {
 
   /** The least of the conditions over their sizes: its sign is the verdict, without proof. */
   margin(q) {
-    const flat = fromSource(this.conditions)(q);
+    const flat = this.formula.conditions(q);
     let least = 1;
     for (let i = 0; i < this.rules.length; i++) least = Math.min(least, flat[2 * i] / flat[2 * i + 1]);
     return least;
