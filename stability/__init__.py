@@ -85,6 +85,7 @@ _HOME = {
     "scene.ladder": ("Rung",),
     "scene.rungs.reduced": ("ReducedModel",),
     "compare.report": ("report",),
+    "explorer.explore": ("explore",),
     "tables.registry": ("table",),
     "tables.formats.table": ("Table",),
     "base.errors": ("StabilityError", "StabilityWarning"),
@@ -168,6 +169,7 @@ if TYPE_CHECKING:
     from .compare.report import report as report
     from .derivation.conditions import Conditions as Conditions
     from .derivation.conditions import conditions as conditions
+    from .explorer.explore import explore as explore
     from .figures.basin.basins import plot_basins as plot_basins
     from .figures.diagram import plot_map as plot_map
     from .figures.launch.animate import animate as animate

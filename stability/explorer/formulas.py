@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import html
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 from ..algebra.number_types import Algebra
@@ -31,6 +31,8 @@ class Rule:
     """The polynomial; all positive means stable or neutral."""
     roundings: Mapping[str, int]
     """Roundings in the value of each variable."""
+    scale: float = 1.0
+    """Power of two that the polynomial is multiplied by, where its coefficients are large."""
 
     @property
     def share(self) -> float:
@@ -44,7 +46,8 @@ class Rule:
             self.polynomial.variables, tuple((abs(c), e) for c, e in self.polynomial.terms)
         )
         size = algebra.functions["fabs"]
-        return self.polynomial(*values), positive(*[size(v) for v in values])
+        sizes = [size(v) for v in values]
+        return value_of(self.polynomial, self.scale, values), value_of(positive, self.scale, sizes)
 
 
 def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]]) -> str:
@@ -113,6 +116,48 @@ def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]]) -> str:
     return found[3:] if found.startswith(" + ") else found.replace(" − ", "−", 1)
 
 
-def whole(value: Any) -> Any:
-    """A coefficient as a number that JavaScript reads; a ratio is rounded once."""
-    return float(Fraction(value)) if isinstance(value, Fraction) else value
+def scale_of(polynomials: Sequence[Polynomial]) -> float:
+    """A power of two that makes the largest coefficient about 1; 1 where all are small.
+
+    Parameters
+    ----------
+    polynomials
+        Polynomials with one factor.
+    """
+    largest = max((abs(c) for p in polynomials for c, _ in p.terms), default=1)
+    return 1.0 if largest < 2**40 else 2.0 ** -(largest.bit_length() - 1)
+
+
+def value_of(polynomial: Polynomial, scale: float, point: Sequence[Any]) -> Any:
+    """A polynomial times a power of two, with each coefficient rounded once.
+
+    Parameters
+    ----------
+    polynomial, scale
+        The polynomial and the factor.
+    point
+        Values of its variables.
+
+    Examples
+    --------
+    >>> value_of(Polynomial(("x",), ((2**60, (2,)), (3, (0,)))), 2.0**-60, [0.5])
+    0.25
+    """
+    if scale == 1:
+        return polynomial(*point)
+    shift = round(-math.log2(scale))
+    return _horner([(c / 2**shift, e) for c, e in polynomial.terms], list(point))
+
+
+def _horner(terms: list[tuple[float, tuple[int, ...]]], values: list[Any]) -> Any:
+    if not values:
+        return sum(c for c, _ in terms)
+    groups: dict[int, list[tuple[float, tuple[int, ...]]]] = {}
+    for c, e in terms:
+        groups.setdefault(e[-1], []).append((c, e[:-1]))
+    total: Any = 0.0
+    for power in range(max(groups, default=0), -1, -1):
+        total = total * values[-1] if power < max(groups, default=0) else total
+        if power in groups:
+            total = total + _horner(groups[power], values[:-1])
+    return total

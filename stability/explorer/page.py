@@ -37,7 +37,7 @@ def page(data: Mapping[str, Any], title: str) -> str:
         "TITLE": title.replace("&", "&amp;").replace("<", "&lt;"),
         "STYLE": _read("style.css"),
         "DATA": json_in_html(data),
-        "THREE": _read("three.js").replace("</script", "<\\/script"),
+        "THREE": library().replace("</script", "<\\/script"),
         "SCRIPT": script().replace("</script", "<\\/script"),
     }
     found = _read("page.html")
@@ -52,12 +52,18 @@ def module(data: Mapping[str, Any]) -> str:
     data
         As for `page`.
     """
-    texts = {name: json.dumps(_read(f"{name}")) for name in ("three.js", "style.css")}
     return "\n".join([
-        script(), f"const DATA = {json.dumps(data)};", f"const THREE_TEXT = {texts['three.js']};",
-        f"const STYLE_TEXT = {texts['style.css']};",
+        script(), f"const DATA = {json.dumps(data)};",
+        f"const THREE_TEXT = {json.dumps(library())};",
+        f"const STYLE_TEXT = {json.dumps(_read('style.css'))};",
         "export default {render({el}) { return mountWidget(el, DATA, THREE_TEXT, STYLE_TEXT); }};",
     ])  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def library() -> str:
+    """The 3-D library with its licence."""
+    return f"/*\nthree.js\n{_read('library/three.LICENSE')}*/\n{_read('library/three.js')}"
 
 
 def json_in_html(data: Mapping[str, Any]) -> str:

@@ -100,8 +100,8 @@ class Subject:
     """JavaScript: states, parameters, pose → rates of the pose; empty for a system of one's own."""
     parameters: tuple[int, ...] = ()
     """Indices of the quantities that are parameters of the equations, in their order."""
-    complete: bool = True
-    """Whether the rules decide every point that they leave positive."""
+    good: str = ""
+    """Verdict where every rule is positive; from the factors when left out."""
     symbols: Mapping[str, str] = field(default_factory=dict)
     """Symbols of the states."""
 
@@ -135,7 +135,7 @@ class Subject:
             "shader": look(count, both, self.even), "states": self.states,
             "member": self.member, "jacobian": self.jacobian, "model": self.model,
             "call": dict(self.call), "pose": self.pose, "parameters": self.parameters,
-            "complete": self.complete, "symbols": dict(self.symbols),
+            "good": self.good or ("neutral" if any(self.even) else "stable"), "symbols": dict(self.symbols),
         }  # fmt: skip
 
     def _degrees(self, count: int) -> list[int]:

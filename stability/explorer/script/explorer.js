@@ -39,10 +39,12 @@ export function mount(root, data, library, link = "") {
   root.replaceChildren(
     element("header", {}, element("div", {class: "name"}, title, under), controls.top, exports.root),
     element("main", {},
-      card("diagram-card", diagram.root, grows, controls.root),
-      card("point-card", point.root, element("div", {class: "spectrum"}, plane.root, point.modes)),
-      card("motion-card", element("h2", {}, "Motion"), motion.root),
-      card("conditions-card", element("h2", {}, "Conditions of stability, with these numbers"), conditions.root),
+      element("div", {class: "column"},
+        card("diagram-card", diagram.root, grows, controls.root),
+        card("conditions-card", element("h2", {}, "Conditions of stability, with these numbers"), conditions.root)),
+      element("div", {class: "column"},
+        card("point-card", point.root, element("div", {class: "spectrum"}, plane.root, point.modes)),
+        card("motion-card", element("h2", {}, "Motion"), motion.root)),
       exports.python),
     element("footer", {class: "small"}, data.foot),
   );
@@ -59,7 +61,7 @@ export function mount(root, data, library, link = "") {
   view.on((changed) => { if (changed.has("subject")) head(); });
   const all = [diagram, controls, point, plane, conditions];
   for (const part of all) part.render();
-  motion.compute();
+  motion.run();
   head();
   let stage = null;
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {

@@ -1,20 +1,28 @@
 // Boundary curves in double precision: zeros of the conditions, by bisection between grid points.
 
-const CELLS_X = 120, CELLS_Y = 90, HALVINGS = 46;
+const CELLS_X = 120, CELLS_Y = 90, HALVINGS = 50;
 
 /**
  * Polylines on which the verdict changes: {kind, points: [[x, y], …]} in values of the axes.
- * `detail` is a share of the grid's full fineness; every point is exact to double precision.
+ * `detail` is a share of the full fineness; at 1 every point is exact to double precision.
  */
 export function boundaryCurves(subject, values, x, y, detail = 1) {
   const cells = [Math.round(CELLS_X * detail), Math.round(CELLS_Y * detail)];
-  const at = (u, v) => subject.array({...values, [x.name]: x.value(u), [y.name]: y.value(v)});
-  const curves = [];
+  const q = subject.array(values), i = subject.names.indexOf(x.name), j = subject.names.indexOf(y.name);
+  const all = (u, v) => {
+    q[i] = x.value(u);
+    q[j] = y.value(v);
+    return subject.formula.conditions(q);
+  };
+  const grid = sampled(all, cells, subject.rules.length), curves = [];
   subject.rules.forEach((rule, index) => {
-    const sign = (u, v) => subject.conditionsAt(at(u, v))[index].value;
-    const others = (u, v) => subject.conditionsAt(at(u, v)).every((r, i) => i === index || r.value > 0);
-    for (const points of contour(sign, cells)) {
-      for (const piece of kept(points, others)) {
+    const own = (u, v) => all(u, v)[2 * index];
+    const others = (u, v) => {
+      const found = all(u, v);
+      return subject.rules.every((_, n) => n === index || found[2 * n] > 0);
+    };
+    for (const points of contour(own, grid[index], Math.ceil(HALVINGS * detail))) {
+      for (const piece of subject.rules.length > 1 ? kept(points, others) : [points]) {
         curves.push({kind: rule.kind, points: piece.map(([u, v]) => [x.value(u), y.value(v)])});
       }
     }
@@ -22,22 +30,34 @@ export function boundaryCurves(subject, values, x, y, detail = 1) {
   return curves;
 }
 
-/** Zero lines of a function on the unit square, as polylines. */
-function contour(f, [columns, rows]) {
-  const grid = [];
+/** Each condition on the points of a grid over the unit square. */
+function sampled(all, [columns, rows], count) {
+  const grids = Array.from({length: count}, () => []);
   for (let j = 0; j <= rows; j++) {
-    const row = new Float64Array(columns + 1);
-    for (let i = 0; i <= columns; i++) row[i] = f(i / columns, j / rows);
-    grid.push(row);
+    for (const grid of grids) grid.push(new Float64Array(columns + 1));
+    for (let i = 0; i <= columns; i++) {
+      const found = all(i / columns, j / rows);
+      for (let n = 0; n < count; n++) grids[n][j][i] = found[2 * n];
+    }
   }
-  const segments = [];
+  return grids;
+}
+
+/** Zero lines of a function on the unit square, as polylines. */
+function contour(f, grid, halvings) {
+  const segments = [], rows = grid.length - 1, columns = grid[0].length - 1;
   for (let j = 0; j < rows; j++) {
-    for (let i = 0; i < columns; i++) segments.push(...cell(f, grid, i, j));
+    for (let i = 0; i < columns; i++) {
+      const first = grid[j][i] > 0;
+      if (first !== grid[j][i + 1] > 0 || first !== grid[j + 1][i] > 0 || first !== grid[j + 1][i + 1] > 0) {
+        segments.push(...cell(f, grid, i, j, halvings));
+      }
+    }
   }
   return joined(segments);
 }
 
-function cell(f, grid, i, j) {
+function cell(f, grid, i, j, halvings) {
   const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
   const value = corners.map(([a, b]) => grid[b][a]), cuts = [];
   for (let k = 0; k < 4; k++) {
@@ -45,7 +65,7 @@ function cell(f, grid, i, j) {
     if ((value[k] > 0) === (value[next] > 0)) continue;
     // one key for both cells of an edge, and one direction, so that their ends agree
     const [a, b] = [corners[k], corners[next]].sort((p, q) => p[0] - q[0] || p[1] - q[1]);
-    cuts.push({key: `${a}|${b}`, at: edge(f, a, b, grid)});
+    cuts.push({key: `${a}|${b}`, at: edge(f, a, b, grid, halvings)});
   }
   if (cuts.length === 2) return [cuts];
   if (cuts.length !== 4) return [];
@@ -54,12 +74,12 @@ function cell(f, grid, i, j) {
     : [[cuts[3], cuts[0]], [cuts[1], cuts[2]]];
 }
 
-function edge(f, a, b, grid) {
+function edge(f, a, b, grid, halvings) {
   let low = 0, high = 1;
   const positive = grid[a[1]][a[0]] > 0;
   const [columns, rows] = [grid[0].length - 1, grid.length - 1];
   const point = (t) => [(a[0] + t * (b[0] - a[0])) / columns, (a[1] + t * (b[1] - a[1])) / rows];
-  for (let n = 0; n < HALVINGS; n++) {
+  for (let n = 0; n < halvings; n++) {
     const t = (low + high) / 2;
     if (f(...point(t)) > 0 === positive) low = t; else high = t;
   }

@@ -15,8 +15,15 @@ export class Subject {
     Object.assign(this, record);
     this.names = this.quantities.map((q) => q.name);
     this.quantity = Object.fromEntries(this.quantities.map((q) => [q.name, q]));
-    this.wholeEven = this.even.some((e) => e);
-    this.formula = {coefficients: fromSource(this.coefficients), conditions: fromSource(this.conditions)};
+    this.wholeEven = this.good === "neutral";
+  }
+
+  /** The functions of the subject, compiled when it is first shown. */
+  get formula() {
+    if (!this.ready) {
+      this.ready = {coefficients: fromSource(this.coefficients), conditions: fromSource(this.conditions)};
+    }
+    return this.ready;
   }
 
   /** Quantities by name as the array that every function takes. */
@@ -62,9 +69,9 @@ export class Subject {
 
   /** The verdict, proved by the signs of the conditions in double precision, or undecided. */
   judge(q) {
-    const rows = this.conditionsAt(q), good = this.wholeEven ? "neutral" : "stable";
+    const rows = this.conditionsAt(q);
     if (rows.some((r) => r.sign < 0)) return {verdict: "unstable", rows};
-    if (this.complete && rows.every((r) => r.sign > 0)) return {verdict: good, rows};
+    if (rows.every((r) => r.sign > 0)) return {verdict: this.good, rows};
     return {verdict: "undecided", rows};
   }
 

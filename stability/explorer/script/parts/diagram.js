@@ -94,13 +94,14 @@ export class Diagram {
 
   /** Largest growth rate in size, over a few points of the plane. */
   largest(x, y) {
-    const {subject, state} = this.view, at = {...state.values};
+    const {subject, state} = this.view, q = subject.array(state.values);
+    const column = subject.names.indexOf(x.name), row = subject.names.indexOf(y.name);
     let most = 0;
     for (let i = 0; i < 9; i++) {
       for (let j = 0; j < 7; j++) {
-        at[x.name] = x.value((i + 0.5) / 9);
-        at[y.name] = y.value((j + 0.5) / 7);
-        const rate = Math.abs(subject.growth(subject.array(at)));
+        q[column] = x.value((i + 0.5) / 9);
+        q[row] = y.value((j + 0.5) / 7);
+        const rate = Math.abs(subject.growth(q));
         if (Number.isFinite(rate)) most = Math.max(most, rate);
       }
     }

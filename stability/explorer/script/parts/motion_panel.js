@@ -6,7 +6,7 @@ import {placed} from "./stage.js";
 import {Traces} from "./traces.js";
 
 const PICTURES = {steady: "Steady", mode: "Mode", launch: "Launch"};
-const TIMES = [20, 60, 200];
+const TIMES = [20, 60, 200], REST = 90; // milliseconds without a change after which a launch is computed
 const LEAST_TILT = 0.005, MOST_TILT = 0.8;
 const ENDS = {
   "lift-off": "it leaves the plane: the normal force reaches zero",
@@ -40,7 +40,11 @@ export class MotionPanel {
       element("label", {class: "small"}, "run ", this.until));
     this.root = element("div", {class: "motion"}, this.kind, this.box,
       element("div", {class: "transport"}, this.play, this.slider, this.clock), this.start, this.said, this.traces.root);
-    this.compute = onceAFrame(() => this.run());
+    this.compute = () => { // once the hand rests: a run takes longer than a frame
+      this.waits = true;
+      clearTimeout(this.later);
+      this.later = setTimeout(() => { this.waits = false; this.run(); }, REST);
+    };
     this.frame = onceAFrame(() => this.draw());
     view.on((changed) => {
       if (["subject", "values", "mode", "show", "tilt", "until", "kick"].some((n) => changed.has(n))) this.compute();
@@ -157,7 +161,7 @@ export class MotionPanel {
   }
 
   draw() {
-    if (!this.shown) return;
+    if (!this.shown || this.waits) return;
     const now = performance.now();
     if (this.playing && this.visible && this.span > 0) {
       if (this.last) this.time += Math.min(0.1, (now - this.last) / 1000) * this.pace();

@@ -8,8 +8,14 @@ export class View {
     this.data = data;
     this.subjects = new Map(data.subjects.map((s) => [s.key, new Subject(s)]));
     this.listeners = [];
-    this.start = {...data.start};
     this.state = this.initial(data.start.subject, data.start.values || {});
+    (data.start.axes || []).forEach((axis, i) => {
+      if (!axis) return;
+      const which = "xy"[i], other = "yx"[i];
+      if (this.state[other] === axis[0]) this.state[other] = this.state[which];
+      this.state[which] = axis[0];
+      this.state.ranges[axis[0]] = axis.slice(1);
+    });
     this.state = {...this.state, ...this.read(link)};
   }
 
