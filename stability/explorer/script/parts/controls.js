@@ -66,8 +66,12 @@ export class Controls {
     const slider = element("input", {type: "range", id, min: 0, max: STEPS, step: 1, list: marks, "aria-label": `${q.label} ${q.symbol}`,
       oninput: () => {
         const [low, high] = this.reach(q);
-        this.view.move({[q.name]: this.snapped(q, low + ((high - low) * slider.value) / STEPS)}, q.name);
+        const value = low + ((high - low) * slider.value) / STEPS;
+        this.view.move({[q.name]: this.held ? this.snapped(q, value) : Number(value.toPrecision(6))}, q.name);
       }});
+    // the hand rests at a value with a name; arrow keys pass it
+    slider.addEventListener("pointerdown", () => { this.held = true; });
+    slider.addEventListener("pointerup", () => { this.held = false; });
     const number = element("input", {type: "number", step: "any", "aria-label": `${q.label} ${q.symbol}, number`,
       onchange: () => this.typed(q, number)});
     const named = element("span", {class: "named small"});

@@ -141,8 +141,9 @@ export class MotionPanel {
     this.until.value = String(state.until);
     if (!TIMES.includes(state.until)) this.until.replaceChildren(...[...TIMES, state.until].map((t) => element("option", {value: t, selected: t === state.until}, `${t}`)));
     const label = this.start.firstChild;
-    if (!solid && label.tagName === "LABEL") label.replaceChildren("disturb ", this.kick);
+    if (!solid) label.replaceChildren("disturb ", this.kick);
     if (solid) label.textContent = "tilt";
+    this.start.classList.toggle("own", !solid);
     if (this.kicked !== subject.key) {
       this.kicked = subject.key;
       this.kick.replaceChildren(...subject.states.map((n, i) => element("option", {value: i}, n)));
