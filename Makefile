@@ -41,6 +41,7 @@ notebooks: .venv/.jupyter
 pictures: .venv/.jupyter
 	$(BIN)/python docs/notebooks.py
 	$(BIN)/python docs/films.py
+	$(BIN)/python docs/explorer_picture.py
 
 .venv/.jupyter: $(READY)
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[notebook]'
@@ -62,6 +63,7 @@ bench: $(READY)
 	$(BIN)/python benchmarks/motion.py $(ARGS)
 	$(BIN)/python benchmarks/scenes.py $(ARGS)
 	$(BIN)/python benchmarks/basins.py $(ARGS)
+	$(BIN)/python benchmarks/explorer.py
 
 # Other people's codes beside this one; what is not installed is reported as missing.
 peers: $(READY)

@@ -15,9 +15,9 @@ from ..storage.json_text import HELP, json_text
 from .basin.basins import EXAMPLES as BASINS
 from .basin.basins import add_arguments as add_basins
 from .compare import add_arguments as add_compare
-from .explore import EXAMPLES as PAGES
-from .explore import _explore
-from .explore import add_arguments as add_explore
+from .explorer.explore import EXAMPLES as PAGES
+from .explorer.explore import _explore
+from .explorer.explore import add_arguments as add_explore
 from .map import _boundaries, _map
 from .options import (
     _family,

@@ -65,8 +65,9 @@ def packed(boxes: Boxes, x: Axis, y: Axis) -> str:
     Examples
     --------
     >>> axis = Axis("at", 0.0, 2.0, 3)
-    >>> ends = np.array([[0, 1], [1, 2], [0, 1], [1, 2]]), np.array([[0, 1], [0, 1], [1, 2], [1, 2]])
-    >>> packed(Boxes(*ends, np.array([1, 2, 0, 3], dtype=np.int8), 1, 0.75), axis, axis)
+    >>> low, high = [0, 1], [1, 2]
+    >>> x, y = np.array([low, high, low, high]), np.array([low, low, high, high])
+    >>> packed(Boxes(x, y, np.array([1, 2, 0, 3], dtype=np.int8), 1, 0.75), axis, axis)
     '+SU?N'
     """
     found: dict[tuple[int, int, int], int] = {}

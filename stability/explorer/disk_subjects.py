@@ -14,14 +14,13 @@ from ..algebra.number_types import Algebra
 from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT
 from ..bodies.contact_laws import LAWS, MOTION_LAWS
-from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_model import POSE, disk_model, pose_rates
 from ..bodies.thin_disk.disk_polynomials import PLAIN, DiskPolynomial, exact_polynomial
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
-from .formulas import Rule, Values, filled, typeset
-from .source_text import graph, javascript
+from .source.formulas import Rule, Values, filled, typeset
+from .source.source_text import graph, javascript
 from .subject import Quantity, Subject
 
 FAMILY_NAMES = ("rolling", "spinning", "tumbling")
@@ -83,7 +82,8 @@ def disk_subject(name: str, law: str) -> Subject:
         member=javascript([len(names)], partial(_member, record, names, len(system.states))),
         jacobian=graph(Program(ca.Function("slopes", [x, p], [ca.jacobian(system.rhs, x)]))),
         model=law, pose=graph(Program(ca.Function("pose", [x, p, pose], [rates]))),
-        call={"kind": "disk", "family": name, "law": law, "class": LAWS[law].__name__},
+        call={"kind": "disk", "family": name, "law": law, "state": record.at[0],
+              "class": LAWS[law].__name__},
         parameters=tuple(names.index(n) for n in system.parameters),
         symbols={n: QUANTITIES[n].symbol for n in STATES},
     )  # fmt: skip
@@ -105,7 +105,7 @@ def _quantities(record: DiskFamily, law: str, names: tuple[str, ...]) -> list[Qu
             *FRICTION, 0.3, 0.0,
         ),
         "k": Quantity(
-            "k", "k", "inertia factor", "m R²", *INERTIA, Disk().k, 0.0, 0.5 + 1e-12, BODIES
+            "k", "k", "inertia factor", "m R²", *INERTIA, 0.25, 0.0, 0.5 + 1e-12, BODIES
         ),
     }  # fmt: skip
     return [found[n] for n in names]

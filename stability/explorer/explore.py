@@ -100,7 +100,9 @@ def explore(
     if isinstance(family, Family):
         for name, given in (("contact", contact), ("disk", disk), ("body", body)):
             if given is not None:
-                raise ParameterError(f"{name} belongs to the disk; leave it out for your own family.")
+                raise ParameterError(
+                    f"{name} belongs to the disk; leave it out for your own family."
+                )
         data = own_page(family, at, axes, positive, parameters, certify=certify)
         title = f"{family.name} of {family.system.name}"
     elif body is not None:

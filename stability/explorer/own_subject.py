@@ -12,7 +12,6 @@ from typing import Any
 import casadi as ca
 
 from ..algebra.number_types import Algebra
-from ..algebra.polynomial import Polynomial
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.axis import Axis
@@ -24,9 +23,10 @@ from ..derivation.conditions import Conditions, conditions
 from ..maps.proved_boxes import prove_boxes
 from ..spectra.arguments import prepare
 from ..systems.family import Family
+from ..systems.system import System
 from .certificates import packed
-from .formulas import Rule, Values, filled, scale_of, typeset, value_of
-from .source_text import graph, javascript
+from .source.formulas import Rule, Values, filled, scale_of, typeset, value_of
+from .source.source_text import graph, javascript
 from .subject import Quantity, Subject
 
 SECONDS = 30.0
@@ -179,6 +179,8 @@ def _member(family: Family, names: Sequence[str]) -> Callable[..., list[Any]]:
 
 def own_motion(family: Family) -> Mapping[str, Any]:
     """Equations, conditions and observables of a launch of a user's system."""
+    if not isinstance(family.system, System):
+        raise StabilityError(f"{family.name}: the page needs a family of a stability.System.")
     model = system_model(family.system)
     count = len(family.system.states)
     kept = count + (WORK in model.names)

@@ -54,7 +54,8 @@ def disk_page(
     """
     if not isinstance(family, str) or family not in FAMILY_NAMES:
         raise NameUnknownError(
-            f"family is {shown(family)}; give {listed(FAMILY_NAMES, 'or')}, or a Family of your own."
+            f"family is {shown(family)}; give {listed(FAMILY_NAMES, 'or')}, or a Family of your "
+            "own."
         )
     numbers = dict(parameters)
     law, values = _law(contact, numbers)
@@ -104,7 +105,9 @@ def body_page(
         )
     law, numbers = _law(contact, dict(parameters))
     mu = numbers.get("mu", 0.3)
-    subjects, motions, planes = [], {}, {}
+    subjects: list[Subject] = []
+    motions: dict[str, Any] = {}
+    planes: dict[str, Any] = {}
     for name in BODY_FAMILIES:
         for one in BODY_LAWS:
             friction = {"mu": mu} if LAWS[one].parameters else {}
@@ -113,9 +116,18 @@ def body_page(
                 values = {n: float(v) for n, v in (body.given | friction).items()}
                 values[member.at[0]] = 1.5 if at is None else at
                 values = {n: values[n] for n in (*member.at, *member.parameters)}
-                subject = own_subject(member, values, _body_axes(member, values), (), {
-                    "family": name, "law": one, "motion": one,
-                    "title": f"{name}, {body.name}" if getattr(body, "name", "") else name})
+                subject = own_subject(
+                    member,
+                    values,
+                    _body_axes(member, values),
+                    (),
+                    {
+                        "family": name,
+                        "law": one,
+                        "motion": one,
+                        "title": f"{name}, {body.name}" if getattr(body, "name", "") else name,
+                    },
+                )
             except StabilityError:
                 if (name, one) == (family, law):
                     raise
@@ -178,7 +190,9 @@ def _common(
 ) -> dict[str, Any]:
     for axis in axes:
         if axis is not None and axis.name not in values:
-            raise NameUnknownError(f"axis is {shown(axis.name)}; give {listed(list(values), 'or')}.")
+            raise NameUnknownError(
+                f"axis is {shown(axis.name)}; give {listed(list(values), 'or')}."
+            )
     return {
         "format": 1, "version": __version__, "subjects": [s.told() for s in subjects],
         "start": {"subject": start.key, "values": dict(values), "axes": [
@@ -244,7 +258,7 @@ def _law(contact: Any, numbers: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     if not numbers and isinstance(contact, str) and contact in LAWS:
         return contact, {}
     if not numbers and isinstance(contact, type) and contact in LAWS.values():
-        return str(contact.name), {}
+        return str(vars(contact)["name"]), {}
     law = law_given(contact, numbers)
     if numbers:
         raise NameUnknownError(
@@ -255,7 +269,8 @@ def _law(contact: Any, numbers: dict[str, Any]) -> tuple[str, dict[str, Any]]:
         raise NameUnknownError(
             f"contact is {shown(contact)}; the page draws {listed(list(LAWS), 'or')}."
         )
-    return law.name, {"mu": v for v in law.given.values()}
+    numbers_of = list(law.given.values())  # c of a linear law is its dimensionless mu
+    return law.name, {"mu": numbers_of[0]} if numbers_of else {}
 
 
 def _k(disk: Disk | None) -> Any:

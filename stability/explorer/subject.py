@@ -9,9 +9,9 @@ from typing import Any
 from ..algebra.number_types import Algebra
 from ..base.checks import checked
 from ..base.errors import ParameterError, shown
-from .formulas import Coefficients, Rule, Values
-from .shader import look
-from .source_text import JAVASCRIPT, Line, Record, javascript
+from .source.formulas import Coefficients, Rule, Values
+from .source.shader import look
+from .source.source_text import JAVASCRIPT, Line, Record, javascript
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,8 @@ class Subject:
             "shader": look(count, both, self.even), "states": self.states,
             "member": self.member, "jacobian": self.jacobian, "model": self.model,
             "call": dict(self.call), "pose": self.pose, "parameters": self.parameters,
-            "good": self.good or ("neutral" if any(self.even) else "stable"), "symbols": dict(self.symbols),
+            "good": self.good or ("neutral" if any(self.even) else "stable"),
+            "symbols": dict(self.symbols),
         }  # fmt: skip
 
     def _degrees(self, count: int) -> list[int]:
@@ -144,4 +145,3 @@ class Subject:
             record.algebra(), [Line(record, f"a0[{i}]") for i in range(count)]
         )
         return [len(factor) - 1 for factor in found]
-

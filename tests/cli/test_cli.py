@@ -14,8 +14,18 @@ from command_line import output, refused
 
 from stability.cli import main
 
-COMMANDS = ("spectrum", "map", "boundaries", "atlas", "table", "scene", "simulate", "basins")
-OWN = ("spectrum", "map", "boundaries", "table", "simulate", "basins")
+COMMANDS = (
+    "spectrum",
+    "map",
+    "boundaries",
+    "atlas",
+    "table",
+    "scene",
+    "simulate",
+    "basins",
+    "explore",
+)
+OWN = ("spectrum", "map", "boundaries", "table", "simulate", "basins", "explore")
 MAP = ["map", "rolling", "--x", "at:1:2:6", "--y", "mu:0.1:1:5"]
 
 

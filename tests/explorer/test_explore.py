@@ -13,8 +13,8 @@ import stability as st
 from stability.algebra.number_types import numpy_algebra
 from stability.algebra.program import Program
 from stability.explorer import page
-from stability.explorer.shader import routh
-from stability.explorer.source_text import graph
+from stability.explorer.source.shader import routh
+from stability.explorer.source.source_text import graph
 
 FOLDER = Path(page.__file__).parent
 
@@ -52,11 +52,13 @@ def test_every_operation_of_a_graph_is_written() -> None:
     x = ca.SX.sym("x", 2)
     rows = [x[0] + x[1], x[0] - 3, 2 * x[1], x[0] / x[1], -x[0], x[0] ** 2, x[1] ** 3, 1 / x[1],
             ca.sin(x[0]), ca.cos(x[0]), ca.tan(x[0]), ca.sqrt(x[1]), ca.exp(x[0]), ca.log(x[1]),
-            ca.fabs(x[0]), ca.atan2(x[0], x[1]), x[1] ** 0.3, ca.sinh(x[0]), ca.expm1(x[0])]  # fmt: skip
+            ca.fabs(x[0]), ca.atan2(x[0], x[1]), x[1] ** 0.3, ca.sinh(x[0])]  # fmt: skip
     program = Program(ca.Function("f", [x], [ca.vertcat(*rows)]))
     source = graph(program)
     # JavaScript's operators are Python's, and its functions have names of their own
-    body = re.sub(r"const (t\d+) = (.*);", r"\1 = \2", source.split("{\n", 1)[1].rsplit("\nreturn ", 1)[0])
+    body = re.sub(
+        r"const (t\d+) = (.*);", r"\1 = \2", source.split("{\n", 1)[1].rsplit("\nreturn ", 1)[0]
+    )
     space: dict[str, Any] = {"a0": [0.7, 1.3], "Math": _Math()}
     exec(body, space)
     asked = source.rsplit("return ", 1)[1].rstrip(";}\n ")

@@ -42,9 +42,7 @@ ASK = """(sets) => sets.map(({key, points}) => points.map((q) => {
 }))"""
 
 
-def test_ten_thousand_points_have_the_verdicts_and_eigenvalues_of_the_package(
-    disk: Visit
-) -> None:
+def test_ten_thousand_points_have_the_verdicts_and_eigenvalues_of_the_package(disk: Visit) -> None:
     generator, sets = np.random.default_rng(SEED), []
     count = -(-POINTS // (len(FAMILIES) * len(LAWS)))
     for family in FAMILIES:
@@ -73,7 +71,9 @@ def test_ten_thousand_points_have_the_verdicts_and_eigenvalues_of_the_package(
 
 def test_eigenvalues_are_those_of_the_25_digit_spectra(disk: Visit) -> None:
     known = [r for r in reference.spectra() if r["family"] in FAMILIES]
-    asked = [{"key": f"{r['family']} viscous", "points": [[r["at"], r["mu"], r["k"]]]} for r in known]
+    asked = [
+        {"key": f"{r['family']} viscous", "points": [[r["at"], r["mu"], r["k"]]]} for r in known
+    ]
     answers = disk.page.evaluate(ASK, asked)
     assert len(known) >= 9
     for record, [answer] in zip(known, answers, strict=True):
@@ -117,7 +117,8 @@ def launches() -> list[tuple[str, str, list[float], float, float]]:
         found.append((family, law, point.tolist(), float(generator.uniform(0.01, 0.3)), 15.0))
     return [
         *found, ("rolling", "smooth", [0.0, 0.25], 0.3, 15.0),
-        ("rolling", "rough", [0.0, 0.25], 0.3, 15.0), ("spinning", "viscous", [5.0, 0.3, 0.25], 0.6, 15.0),
+        ("rolling", "rough", [0.0, 0.25], 0.3, 15.0),
+        ("spinning", "viscous", [5.0, 0.3, 0.25], 0.6, 15.0),
         ("spinning", "rough", [4.5, 0.3], 0.7, 15.0),
     ]  # fmt: skip
 
@@ -135,7 +136,11 @@ def test_launches_end_as_in_python(disk: Visit) -> None:
         start = st.launch(family, at=q[0], tilt=tilt, disk=body)
         run = st.simulate(body, law, start, times, tolerance=1e-13, check=False, **friction)
         outcome = run.attrs["outcome"]
-        assert answer["outcome"] == ("moving" if outcome == "settled" else outcome), (family, law, q)
+        assert answer["outcome"] == ("moving" if outcome == "settled" else outcome), (
+            family,
+            law,
+            q,
+        )
         assert answer["time"] == pytest.approx(float(run.end_time), abs=1e-6)
         count = 4 if law == "rough" else 6
         ours = np.array(answer["states"])[:, :count]
@@ -149,9 +154,7 @@ def test_launches_end_as_in_python(disk: Visit) -> None:
     assert outcomes == {"moving", "flat", "lift-off"}
 
 
-def test_modes_are_eigenvectors_of_the_linearised_equations(
-    disk: Visit
-) -> None:
+def test_modes_are_eigenvectors_of_the_linearised_equations(disk: Visit) -> None:
     for key, q in (("spinning viscous", [2.2, 0.3, 0.25]), ("tumbling rough", [0.7, 0.4])):
         found = disk.page.evaluate(
             "([key, q]) => { const s = stabilityExplorer.view.subjects.get(key);"
@@ -169,9 +172,7 @@ def test_modes_are_eigenvectors_of_the_linearised_equations(
             assert np.abs(ours).max() == pytest.approx(1.0)
 
 
-def test_boundary_curves_lie_on_the_boundaries_of_the_package(
-    disk: Visit
-) -> None:
+def test_boundary_curves_lie_on_the_boundaries_of_the_package(disk: Visit) -> None:
     curves = disk.page.evaluate("stabilityExplorer.diagram.curves")
     kinds = {c["kind"] for c in curves}
     assert kinds == {"static", "flutter"}
@@ -191,13 +192,17 @@ def test_boundary_curves_lie_on_the_boundaries_of_the_package(
 
 def test_proved_rectangles_hold(disk: Visit) -> None:
     generator = np.random.default_rng(SEED)
-    for key, low, high in (("spinning viscous", [0.02, 0.02], [5.0, 3.0]), ("tumbling viscous", [0.02, 0.02], [1.57, 3.0])):
+    for key, low, high in (
+        ("spinning viscous", [0.02, 0.02], [5.0, 3.0]),
+        ("tumbling viscous", [0.02, 0.02], [1.57, 3.0]),
+    ):
         family, law = key.split()
         points = generator.uniform(low, high, (300, 2))
         found = disk.page.evaluate(
-                "([key, points]) => { stabilityExplorer.view.choose(key); return points.map(([at, mu]) => { stabilityExplorer.view.move({at, mu, k: 0.25});"
-                "return stabilityExplorer.view.certificate().verdict; }); }", [key, points.tolist()],
-            )  # fmt: skip
+            "([key, points]) => { const { view } = stabilityExplorer; view.choose(key);"
+            "return points.map(([at, mu]) => { view.move({at, mu, k: 0.25});"
+            "return view.certificate().verdict; }); }", [key, points.tolist()],
+        )  # fmt: skip
         known = st.spectrum(family, at=points[:, 0], contact=law, mu=points[:, 1]).verdict
         wrong = [(p, a) for p, a, b in zip(points, found, known, strict=True)
                  if a not in ("undecided", b.word)]  # fmt: skip

@@ -14,7 +14,8 @@ import stability as st
 
 STATE = "() => stabilityExplorer.view.state"
 REST = """async () => {
-  const explorer = window.stabilityExplorer, frame = () => new Promise((r) => requestAnimationFrame(r));
+  const explorer = window.stabilityExplorer;
+  const frame = () => new Promise((r) => requestAnimationFrame(r));
   await frame();
   while (explorer && (explorer.motion.waits || explorer.diagram.moving)) await frame();
   await frame();
@@ -49,7 +50,11 @@ def test_every_family_and_law_is_drawn(browser: Any, page_of_disk: Path) -> None
                 rest(seen)
                 shown.add((page.locator("h1").inner_text(), state(seen)["subject"]))
                 assert page.get_by_role("radio", name=law).get_attribute("aria-checked") == "true"
-                assert page.locator(".badge").inner_text().split()[-1] in ("stable", "unstable", "neutral")
+                assert page.locator(".badge").inner_text().split()[-1] in (
+                    "stable",
+                    "unstable",
+                    "neutral",
+                )
                 assert page.locator(".mode").count() >= 1
         assert len(shown) == 12
         quiet(seen)
@@ -58,7 +63,11 @@ def test_every_family_and_law_is_drawn(browser: Any, page_of_disk: Path) -> None
 def test_sliders_and_numbers_move_the_point(browser: Any, page_of_disk: Path) -> None:
     with visit(browser, page_of_disk) as seen:
         page = seen.page
-        for name, label in (("at", "precession rate φ̇"), ("mu", "friction coefficient μ"), ("k", "inertia factor k")):
+        for name, label in (
+            ("at", "precession rate φ̇"),
+            ("mu", "friction coefficient μ"),
+            ("k", "inertia factor k"),
+        ):
             before = state(seen)["values"][name]
             page.get_by_label(label, exact=True).focus()
             for _ in range(12):
@@ -120,7 +129,12 @@ def test_hand_and_keys_work_on_the_diagram(browser: Any, page_of_disk: Path) -> 
         stage.dblclick(position={"x": 200, "y": 200})
         assert state(seen)["ranges"]["at"] == [0.02, 5]
         stage.focus()
-        for key, name, sign in (("ArrowRight", "at", 1), ("ArrowLeft", "at", -1), ("ArrowUp", "mu", 1), ("Shift+ArrowDown", "mu", -1)):
+        for key, name, sign in (
+            ("ArrowRight", "at", 1),
+            ("ArrowLeft", "at", -1),
+            ("ArrowUp", "mu", 1),
+            ("Shift+ArrowDown", "mu", -1),
+        ):
             before = state(seen)["values"][name]
             page.keyboard.press(key)
             assert sign * (state(seen)["values"][name] - before) > 0
@@ -128,7 +142,9 @@ def test_hand_and_keys_work_on_the_diagram(browser: Any, page_of_disk: Path) -> 
         assert state(seen)["ranges"]["at"][1] - state(seen)["ranges"]["at"][0] < 4.9
         page.keyboard.press("0")
         assert state(seen)["ranges"]["at"] == [0.02, 5]
-        page.wait_for_function("document.getElementById('stability-said').innerText.includes('at φ̇')")
+        page.wait_for_function(
+            "document.getElementById('stability-said').innerText.includes('at φ̇')"
+        )
         assert "at φ̇" in page.locator("#stability-said").inner_text()  # a reader hears it
         quiet(seen)
 
@@ -139,16 +155,18 @@ def test_every_control_is_reached_by_tab(browser: Any, page_of_disk: Path) -> No
         for _ in range(60):
             page.keyboard.press("Tab")
             name, outline = page.evaluate(
-                "() => { const e = document.activeElement; return [e.getAttribute('aria-label') || (e.tagName === 'BODY' ? 'BODY' : e.innerText)"
-                " || e.tagName, getComputedStyle(e).outlineStyle]; }"
+                "() => { const e = document.activeElement;"
+                "const text = e.tagName === 'BODY' ? '' : e.innerText;"
+                "return [e.getAttribute('aria-label') || text || e.tagName,"
+                "getComputedStyle(e).outlineStyle]; }"
             )
             if reached and name == reached[0]:
                 break
             assert outline != "none" or name == "BODY", name
             reached.append(name)
         said = "\n".join(reached)
-        for word in ("Spinning", "Viscous", "Link", "SVG", "PNG", "Python", "Stability diagram", "friction",
-                     "Launch", "Play", "Time", "Length of the run"):  # fmt: skip
+        for word in ("Spinning", "Viscous", "Link", "SVG", "PNG", "Python", "Stability diagram",
+                     "friction", "Launch", "Play", "Time", "Length of the run"):  # fmt: skip
             assert word in said, word
 
 
@@ -182,7 +200,9 @@ def test_a_launch_is_played_and_ends_as_python_says(browser: Any, page_of_disk: 
         said = page.locator(".outcome").inner_text()
         assert run.attrs["outcome"] == "lift-off" and "leaves the plane" in said
         assert f"t = {float(run.end_time):.5g} " in said
-        page.get_by_label("Size of the disturbance").evaluate("(e) => { e.value = 300; e.dispatchEvent(new Event('input')); }")
+        page.get_by_label("Size of the disturbance").evaluate(
+            "(e) => { e.value = 300; e.dispatchEvent(new Event('input')); }"
+        )
         rest(seen)
         assert state(seen)["tilt"] < 0.1
         assert "still moves" in page.locator(".outcome").inner_text()
@@ -190,7 +210,9 @@ def test_a_launch_is_played_and_ends_as_python_says(browser: Any, page_of_disk: 
         rest(seen)
         assert "t = 60" in page.locator(".outcome").inner_text()
         page.get_by_label("Play or pause").click()
-        page.get_by_label("Time", exact=True).evaluate("(e) => { e.value = 500; e.dispatchEvent(new Event('input')); }")
+        page.get_by_label("Time", exact=True).evaluate(
+            "(e) => { e.value = 500; e.dispatchEvent(new Event('input')); }"
+        )
         rest(seen)
         assert page.locator(".clock").first.inner_text() == "t = 30.0"
         assert page.locator(".trace").count() == 2
@@ -205,7 +227,9 @@ def test_a_link_restores_the_view(browser: Any, page_of_disk: Path) -> None:
     with visit(browser, page_of_disk) as seen:
         page = seen.page
         page.get_by_role("radio", name="Tumbling").click()
-        page.get_by_label("Size of the disturbance").evaluate("(e) => { e.value = 700; e.dispatchEvent(new Event('input')); }")
+        page.get_by_label("Size of the disturbance").evaluate(
+            "(e) => { e.value = 700; e.dispatchEvent(new Event('input')); }"
+        )
         page.locator(".diagram-stage").click(position={"x": 260, "y": 130})
         page.mouse.wheel(0, -200)
         page.locator(".mode").nth(1).click()
@@ -214,14 +238,18 @@ def test_a_link_restores_the_view(browser: Any, page_of_disk: Path) -> None:
         kept, link = state(seen), page.evaluate("location.hash")
     with visit(browser, page_of_disk, link) as seen:
         assert state(seen) == kept
-        seen.page.evaluate("location.hash = '#show=rolling-rough&at=0.9&k=nonsense&mode=99&xaxis=foo:1:2'")
+        seen.page.evaluate(
+            "location.hash = '#show=rolling-rough&at=0.9&k=nonsense&mode=99&xaxis=foo:1:2'"
+        )
         rest(seen)
         found = state(seen)
         assert (found["subject"], found["values"]) == ("rolling rough", {"at": 0.9, "k": 0.25})
         quiet(seen)
 
 
-def test_the_picture_is_saved_and_the_call_reproduces_the_point(browser: Any, page_of_disk: Path) -> None:
+def test_the_picture_is_saved_and_the_call_reproduces_the_point(
+    browser: Any, page_of_disk: Path
+) -> None:
     with visit(browser, page_of_disk, accept_downloads=True) as seen:
         page = seen.page
         with page.expect_download() as waiting:
@@ -241,7 +269,12 @@ def test_the_picture_is_saved_and_the_call_reproduces_the_point(browser: Any, pa
         quiet(seen)
         verdict = page.locator(".badge").inner_text().split()[-1]
     space: dict[str, Any] = {}
-    exec(re.sub(r"300\), y=|200\), ", lambda m: m.group().replace("300", "6").replace("200", "5"), code), space)  # noqa: S102
+    exec(
+        re.sub(
+            r"300\), y=|200\), ", lambda m: m.group().replace("300", "6").replace("200", "5"), code
+        ),
+        space,
+    )  # noqa: S102
     assert space["point"].verdict.word == verdict
     assert space["diagram"].abscissa.shape == (5, 6)
     assert space["motion"].attrs["outcome"] in ("moving", "settled")
@@ -256,12 +289,14 @@ def test_nothing_is_wider_than_the_screen_and_colours_follow(
         page = seen.page
         assert page.evaluate("document.documentElement.scrollWidth") <= size["width"]
         red = page.evaluate(
-            "Number(getComputedStyle(document.querySelector('.explorer')).backgroundColor.match(/\\d+/)[0])"
+            "Number(getComputedStyle(document.querySelector('.explorer'))"
+            ".backgroundColor.match(/\\d+/)[0])"
         )
         assert (red < 60) == (scheme == "dark")
         small = page.evaluate(
-            "[...document.querySelectorAll('button, select, input')].filter((e) => e.getClientRects().length)"
-            ".filter((e) => e.getBoundingClientRect().height < 24).map((e) => e.outerHTML.slice(0, 80))"
+            "[...document.querySelectorAll('button, select, input')]"
+            ".filter((e) => e.getClientRects().length && e.getBoundingClientRect().height < 24)"
+            ".map((e) => e.outerHTML.slice(0, 80))"
         )
         assert not small  # large enough for a finger
         quiet(seen)
@@ -311,7 +346,12 @@ def test_without_webgl_the_same_diagram_is_painted(browser: Any, page_of_disk: P
 
 def test_the_page_of_ones_own_family(browser: Any, tmp_path: Path) -> None:
     path = st.explore(
-        towed_wheel(), at=0.3, x=("v", 0.1, 20), y=("trail", 0.02, 0.3), out=tmp_path / "own.html", **GIVEN
+        towed_wheel(),
+        at=0.3,
+        x=("v", 0.1, 20),
+        y=("trail", 0.02, 0.3),
+        out=tmp_path / "own.html",
+        **GIVEN,
     )
     with visit(browser, path) as seen:
         page = seen.page
@@ -333,7 +373,8 @@ def test_the_widget_is_the_same_page(browser: Any, tmp_path: Path) -> None:
     page_file.write_text(
         "<!DOCTYPE html><meta charset=utf-8><div id=cell></div><script type=module>"
         f"const text = {json.dumps(made._esm).replace('<', chr(92) + 'u003c')};"
-        "const module = await import(URL.createObjectURL(new Blob([text], {type: 'text/javascript'})));"
+        "const blob = new Blob([text], {type: 'text/javascript'});"
+        "const module = await import(URL.createObjectURL(blob));"
         "window.remove = module.default.render({el: document.getElementById('cell')});</script>",
         encoding="utf-8",
     )

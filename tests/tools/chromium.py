@@ -84,7 +84,10 @@ def visit(
 
     def said(message: Any) -> None:
         # software rendering makes the browser itself remark on the speed of reading pixels
-        if message.type in ("error", "warning") and "GPU stall due to ReadPixels" not in message.text:
+        if (
+            message.type in ("error", "warning")
+            and "GPU stall due to ReadPixels" not in message.text
+        ):
             found.said.append(message.text)
 
     def asked(route: Any) -> None:

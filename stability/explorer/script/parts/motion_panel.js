@@ -1,12 +1,14 @@
 // The motion: steady, in one mode, or launched from a tilt; played, stopped, and drawn over time.
 
 import {before, launched, modeMotion, poseAt} from "../mathematics/launch.js";
+import {fromSource} from "../mathematics/subject.js";
 import {clamp, element, onceAFrame, text} from "../drawing/elements.js";
 import {placed} from "./stage.js";
 import {Traces} from "./traces.js";
 
 const PICTURES = {steady: "Steady", mode: "Mode", launch: "Launch"};
 const TIMES = [20, 60, 200], REST = 90; // milliseconds without a change after which a launch is computed
+const NEAR = 0.02; // distance from a steady motion that is worth a word
 const LEAST_TILT = 0.005, MOST_TILT = 0.8;
 const ENDS = {
   "lift-off": "it leaves the plane: the normal force reaches zero",
@@ -158,7 +160,22 @@ export class MotionPanel {
       this.said.textContent = `Mode ${Math.min(state.mode || 0, modes.length - 1) + 1} of the linear motion, enlarged. `
         + `Shares: ${parts.map(([size, name]) => `${name} ${text(size / most, 2)}`).join(", ")}.`;
     } else if (run.refused) this.said.textContent = `No launch from here: ${words}.`;
-    else this.said.textContent = `Launched ${solid ? "tilted" : "disturbed"} by ${text(state.tilt, 3)}${solid ? " rad" : ""}: at t = ${text(run.until, 5)} ${words}.`;
+    else {
+      const by = `${text(state.tilt, 3)}${solid ? " rad" : ""}`;
+      this.said.textContent = `Launched ${solid ? "tilted" : "disturbed"} by ${by}: at t = ${text(run.until, 5)} ${words}${this.near(run)}.`;
+    }
+  }
+
+  /** How near the end of a run is to a member of the family, in words; no proof that it stays. */
+  near(run) {
+    const {subject, motion} = this.view, index = subject.states.indexOf(subject.call.state);
+    if (index < 0 || run.outcome !== "moving") return "";
+    const q = this.view.point();
+    q[subject.names.indexOf("at")] = run.final[index];
+    const member = fromSource(subject.member)(q);
+    const apart = Math.max(...member.slice(0, motion.states).map((v, i) => Math.abs(v - run.final[i])));
+    if (!(apart < NEAR)) return "";
+    return `, within ${text(apart, 2)} of ${subject.family} with ${subject.symbols[subject.call.state]} = ${text(run.final[index], 4)} (no proof that it stays)`;
   }
 
   draw() {

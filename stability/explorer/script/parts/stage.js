@@ -20,7 +20,7 @@ export class Stage {
     this.three = library;
     this.look = look;
     this.canvas = element("canvas", {role: "img", "aria-label": "The disk on the plane; drag to look from elsewhere"});
-    this.angle = {azimuth: 0.9, height: 0.42, away: 5.2};
+    this.angle = {azimuth: 0.75, height: 0.36, away: 5.6};
     this.target = [0, 0];
     this.turned();
     try {
@@ -42,7 +42,7 @@ export class Stage {
     this.colour = {};
     for (const name of ["face", "edge", "mark", "spoke"]) this.colour[name] = new T.MeshLambertMaterial();
     this.colour.shade = new T.MeshBasicMaterial({color: 0x000000, transparent: true, opacity: 0.16, depthWrite: false});
-    this.colour.grid = new T.LineBasicMaterial({transparent: true, opacity: 0.55});
+    this.colour.grid = new T.LineBasicMaterial({transparent: true, opacity: 0.8});
     this.colour.trail = new T.LineBasicMaterial();
     this.sky = new T.HemisphereLight(0xffffff, 0x9aa4ad, 1.9);
     this.sun = new T.DirectionalLight(0xffffff, 1.9);
@@ -52,7 +52,10 @@ export class Stage {
     this.trail = new T.Line(trail, this.colour.trail);
     this.trail.frustumCulled = false;
     const lines = [];
-    for (let i = -GRID; i <= GRID; i++) lines.push(i, -GRID, 0, i, GRID, 0, -GRID, i, 0, GRID, i, 0);
+    // one piece for each side of a square: software rendering loses lines that pass behind the eye
+    for (let i = -GRID; i <= GRID; i++) {
+      for (let j = -GRID; j < GRID; j++) lines.push(i, j, 0, i, j + 1, 0, j, i, 0, j + 1, i, 0);
+    }
     const grid = new T.BufferGeometry();
     grid.setAttribute("position", new T.Float32BufferAttribute(lines, 3));
     this.grid = new T.LineSegments(grid, this.colour.grid);
@@ -67,7 +70,7 @@ export class Stage {
     this.colour.edge.color.set(dark ? "#8cc6ea" : "#00436a");
     this.colour.mark.color.set(dark ? "#f08a3c" : "#d55e00");
     this.colour.spoke.color.set("#e6f2f9");
-    this.colour.grid.color.set(dark ? "#434b53" : "#c4c9ce");
+    this.colour.grid.color.set(dark ? "#4a535c" : "#b4bbc2");
     this.colour.trail.color.set(dark ? "#f08a3c" : "#d55e00");
     this.colour.shade.opacity = dark ? 0.45 : 0.16;
     this.scene.fog = new T.Fog(colours.page, 7, 15);
@@ -124,8 +127,8 @@ export class Stage {
     if (Math.hypot(this.target[0] - centre[0], this.target[1] - centre[1]) > 1) this.target = centre.slice(0, 2);
     const [x, y] = this.target, ratio = Math.min(2, window.devicePixelRatio || 1);
     this.camera.position.set(x + away * Math.cos(height) * Math.cos(azimuth), y + away * Math.cos(height) * Math.sin(azimuth),
-      0.65 + away * Math.sin(height));
-    this.camera.lookAt(x, y, 0.65);
+      0.8 + away * Math.sin(height));
+    this.camera.lookAt(x, y, 0.8);
     this.grid.position.set(Math.round(x), Math.round(y), 0);
     if (this.size !== `${box.width} ${box.height}`) {
       this.size = `${box.width} ${box.height}`;

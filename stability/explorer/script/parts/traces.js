@@ -39,14 +39,17 @@ export class Traces {
       const values = this.run.series[name], top = row * ROW + 15, tall = ROW - 21;
       let low = Math.min(...values), high = Math.max(...values);
       if (name === "normal force") { low = Math.min(low, 0); high = Math.max(high, 1); }
-      const small = 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1e-9);
-      if (high - low < small) { low -= small; high += small; }
+      const small = 0.01 * Math.max(Math.abs(low), Math.abs(high), 1e-9);
+      if (high - low < small) { // a constant is drawn as a line in the middle
+        const middle = (low + high) / 2;
+        [low, high] = [middle - small / 2, middle + small / 2];
+      }
       const y = (v) => top + tall * (1 - (v - low) / (high - low));
       const skip = Math.max(1, Math.floor(values.length / MOST));
       const line = this.run.times.map((t, i) => [t, values[i], i]).filter(([, , i]) => i % skip === 0 || i === values.length - 1)
         .map(([t, v]) => `${at(t).toFixed(1)} ${y(v).toFixed(2)}`).join("L");
       parts.push(shape("path", {class: "grid", d: `M${LEFT} ${top + tall}h${wide}`}));
-      for (const v of [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(v, 3)));
+      for (const v of [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(v, 4)));
       parts.push(shape("text", {class: "number strong", x: LEFT, y: top - 4}, name));
       parts.push(shape("path", {class: "trace", d: `M${line}`}));
       if (this.run.ended) parts.push(shape("circle", {class: "ended", cx: at(this.run.until), cy: y(values[values.length - 1]), r: 3.5}));

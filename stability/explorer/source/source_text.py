@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from ..algebra.number_types import BY_OTHERS, MORE, UNARY, Algebra
-from ..algebra.program import Program
-from ..base.errors import StabilityError, shown
+from ...algebra.number_types import BY_OTHERS, MORE, UNARY, Algebra
+from ...algebra.program import Program
+from ...base.errors import StabilityError, shown
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ def _is(value: Any, number: float) -> bool:
 
 
 def javascript(inputs: Sequence[int], formula: Callable[..., Sequence[Any]]) -> str:
-    """A formula as a JavaScript function of arrays.
+    r"""A formula as a JavaScript function of arrays.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def javascript(inputs: Sequence[int], formula: Callable[..., Sequence[Any]]) -> 
     Examples
     --------
     >>> javascript([2], lambda algebra, x: [x[0] * x[1] + 1])
-    '(a0) => {\\nconst t0 = a0[0] * a0[1];\\nconst t1 = t0 + 1;\\nreturn [t1];\\n}'
+    '(a0) => {\nconst t0 = a0[0] * a0[1];\nconst t1 = t0 + 1;\nreturn [t1];\n}'
     """
     record = Record(JAVASCRIPT)
     given = [[Line(record, f"a{i}[{j}]") for j in range(n)] for i, n in enumerate(inputs)]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..base.errors import ParameterError
-from ..storage.json_text import json_text
-from .options import _at, _disk, _number, body_of
-from .system_option import doubles, own_family, with_at
+from ...base.errors import ParameterError
+from ...storage.json_text import json_text
+from ..options import _at, _disk, _number, body_of
+from ..system_option import doubles, own_family, with_at
 
 EXAMPLES = (
     "stability explore --out page.html",
@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _explore(options: argparse.Namespace) -> None:
-    from ..explorer.explore import explore
+    from ...explorer.explore import explore
 
     if options.contact is not None and ":" in options.contact:
         raise ParameterError("--contact names a law of your own; the page draws stored laws.")
@@ -45,7 +45,7 @@ def _explore(options: argparse.Namespace) -> None:
     swept = {a[0]: a for a in axes.values() if a is not None}
     body = body_of(options, swept)
     if body is None and options.system is not None:
-        family = own_family(options)
+        family: Any = own_family(options)
         given = doubles(with_at(options, family))
         names = tuple(options.positive.split(",")) if options.positive else ()
         path = explore(family, positive=names, **common, **given)
@@ -55,8 +55,8 @@ def _explore(options: argparse.Namespace) -> None:
                 raise ParameterError(f"--{key} has no meaning for this page; leave it out.")
         name = options.family or "spinning"
         numbers = {} if options.mu is None else {"mu": options.mu}
-        at = None if options.at is None else _at(options.at)
-        physics = {"body": body} if body is not None else {"disk": _disk(options)}
+        at: Any = None if options.at is None else _at(options.at)
+        physics: dict[str, Any] = {"body": body} if body is not None else {"disk": _disk(options)}
         path = explore(name, at=at, contact=options.contact, **physics, **common, **numbers)
     if options.json:
         print(json_text({"page": str(path), "bytes": path.stat().st_size}))

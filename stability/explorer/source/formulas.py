@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..algebra.number_types import Algebra
-from ..algebra.polynomial import Polynomial
+from ...algebra.number_types import Algebra
+from ...algebra.polynomial import Polynomial
 
 ROUNDINGS = 3
 """Roundings of a coefficient, of the bound itself, and one to spare."""

@@ -19,7 +19,7 @@ def look(
     quantities: int, formula: Callable[..., tuple[list[list[Any]], list[tuple[Any, Any]]]],
     even: Sequence[bool],
 ) -> str:  # fmt: skip
-    """Source of `vec2 look(…)`: growth rate, and the least condition over its size.
+    """Source of the function that a shader calls: growth rate, least condition over its size.
 
     Parameters
     ----------
