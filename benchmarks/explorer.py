@@ -57,8 +57,9 @@ def main() -> None:
                 seen.page.wait_for_selector("[data-ready]", timeout=60_000)
                 readies.append(time.perf_counter() - begun)
                 paints.append(seen.page.evaluate(PAINT) / 1000)
-        print(f"first picture after {quantile(paints, 0.5):.2f} s (median of 5; {min(paints):.2f} to "
-              f"{max(paints):.2f}), 3-D after {quantile(readies, 0.5):.2f} s")  # fmt: skip
+        least, most = min(paints), max(paints)
+        print(f"first picture after {quantile(paints, 0.5):.2f} s (median of 5; {least:.2f} to "
+              f"{most:.2f}), 3-D after {quantile(readies, 0.5):.2f} s")  # fmt: skip
         print("a slider swept, 1280 x 800, software rendering:")
         for link in ("rolling-viscous", "spinning-viscous", "tumbling-viscous", "spinning-rough"):
             with visit(browser, path, f"#show={link}") as seen:
