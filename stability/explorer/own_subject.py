@@ -19,6 +19,7 @@ from ..base.checks import known
 from ..base.errors import ParameterError, StabilityError, absent, shown
 from ..base.quantities import readable
 from ..bodies.model import WORK, system_model
+from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..derivation.conditions import Conditions, conditions
 from ..maps.proved_boxes import prove_boxes
 from ..spectra.arguments import prepare
@@ -75,20 +76,25 @@ def own_subject(
     count = len(found.variables)
     behind = {v.name: 2 * (v.name not in names) for v in found.variables}
     put = {v.name: (_in_braces(v.name, names), 1) for v in found.variables}
+    symbols = {n: q.symbol for n, q in QUANTITIES.items() if q.symbol} if told else {}
+    written = {n: (symbols.get(n, n), 1) for n in put}
+    scales = [scale_of([c.polynomial]) for c in found.deciding]
     even = any(f.even for f in found.factors) or found._extra_zeros > 0
     factors = [f for f in found.factors for _ in range(f.multiplicity)]
     return Subject(
         key=f"{told.get('family', family.name)} {told.get('law', '')}".strip(),
         family=told.get("family", family.name), law=told.get("law", ""),
-        title=told.get("title", f"{family.name}, of {system.name}"),
-        quantities=tuple(_quantity(family, n, values[n], axes, positive) for n in names),
+        title=told.get("title", f"{system.name}: {family.name}"),
+        quantities=tuple(
+            _quantity(family, n, values[n], axes, symbols, positive=n in positive)
+            for n in names),
         axes=(axes[0][0], axes[1][0]), even=tuple(f.even for f in factors), zeros=found.zeros,
         coefficients=partial(_coefficients, factors, read),
-        rules=tuple(Rule(c.kind, c.polynomial, behind, scale_of([c.polynomial]))
-                    for c in found.deciding),
+        rules=tuple(Rule(c.kind, c.polynomial, behind, scale)
+                    for c, scale in zip(found.deciding, scales, strict=True)),
         variables=partial(_variables, read),
-        texts=tuple((typeset(c.polynomial, {}), filled(c.polynomial, put))
-                    for c in found.deciding),
+        texts=tuple((typeset(c.polynomial, written, scale), filled(c.polynomial, put, scale))
+                    for c, scale in zip(found.deciding, scales, strict=True)),
         states=system.states, member=javascript([len(names)], _member(family, names)),
         jacobian=graph(Program(ca.Function("slopes", [x, p], [ca.jacobian(system.rhs, x)]))),
         model=told.get("motion", family.name), parameters=tuple(
@@ -96,6 +102,7 @@ def own_subject(
         call={"kind": "own", "at": family.at, "parameters": family.parameters,
               "system": system.name, "variables": count},
         good="neutral" if even else "stable",
+        symbols={n: symbols.get(n, n) for n in system.states},
     )  # fmt: skip
 
 
@@ -148,17 +155,19 @@ def _coefficients(
 
 
 def _quantity(
-    family: Family, name: str, value: float, axes: Axes, positive: Sequence[str]
-) -> Quantity:
+    family: Family, name: str, value: float, axes: Axes, symbols: Mapping[str, str], *,
+    positive: bool,
+) -> Quantity:  # fmt: skip
     unit = family.system.units.get(name, "1")
     low, high = next(
         ((a, b) for n, a, b in axes if n == name),
         (0.0, 2 * value) if value > 0 else (2 * value, 0.0) if value < 0 else (-1.0, 1.0),
     )
-    least = 0.0 if name in positive else None
-    label = "" if len(name) == 1 else name.replace("_", " ")
-    return Quantity(name, name, label, "" if unit == "1" else readable(unit),
-                    low, high, value, least)  # fmt: skip
+    known_ = QUANTITIES.get(name) if name in symbols else None
+    return Quantity(
+        name, symbols.get(name, name), known_.long_name if known_ else "",
+        "" if unit == "1" else readable(unit), low, high, value, 0.0 if positive else None,
+    )  # fmt: skip
 
 
 def _member(family: Family, names: Sequence[str]) -> Callable[..., list[Any]]:

@@ -95,6 +95,25 @@ RUN = """(runs) => runs.map(({key, q, start, tilt, times}) => {
 })"""
 
 
+def test_roots_are_those_of_random_polynomials(disk: Visit) -> None:
+    generator, polynomials, roots = np.random.default_rng(SEED), [], []
+    for _ in range(400):
+        degree = int(generator.integers(1, 7))
+        pairs = generator.normal(0, 3, degree // 2) + 1j * generator.normal(0, 3, degree // 2)
+        true = np.concatenate([pairs, pairs.conj(), generator.normal(0, 3, degree % 2)])
+        if len(pairs) and generator.random() < 0.3:  # two real roots in place of a pair
+            true[0], true[len(pairs)] = generator.normal(0, 3, 2)
+        polynomials.append(np.poly(true).real[::-1].tolist())
+        roots.append(true)
+    answers = disk.page.evaluate("(all) => all.map((c) => stabilityExplorer.polynomialRoots(c))",
+                                 polynomials)  # fmt: skip
+    for true, answer in zip(roots, answers, strict=True):
+        found = np.array([complex(*z) for z in answer])
+        gaps = np.abs(found[:, None] - true[None, :])
+        assert max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) < 1e-9 * np.abs(true).max()
+        assert sorted(found.tolist(), key=lambda z: (z.real, z.imag)) == found.tolist()
+
+
 def test_motions_are_those_of_the_inertial_formulation(disk: Visit) -> None:
     known = reference.trajectories()
     asked = [{"key": "rolling viscous", "q": [1.0, m["mu"], m["k"]], "start": m["start"], "tilt": 0,

@@ -4,6 +4,7 @@ import {isDark} from "./drawing/colours.js";
 import {element} from "./drawing/elements.js";
 import {Raster} from "./drawing/raster.js";
 import {launched} from "./mathematics/launch.js";
+import {polynomialRoots} from "./mathematics/roots.js";
 import {Conditions} from "./parts/conditions.js";
 import {Controls} from "./parts/controls.js";
 import {Diagram} from "./parts/diagram.js";
@@ -75,7 +76,7 @@ export function mount(root, data, library, link = "") {
     root.dataset.ready = "true";
   }, 60));
   requestAnimationFrame(afterPaint);
-  return {view, diagram, motion, plane, exports, launched, stage: () => stage};
+  return {view, diagram, motion, plane, exports, launched, polynomialRoots, stage: () => stage};
 }
 
 /** The page: the link is the part of the address after #. */

@@ -50,7 +50,19 @@ class Rule:
         return value_of(self.polynomial, self.scale, values), value_of(positive, self.scale, sizes)
 
 
-def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]]) -> str:
+def _size(coefficient: int, scale: float) -> str:
+    """A coefficient without its sign; one that was scaled is rounded to five digits."""
+    return str(abs(coefficient)) if scale == 1 else f"{_scaled(abs(coefficient), scale):.5g}"
+
+
+def _scaled(coefficient: int, scale: float) -> float:
+    # an integer of any size over a power of two, with one rounding
+    return float(coefficient / (1 << round(-math.log2(scale))))
+
+
+def typeset(
+    polynomial: Polynomial, names: Mapping[str, tuple[str, int]], scale: float = 1.0
+) -> str:
     """A polynomial as HTML.
 
     Parameters
@@ -59,6 +71,8 @@ def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]]) -> str
         The polynomial.
     names
         For each variable the symbol to write, and the power of it that the variable is.
+    scale
+        Power of two that the polynomial is multiplied by; its coefficients are then rounded.
 
     Examples
     --------
@@ -75,7 +89,7 @@ def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]]) -> str
             text = f"<i>{html.escape(symbol)}</i>"
             if raised:
                 factors.append(text if raised == 1 else f"{text}<sup>{raised}</sup>")
-        size = "" if abs(c) == 1 and factors else str(abs(c))
+        size = "" if abs(c) == 1 and factors else _size(c, scale)
         words.append((" − " if c < 0 else " + ") + size + "".join(factors))
     found = "".join(words) or "0"
     return found[3:] if found.startswith(" + ") else found.replace(" − ", "−", 1)
@@ -85,7 +99,7 @@ MOST_FILLED = 4
 """Largest number of monomials of a formula that is shown with numbers."""
 
 
-def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]]) -> str:
+def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], scale: float = 1.0) -> str:
     """A short polynomial as HTML with {name} in place of each number; empty for a long one.
 
     Parameters
@@ -94,6 +108,8 @@ def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]]) -> str:
         The polynomial.
     names
         For each variable its number as text with {name}, and the power of it that the variable is.
+    scale
+        As for `typeset`.
 
     Examples
     --------
@@ -105,7 +121,7 @@ def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]]) -> str:
         return ""
     words = []
     for c, exponents in polynomial.terms:
-        factors = [str(abs(c))] if abs(c) != 1 or not any(exponents) else []
+        factors = [_size(c, scale)] if abs(c) != 1 or not any(exponents) else []
         for variable, exponent in zip(polynomial.variables, exponents, strict=True):
             number, power = names.get(variable, (variable, 1))
             raised = exponent * power
@@ -145,8 +161,7 @@ def value_of(polynomial: Polynomial, scale: float, point: Sequence[Any]) -> Any:
     """
     if scale == 1:
         return polynomial(*point)
-    shift = round(-math.log2(scale))
-    return _horner([(c / 2**shift, e) for c, e in polynomial.terms], list(point))
+    return _horner([(_scaled(c, scale), e) for c, e in polynomial.terms], list(point))
 
 
 def _horner(terms: list[tuple[float, tuple[int, ...]]], values: list[Any]) -> Any:

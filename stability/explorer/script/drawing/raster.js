@@ -2,33 +2,9 @@
 // Where WebGL2 is missing, the same picture is computed in double precision, more coarsely.
 
 import {rgb, shade} from "./colours.js";
+import {UNPACKED, VERTEX, subjectShader} from "./raster_shader.js";
 
-const VERTEX = `#version 300 es
-in vec2 corner;
-void main() { gl_Position = vec4(corner, 0.0, 1.0); }`;
-
-const PAINT = `
-void main() {
-  vec2 u = gl_FragCoord.xy / size, v = mix(low, high, u);
-  vec2 found = look(ARGUMENTS);
-  float g = found.x, a = abs(g);
-  float bent = a <= linear ? width * a / linear : width + log(a / linear) / 2.302585093;
-  float place = clamp(0.5 + 0.5 * sign(g) * bent / end, 0.0, 0.999999) * 5.0;
-  int i = int(place);
-  vec3 c = mix(ramp[i], ramp[i + 1], place - float(i));
-  vec2 p = gl_FragCoord.xy / pixel;
-  float cover = 0.0;
-  if (found.y < 0.0) {
-    float d = abs(mod(p.x - p.y, 7.0) - 3.5) * 0.7071;
-    cover = 0.62 * (1.0 - smoothstep(0.15, 0.15 + 1.0 / pixel, d));
-  } else if (neutral) {
-    float r = length(mod(p + vec2(3.5 * mod(floor(p.y / 6.0), 2.0), 0.0), vec2(7.0, 6.0)) - 3.0);
-    cover = 0.55 * (1.0 - smoothstep(0.5, 0.5 + 1.0 / pixel, r));
-  }
-  c = mix(c, hatch, cover);
-  bool inside = DOMAIN;
-  colour = inside ? vec4(c, 1.0) : vec4(0.0);
-}`;
+const COLUMNS = 130; // of the picture without WebGL
 
 /** A canvas that shows the growth rate of a subject over two quantities. */
 export class Raster {
@@ -38,9 +14,11 @@ export class Raster {
     this.pen = this.gl ? null : canvas.getContext("2d");
     this.programs = new Map();
     if (!this.gl) return;
-    const buffer = this.gl.createBuffer();
-    this.gl.bindBuffer(this.gl.ARRAY_BUFFER, buffer);
-    this.gl.bufferData(this.gl.ARRAY_BUFFER, new Float32Array([-1, -1, 3, -1, -1, 3]), this.gl.STATIC_DRAW);
+    const gl = this.gl;
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 3, -1, -1, 3]), gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
   }
 
   /** In words, for the legend. */
@@ -48,57 +26,95 @@ export class Raster {
     return this.gl ? "single precision, in a shader" : "double precision, on a coarse grid";
   }
 
-  draw(subject, values, x, y, scale, colours, pixel) {
-    if (this.gl) this.paint(subject, values, x, y, scale, colours, pixel);
-    else this.compute(subject, values, x, y, scale, colours);
+  /** Draw; `share` is the resolution of the growth rates over that of the canvas. */
+  draw(subject, values, x, y, scale, colours, pixel, share = 1) {
+    if (!this.gl) this.compute(subject, values, x, y, scale, colours);
+    else if (share >= 1) this.paint(subject, values, x, y, scale, colours, pixel);
+    else {
+      const size = [this.canvas.width, this.canvas.height].map((v) => Math.max(24, Math.round(share * v)));
+      this.target(size);
+      this.paint(subject, values, x, y, scale, colours, pixel, size);
+      this.unpack(subject, colours, pixel, size);
+    }
   }
 
-  paint(subject, values, x, y, scale, colours, pixel) {
-    const gl = this.gl, program = this.program(subject), {width, height} = this.canvas;
+  paint(subject, values, x, y, scale, colours, pixel, packed = null) {
+    const gl = this.gl, key = `${subject.key}${packed ? " packed" : ""}`;
+    const set = this.use(key, () => subjectShader(subject, packed !== null));
+    const [width, height] = packed || [this.canvas.width, this.canvas.height];
+    gl.bindFramebuffer(gl.FRAMEBUFFER, packed ? this.frame : null);
     gl.viewport(0, 0, width, height);
-    gl.useProgram(program.id);
-    const set = (name, kind, ...given) => gl[`uniform${kind}`](program.place(name), ...given);
     set("low", "2f", x.low, y.low);
     set("high", "2f", x.high, y.high);
-    set("size", "2f", width, height);
     set("held", "1fv", subject.array(values));
     set("xIndex", "1i", subject.names.indexOf(x.name));
     set("yIndex", "1i", subject.names.indexOf(y.name));
-    set("ramp", "3fv", colours.ramp.flatMap(rgb));
-    set("hatch", "3fv", rgb(colours.hatch));
     for (const name of ["linear", "width", "end"]) set(name, "1f", scale[name]);
-    set("pixel", "1f", pixel);
-    set("neutral", "1i", subject.wholeEven ? 1 : 0);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    this.common(set, subject, colours, pixel, [width, height]);
   }
 
-  program(subject) {
-    if (!this.programs.has(subject.key)) {
-      const gl = this.gl, id = gl.createProgram();
-      for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, fragment(subject)]]) {
+  unpack(subject, colours, pixel, grid) {
+    const gl = this.gl, set = this.use("unpacked", () => UNPACKED), {width, height} = this.canvas;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, width, height);
+    set("rates", "1i", 0);
+    set("grid", "2f", ...grid);
+    this.common(set, subject, colours, pixel, [width, height]);
+  }
+
+  common(set, subject, colours, pixel, size) {
+    set("size", "2f", ...size);
+    set("pixel", "1f", pixel);
+    set("neutral", "1i", subject.wholeEven ? 1 : 0);
+    set("ramp", "3fv", colours.ramp.flatMap(rgb));
+    set("hatch", "3fv", rgb(colours.hatch));
+    this.gl.drawArrays(this.gl.TRIANGLES, 0, 3);
+  }
+
+  /** A texture of this size to draw into. */
+  target([width, height]) {
+    const gl = this.gl;
+    if (!this.frame) {
+      this.frame = gl.createFramebuffer();
+      this.texture = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, this.texture);
+      for (const name of ["TEXTURE_MIN_FILTER", "TEXTURE_MAG_FILTER"]) gl.texParameteri(gl.TEXTURE_2D, gl[name], gl.NEAREST);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.texture, 0);
+    }
+    if (this.size === `${width} ${height}`) return;
+    this.size = `${width} ${height}`;
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
+  }
+
+  /** Use a program, compiled once; returns what sets its uniforms. */
+  use(key, source) {
+    const gl = this.gl;
+    if (!this.programs.has(key)) {
+      const id = gl.createProgram();
+      for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, source()]]) {
         const one = gl.createShader(kind);
-        gl.shaderSource(one, source);
+        gl.shaderSource(one, text);
         gl.compileShader(one);
         gl.attachShader(id, one);
       }
       gl.bindAttribLocation(id, 0, "corner");
       gl.linkProgram(id);
       if (!gl.getProgramParameter(id, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(id) || "no shader");
-      gl.enableVertexAttribArray(0);
-      gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
       const places = new Map();
-      const place = (name) => {
+      this.programs.set(key, {id, set: (name, kind, ...given) => {
         if (!places.has(name)) places.set(name, gl.getUniformLocation(id, name));
-        return places.get(name);
-      };
-      this.programs.set(subject.key, {id, place});
+        gl[`uniform${kind}`](places.get(name), ...given);
+      }});
     }
-    return this.programs.get(subject.key);
+    const {id, set} = this.programs.get(key);
+    gl.useProgram(id);
+    return set;
   }
 
   compute(subject, values, x, y, scale, colours) {
     const {width, height} = this.canvas, image = this.pen.createImageData(width, height);
-    const step = Math.max(1, Math.round(width / 130)), at = {...values};
+    const step = Math.max(1, Math.round(width / COLUMNS)), at = {...values};
     const hatch = rgb(colours.hatch);
     for (let j = 0; j < height; j += step) {
       for (let i = 0; i < width; i += step) {
@@ -118,27 +134,4 @@ export class Raster {
     }
     this.pen.putImageData(image, 0, 0);
   }
-}
-
-function fragment(subject) {
-  const n = subject.names.length;
-  const given = subject.names.map((_, i) => `xIndex == ${i} ? v.x : yIndex == ${i} ? v.y : held[${i}]`);
-  const limits = subject.quantities.flatMap((q, i) => [
-    q.least === null ? null : `(${given[i]}) > ${number(q.least)}`,
-    q.most === null ? null : `(${given[i]}) < ${number(q.most)}`]).filter((t) => t);
-  return `#version 300 es
-precision highp float;
-uniform vec2 low, high, size;
-uniform float held[${n}], linear, width, end, pixel;
-uniform int xIndex, yIndex;
-uniform bool neutral;
-uniform vec3 ramp[6], hatch;
-out vec4 colour;
-${subject.shader}
-${PAINT.replace("ARGUMENTS", given.join(", ")).replace("DOMAIN", limits.join(" && ") || "true")}`;
-}
-
-function number(value) {
-  const found = String(value);
-  return /[.e]/.test(found) ? found : `${found}.0`;
 }

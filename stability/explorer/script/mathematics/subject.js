@@ -100,13 +100,22 @@ export function certified(certificates, values) {
     if (Object.entries(one.held).some(([name, value]) => values[name] !== value)) continue;
     const place = one.axes.map(([name, low, high]) => (values[name] - low) / (high - low));
     if (place.some((u) => !(u >= 0 && u <= 1))) continue;
-    return inTree(one, place);
+    return around(one, place);
   }
   return null;
 }
 
 const WORDS = {S: "stable", U: "unstable", N: "neutral", "?": "undecided"};
-const EDGE = 1e-9; // a point this near to the edge of a rectangle, in its own width, is not in it
+const EDGE = 1e-12; // rounding of a place, of the whole axis: a point this near to an edge has two sides
+
+/** What is proved around a place: on an edge of rectangles, what all of them prove. */
+function around(one, [u, v]) {
+  const inside = (w) => Math.min(1 - EDGE, Math.max(EDGE, w));
+  const found = [];
+  for (const a of [-EDGE, EDGE]) for (const b of [-EDGE, EDGE]) found.push(inTree(one, [inside(u + a), inside(v + b)]));
+  const same = found.every((f) => f.letter === found[0].letter);
+  return {verdict: same ? WORDS[found[0].letter] : "undecided", ends: found[0].ends};
+}
 
 function inTree(one, place) {
   let at = 0, low = [0, 0], width = 1;
@@ -121,8 +130,7 @@ function inTree(one, place) {
     for (let child = side[0] + 2 * side[1]; child > 0; child--) skip();
     low = low.map((v, i) => v + side[i] * width);
   }
-  const inside = place.every((u, i) => u > low[i] + EDGE * width && u < low[i] + (1 - EDGE) * width);
   const ends = one.axes.map(([name, a, b], i) => (
     {name, low: a + (b - a) * low[i], high: a + (b - a) * (low[i] + width)}));
-  return {verdict: inside ? WORDS[one.tree[at]] : "undecided", ends};
+  return {letter: one.tree[at], ends};
 }

@@ -46,7 +46,7 @@ export class Controls {
     this.law.hidden = laws.length < 2;
     this.rows.replaceChildren(...subject.quantities.map((q) => this.row(q)));
     for (const choice of [this.xAxis, this.yAxis]) {
-      choice.replaceChildren(...subject.quantities.map((q) => element("option", {value: q.name}, `${q.label} ${q.symbol}`)));
+      choice.replaceChildren(...subject.quantities.map((q) => element("option", {value: q.name}, `${spoken(q)}`)));
     }
     this.axes.hidden = subject.quantities.length < 2;
     this.render();
@@ -63,7 +63,7 @@ export class Controls {
 
   row(q) {
     const id = `stability-${q.name}`, marks = q.marks.length ? `${id}-marks` : null;
-    const slider = element("input", {type: "range", id, min: 0, max: STEPS, step: 1, list: marks, "aria-label": `${q.label} ${q.symbol}`,
+    const slider = element("input", {type: "range", id, min: 0, max: STEPS, step: 1, list: marks, "aria-label": `${spoken(q)}`,
       oninput: () => {
         const [low, high] = this.reach(q);
         const value = low + ((high - low) * slider.value) / STEPS;
@@ -72,13 +72,13 @@ export class Controls {
     // the hand rests at a value with a name; arrow keys pass it
     slider.addEventListener("pointerdown", () => { this.held = true; });
     slider.addEventListener("pointerup", () => { this.held = false; });
-    const number = element("input", {type: "number", step: "any", "aria-label": `${q.label} ${q.symbol}, number`,
+    const number = element("input", {type: "number", step: "any", "aria-label": `${spoken(q)}, number`,
       onchange: () => this.typed(q, number)});
     const named = element("span", {class: "named small"});
     const ticks = marks ? element("datalist", {id: marks}) : null;
     const arrow = element("span", {class: "role small"});
     const row = element("div", {class: "slider"},
-      element("label", {for: id, title: q.label}, element("i", {}, q.symbol), arrow), slider, number, named, ticks);
+      element("label", {for: id, title: q.label || q.name}, element("i", {}, q.symbol), arrow), slider, number, named, ticks);
     Object.assign(row, {slider, number, named, quantity: q, ticks, arrow});
     return row;
   }
@@ -130,7 +130,7 @@ export class Controls {
       this.limited = key;
       this.ranges.replaceChildren(...[state.x, state.y].map((name) => {
         const q = view.subject.quantity[name], ends = [0, 1].map((i) => element("input", {type: "number", step: "any",
-          "aria-label": `${q.label} ${q.symbol}, ${i ? "upper" : "lower"} end of the axis`, onchange: () => {
+          "aria-label": `${spoken(q)}, ${i ? "upper" : "lower"} end of the axis`, onchange: () => {
             const range = [...view.state.ranges[name]];
             range[i] = Number(ends[i].value);
             if (ends[i].value !== "" && range[1] > range[0]) view.set({ranges: {...view.state.ranges, [name]: range}});
@@ -147,4 +147,9 @@ export class Controls {
       });
     }
   }
+}
+
+/** A quantity in words and by its symbol. */
+function spoken(q) {
+  return `${q.label} ${q.symbol}`.trim();
 }

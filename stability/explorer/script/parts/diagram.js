@@ -11,7 +11,7 @@ import {regionNames} from "./region_names.js";
 const MARGIN = {left: 46, right: 12, top: 10, bottom: 38};
 const QUICK = 30; // milliseconds from frame to frame while something moves; otherwise it is coarser
 const PAUSE = 400; // milliseconds after which a frame does not follow the last one
-const COARSEST = 0.2;
+const COARSEST = 0.12, HATCHED = 2.5, LEAST_HATCHED = 0.55;
 const DASHES = {static: "", flutter: "7 3", auxiliary: "1.5 3"};
 
 export class Diagram {
@@ -109,14 +109,17 @@ export class Diagram {
   }
 
   colour(x, y, width, height, colours) {
-    const ratio = Math.min(2, window.devicePixelRatio || 1) * (this.moving ? this.share : 1);
+    if (!this.raster) this.raster = this.look.raster(this.canvas);
+    const share = this.moving ? this.share : 1, dense = Math.min(2, window.devicePixelRatio || 1);
+    // hatching needs more points than growth rates, whose picture is smooth
+    const ratio = this.raster.gl ? dense * clamp(HATCHED * share, LEAST_HATCHED, 1) : Math.min(1, share);
     const wide = Math.max(40, Math.round(width * ratio)), high = Math.max(40, Math.round(height * ratio));
     if (this.canvas.width !== wide) this.canvas.width = wide;
     if (this.canvas.height !== high) this.canvas.height = high;
     Object.assign(this.canvas.style, {left: `${MARGIN.left}px`, top: `${MARGIN.top}px`,
       width: `${width}px`, height: `${height}px`});
-    if (!this.raster) this.raster = this.look.raster(this.canvas);
-    this.raster.draw(this.view.subject, this.view.state.values, x, y, this.scale, colours, wide / width);
+    this.raster.draw(this.view.subject, this.view.state.values, x, y, this.scale, colours, wide / width,
+      (share * dense) / ratio);
   }
 
   vectors(x, y, width, height) {
@@ -163,5 +166,5 @@ export class Diagram {
 
 function labelled(q) {
   const unit = q.unit ? ` [${q.unit}]` : "";
-  return [`${q.label} `, shape("tspan", {"font-style": "italic"}, q.symbol), unit];
+  return [q.label ? `${q.label} ` : "", shape("tspan", {"font-style": "italic"}, q.symbol), unit];
 }

@@ -3,7 +3,7 @@
 import {element, onceAFrame, shape, text} from "../drawing/elements.js";
 import {ticks} from "../drawing/scales.js";
 
-const SAMPLES = 200;
+const SAMPLES = 140;
 const MARGIN = {left: 8, right: 8, top: 8, bottom: 18};
 const NEAR = 22; // pixels within which a tap chooses an eigenvalue
 

@@ -151,18 +151,24 @@ export class MotionPanel {
       this.kick.replaceChildren(...subject.states.map((n, i) => element("option", {value: i}, n)));
     }
     this.kick.value = String(state.kick || 0);
+    const shares = (vector) => {
+      const all = vector.map((v, i) => [Math.hypot(...v), subject.symbols[subject.states[i]] || subject.states[i]]);
+      const most = Math.max(...all.map((v) => v[0]));
+      return all.filter(([size]) => size > 0.02 * most).sort((a, b) => b[0] - a[0])
+        .map(([size, name]) => `${name} ${text(size / most, 2)}`).join(", ");
+    };
     const words = ENDS[run.outcome] || `${(this.view.motion.words || {})[run.outcome] || run.outcome}`;
     if (show === "steady") this.said.textContent = "The steady motion itself, undisturbed.";
     else if (show === "mode") {
-      const vector = this.shown.vector.map((v, i) => [Math.hypot(...v), subject.symbols[subject.states[i]] || subject.states[i]]);
-      const most = Math.max(...vector.map((v) => v[0]));
-      const parts = vector.filter(([size]) => size > 0.02 * most).sort((a, b) => b[0] - a[0]);
       this.said.textContent = `Mode ${Math.min(state.mode || 0, modes.length - 1) + 1} of the linear motion, enlarged. `
-        + `Shares: ${parts.map(([size, name]) => `${name} ${text(size / most, 2)}`).join(", ")}.`;
+        + `Shares: ${shares(this.shown.vector)}.`;
     } else if (run.refused) this.said.textContent = `No launch from here: ${words}.`;
     else {
       const by = `${text(state.tilt, 3)}${solid ? " rad" : ""}`;
       this.said.textContent = `Launched ${solid ? "tilted" : "disturbed"} by ${by}: at t = ${text(run.until, 5)} ${words}${this.near(run)}.`;
+      if (!solid && state.mode !== null && modes[state.mode]) {
+        this.said.textContent += ` Mode ${state.mode + 1}: ${shares(subject.mode(view.point(), modes[state.mode]))}.`;
+      }
     }
   }
 

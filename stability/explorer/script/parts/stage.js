@@ -18,8 +18,9 @@ export function placed({theta, phi, psi, x, y}) {
 export class Stage {
   constructor(library, look) {
     this.three = library;
-    this.look = look;
-    this.canvas = element("canvas", {role: "img", "aria-label": "The disk on the plane; drag to look from elsewhere"});
+    this.style = look;
+    this.canvas = element("canvas", {role: "application", tabindex: 0,
+      "aria-label": "The disk on the plane; drag, or use the arrow keys, to look from elsewhere"});
     this.angle = {azimuth: 0.75, height: 0.36, away: 5.6};
     this.target = [0, 0];
     this.turned();
@@ -65,7 +66,7 @@ export class Stage {
 
   recolour() {
     if (!this.renderer) return;
-    const dark = this.look.dark(), colours = palette(dark), T = this.three;
+    const dark = this.style.dark(), colours = palette(dark), T = this.three;
     this.colour.face.color.set(dark ? "#2b8fca" : "#0072b2");
     this.colour.edge.color.set(dark ? "#8cc6ea" : "#00436a");
     this.colour.mark.color.set(dark ? "#f08a3c" : "#d55e00");
@@ -139,8 +140,23 @@ export class Stage {
     }
   }
 
-  /** Drag to turn, pinch to come nearer. */
+  /** Look from an angle further, within what can be seen. */
+  look(azimuth, height, away = 1) {
+    this.angle.azimuth += azimuth;
+    this.angle.height = Math.min(1.5, Math.max(0.05, this.angle.height + height));
+    this.angle.away = Math.min(14, Math.max(2.4, this.angle.away * away));
+    if (this.changed) this.changed();
+  }
+
+  /** Drag to turn, pinch to come nearer; arrow keys, plus and minus. */
   turned() {
+    this.canvas.addEventListener("keydown", (event) => {
+      const by = {ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.07], ArrowDown: [0, -0.07],
+        "+": [0, 0, 0.88], "-": [0, 0, 1.14]}[event.key];
+      if (!by) return;
+      this.look(...by);
+      event.preventDefault();
+    });
     const fingers = new Map();
     this.canvas.addEventListener("pointerdown", (event) => {
       this.canvas.setPointerCapture(event.pointerId);
@@ -151,13 +167,8 @@ export class Stage {
       if (!old) return;
       const before = spread(fingers);
       fingers.set(event.pointerId, [event.clientX, event.clientY]);
-      if (fingers.size === 2) {
-        this.angle.away = Math.min(14, Math.max(2.4, (this.angle.away * before) / (spread(fingers) || 1)));
-      } else {
-        this.angle.azimuth -= 0.009 * (event.clientX - old[0]);
-        this.angle.height = Math.min(1.5, Math.max(0.05, this.angle.height + 0.007 * (event.clientY - old[1])));
-      }
-      if (this.changed) this.changed();
+      if (fingers.size === 2) this.look(0, 0, before / (spread(fingers) || 1));
+      else this.look(-0.009 * (event.clientX - old[0]), 0.007 * (event.clientY - old[1]));
     });
     for (const name of ["pointerup", "pointercancel"]) {
       this.canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));

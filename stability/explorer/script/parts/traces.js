@@ -49,7 +49,8 @@ export class Traces {
       const line = this.run.times.map((t, i) => [t, values[i], i]).filter(([, , i]) => i % skip === 0 || i === values.length - 1)
         .map(([t, v]) => `${at(t).toFixed(1)} ${y(v).toFixed(2)}`).join("L");
       parts.push(shape("path", {class: "grid", d: `M${LEFT} ${top + tall}h${wide}`}));
-      for (const v of [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(v, 4)));
+      const digits = text(low, 3) === text(high, 3) ? 5 : 3;
+      for (const v of [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(v, digits)));
       parts.push(shape("text", {class: "number strong", x: LEFT, y: top - 4}, name));
       parts.push(shape("path", {class: "trace", d: `M${line}`}));
       if (this.run.ended) parts.push(shape("circle", {class: "ended", cx: at(this.run.until), cy: y(values[values.length - 1]), r: 3.5}));

@@ -35,7 +35,7 @@ export class View {
       ranges[q.name] = [Math.min(q.low, own[q.name]), Math.max(q.high, own[q.name])];
     }
     const [x, y] = subject.axes;
-    return {subject: key, values: own, ranges, x, y, along: x, mode: null, show: "launch",
+    return {subject: key, values: own, ranges, x, y, along: x, mode: null, kick: 0, show: "launch",
       tilt: 0.1, until: 60};
   }
 
@@ -94,6 +94,7 @@ export class View {
       parts.push(`${which}axis=${encodeURIComponent(s[which])}:${s.ranges[s[which]].join(":")}`);
     }
     parts.push(`picture=${s.show}`, `tilt=${s.tilt}`, `time=${s.until}`, `along=${encodeURIComponent(s.along)}`);
+    if (s.kick) parts.push(`kick=${s.kick}`);
     if (s.mode !== null) parts.push(`mode=${s.mode}`);
     return parts.join("&");
   }
@@ -121,6 +122,7 @@ export class View {
     if (Math.abs(given.tilt) <= 1.5) out.tilt = Number(given.tilt);
     if (Number(given.time) > 0 && Number(given.time) <= 1000) out.until = Number(given.time);
     if (subject.names.includes(given.along)) out.along = given.along;
+    if (/^\d+$/.test(given.kick || "") && Number(given.kick) < subject.states.length) out.kick = Number(given.kick);
     if (/^\d+$/.test(given.mode || "")) out.mode = Number(given.mode);
     return out;
   }
