@@ -51,7 +51,7 @@ def _explore(options: argparse.Namespace) -> None:
         path = explore(family, positive=names, **common, **given)
     else:
         for key in ("positive", "parameter", "theta", "pole"):
-            if getattr(options, key) is not None:
+            if getattr(options, key, None) is not None:
                 raise ParameterError(f"--{key} has no meaning for this page; leave it out.")
         name = options.family or "spinning"
         numbers = {} if options.mu is None else {"mu": options.mu}
