@@ -381,6 +381,8 @@ def test_the_widget_is_the_same_page(browser: Any, tmp_path: Path) -> None:
     with visit(browser, page_file) as seen:
         assert "rolling" in seen.page.locator("h1").inner_text().lower()
         assert seen.page.locator(".mode").count() >= 1
+        assert seen.page.get_by_role("button", name="Python").count() == 1
+        assert seen.page.get_by_role("button", name="Link").count() == 0  # a cell has no address
         seen.page.evaluate("window.remove()")
         assert not seen.page.locator(".explorer").count()
         quiet(seen)

@@ -28,12 +28,15 @@ function browserLook() {
   };
 }
 
-/** Build the explorer into an element; `library` gives the 3-D library when it is needed. */
-export function mount(root, data, library, link = "") {
-  const view = new View(data, link), look = browserLook();
+/**
+ * Build the explorer into an element; `library` gives the 3-D library when it is needed.
+ * `link` is what the address says of the view, or null where there is no address.
+ */
+export function mount(root, data, library, link = null) {
+  const view = new View(data, link || ""), look = browserLook();
   const diagram = new Diagram(view, look), controls = new Controls(view, data.names);
   const point = new PointPanel(view), plane = new EigenvaluePlane(view), conditions = new Conditions(view);
-  const motion = new MotionPanel(view, look), exports = new ExportMenu(view, diagram);
+  const motion = new MotionPanel(view, look), exports = new ExportMenu(view, diagram, link !== null);
   const title = element("h1", {}), under = element("p", {class: "small subtitle"});
   const card = (name, ...children) => element("section", {class: `card ${name}`}, ...children);
   const grows = element("p", {class: "small hint"});
@@ -98,6 +101,6 @@ export function mountWidget(el, data, threeText, styleText) {
   const style = element("style", {}, styleText), root = element("div", {});
   el.append(style, root);
   const library = () => new Function(`${threeText}; return THREE;`)();
-  const parts = mount(root, data, library, "");
+  const parts = mount(root, data, library);
   return () => { parts.motion.playing = false; root.remove(); style.remove(); };
 }

@@ -5,6 +5,7 @@ import {ticks} from "../drawing/scales.js";
 
 const SAMPLES = 140;
 const MARGIN = {left: 8, right: 8, top: 8, bottom: 18};
+const LEAST = 1e-6; // below it all eigenvalues count as zero, and the plane shows the unit of rates
 const NEAR = 22; // pixels within which a tap chooses an eigenvalue
 
 export class EigenvaluePlane {
@@ -85,7 +86,7 @@ export class EigenvaluePlane {
       const power = 10 ** Math.floor(Math.log10(v)), share = v / power;
       return ([1, 1.5, 2, 3, 4, 6, 8].find((s) => s >= share * 0.999) || 10) * power;
     };
-    const most = Math.max(...now.map((z) => Math.hypot(...z)), 1e-9);
+    const size = Math.max(...now.map((z) => Math.hypot(...z))), most = size > LEAST ? size : 1;
     return [0, 1].map((i) => round(1.15 * Math.max(...now.map((z) => Math.abs(z[i])), 0.2 * most)));
   }
 

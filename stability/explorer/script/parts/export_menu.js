@@ -8,7 +8,7 @@ const KEPT = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-line
 const DOTS = 3; // pixels of a PNG for one of the page
 
 export class ExportMenu {
-  constructor(view, diagram) {
+  constructor(view, diagram, linked) {
     Object.assign(this, {view, diagram});
     const button = (word, title, act) => element("button", {title, onclick: act}, word);
     this.said = element("span", {class: "small", role: "status"});
@@ -16,7 +16,7 @@ export class ExportMenu {
     this.python = element("section", {class: "card python", hidden: true, "aria-label": "Python"},
       element("h2", {}, "The same in Python"), this.code, button("Copy", "Copy the calls", () => this.copy(this.code.textContent, "calls")));
     this.root = element("div", {class: "exports"}, this.said,
-      button("Link", "Copy a link that restores this view", () => this.copy(location.href, "link")),
+      linked ? button("Link", "Copy a link that restores this view", () => this.copy(location.href, "link")) : null,
       button("SVG", "Save the diagram as SVG", () => this.svg()),
       button("PNG", "Save the diagram as PNG", () => this.png()),
       button("Python", "Show the Python calls that reproduce this", () => this.toggle()));

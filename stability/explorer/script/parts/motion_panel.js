@@ -109,7 +109,8 @@ export class MotionPanel {
     run.ended = !["moving", "unresolved"].includes(run.outcome);
     this.launch = run;
     if (!solid) run.series = {...this.statesOf(run), ...run.series};
-    this.traces.show(run.refused ? null : run, state.until);
+    // a run that ended early has room behind its end, not more
+    this.traces.show(run.refused ? null : run, run.ended ? Math.min(state.until, 1.4 * run.until) : state.until);
     if (show === "mode") {
       const eigenvalue = modes[Math.min(state.mode || 0, modes.length - 1)];
       this.shown = {...modeMotion(subject, q, eigenvalue, motion.unit), eigenvalue};
