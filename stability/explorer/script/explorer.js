@@ -12,6 +12,7 @@ import {EigenvaluePlane} from "./parts/eigenvalue_plane.js";
 import {ExportMenu} from "./parts/export_menu.js";
 import {MotionPanel} from "./parts/motion_panel.js";
 import {PointPanel} from "./parts/point_panel.js";
+import {FlatStage} from "./parts/flat_stage.js";
 import {Stage} from "./parts/stage.js";
 import {View} from "./parts/view.js";
 
@@ -75,7 +76,10 @@ export function mount(root, data, library, link = null) {
   });
   const afterPaint = () => requestAnimationFrame(() => setTimeout(() => {
     head();
-    if (view.data.solid) { stage = new Stage(library(), look); motion.show(stage); }
+    if (view.data.solid) {
+      stage = diagram.raster.gl ? new Stage(library(), look) : new FlatStage(look);
+      motion.show(stage);
+    }
     root.dataset.ready = "true";
   }, 60));
   requestAnimationFrame(afterPaint);

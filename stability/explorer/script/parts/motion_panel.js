@@ -3,8 +3,8 @@
 import {before, launched, modeMotion, poseAt} from "../mathematics/launch.js";
 import {fromSource} from "../mathematics/subject.js";
 import {clamp, element, onceAFrame, text} from "../drawing/elements.js";
-import {placed} from "./stage.js";
 import {Traces} from "./traces.js";
+import {placed} from "./turned_view.js";
 
 const PICTURES = {steady: "Steady", mode: "Mode", launch: "Launch"};
 const TIMES = [20, 60, 200], REST = 90; // milliseconds without a change after which a launch is computed
@@ -63,8 +63,7 @@ export class MotionPanel {
   show(stage) {
     this.stage = stage;
     stage.changed = () => this.frame();
-    this.box.replaceChildren(stage.renderer ? stage.canvas
-      : element("p", {class: "small waiting"}, "This browser has no WebGL, which the picture of the disk needs; the curves below do not."));
+    this.box.replaceChildren(stage.canvas);
     this.frame();
   }
 
@@ -198,7 +197,7 @@ export class MotionPanel {
     this.play.textContent = this.playing ? "❚❚" : "▶";
     this.traces.mark(this.kindShown === "launch" ? this.time : 0);
     const {motion} = this.view;
-    if (this.stage && this.stage.renderer && this.visible && this.view.subject.pose) {
+    if (this.stage && this.visible && this.view.subject.pose) {
       this.stage.shapeOf(this.view.state.values.k);
       const {times, poses, path} = this.shown, index = before(times, this.time) + 1;
       const pose = poses ? poses[Math.min(index, poses.length - 1)] : poseAt(this.shown.run || this.launch, motion, this.time);

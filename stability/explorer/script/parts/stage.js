@@ -1,35 +1,18 @@
 // The disk in three dimensions on its plane, with the path of its contact point.
 
 import {palette} from "../drawing/colours.js";
-import {element} from "../drawing/elements.js";
+import {TurnedView, placed} from "./turned_view.js";
 
 const THIN = 0.93; // largest inner radius that is drawn
 const TRAIL = 4000, GRID = 14;
 
-/** Where the parts of the disk are in space, for a pose. */
-export function placed({theta, phi, psi, x, y}) {
-  const [ct, st, cp, sp] = [Math.cos(theta), Math.sin(theta), Math.cos(phi), Math.sin(phi)];
-  const towards = [ct * cp, ct * sp, -st], along = [-sp, cp, 0], axis = [st * cp, st * sp, ct];
-  const [c, s] = [Math.cos(psi), Math.sin(psi)], centre = [x, y, st];
-  const mark = towards.map((v, i) => c * v + s * along[i]), side = towards.map((v, i) => c * along[i] - s * v);
-  return {mark, side, axis, centre, contact: [x + towards[0], y + towards[1], 0.004]};
-}
-
-export class Stage {
+/** The picture by WebGL; its constructor fails where that is missing. */
+export class Stage extends TurnedView {
   constructor(library, look) {
+    super();
     this.three = library;
     this.style = look;
-    this.canvas = element("canvas", {role: "application", tabindex: 0,
-      "aria-label": "The disk on the plane; drag, or use the arrow keys, to look from elsewhere"});
-    this.angle = {azimuth: 0.75, height: 0.36, away: 5.6};
-    this.target = [0, 0];
-    this.turned();
-    try {
-      this.renderer = new library.WebGLRenderer({canvas: this.canvas, antialias: true, alpha: true});
-    } catch {
-      this.renderer = null;
-      return;
-    }
+    this.renderer = new library.WebGLRenderer({canvas: this.canvas, antialias: true, alpha: true});
     this.scene = new library.Scene();
     this.camera = new library.PerspectiveCamera(36, 1.5, 0.1, 60);
     this.camera.up.set(0, 0, 1);
@@ -65,7 +48,6 @@ export class Stage {
   }
 
   recolour() {
-    if (!this.renderer) return;
     const dark = this.style.dark(), colours = palette(dark), T = this.three;
     this.colour.face.color.set(dark ? "#2b8fca" : "#0072b2");
     this.colour.edge.color.set(dark ? "#8cc6ea" : "#00436a");
@@ -79,7 +61,7 @@ export class Stage {
 
   /** The body with inertia factor k: a uniform disk, or the ring that has it. */
   shapeOf(k) {
-    if (!this.renderer || this.k === k) return;
+    if (this.k === k) return;
     this.k = k;
     const T = this.three, inner = Math.min(THIN, Math.sqrt(Math.max(0, 4 * k - 1)));
     const outline = new T.Shape().absarc(0, 0, 1, 0, 2 * Math.PI);
@@ -103,7 +85,7 @@ export class Stage {
 
   /** Draw a pose, with the contact points of the path so far. */
   draw(pose, path) {
-    if (!this.renderer || !this.canvas.isConnected) return;
+    if (!this.canvas.isConnected) return;
     const box = this.canvas.getBoundingClientRect();
     if (!box.width || !box.height) return;
     const T = this.three, {mark, side, axis, centre} = placed(pose);
@@ -124,9 +106,7 @@ export class Stage {
 
   look3d(centre, box) {
     const {azimuth, height, away} = this.angle;
-    this.target = this.target.map((v, i) => v + 0.25 * (centre[i] - v));
-    if (Math.hypot(this.target[0] - centre[0], this.target[1] - centre[1]) > 1) this.target = centre.slice(0, 2);
-    const [x, y] = this.target, ratio = Math.min(2, window.devicePixelRatio || 1);
+    const [x, y] = this.follow(centre), ratio = Math.min(2, window.devicePixelRatio || 1);
     this.camera.position.set(x + away * Math.cos(height) * Math.cos(azimuth), y + away * Math.cos(height) * Math.sin(azimuth),
       0.8 + away * Math.sin(height));
     this.camera.lookAt(x, y, 0.8);
@@ -139,44 +119,4 @@ export class Stage {
       this.camera.updateProjectionMatrix();
     }
   }
-
-  /** Look from an angle further, within what can be seen. */
-  look(azimuth, height, away = 1) {
-    this.angle.azimuth += azimuth;
-    this.angle.height = Math.min(1.5, Math.max(0.05, this.angle.height + height));
-    this.angle.away = Math.min(14, Math.max(2.4, this.angle.away * away));
-    if (this.changed) this.changed();
-  }
-
-  /** Drag to turn, pinch to come nearer; arrow keys, plus and minus. */
-  turned() {
-    this.canvas.addEventListener("keydown", (event) => {
-      const by = {ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.07], ArrowDown: [0, -0.07],
-        "+": [0, 0, 0.88], "-": [0, 0, 1.14]}[event.key];
-      if (!by) return;
-      this.look(...by);
-      event.preventDefault();
-    });
-    const fingers = new Map();
-    this.canvas.addEventListener("pointerdown", (event) => {
-      this.canvas.setPointerCapture(event.pointerId);
-      fingers.set(event.pointerId, [event.clientX, event.clientY]);
-    });
-    this.canvas.addEventListener("pointermove", (event) => {
-      const old = fingers.get(event.pointerId);
-      if (!old) return;
-      const before = spread(fingers);
-      fingers.set(event.pointerId, [event.clientX, event.clientY]);
-      if (fingers.size === 2) this.look(0, 0, before / (spread(fingers) || 1));
-      else this.look(-0.009 * (event.clientX - old[0]), 0.007 * (event.clientY - old[1]));
-    });
-    for (const name of ["pointerup", "pointercancel"]) {
-      this.canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
-    }
-  }
-}
-
-function spread(fingers) {
-  const [a, b] = [...fingers.values()];
-  return b ? Math.hypot(a[0] - b[0], a[1] - b[1]) : 1;
 }
