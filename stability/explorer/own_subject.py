@@ -73,7 +73,6 @@ def own_subject(
     read = [_reader(found, variable.name, names) for variable in found.variables]
     system, told = family.system, dict(words or {})
     x, p = system.x, system.p
-    count = len(found.variables)
     behind = {v.name: 2 * (v.name not in names) for v in found.variables}
     put = {v.name: (_in_braces(v.name, names), 1) for v in found.variables}
     symbols = {n: q.symbol for n, q in QUANTITIES.items() if q.symbol} if told else {}
@@ -100,7 +99,7 @@ def own_subject(
         model=told.get("motion", family.name), parameters=tuple(
             names.index(n) for n in system.parameters),
         call={"kind": "own", "at": family.at, "parameters": family.parameters,
-              "system": system.name, "variables": count},
+              "system": system.name, "numbers": found.numbers},
         good="neutral" if even else "stable",
         symbols={n: symbols.get(n, n) for n in system.states},
     )  # fmt: skip

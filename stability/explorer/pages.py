@@ -35,6 +35,11 @@ LAW_NAMES = {
 """Words on the buttons."""
 BODY_FAMILIES, BODY_LAWS = ("rolling", "spinning"), ("smooth", "viscous", "rough")
 """Families and laws of a body whose conditions are polynomials in its numbers."""
+DECIMALS = (
+    " Floats in the equations count as the decimals that were written, which "
+    "st.conditions(family, decimals=True).numbers lists."
+)
+"""What the reader of a page learns of numbers that are not exact."""
 SPEEDS = (0.05, 5.0)
 """Range of omega3 and phi_dot of a body [√(g/R)]."""
 
@@ -181,7 +186,8 @@ def own_page(
         "certificates": {subject.key: _proved(family, subject, checked) if certify else []},
         "names": {"families": {}, "laws": {}, "says": {
             "": "A family of a user's system, its conditions derived exactly by the package."}},
-        "foot": _foot("conditions that were derived exactly from the system's equations"),
+        "foot": _foot("conditions that were derived exactly from the system's equations")
+        + DECIMALS * bool(subject.call["numbers"]),
     }  # fmt: skip
 
 
