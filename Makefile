@@ -3,11 +3,19 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: atlas basins report notebooks pictures peers test test-long lint bench derive lock clean
+.PHONY: atlas explorer explorer-library basins report notebooks pictures peers test test-long lint bench derive lock clean
 
 # The main job: the stability diagrams of three bodies, in atlas/index.html.
 atlas: $(READY)
 	$(BIN)/stability atlas --out atlas --overwrite
+
+# The diagrams alive in a browser, in explorer.html: open it by a double click.
+explorer: $(READY)
+	$(BIN)/stability explore --out explorer.html --overwrite
+
+# The part of three.js that the explorer needs, bundled from its npm package; needs Node 20 and npm.
+explorer-library:
+	cd stability/explorer/library && npm ci --no-audit --no-fund && npm run build && rm -r node_modules
 
 # Which launch ends where, near rolling and spinning, for three bodies: stores and figures in
 # basins/, with SIZE launches.  What was finished before an interruption is kept.
@@ -33,6 +41,7 @@ notebooks: .venv/.jupyter
 pictures: .venv/.jupyter
 	$(BIN)/python docs/notebooks.py
 	$(BIN)/python docs/films.py
+	$(BIN)/python docs/explorer_picture.py
 
 .venv/.jupyter: $(READY)
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[notebook]'
@@ -54,6 +63,7 @@ bench: $(READY)
 	$(BIN)/python benchmarks/motion.py $(ARGS)
 	$(BIN)/python benchmarks/scenes.py $(ARGS)
 	$(BIN)/python benchmarks/basins.py $(ARGS)
+	$(BIN)/python benchmarks/explorer.py
 
 # Other people's codes beside this one; what is not installed is reported as missing.
 peers: $(READY)

@@ -89,6 +89,7 @@ _HOME = {
     "export.c_code": ("c_code",),
     "export.auto": ("auto_input",),
     "export.bifurcationkit": ("bifurcationkit_input",),
+    "explorer.explore": ("explore",),
     "tables.registry": ("table",),
     "tables.formats.table": ("Table",),
     "base.citation.citation": ("citation", "Citation"),
@@ -175,6 +176,7 @@ if TYPE_CHECKING:
     from .compare.report import report as report
     from .derivation.conditions import Conditions as Conditions
     from .derivation.conditions import conditions as conditions
+    from .explorer.explore import explore as explore
     from .export.auto import auto_input as auto_input
     from .export.bifurcationkit import bifurcationkit_input as bifurcationkit_input
     from .export.c_code import c_code as c_code

@@ -15,6 +15,9 @@ from ..storage.json_text import HELP, json_text
 from .basin.basins import EXAMPLES as BASINS
 from .basin.basins import add_arguments as add_basins
 from .compare import add_arguments as add_compare
+from .explorer.explore import EXAMPLES as PAGES
+from .explorer.explore import _explore
+from .explorer.explore import add_arguments as add_explore
 from .map import _boundaries, _map
 from .options import (
     _family,
@@ -292,6 +295,16 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                      help="the diagrams alone, as PNG, without loci and PDFs; the default below "
                      "100 points, not with --bodies")  # fmt: skip
     overwriting(sub, "replace files in an existing folder")
+
+    sub = command("explore", _explore, "The diagrams alive in a browser: one page, no network",
+                  *PAGES)  # fmt: skip
+    _family(sub)
+    add_system(sub)
+    add_body(sub, words)
+    sub.add_argument("--at", default=None, help="member that is shown at first")
+    _physics(sub)
+    add_explore(sub)
+    overwriting(sub, "replace an existing file")
 
     sub = command("simulate", _simulate, "Launch a disk, another body, or a system, and say what "
                   "becomes of it",

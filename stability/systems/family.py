@@ -23,13 +23,13 @@ from ..base.errors import (
 from ..base.types import Floats, Record, fields_of
 from .closed_form import ClosedForm
 from .equations import Equations
-from .following.members import Found, find, require_steady
+from .following.members import Found, check_states, find, require_steady
 from .following.members import listing as listing
 from .following.sheet import Anchor
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable
 from .graph.smoothness import KINKED, REMOVABLE, gap, sloped
-from .system_checks import check_family, check_states, tables
+from .system_checks import check_family, tables
 
 
 @dataclass(frozen=True, eq=False, repr=False)

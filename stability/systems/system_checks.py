@@ -259,44 +259,6 @@ def check_family(family: Any) -> None:
         )
 
 
-def check_states(family: Any) -> None:
-    """Refuse a family that does not name each state of its system once.
-
-    Parameters
-    ----------
-    family
-        A `Family` with checked parts.
-
-    Raises
-    ------
-    ParameterError, NameUnknownError
-        If a name is unknown, a state is missing or named twice, or the equations are not as many
-        as the unknowns.
-    """
-    system, whose = family.system, f"family {family.name}"
-    for name in (*family.held, *family.unknown, *family.equations):
-        seen = system.observables.get(name) if name in family.equations else None
-        if seen is None or seen.shape != (1, 1):
-            system.index(name)
-    for name in family.at:
-        if name not in (*system.states, *system.parameters):
-            raise NameUnknownError(
-                f"at is {shown(name)}, neither a state nor a parameter of {system.name}."
-            )
-    given = family.named
-    for state in system.states:
-        if given.count(state) != 1 and (state in given or state not in family.left_out):
-            raise ParameterError(
-                f"state {shown(state)} of {whose} is given {given.count(state)} "
-                "times; name each state once, in at, held or unknown."
-            )
-    if len(family.unknown) != len(family.equations):
-        raise ParameterError(
-            f"{whose} has {len(family.unknown)} unknowns and {len(family.equations)} "
-            "equations; give as many of one as of the other."
-        )
-
-
 def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, Floats]:
     """Family parameters, unknowns and parameters as tables (N, ·); fitting arrays stay unchanged.
 

@@ -23,10 +23,11 @@ COMMANDS = (
     "scene",
     "simulate",
     "basins",
+    "explore",
     "export",
     "cite",
 )
-OWN = ("spectrum", "map", "boundaries", "table", "simulate", "basins")
+OWN = ("spectrum", "map", "boundaries", "table", "simulate", "basins", "explore")
 MAP = ["map", "rolling", "--x", "at:1:2:6", "--y", "mu:0.1:1:5"]
 
 

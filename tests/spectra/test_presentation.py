@@ -268,8 +268,9 @@ def test_every_function_that_takes_a_law_is_called_here() -> None:
         and not (isinstance(one, type) and issubclass(one, no_call))
         and "contact" in inspect.signature(one).parameters
     }  # fmt: skip
-    # a table takes the name alone, with mu as numbers of its rows; slow_flow is for other bodies
-    assert takes == {*CALLS, "slow_flow", "table"}
+    # a table takes the name alone, with mu as numbers of its rows; on a page mu is a slider;
+    # slow_flow is for other bodies
+    assert takes == {*CALLS, "explore", "slow_flow", "table"}
 
 
 @pytest.mark.parametrize("name", CALLS)

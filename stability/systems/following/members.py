@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.errors import NoMemberError
+from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ...base.types import Floats
 from ..graph.family_graph import FamilyGraph
 from ..graph.ignorable import ignorable
@@ -232,3 +232,41 @@ def _remedy(system: Any, state: str) -> str:
     if state in ignorable(system):
         return "it is ignorable, so leave it out of the family"
     return "add its rate to the family's equations, or give what is held to all its digits"
+
+
+def check_states(family: Any) -> None:
+    """Refuse a family that does not name each state of its system once.
+
+    Parameters
+    ----------
+    family
+        A `Family` with checked parts.
+
+    Raises
+    ------
+    ParameterError, NameUnknownError
+        If a name is unknown, a state is missing or named twice, or the equations are not as many
+        as the unknowns.
+    """
+    system, whose = family.system, f"family {family.name}"
+    for name in (*family.held, *family.unknown, *family.equations):
+        seen = system.observables.get(name) if name in family.equations else None
+        if seen is None or seen.shape != (1, 1):
+            system.index(name)
+    for name in family.at:
+        if name not in (*system.states, *system.parameters):
+            raise NameUnknownError(
+                f"at is {shown(name)}, neither a state nor a parameter of {system.name}."
+            )
+    given = family.named
+    for state in system.states:
+        if given.count(state) != 1 and (state in given or state not in family.left_out):
+            raise ParameterError(
+                f"state {shown(state)} of {whose} is given {given.count(state)} "
+                "times; name each state once, in at, held or unknown."
+            )
+    if len(family.unknown) != len(family.equations):
+        raise ParameterError(
+            f"{whose} has {len(family.unknown)} unknowns and {len(family.equations)} "
+            "equations; give as many of one as of the other."
+        )

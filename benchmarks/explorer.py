@@ -1,0 +1,74 @@
+"""The explorer in software rendering: size, time to the first picture, time of a frame.
+
+Times are of the wall on this machine, whose other work counts: run it alone.
+"""
+
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+FRAMES = 120
+SWEEP = """async (frames) => {
+  const {view, diagram} = stabilityExplorer, times = [], drawn = [];
+  const frame = () => new Promise((r) => requestAnimationFrame(r));
+  await frame();
+  let last = performance.now();
+  for (let i = 0; i < frames; i++) {
+    view.move({k: 0.25 + 0.2 * Math.sin(i / 12)}, "k");
+    await frame();
+    const now = performance.now();
+    times.push(now - last);
+    last = now;
+  }
+  for (let i = 0; i < 20; i++) {
+    const begun = performance.now();
+    diagram.draw();
+    drawn.push(performance.now() - begun);
+    await frame();
+  }
+  return {times, drawn, share: diagram.share};
+}"""
+PAINT = "performance.getEntriesByName('first-contentful-paint').map((e) => e.startTime)[0]"
+
+
+def quantile(values: list[float], share: float) -> float:
+    return sorted(values)[int(share * (len(values) - 1))]
+
+
+def main() -> None:
+    sys.path.insert(0, str(ROOT / "tests" / "tools"))
+    from chromium import chromium, visit
+
+    import stability as st
+
+    print(f"load of the machine {os.getloadavg()[0]:.1f}, {os.cpu_count()} cores")
+    with tempfile.TemporaryDirectory() as folder, chromium() as browser:
+        begun = time.process_time()
+        path = st.explore("spinning", mu=0.3, out=Path(folder) / "page.html")
+        made = time.process_time() - begun
+        print(f"page: {path.stat().st_size / 1e6:.2f} MB, made in {made:.1f} s of CPU")
+        paints, readies = [], []
+        for _ in range(5):
+            begun = time.perf_counter()
+            with visit(browser, path, ready=False) as seen:
+                seen.page.wait_for_selector("[data-ready]", timeout=60_000)
+                readies.append(time.perf_counter() - begun)
+                paints.append(seen.page.evaluate(PAINT) / 1000)
+        least, most = min(paints), max(paints)
+        print(f"first picture after {quantile(paints, 0.5):.2f} s (median of 5; {least:.2f} to "
+              f"{most:.2f}), 3-D after {quantile(readies, 0.5):.2f} s")  # fmt: skip
+        print("a slider swept, 1280 x 800, software rendering:")
+        for link in ("rolling-viscous", "spinning-viscous", "tumbling-viscous", "spinning-rough"):
+            with visit(browser, path, f"#show={link}") as seen:
+                found = seen.page.evaluate(SWEEP, FRAMES)
+            times, drawn = found["times"][20:], found["drawn"]
+            print(f"  {link:18} frame {quantile(times, 0.5):5.0f} ms (9 in 10 below "
+                  f"{quantile(times, 0.9):.0f}), script "
+                  f"{quantile(drawn, 0.5):.1f} ms, resolution {found['share']:.2f}")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()

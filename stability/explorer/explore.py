@@ -1,0 +1,122 @@
+"""`explore`: a stability diagram alive, as a page of its own or in a notebook."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..base.checks import flag
+from ..base.errors import ParameterError
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
+from ..storage.files import atomic_write
+from ..storage.targets import check_suffix, check_target
+from ..systems.family import Family
+from .page import page
+from .pages import axis, body_page, disk_page, own_page
+
+ENDINGS = (".html",)
+"""Endings of the file."""
+
+
+def explore(
+    family: str | Family = "spinning",
+    *,
+    at: float | None = None,
+    contact: Contact | type[Contact] | str | None = None,
+    disk: Disk | None = None,
+    body: Body | None = None,
+    x: Any = None,
+    y: Any = None,
+    positive: Sequence[str] = (),
+    out: str | os.PathLike[str] | None = None,
+    certify: bool = True,
+    overwrite: bool = False,
+    **parameters: Any,
+) -> Any:
+    """A stability diagram to explore: a page in one file, or a widget in a notebook.
+
+    The page shows every disk family under every stored law, or one family of a user's system.  A
+    reader moves the point and the parameters, and sees eigenvalues, verdict and proof, modes and
+    launches, all computed in the page.
+
+    Parameters
+    ----------
+    family
+        rolling, spinning or tumbling: what is shown at first; or a `Family` of your own whose
+        stability conditions are polynomials in its parameters.
+    at
+        Member that is shown at first; for the disk omega3, phi_dot [√(g/R)] or theta [rad].
+    contact
+        Contact law that is shown at first: a law, its class or its name; viscous when left out.
+    disk
+        The body that is shown at first, with m = R = g = 1: only its k is used.
+    body
+        A `Body` in place of the disk, whose numbers become sliders: rolling and spinning.
+    x, y
+        Axes at first as (name, low, high).
+    positive
+        Quantities of a family of your own that are positive, which makes its conditions shorter.
+    out
+        File to write, ending in `.html`; a widget is returned when left out.
+    certify
+        Whether the page carries rectangles on which verdicts are proved.
+    overwrite
+        Whether an existing file may be replaced.
+    **parameters
+        Parameters of a law that is named, such as `mu` [1/√(gR)]; of a family of your own, values
+        by name.
+
+    Returns
+    -------
+    Path or widget
+        The file, or an object that a notebook shows.
+
+    Raises
+    ------
+    StabilityError
+        In one sentence, if a name, a number or the file is not accepted, or a package is missing
+        that the widget needs.
+
+    Source: verdicts, eigenvalues and motions of the page are compared with those of the package in
+    tests/explorer.
+
+    Examples
+    --------
+    >>> import tempfile, stability as st
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = st.explore("spinning", mu=0.3, out=Path(folder) / "page.html")
+    ...     path.stat().st_size < 1_500_000
+    True
+    """
+    certify, overwrite = flag("certify", certify), flag("overwrite", overwrite)
+    if out is not None:
+        check_suffix(out, ENDINGS)
+        check_target(out, overwrite=overwrite)
+    axes = axis(x, "x"), axis(y, "y")
+    if isinstance(family, Family):
+        for name, given in (("contact", contact), ("disk", disk), ("body", body)):
+            if given is not None:
+                raise ParameterError(
+                    f"{name} belongs to the disk; leave it out for your own family."
+                )
+        data = own_page(family, at, axes, positive, parameters, certify=certify)
+        title = f"{family.name} of {family.system.name}"
+    elif body is not None:
+        if disk is not None or not isinstance(body, Body):
+            raise ParameterError("give one stability.Body as body, and no disk.")
+        data = body_page(family, at, contact, body, axes, parameters, certify=certify)
+        title = f"{family} of a body"
+    else:
+        data = disk_page(family, at, contact, disk, axes, parameters, certify=certify)
+        title = "Steady motions of a disk"
+    if out is None:
+        from .widget import widget
+
+        return widget(data)
+    with atomic_write(out, overwrite=overwrite) as draft:
+        draft.write_text(page(data, title), encoding="utf-8")
+    return Path(out)

@@ -1,0 +1,240 @@
+"""A family of a user's system, or of a body, for the page: conditions over Q, equations, words."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import casadi as ca
+
+from ..algebra.number_types import Algebra
+from ..algebra.program import Program
+from ..algebra.upright import Upright
+from ..base.axis import Axis
+from ..base.checks import known
+from ..base.errors import ParameterError, StabilityError, absent, shown
+from ..base.quantities import readable
+from ..bodies.model import WORK, system_model
+from ..bodies.thin_disk.disk_quantities import QUANTITIES
+from ..derivation.conditions import Conditions, conditions
+from ..maps.proved_boxes import prove_boxes
+from ..spectra.arguments import prepare
+from ..systems.family import Family
+from ..systems.system import System
+from .certificates import packed
+from .source.formulas import Rule, Values, filled, scale_of, typeset, value_of
+from .source.source_text import graph, javascript
+from .subject import Quantity, Subject
+
+SECONDS = 30.0
+"""Longest time of the derivation of the conditions [s]."""
+LEVELS = 5
+"""Halvings of a diagram in both directions for proved rectangles."""
+SERIES = 2
+"""Observables whose curves are drawn, next to the states."""
+FUNCTION = re.compile(r"(sin|cos|sqrt)\((\w+)\)")
+"""A variable that is a function of a quantity."""
+
+Axes = tuple[tuple[str, float, float], tuple[str, float, float]]
+
+
+def own_subject(
+    family: Family, values: Mapping[str, float], axes: Axes, positive: Sequence[str] = (),
+    words: Mapping[str, str] | None = None,
+) -> Subject:  # fmt: skip
+    """A family of one's own, its conditions derived with every quantity as a variable.
+
+    Parameters
+    ----------
+    family
+        A family whose conditions are polynomials in its quantities.
+    values
+        Value of every quantity at first.
+    axes
+        (name, low, high) of the two axes at first.
+    positive
+        Quantities that are positive.
+    words
+        Family and law on the buttons, and the motion; the family's own name when left out.
+
+    Raises
+    ------
+    StabilityError
+        If the conditions are too large, or a member has no closed form in the quantities.
+    """
+    found = conditions(family, positive=positive, decimals=True, seconds=SECONDS)
+    names = (*family.at, *family.parameters)
+    if found.left_out:
+        raise StabilityError(f"{family.name}: {found.left_out[0]}; the page needs every condition.")
+    read = [_reader(found, variable.name, names) for variable in found.variables]
+    system, told = family.system, dict(words or {})
+    x, p = system.x, system.p
+    behind = {v.name: 2 * (v.name not in names) for v in found.variables}
+    put = {v.name: (_in_braces(v.name, names), 1) for v in found.variables}
+    symbols = {n: q.symbol for n, q in QUANTITIES.items() if q.symbol} if told else {}
+    written = {n: (symbols.get(n, n), 1) for n in put}
+    scales = [scale_of([c.polynomial]) for c in found.deciding]
+    even = any(f.even for f in found.factors) or found._extra_zeros > 0
+    factors = [f for f in found.factors for _ in range(f.multiplicity)]
+    return Subject(
+        key=f"{told.get('family', family.name)} {told.get('law', '')}".strip(),
+        family=told.get("family", family.name), law=told.get("law", ""),
+        title=told.get("title", f"{system.name}: {family.name}"),
+        quantities=tuple(
+            _quantity(family, n, values[n], axes, symbols, positive=n in positive)
+            for n in names),
+        axes=(axes[0][0], axes[1][0]), even=tuple(f.even for f in factors), zeros=found.zeros,
+        coefficients=partial(_coefficients, factors, read),
+        rules=tuple(Rule(c.kind, c.polynomial, behind, scale)
+                    for c, scale in zip(found.deciding, scales, strict=True)),
+        variables=partial(_variables, read),
+        texts=tuple((typeset(c.polynomial, written, scale), filled(c.polynomial, put, scale))
+                    for c, scale in zip(found.deciding, scales, strict=True)),
+        states=system.states, member=javascript([len(names)], _member(family, names)),
+        jacobian=graph(Program(ca.Function("slopes", [x, p], [ca.jacobian(system.rhs, x)]))),
+        model=told.get("motion", family.name), parameters=tuple(
+            names.index(n) for n in system.parameters),
+        call={"kind": "own", "at": family.at, "parameters": family.parameters,
+              "system": system.name, "numbers": found.numbers},
+        good="neutral" if even else "stable",
+        symbols={n: symbols.get(n, n) for n in system.states},
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Reader:
+    """How a variable of the polynomials follows from the quantities."""
+
+    index: int
+    """Index of the quantity."""
+    function: str = ""
+    """Its function; empty for the quantity itself."""
+
+    def __call__(self, algebra: Algebra, q: Values) -> Any:
+        """Value of the variable."""
+        value = q[self.index]
+        return algebra.functions[self.function](value) if self.function else value
+
+
+def _reader(found: Conditions, variable: str, names: Sequence[str]) -> _Reader:
+    if variable in names:
+        return _Reader(names.index(variable))
+    match = FUNCTION.fullmatch(variable)
+    if match and match[2] in names:
+        return _Reader(names.index(match[2]), match[1])
+    family = found.family
+    raise StabilityError(
+        f"{family.name}: {variable} is solved for, or a function of several quantities; the page "
+        "draws families whose conditions are polynomials in their own quantities."
+    )
+
+
+def _in_braces(variable: str, names: Sequence[str]) -> str:
+    match = FUNCTION.fullmatch(variable)
+    return f"({match[1]} {{{match[2]}}})" if match and match[2] in names else f"{{{variable}}}"
+
+
+def _variables(read: Sequence[_Reader], algebra: Algebra, q: Values) -> list[Any]:
+    return [one(algebra, q) for one in read]
+
+
+def _coefficients(
+    factors: Sequence[Any], read: Sequence[_Reader], algebra: Algebra, q: Values
+) -> list[list[Any]]:
+    point = _variables(read, algebra, q)
+    out = []
+    for factor in factors:
+        scale = scale_of(factor.coefficients)
+        out.append([value_of(c, scale, point) for c in factor.coefficients])
+    return out
+
+
+def _quantity(
+    family: Family, name: str, value: float, axes: Axes, symbols: Mapping[str, str], *,
+    positive: bool,
+) -> Quantity:  # fmt: skip
+    unit = family.system.units.get(name, "1")
+    low, high = next(
+        ((a, b) for n, a, b in axes if n == name),
+        (0.0, 2 * value) if value > 0 else (2 * value, 0.0) if value < 0 else (-1.0, 1.0),
+    )
+    known_ = QUANTITIES.get(name) if name in symbols else None
+    return Quantity(
+        name, symbols.get(name, name), known_.long_name if known_ else "",
+        "" if unit == "1" else readable(unit), low, high, value, 0.0 if positive else None,
+    )  # fmt: skip
+
+
+def _member(family: Family, names: Sequence[str]) -> Callable[..., list[Any]]:
+    if family.unknown and not family.graph.closed:
+        raise StabilityError(
+            f"{family.name}: {', '.join(family.unknown)} of its members is solved for; the page "
+            "draws families whose members are known in closed form."
+        )
+    fixed = {**family.fixed, **family.unknown}
+
+    def states(algebra: Algebra, q: Values) -> list[Any]:  # noqa: ARG001
+        given = dict(zip(names, q, strict=True))
+        found = [given.get(n, fixed.get(n)) for n in family.system.states]
+        return [math.pi / 2 if isinstance(v, Upright) else v for v in found]
+
+    return states
+
+
+def own_motion(family: Family) -> Mapping[str, Any]:
+    """Equations, conditions and observables of a launch of a user's system."""
+    if not isinstance(family.system, System):
+        raise StabilityError(f"{family.name}: the page needs a family of a stability.System.")
+    model = system_model(family.system)
+    count = len(family.system.states)
+    kept = count + (WORK in model.names)
+    x, rhs = model.x[:kept], model.rhs[:kept]
+    series = dict(sorted(model.series.items(), key=lambda s: s[0] != "energy")[:SERIES])
+    guards = list(model.guards.values()) or [ca.SX(1)]
+    rates = ca.Function("rates", [x, model.p], [rhs])
+    guard = ca.Function("guards", [x, model.p], [ca.vertcat(*guards)])
+    seen = ca.Function("seen", [x, model.p], [ca.vertcat(*series.values(), ca.SX(0, 1))])
+    return {
+        "names": model.names[:kept], "states": count, "guards": list(model.guards) or ["none"],
+        "rates": graph(Program(rates)), "guard": graph(Program(guard)),
+        "observe": graph(Program(seen)), "observed": list(series), "more": [],
+        "words": dict.fromkeys(model.guards, "a condition of the system reaches zero"),
+        "outcomes": dict.fromkeys(model.guards, "domain-end"),
+    }  # fmt: skip
+
+
+def own_certificate(family: Family, subject: Subject, values: Mapping[str, float]) -> Any:
+    """What is proved over the first axes of a family of one's own."""
+    known_ = {q.name: q for q in subject.quantities}
+    axes = [Axis(n, known_[n].low, known_[n].high, (1 << LEVELS) + 1, log=False)
+            for n in subject.axes]  # fmt: skip
+    held = {n: v for n, v in values.items() if n not in subject.axes}
+    at = [held[n] for n in family.at if n in held]
+    given = {n: v for n, v in held.items() if n not in family.at}
+    problem = prepare(family, axes, None, None, at[0] if len(at) == 1 else None, given)
+    boxes = prove_boxes(problem, (axes[0], axes[1]), LEVELS)
+    return {
+        "axes": [[a.name, a.low, a.high] for a in axes], "held": held, "levels": LEVELS,
+        "proved": boxes.proved, "tree": packed(boxes, axes[0], axes[1]),
+    }  # fmt: skip
+
+
+def given_values(family: Family, at: Any, parameters: Mapping[str, Any]) -> dict[str, float]:
+    """Every quantity of a family as a number, or an error that names what is missing."""
+    names = (*family.at, *family.parameters)
+    for name in parameters:
+        known("parameter", name, names)
+    values = dict(parameters)
+    if at is not None:
+        each = list(at) if isinstance(at, (list, tuple)) else [at]
+        if len(each) != len(family.at):
+            raise ParameterError(f"at is {shown(at)}; give {len(family.at)} numbers.")
+        values |= dict(zip(family.at, each, strict=True))
+    missing = [n for n in names if n not in values]
+    if missing:
+        raise ParameterError(f"{absent(missing)}; give each quantity the value shown at first.")
+    return values

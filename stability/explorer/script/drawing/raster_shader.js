@@ -1,0 +1,81 @@
+// Shader source around the formulas that Python printed: the whole picture at once, or growth rates
+// on a coarse grid and a picture from these, while something moves and drawing is slow.
+
+export const VERTEX = `#version 300 es
+in vec2 corner;
+void main() { gl_Position = vec4(corner, 0.0, 1.0); }`;
+
+const HEAD = `#version 300 es
+precision highp float;
+uniform vec2 size;
+uniform float pixel;
+uniform bool neutral;
+uniform vec3 ramp[6], hatch;
+out vec4 colour;
+vec3 painted(float place, bool unstable, vec2 p) {
+  float at = clamp(place, 0.0, 0.999999) * 5.0;
+  int i = int(at);
+  vec3 c = mix(ramp[i], ramp[i + 1], at - float(i));
+  float cover = 0.0;
+  if (unstable) {
+    float d = abs(mod(p.x - p.y, 7.0) - 3.5) * 0.7071;
+    cover = 0.62 * (1.0 - smoothstep(0.15, 0.15 + 1.0 / pixel, d));
+  } else if (neutral) {
+    float r = length(mod(p + vec2(3.5 * mod(floor(p.y / 6.0), 2.0), 0.0), vec2(7.0, 6.0)) - 3.0);
+    cover = 0.55 * (1.0 - smoothstep(0.5, 0.5 + 1.0 / pixel, r));
+  }
+  return mix(c, hatch, cover);
+}
+`;
+
+const LOOK = `
+void main() {
+  vec2 v = mix(low, high, gl_FragCoord.xy / size), found = look(ARGUMENTS);
+  float g = found.x, a = abs(g);
+  float bent = a <= linear ? width * a / linear : width + log(a / linear) / 2.302585093;
+  float place = clamp(0.5 + 0.5 * sign(g) * bent / end, 0.0, 1.0);
+  bool inside = DOMAIN;
+  RESULT
+}`;
+const WHOLE = "colour = inside ? vec4(painted(place, found.y < 0.0, gl_FragCoord.xy / pixel), 1.0) : vec4(0.0);";
+// 16 bits of the place in two channels, then the sign and the domain
+const PACKED = "float v16 = place * 255.0; "
+  + "colour = vec4(floor(v16) / 255.0, fract(v16), found.y < 0.0 ? 0.0 : 1.0, inside ? 1.0 : 0.0);";
+
+/** The shader of a subject: a picture, or packed growth rates. */
+export function subjectShader(subject, packed) {
+  const n = subject.names.length;
+  const given = subject.names.map((_, i) => `xIndex == ${i} ? v.x : yIndex == ${i} ? v.y : held[${i}]`);
+  const limits = subject.quantities.flatMap((q, i) => [
+    q.least === null ? null : `(${given[i]}) > ${number(q.least)}`,
+    q.most === null ? null : `(${given[i]}) < ${number(q.most)}`]).filter((t) => t);
+  return `${HEAD}
+uniform vec2 low, high;
+uniform float held[${n}], linear, width, end;
+uniform int xIndex, yIndex;
+${subject.shader}
+${LOOK.replace("ARGUMENTS", given.join(", ")).replace("DOMAIN", limits.join(" && ") || "true")
+    .replace("RESULT", packed ? PACKED : WHOLE)}`;
+}
+
+/** A fine picture from packed growth rates, linear between them. */
+export const UNPACKED = `${HEAD}
+uniform sampler2D rates;
+uniform vec2 grid;
+void main() {
+  vec2 at = gl_FragCoord.xy / size * grid - 0.5, f = fract(at);
+  ivec2 i = ivec2(floor(at)), last = ivec2(grid) - 1;
+  vec4 sum = vec4(0.0);
+  for (int n = 0; n < 4; n++) {
+    ivec2 step = ivec2(n & 1, n >> 1);
+    vec4 t = texelFetch(rates, clamp(i + step, ivec2(0), last), 0);
+    vec2 w = mix(1.0 - f, f, vec2(step));
+    sum += w.x * w.y * vec4(t.r + t.g / 255.0, t.b, t.a, 1.0);
+  }
+  colour = sum.z > 0.5 ? vec4(painted(sum.x, sum.y < 0.5, gl_FragCoord.xy / pixel), 1.0) : vec4(0.0);
+}`;
+
+function number(value) {
+  const found = String(value);
+  return /[.e]/.test(found) ? found : `${found}.0`;
+}

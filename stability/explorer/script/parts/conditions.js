@@ -1,0 +1,63 @@
+// The conditions of stability with the numbers of the point put in, and their signs.
+
+import {element, onceAFrame, text} from "../drawing/elements.js";
+
+const KINDS = {
+  static: "no eigenvalue passes through zero",
+  flutter: "no pair of eigenvalues crosses the imaginary axis",
+  auxiliary: "an auxiliary sign",
+};
+const LONG = 260; // characters of a formula that is folded
+
+export class Conditions {
+  constructor(view) {
+    this.view = view;
+    this.rows = element("div", {class: "condition-rows"});
+    this.rule = element("p", {class: "sentence"});
+    this.root = element("div", {class: "conditions"}, this.rule, this.rows);
+    this.render = onceAFrame(() => this.draw());
+    view.on(() => this.render());
+  }
+
+  draw() {
+    const {view} = this, {subject} = view;
+    if (this.shown !== subject.key) this.build(subject);
+    const {rows} = subject.judge(view.point());
+    rows.forEach((row, i) => {
+      const {value, put} = this.lines[i];
+      const sign = row.sign > 0 ? "> 0" : row.sign < 0 ? "< 0" : "≈ 0";
+      const error = element("span", {class: "quiet"}, ` ± ${text(row.error, 2)}`);
+      value.replaceChildren(`= ${text(row.value, 6)}`, error, " ",
+        element("b", {class: row.sign > 0 ? "holds" : "fails"}, `${sign} ${row.sign > 0 ? "✓" : row.sign < 0 ? "✗" : "?"}`));
+      if (put) put.innerHTML = this.filled(row);
+    });
+  }
+
+  build(subject) {
+    this.shown = subject.key;
+    const good = subject.wholeEven ? "Neutral" : "Stable", count = subject.rules.length;
+    this.rule.textContent = count === 0
+      ? `${good} at every member of the family: no eigenvalue can cross the imaginary axis.`
+      : `${good} where ${count === 1 ? "this polynomial is" : "these polynomials are all"} positive, unstable where ${count === 1 ? "it" : "one"} is negative.`;
+    this.lines = [];
+    this.rows.replaceChildren(...subject.rules.map((rule) => {
+      const value = element("span", {class: "value"}), long = rule.text.length > LONG;
+      const put = rule.filled ? element("span", {class: "put"}) : null;
+      this.lines.push({value, put});
+      const formula = element("span", {class: "formula", html: `${rule.text} &gt; 0`});
+      const head = element("span", {class: "small"}, `${rule.kind}: ${KINDS[rule.kind]}`);
+      return element("div", {class: `condition ${rule.kind}`}, head,
+        long ? element("details", {}, element("summary", {}, "the polynomial"), formula) : formula,
+        element("span", {class: "put-line"}, put, value));
+    }));
+  }
+
+  /** The formula with the numbers in the places of the letters. */
+  filled(row) {
+    const {subject, state} = this.view;
+    return row.filled.replace(/\{(\w+)\}/g, (_, name) => {
+      const v = state.values[name];
+      return v < 0 ? `(${text(v, 5)})` : text(v, 5);
+    }).concat(subject ? " " : "");
+  }
+}

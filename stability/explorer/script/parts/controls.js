@@ -1,0 +1,155 @@
+// Family, law, and a slider with a number for each quantity.
+
+import {element, onceAFrame, text} from "../drawing/elements.js";
+
+const STEPS = 2000;
+
+export class Controls {
+  constructor(view, names) {
+    this.view = view;
+    this.names = names;
+    this.family = element("div", {class: "segments", role: "radiogroup", "aria-label": "Family"});
+    this.law = element("div", {class: "segments", role: "radiogroup", "aria-label": "Contact"});
+    this.top = element("div", {class: "choices"}, this.family, this.law);
+    this.rows = element("div", {class: "sliders"});
+    this.xAxis = this.axisChoice("x");
+    this.yAxis = this.axisChoice("y");
+    this.ranges = element("div", {class: "ranges"});
+    this.axes = element("details", {class: "axes"}, element("summary", {}, "Axes"),
+      element("div", {class: "axis-line"}, element("label", {}, "across ", this.xAxis), element("label", {}, "up ", this.yAxis)),
+      this.ranges);
+    this.root = element("div", {class: "controls"}, this.rows, this.axes);
+    this.render = onceAFrame(() => this.draw());
+    view.on((changed) => { if (changed.has("subject")) this.build(); this.render(); });
+    this.build();
+  }
+
+  axisChoice(which) {
+    const choice = element("select", {"aria-label": which === "x" ? "Horizontal axis" : "Vertical axis", onchange: () => {
+      const other = which === "x" ? "y" : "x", {state} = this.view, patch = {[which]: choice.value};
+      if (state[other] === choice.value) patch[other] = state[which];
+      this.view.set(patch);
+    }});
+    return choice;
+  }
+
+  build() {
+    const {subject, subjects} = this.view, all = [...subjects.values()];
+    const segment = (group, list, chosen, label, key) => group.replaceChildren(...list.map((name) => element("button", {
+      role: "radio", "aria-checked": String(name === chosen), tabindex: name === chosen ? 0 : -1,
+      onclick: () => this.view.choose(key(name)), onkeydown: (event) => this.roam(event, group),
+    }, label(name))));
+    const families = [...new Set(all.map((s) => s.family))], laws = [...new Set(all.map((s) => s.law))];
+    segment(this.family, families, subject.family, (n) => this.names.families[n] || n, (n) => `${n} ${subject.law}`.trim());
+    segment(this.law, laws, subject.law, (n) => this.names.laws[n] || n, (n) => `${subject.family} ${n}`.trim());
+    this.family.hidden = families.length < 2;
+    this.law.hidden = laws.length < 2;
+    this.rows.replaceChildren(...subject.quantities.map((q) => this.row(q)));
+    for (const choice of [this.xAxis, this.yAxis]) {
+      choice.replaceChildren(...subject.quantities.map((q) => element("option", {value: q.name}, `${spoken(q)}`)));
+    }
+    this.axes.hidden = subject.quantities.length < 2;
+    this.render();
+  }
+
+  roam(event, group) {
+    const step = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key];
+    if (!step) return;
+    const all = [...group.children], next = (all.indexOf(event.currentTarget) + step + all.length) % all.length;
+    all[next].click();
+    group.children[next].focus();
+    event.preventDefault();
+  }
+
+  row(q) {
+    const id = `stability-${q.name}`, marks = q.marks.length ? `${id}-marks` : null;
+    const slider = element("input", {type: "range", id, min: 0, max: STEPS, step: 1, list: marks, "aria-label": `${spoken(q)}`,
+      oninput: () => {
+        const [low, high] = this.reach(q);
+        const value = low + ((high - low) * slider.value) / STEPS;
+        this.view.move({[q.name]: this.held ? this.snapped(q, value) : Number(value.toPrecision(6))}, q.name);
+      }});
+    // the hand rests at a value with a name; arrow keys pass it
+    slider.addEventListener("pointerdown", () => { this.held = true; });
+    slider.addEventListener("pointerup", () => { this.held = false; });
+    const number = element("input", {type: "number", step: "any", "aria-label": `${spoken(q)}, number`,
+      onchange: () => this.typed(q, number)});
+    const named = element("span", {class: "named small"});
+    const ticks = marks ? element("datalist", {id: marks}) : null;
+    const arrow = element("span", {class: "role small"});
+    const row = element("div", {class: "slider"},
+      element("label", {for: id, title: q.label || q.name}, element("i", {}, q.symbol), arrow), slider, number, named, ticks);
+    Object.assign(row, {slider, number, named, quantity: q, ticks, arrow});
+    return row;
+  }
+
+  /** The range of a slider: that of the axis, or of the quantity. */
+  reach(q) {
+    return this.view.state.ranges[q.name];
+  }
+
+  /** The value with a name that is within a step of the slider. */
+  snapped(q, value) {
+    const [low, high] = this.reach(q), near = q.marks.find(([v]) => Math.abs(v - value) < 0.006 * (high - low));
+    return near ? near[0] : Number(value.toPrecision(6));
+  }
+
+  typed(q, input) {
+    const value = Number(input.value), ok = input.value !== "" && this.view.subject.accepts(q.name, value);
+    input.setAttribute("aria-invalid", String(!ok));
+    const ends = [q.least === null ? null : `above ${q.least}`, q.most === null ? null : `at most ${text(q.most, 4)}`];
+    input.title = ok ? "" : `give a number ${ends.filter((e) => e).join(" and ")}`;
+    if (!ok) return;
+    const ranges = {...this.view.state.ranges}, [low, high] = ranges[q.name];
+    ranges[q.name] = [Math.min(low, value), Math.max(high, value)];
+    this.view.set({ranges});
+    this.view.move({[q.name]: value}, q.name);
+  }
+
+  draw() {
+    const {state} = this.view;
+    for (const row of this.rows.children) {
+      const q = row.quantity, value = state.values[q.name], [low, high] = this.reach(q);
+      row.slider.value = String(Math.round(((value - low) / (high - low)) * STEPS));
+      row.slider.setAttribute("aria-valuetext", `${text(value, 5)} ${q.unit}`);
+      if (document.activeElement !== row.number) row.number.value = String(Number(value.toPrecision(8)));
+      const named = q.marks.find(([v]) => v === value);
+      row.named.textContent = named ? named[1] : q.unit;
+      row.arrow.textContent = q.name === state.x ? "→" : q.name === state.y ? "↑" : "";
+      row.arrow.title = q.name === state.x ? "horizontal axis" : q.name === state.y ? "vertical axis" : "";
+      if (row.ticks) row.ticks.replaceChildren(...q.marks.map(([v]) => element("option", {value: ((v - low) / (high - low)) * STEPS})));
+    }
+    this.xAxis.value = state.x;
+    this.yAxis.value = state.y;
+    this.limits();
+  }
+
+  limits() {
+    const {view} = this, {state} = view, key = `${state.subject} ${state.x} ${state.y}`;
+    if (this.limited !== key) {
+      this.limited = key;
+      this.ranges.replaceChildren(...[state.x, state.y].map((name) => {
+        const q = view.subject.quantity[name], ends = [0, 1].map((i) => element("input", {type: "number", step: "any",
+          "aria-label": `${spoken(q)}, ${i ? "upper" : "lower"} end of the axis`, onchange: () => {
+            const range = [...view.state.ranges[name]];
+            range[i] = Number(ends[i].value);
+            if (ends[i].value !== "" && range[1] > range[0]) view.set({ranges: {...view.state.ranges, [name]: range}});
+            else this.render();
+          }}));
+        const line = element("div", {class: "axis-line"}, element("i", {}, q.symbol), " from ", ends[0], " to ", ends[1]);
+        Object.assign(line, {ends, name});
+        return line;
+      }));
+    }
+    for (const line of this.ranges.children) {
+      line.ends.forEach((input, i) => {
+        if (document.activeElement !== input) input.value = String(Number(state.ranges[line.name][i].toPrecision(6)));
+      });
+    }
+  }
+}
+
+/** A quantity in words and by its symbol. */
+function spoken(q) {
+  return `${q.label} ${q.symbol}`.trim();
+}

@@ -1,0 +1,143 @@
+// The plane of eigenvalues, with the paths that they take while one quantity runs.
+
+import {element, onceAFrame, shape, text} from "../drawing/elements.js";
+import {ticks} from "../drawing/scales.js";
+
+const SAMPLES = 140;
+const MARGIN = {left: 8, right: 8, top: 8, bottom: 18};
+const LEAST = 1e-6; // below it all eigenvalues count as zero, and the plane shows the unit of rates
+const NEAR = 22; // pixels within which a tap chooses an eigenvalue
+
+export class EigenvaluePlane {
+  constructor(view) {
+    this.view = view;
+    this.drawing = shape("svg", {class: "plane", role: "img", "aria-label": "Eigenvalues in the complex plane"});
+    this.choice = element("select", {"aria-label": "Quantity whose change moves the eigenvalues along their paths",
+      onchange: () => view.set({along: this.choice.value})});
+    this.root = element("div", {class: "plane-box"}, this.drawing,
+      element("label", {class: "small along"}, "paths: eigenvalues while ", this.choice, " runs"));
+    this.drawing.addEventListener("click", (event) => this.pick(event));
+    this.render = onceAFrame(() => this.draw());
+    new ResizeObserver(() => this.render()).observe(this.drawing);
+    view.on(() => this.render());
+  }
+
+  draw() {
+    const box = this.drawing.getBoundingClientRect();
+    if (!box.width) return;
+    const {view} = this, {subject, state} = view, now = subject.eigenvalues(view.point());
+    this.offer();
+    const paths = this.paths();
+    const [reach, tall] = this.extent(now);
+    const {left, right, top, bottom} = MARGIN;
+    const width = box.width - left - right, height = box.height - top - bottom;
+    this.place = ([re, im]) => [left + width * (0.5 + re / (2 * reach)), top + height * (0.5 - im / (2 * tall))];
+    this.now = now;
+    const [ox, oy] = this.place([0, 0]), parts = [
+      shape("rect", {class: "growing", x: ox, y: top, width: left + width - ox, height}),
+      shape("rect", {class: "decaying", x: left, y: top, width: ox - left, height}),
+    ];
+    for (const v of ticks(-reach, reach, 5)) {
+      const [x] = this.place([v, 0]);
+      if (v !== 0) parts.push(shape("path", {class: "grid", d: `M${x} ${top}v${height}`}));
+      if (Math.abs(v) < 0.93 * reach) parts.push(shape("text", {class: "number", x, y: box.height - 5, "text-anchor": "middle"}, text(v, 3)));
+    }
+    for (const v of ticks(-tall, tall, 4)) {
+      const [, y] = this.place([0, v]);
+      if (v === 0 || Math.abs(v) > 0.93 * tall) continue;
+      parts.push(shape("path", {class: "grid", d: `M${left} ${y}h${width}`}),
+        shape("text", {class: "number", x: left + 3, y: y - 2}, `${text(v, 3)} i`));
+    }
+    parts.push(shape("path", {class: "axis", d: `M${left} ${oy}h${width}M${ox} ${top}v${height}`}));
+    parts.push(shape("text", {class: "number", x: left + width - 3, y: oy - 4, "text-anchor": "end"}, "Re λ"),
+      shape("text", {class: "number", x: ox + 4, y: top + 10}, "Im λ"));
+    for (const path of paths) {
+      for (const piece of this.inside(path, reach, tall)) {
+        parts.push(shape("path", {class: "locus", d: `M${piece.map((z) => this.place(z).map((v) => v.toFixed(1)).join(" ")).join("L")}`}));
+      }
+    }
+    const chosen = state.mode === null ? null : this.shown(now)[state.mode];
+    for (const z of now) {
+      const [x, y] = this.place(z), own = chosen && z[0] === chosen[0] && Math.abs(z[1]) === Math.abs(chosen[1]);
+      parts.push(shape("circle", {class: `value ${z[0] > 1e-12 ? "grows" : "decays"}${own ? " chosen" : ""}`,
+        cx: x, cy: y, r: own ? 6.5 : 4.5}));
+    }
+    this.drawing.setAttribute("viewBox", `0 0 ${box.width} ${box.height}`);
+    this.drawing.replaceChildren(...parts);
+  }
+
+  offer() {
+    const {subject, state} = this.view, names = subject.names.join();
+    if (this.offered !== names + subject.key) {
+      this.offered = names + subject.key;
+      this.choice.replaceChildren(...subject.quantities.map((q) => element("option", {value: q.name}, q.symbol)));
+    }
+    this.choice.value = state.along;
+  }
+
+  /** One of each pair, as in the list of modes. */
+  shown(all) {
+    return all.filter((z) => z[1] >= 0).reverse();
+  }
+
+  /** Half width and half height, in round numbers that do not change with every point. */
+  extent(now) {
+    const round = (v) => {
+      const power = 10 ** Math.floor(Math.log10(v)), share = v / power;
+      return ([1, 1.5, 2, 3, 4, 6, 8].find((s) => s >= share * 0.999) || 10) * power;
+    };
+    const size = Math.max(...now.map((z) => Math.hypot(...z))), most = size > LEAST ? size : 1;
+    return [0, 1].map((i) => round(1.15 * Math.max(...now.map((z) => Math.abs(z[i])), 0.2 * most)));
+  }
+
+  paths() {
+    const {subject, state} = this.view, [low, high] = state.ranges[state.along], at = {...state.values};
+    const paths = [];
+    let last = null;
+    for (let n = 0; n <= SAMPLES; n++) {
+      at[state.along] = low + ((high - low) * n) / SAMPLES;
+      const found = subject.eigenvalues(subject.array(at));
+      if (!found.every((z) => Number.isFinite(z[0] + z[1]))) { last = null; continue; }
+      if (last === null || last.length !== found.length) {
+        last = found.map((z) => { const path = [z]; paths.push(path); return path; });
+      } else {
+        nearest(last.map((p) => p[p.length - 1]), found).forEach((j, i) => last[i].push(found[j]));
+      }
+    }
+    return paths;
+  }
+
+  /** The pieces of a path within sight, a little more on each side. */
+  inside(path, reach, tall) {
+    const pieces = [];
+    let piece = [];
+    for (const z of path) {
+      if (Math.abs(z[0]) < 1.02 * reach && Math.abs(z[1]) < 1.02 * tall) piece.push(z);
+      else { if (piece.length > 1) pieces.push(piece); piece = []; }
+    }
+    if (piece.length > 1) pieces.push(piece);
+    return pieces;
+  }
+
+  pick(event) {
+    const box = this.drawing.getBoundingClientRect(), x = event.clientX - box.left, y = event.clientY - box.top;
+    let best = null, gap = NEAR;
+    for (const z of this.now) {
+      const [a, b] = this.place(z), apart = Math.hypot(a - x, b - y);
+      if (apart < gap) [best, gap] = [z, apart];
+    }
+    if (!best) return;
+    const index = this.shown(this.now).findIndex((z) => z[0] === best[0] && z[1] === Math.abs(best[1]));
+    this.view.set({mode: index, show: "mode"});
+  }
+}
+
+/** For each of the old values the index of its successor: nearest pairs first. */
+function nearest(old, found) {
+  const pairs = old.flatMap((a, i) => found.map((b, j) => [Math.hypot(a[0] - b[0], a[1] - b[1]), i, j]));
+  const from = new Array(old.length).fill(-1), taken = new Set();
+  for (const [, i, j] of pairs.sort((p, q) => p[0] - q[0])) {
+    if (from[i] < 0 && !taken.has(j)) { from[i] = j; taken.add(j); }
+  }
+  return from;
+}

@@ -1,0 +1,104 @@
+// What a reader takes away: a link, the diagram as SVG or PNG, and the Python calls.
+
+import {element} from "../drawing/elements.js";
+import {pythonCall} from "./python_call.js";
+
+const KEPT = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "font-family", "font-size",
+  "font-style", "font-weight", "opacity", "paint-order", "fill-opacity", "text-anchor"];
+const DOTS = 3; // pixels of a PNG for one of the page
+
+export class ExportMenu {
+  constructor(view, diagram, linked) {
+    Object.assign(this, {view, diagram});
+    const button = (word, title, act) => element("button", {title, onclick: act}, word);
+    this.said = element("span", {class: "small", role: "status"});
+    this.code = element("pre", {class: "code", tabindex: 0, "aria-label": "Python calls"});
+    this.python = element("section", {class: "card python", hidden: true, "aria-label": "Python"},
+      element("h2", {}, "The same in Python"), this.code, button("Copy", "Copy the calls", () => this.copy(this.code.textContent, "calls")));
+    this.root = element("div", {class: "exports"}, this.said,
+      linked ? button("Link", "Copy a link that restores this view", () => this.copy(location.href, "link")) : null,
+      button("SVG", "Save the diagram as SVG", () => this.svg()),
+      button("PNG", "Save the diagram as PNG", () => this.png()),
+      button("Python", "Show the Python calls that reproduce this", () => this.toggle()));
+    view.on(() => this.fill());
+    this.fill();
+  }
+
+  fill() {
+    if (!this.python.hidden) this.code.textContent = pythonCall(this.view);
+  }
+
+  toggle() {
+    this.python.hidden = !this.python.hidden;
+    this.fill();
+    if (!this.python.hidden) this.python.scrollIntoView({block: "nearest"});
+  }
+
+  async copy(words, what) {
+    try {
+      await navigator.clipboard.writeText(words);
+    } catch { // no permission, or a page from a file: by selection
+      const area = element("textarea", {class: "unseen"});
+      area.value = words;
+      document.body.append(area);
+      area.select();
+      document.execCommand("copy");
+      area.remove();
+    }
+    this.say(`${what} copied`);
+  }
+
+  say(words) {
+    this.said.textContent = words;
+    clearTimeout(this.later);
+    this.later = setTimeout(() => { this.said.textContent = ""; }, 2500);
+  }
+
+  /** The diagram as one drawing that needs no style sheet. */
+  drawing() {
+    const {over, canvas, stage, bar} = this.diagram, box = stage.getBoundingClientRect(), side = bar.getBoundingClientRect();
+    const wide = box.width + side.width, copy = over.cloneNode(true), legend = bar.cloneNode(true);
+    inlined(over, copy);
+    inlined(bar, legend);
+    const place = canvas.getBoundingClientRect();
+    const picture = document.createElementNS("http://www.w3.org/2000/svg", "image");
+    const set = (node, given) => Object.entries(given).forEach(([n, v]) => node.setAttribute(n, v));
+    set(picture, {href: canvas.toDataURL("image/png"), x: place.left - box.left, y: place.top - box.top,
+      width: place.width, height: place.height, preserveAspectRatio: "none"});
+    set(legend, {x: box.width, y: 0, width: side.width, height: box.height});
+    set(copy, {xmlns: "http://www.w3.org/2000/svg", width: wide, height: box.height, viewBox: `0 0 ${wide} ${box.height}`});
+    const page = document.createElementNS("http://www.w3.org/2000/svg", "rect");
+    set(page, {width: "100%", height: "100%", fill: getComputedStyle(stage).getPropertyValue("--page").trim() || "#ffffff"});
+    copy.prepend(page, picture);
+    copy.append(legend);
+    return {text: new XMLSerializer().serializeToString(copy), wide, high: box.height};
+  }
+
+  svg() {
+    this.save(new Blob([this.drawing().text], {type: "image/svg+xml"}), "svg");
+  }
+
+  async png() {
+    const {text, wide, high} = this.drawing(), image = new Image();
+    image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
+    await image.decode();
+    const canvas = element("canvas", {width: Math.round(DOTS * wide), height: Math.round(DOTS * high)});
+    canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+    canvas.toBlob((blob) => this.save(blob, "png"), "image/png");
+  }
+
+  save(blob, ending) {
+    const link = element("a", {href: URL.createObjectURL(blob), download: `${this.view.state.subject.replace(/\W+/g, "-")}.${ending}`});
+    document.body.append(link);
+    link.click();
+    link.remove();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    this.say(`${ending.toUpperCase()} saved`);
+  }
+}
+
+function inlined(from, to) {
+  const style = getComputedStyle(from);
+  for (const name of KEPT) to.style.setProperty(name, style.getPropertyValue(name));
+  [...from.children].forEach((child, i) => inlined(child, to.children[i]));
+}

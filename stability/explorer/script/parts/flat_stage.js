@@ -1,0 +1,72 @@
+// The disk on its plane without WebGL: outlines in perspective, painted from the back to the front.
+
+import {palette} from "../drawing/colours.js";
+import {TurnedView, placed} from "./turned_view.js";
+
+const POINTS = 72, GRID = 6, THIN = 0.93;
+const SIGHT = 3.08; // half the height of the picture is this much of the distance
+
+export class FlatStage extends TurnedView {
+  constructor(look) {
+    super();
+    this.style = look;
+    this.pen = this.canvas.getContext("2d");
+  }
+
+  recolour() {}
+
+  shapeOf(k) {
+    this.inner = Math.min(THIN, Math.sqrt(Math.max(0, 4 * k - 1)));
+  }
+
+  /** Draw a pose, with the contact points of the path so far. */
+  draw(pose, path) {
+    const box = this.canvas.getBoundingClientRect(), dense = Math.min(2, window.devicePixelRatio || 1);
+    if (!box.width || !box.height) return;
+    this.canvas.width = Math.round(dense * box.width);
+    this.canvas.height = Math.round(dense * box.height);
+    const {pen} = this, parts = placed(pose), colours = palette(this.style.dark());
+    pen.setTransform(dense, 0, 0, dense, 0, 0);
+    pen.clearRect(0, 0, box.width, box.height);
+    this.aim(parts.centre, box);
+    const [x, y] = this.target.map(Math.round);
+    for (let i = -GRID; i <= GRID; i++) {
+      this.line([[x + i, y - GRID, 0], [x + i, y + GRID, 0]], colours.rule, 1);
+      this.line([[x - GRID, y + i, 0], [x + GRID, y + i, 0]], colours.rule, 1);
+    }
+    this.line(path.slice(-2000), "#d55e00", 1.5);
+    const ring = (r) => Array.from({length: POINTS}, (_, i) => {
+      const a = (2 * Math.PI * i) / POINTS;
+      return parts.centre.map((c, n) => c + r * (Math.cos(a) * parts.mark[n] + Math.sin(a) * parts.side[n]));
+    });
+    pen.beginPath();
+    for (const loop of this.inner > 0 ? [ring(1), ring(this.inner)] : [ring(1)]) { this.trace(loop); pen.closePath(); }
+    pen.fillStyle = this.style.dark() ? "#2b8fca" : "#0072b2";
+    pen.fill("evenodd");
+    Object.assign(pen, {strokeStyle: this.style.dark() ? "#8cc6ea" : "#00436a", lineWidth: 2}).stroke();
+    const rim = parts.centre.map((c, n) => c + parts.mark[n]), near = parts.centre.map((c, n) => c + this.inner * parts.mark[n]);
+    this.line([near, rim], "#d55e00", 4);
+  }
+
+  aim(centre, box) {
+    const [x, y] = this.follow(centre), {azimuth, height, away} = this.angle;
+    const [ca, sa, ch, sh] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(height), Math.sin(height)];
+    const eye = [x + away * ch * ca, y + away * ch * sa, 0.8 + away * sh];
+    const back = [ch * ca, ch * sa, sh], right = [-sa, ca, 0], up = [-sh * ca, -sh * sa, ch];
+    const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    this.flat = (p) => {
+      const to = p.map((v, i) => v - eye[i]), far = Math.max(0.3, -dot(to, back)), scale = (box.height / 2) * SIGHT / far;
+      return [box.width / 2 + scale * dot(to, right), box.height / 2 - scale * dot(to, up)];
+    };
+  }
+
+  trace(points) {
+    points.map(this.flat).forEach(([x, y], i) => (i ? this.pen.lineTo(x, y) : this.pen.moveTo(x, y)));
+  }
+
+  line(points, colour, width) {
+    this.pen.beginPath();
+    this.trace(points);
+    Object.assign(this.pen, {strokeStyle: colour, lineWidth: width}).stroke();
+  }
+}

@@ -1,0 +1,92 @@
+// What is known of the point: its verdict and proof, and its modes, one of which may be chosen.
+
+import {complexText, element, onceAFrame, text} from "../drawing/elements.js";
+
+const SENTENCES = {
+  stable: "Every disturbance of the linear motion decays, those along the family excepted.",
+  unstable: "Some disturbance grows exponentially.",
+  neutral: "No disturbance grows, and none decays: nothing takes energy away.",
+  undecided: "The point is on a boundary, as far as double precision can see.",
+};
+const SIGNS = {stable: "✓", unstable: "↗", neutral: "○", undecided: "?"};
+
+export class PointPanel {
+  constructor(view) {
+    this.view = view;
+    this.badge = element("strong", {class: "badge"});
+    this.place = element("span", {class: "place"});
+    this.sentence = element("p", {class: "sentence"});
+    this.proof = element("p", {class: "small proof"});
+    this.modes = element("div", {class: "modes", role: "radiogroup", "aria-label": "Modes"});
+    this.said = element("p", {class: "unseen", id: "stability-said", "aria-live": "polite"});
+    this.root = element("div", {class: "point-panel"},
+      element("p", {class: "verdict"}, this.badge, this.place), this.sentence, this.proof, this.said);
+    this.render = onceAFrame(() => this.draw());
+    view.on(() => this.render());
+  }
+
+  draw() {
+    const {view} = this, {subject, state} = view, q = view.point(), {verdict, rows} = subject.judge(q);
+    this.badge.className = `badge ${verdict}`;
+    this.badge.replaceChildren(element("span", {"aria-hidden": "true"}, SIGNS[verdict]), ` ${verdict}`);
+    const at = subject.quantities.map((one) => [element("i", {}, one.symbol), ` = ${text(state.values[one.name], 5)}`]);
+    this.place.replaceChildren("at ", ...at.flatMap((parts, i) => (i ? [", ", ...parts] : parts)));
+    this.sentence.textContent = SENTENCES[verdict];
+    this.proof.replaceChildren(...this.proved(verdict, rows));
+    this.list(subject.eigenvalues(q));
+    clearTimeout(this.later);
+    this.later = setTimeout(() => { this.said.textContent = `${verdict} ${this.place.textContent}`; }, 400);
+  }
+
+  proved(verdict, rows) {
+    const one = this.view.certificate(), out = [];
+    if (verdict === "undecided") out.push("Not proved here. ");
+    else if (!rows.length) out.push("Proved for every member of the family, offline. ");
+    else out.push(element("b", {}, "Proved in this page"), ": the signs of the conditions below exceed their rounding errors. ");
+    if (one && one.verdict !== "undecided") {
+      const ends = one.ends.map((e) => [element("i", {}, this.view.subject.quantity[e.name].symbol),
+        ` from ${text(e.low, 4)} to ${text(e.high, 4)}`]);
+      out.push(element("b", {class: "certified"}, "Certified by the package"), `: ${one.verdict} for every `,
+        ...ends[0], " and ", ...ends[1], ".");
+    } else if (one) out.push("The file's certificate leaves this close to the boundary open.");
+    else out.push("The file carries no certificate for these numbers.");
+    return out;
+  }
+
+  list(all) {
+    const shown = all.filter((z) => z[1] >= 0).reverse(), {state} = this.view;
+    const chosen = state.mode !== null && state.mode < shown.length ? state.mode : null;
+    if (this.modes.children.length !== shown.length) {
+      this.modes.replaceChildren(...shown.map((_, i) => element("button", {
+        role: "radio", class: "mode", onclick: () => this.view.set({mode: i, show: "mode"}),
+        onkeydown: (event) => this.arrows(event, i)},
+      element("span", {class: "dot"}), element("span", {class: "lambda"}), element("span", {class: "small words"}))));
+    }
+    shown.forEach((z, i) => {
+      const row = this.modes.children[i], [dot, lambda, words] = row.children;
+      dot.className = `dot ${z[0] > 1e-12 ? "grows" : "decays"}`;
+      lambda.textContent = complexText(z);
+      words.textContent = inWords(z);
+      row.setAttribute("aria-checked", String(i === chosen));
+      row.tabIndex = i === (chosen === null ? 0 : chosen) ? 0 : -1;
+    });
+  }
+
+  arrows(event, i) {
+    const step = {ArrowDown: 1, ArrowRight: 1, ArrowUp: -1, ArrowLeft: -1}[event.key];
+    if (!step) return;
+    const count = this.modes.children.length, next = (i + step + count) % count;
+    this.view.set({mode: next, show: "mode"});
+    this.modes.children[next].focus();
+    event.preventDefault();
+  }
+}
+
+/** How fast a mode grows or decays, and its period. */
+function inWords([re, im]) {
+  const size = Math.hypot(re, im), parts = [];
+  if (Math.abs(re) > 1e-12 * size) parts.push(`${re > 0 ? "doubles" : "halves"} in ${text(Math.LN2 / Math.abs(re), 3)}`);
+  else if (size > 0) parts.push("persists");
+  if (im !== 0) parts.push(`period ${text((2 * Math.PI) / Math.abs(im), 3)}`);
+  return parts.join(", ");
+}

@@ -1,0 +1,129 @@
+"""Growth rates in a shader: straight lines printed from polynomials, for single precision.
+
+The abscissa of a polynomial is the least shift to the left after which it is a Hurwitz polynomial.
+Routh's array decides this with real arithmetic alone, so that bisection is cheap and cannot fail.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from .source_text import SHADER, Line, Record
+
+HALVINGS = 24
+"""Bisections of the abscissa: as many as a single-precision number has digits."""
+
+
+def look(
+    quantities: int, formula: Callable[..., tuple[list[list[Any]], list[tuple[Any, Any]]]],
+    even: Sequence[bool],
+) -> str:  # fmt: skip
+    """Source of the function that a shader calls: growth rate, least condition over its size.
+
+    Parameters
+    ----------
+    quantities
+        Number of quantities that name a point.
+    formula
+        Function of the number type and the quantities to the coefficients of each factor in λ,
+        lowest first, and to (value, size) of each condition.
+    even
+        Whether each factor has even powers alone.
+
+    Returns
+    -------
+    str
+        Functions in GLSL.
+
+    Examples
+    --------
+    >>> text = look(2, lambda f, q: ([[q[0], q[1], 1.0]], [(q[1], 1.0)]), [False])
+    >>> "abscissa2(" in text, "vec2 look(float q0, float q1)" in text
+    (True, True)
+    """
+    record = Record(SHADER)
+    names = [Line(record, f"q{i}") for i in range(quantities)]
+    factors, conditions = formula(record.algebra(), names)
+    body = [*record.lines, "float growth = -1e30;", "float sign = 1.0;"]
+    needed: dict[str, str] = {}
+    for factor, is_even in zip(factors, even, strict=True):
+        name, source = _abscissa(len(factor) - 1, even=is_even)
+        needed[name] = source
+        given = ", ".join(record.text(c) for c in factor)
+        body.append(f"growth = max(growth, {name}({given}));")
+    for value, size in conditions:
+        body.append(f"sign = min(sign, ({record.text(value)}) / ({record.text(size)}));")
+    parameters = ", ".join(f"float q{i}" for i in range(quantities))
+    lines = [*needed.values(), f"vec2 look({parameters}) {{", *body, "return vec2(growth, sign);"]
+    return "\n".join([*lines, "}"])
+
+
+def _abscissa(degree: int, *, even: bool) -> tuple[str, str]:
+    """Name and source of the largest real part of the roots, from the coefficients."""
+    given = ", ".join(f"float c{i}" for i in range(degree + 1))
+    if degree == 1:
+        return "abscissa1", f"float abscissa1({given}) {{ return -c0 / c1; }}"
+    if degree == 2 and even:
+        text = f"float even2({given}) {{ return sqrt(max(0.0, -c0 / c2)); }}"
+        return "even2", text
+    lines = [f"float i = 1.0 / c{degree};", "float r = 0.0;"]
+    for power in range(degree):
+        lines.append(f"r = max(r, pow(abs(c{power} * i), 1.0 / {degree - power}.0));")
+    lines += ["r *= 2.0;", "if (!(r > 0.0)) return 0.0;", "float w = i;"]
+    for power in reversed(range(degree)):
+        lines += ["w /= r;", f"float a{power} = c{power} * w;"]
+    monic = ", ".join(f"a{i}" for i in range(degree))
+    lines += [
+        f"float low = {'-1e-7' if even else '-1.0'}, high = 1.0;",
+        f"for (int n = 0; n < {HALVINGS}; n++) {{",
+        "float m = 0.5 * (low + high);",
+        f"if (hurwitz{degree}({monic}, m)) high = m; else low = m;",
+        "}",
+        "return r * high;" if not even else "return r * max(0.0, low);",
+    ]
+    name = f"{'even' if even else 'abscissa'}{degree}"
+    body = "\n".join(lines)
+    return name, f"{_hurwitz(degree)}\nfloat {name}({given}) {{\n{body}\n}}"
+
+
+def _hurwitz(degree: int) -> str:
+    """Whether a monic polynomial has every root to the left of a shift."""
+    record = Record(SHADER)
+    shift = Line(record, "s")
+    shifted: list[Any] = [Line(record, f"a{i}") for i in range(degree)] + [1.0]
+    for start in range(degree):  # Taylor's shift by repeated synthetic division
+        for i in range(degree - 1, start - 1, -1):
+            shifted[i] = shifted[i] + shifted[i + 1] * shift
+    first = routh(shifted)
+    parameters = ", ".join(f"float a{i}" for i in range(degree))
+    asked = " && ".join(f"{record.text(v)} > 0.0" for v in first if isinstance(v, Line))
+    body = "\n".join([*record.lines, f"return {asked};"])
+    return f"bool hurwitz{degree}({parameters}, float s) {{\n{body}\n}}"
+
+
+def routh(coefficients: Sequence[Any]) -> list[Any]:
+    """First column of Routh's array, over any number type.
+
+    Parameters
+    ----------
+    coefficients
+        Coefficients, lowest power first, the last one positive.
+
+    Returns
+    -------
+    list
+        All positive for a Hurwitz polynomial.
+
+    Examples
+    --------
+    >>> routh([6.0, 11.0, 6.0, 1.0])
+    [1.0, 6.0, 10.0, 6.0]
+    """
+    rows = [list(coefficients[::-1][start::2]) for start in (0, 1)]
+    while len(rows) <= len(coefficients) - 1:
+        above, last = rows[-2:]
+        share = above[0] / last[0]
+        padded = [*last[1:], *[0.0] * len(above)]
+        rows.append([a - share * b for a, b in zip(above[1:], padded, strict=False)])
+    return [row[0] for row in rows if row]

@@ -1,0 +1,46 @@
+"""The command `explore`: what it writes, and what it refuses."""
+
+import json
+from pathlib import Path
+
+import pytest
+from command_line import output, refused
+
+
+def test_a_page_is_written_for_the_disk_a_body_and_a_system(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for words in (
+        ["rolling", "--contact", "rough", "--k", "0.5", "--at", "0.8"],
+        ["rolling", "--body", "torus", "--tube", "0.2", "--mu", "0.3"],
+        ["--system", "examples/bicycle.py:upright", "--at", "5", "--parameter", "g=9.81"],
+    ):
+        page = tmp_path / "page.html"
+        text = output(capsys, "explore", *words, "--out", str(page), "--overwrite", "--json")
+        said = json.loads(text)
+        assert said == {"page": str(page), "bytes": page.stat().st_size}
+        assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (["rolling", "--k", "0.7"], "k is 0.7"),
+        (["wobbling"], "wobbling"),
+        (["--parameter", "nu=1"], "--parameter"),
+        (["--positive", "v"], "--positive"),
+        (["--contact", "mylaw:Law"], "stored laws"),
+        (["--x", "at:1"], "NAME:LO:HI"),
+        (["--x", "at:one:2"], "one"),
+        (["--mass", "2"], "dimensionless"),
+        (["--system", "examples/bicycle.py:upright", "--at", "5"], "g is missing"),
+        (["--system", "examples/watt_governor.py:running", "--parameter", "e=1", "--parameter",
+          "a=1", "--parameter", "b=1"], "solved for"),
+    ],
+)  # fmt: skip
+def test_bad_options_are_one_sentence(
+    words: list[str], part: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target = tmp_path / "page.html"
+    assert part in refused(capsys, "explore", *words, "--out", str(target))
+    assert not target.exists()
