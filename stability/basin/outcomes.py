@@ -20,7 +20,6 @@ from ..algebra.program import Program
 from ..base.checks import flag, one_number
 from ..base.errors import ParameterError
 from ..base.types import Floats
-from ..bodies.model import WORK
 from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
 from ..integrators.taylor import NEWTON, SHIFT, available, unread
@@ -30,6 +29,7 @@ from ..motion.run import TOGETHER, results
 from ..motion.starts import Starts
 from ..settling.nearest import Settling
 from .lanes import EVENT, FAILED, LASTED, PROVED, ends
+from .lean import lean_of
 from .proofs import NONE, Watcher, limits
 
 LOOSER = 100.0
@@ -218,12 +218,10 @@ def _judged(
     settling: Settling,
 ) -> _Run:  # fmt: skip
     """One run of launches, and what its ends mean; rare ends count as unresolved."""
-    lean = _lean(flow)
-    watch = Watcher(settling, flow, p, horizon, judging.settle)
-    done = ends(lean, starts[:, : len(lean.names)], p, horizon, tolerance, judging.most, watch)
-    state = starts.copy()
-    state[:, : len(lean.names)] = done.state
-    run = _Run(**vars(_blank(len(starts))), state=state)
+    lean = lean_of(flow)
+    watch = Watcher(settling, lean.report, flow.system.parameters, p, horizon, judging.settle)
+    done = ends(lean.flow, lean.pack(starts), p, horizon, tolerance, judging.most, watch)
+    run = _Run(**vars(_blank(len(starts))), state=lean.whole(done.state))
     run.time[:], run.steps[:] = done.time, done.steps
     run.outcome[done.kind == FAILED] = CODES[Outcome.UNRESOLVED]
     proved = done.kind == PROVED
@@ -238,15 +236,6 @@ def _judged(
         if rows.size:
             _events(run, flow, rows, p)
     return run
-
-
-@lru_cache(maxsize=64)
-def _lean(flow: Flow) -> Flow:
-    """The flow without the energy account, where that comes last; built once for each."""
-    if flow.names[-1] != WORK:
-        return flow
-    n = len(flow.names) - 1
-    return flow.having(x=flow.x[:n], rhs=flow.rhs[:n], names=flow.names[:n])
 
 
 @lru_cache(maxsize=64)
