@@ -26,7 +26,7 @@ from ..integrators.taylor import FINEST, PIECES, expressions
 STRIDE = 64
 """Steps of a lane between two looks of the watcher."""
 WIDTH = 2
-"""Lanes of a batch over those of the processor's registers: fewer calls, and more work to overlap."""
+"""Lanes of a batch over those of the processor's registers: fewer calls of the library."""
 TURNS = 256
 """Most batches of one thread that move by turns."""
 RUNNING, LASTED, EVENT, PROVED, FAILED = range(5)
@@ -164,7 +164,7 @@ class _Run:
         """
         results, carried = self._propagate(at, self.last[at], STRIDE), self.lanes[at]
         stand, batch = np.zeros(self.width, dtype=np.int8), self.batches[at]
-        # a limit of steps is reached by all lanes at once, whatever stops one of them stops all
+        # the library says of all lanes at once that they have reached their limit of steps
         if results[0][0] == self.full and (batch.time < self.last[at]).all():
             self.found.steps[carried] += STRIDE
             return stand

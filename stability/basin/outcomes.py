@@ -34,8 +34,10 @@ from .proofs import NONE, Watcher, limits
 
 LOOSER = 100.0
 """Tolerance of the second run over that of the first."""
-PARTED = 0.1
-"""Difference of final states beyond which the two runs of a launch have parted."""
+ROUNDING = 2.0**-53
+"""Relative size of a rounding error."""
+PARTED = 0.01
+"""Error of a steady motion or final state beyond which the two runs of a launch have parted."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +117,7 @@ class Outcomes:
     """Bound on its distance from the true one, for the state that was computed; NaN for none."""
     error: Floats
     """Estimated effect of the integration's error on time, member or final state; NaN where the
-    launch was not run again, shape (N,)."""
+    launch was not run again, or its runs part, shape (N,)."""
     steps: NDArray[np.int64]
     """Steps of the first run, shape (N,)."""
 
@@ -188,10 +190,24 @@ def _together(
         same = (first.outcome == second.outcome) & (first.family == second.family)
         alone |= ~same
         first.error[:] = _differences(first, second)
+        first.error[:] *= _decades(tolerance, loose)
         # where the two runs have parted, neither says how the launch ends
-        alone |= (first.outcome == CODES[Outcome.MOVING]) & (first.error > PARTED)
+        lasting = np.isin(first.outcome, [CODES[Outcome.MOVING], CODES[Outcome.SETTLED]])
+        alone |= lasting & (first.error > PARTED)
     _write(found, rows, first)
     _singly(found, launches, rows[alone], judging)
+
+
+def _decades(tolerance: float, loose: float) -> float:
+    """Factor from the difference of two runs to the error of the first.
+
+    A motion that leaves an unstable one leaves later by equal times for each decade of error: the
+    two runs differ by the decades between their tolerances, the first from an exact motion by those
+    down to rounding.
+    """
+    if not loose > tolerance:
+        return 1.0
+    return max(1.0, math.log(tolerance / ROUNDING) / math.log(loose / tolerance))
 
 
 def _numbers(

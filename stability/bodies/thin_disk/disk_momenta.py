@@ -77,7 +77,7 @@ def momenta_model(law: type[Contact], whole: Model) -> Model:
 
 
 def _parts(law: type[Contact], slip: list[ca.SX], mu: list[ca.SX]) -> tuple[Any, Any]:
-    """f and h of the law's force f + N h, which is linear in the normal force."""
+    """The parts f and h of the law's force f + N h, which is linear in the normal force."""
     normal = ca.SX.sym("normal")
     numbers: Any = mu[0] if len(mu) == 1 else tuple(mu)
     force = ca.vertcat(*law.__new__(law).force(slip, normal, numbers))
