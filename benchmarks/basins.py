@@ -4,8 +4,8 @@ The raw batch integrates the same launches to the same horizon with the same eve
 documentation does: whole batches of as many launches as the processor has lanes, no outcome, no
 proof, no second run.  It stops where all launches of a batch have ended.  It has the equations of
 the Newton-Euler graph in the disk's six states, without the account of energy; a second raw batch
-has those of `disk_momenta.py`, which the package integrates itself, so that the two ratios tell what
-the equations give and what ends by proof and full lanes give.  CPU time of one process, paired;
+has those of `disk_momenta.py`, which the package integrates itself: two ratios separate what the
+equations give from what ends by proof and full lanes give.  CPU time of one process, paired;
 medians of the ratios.
 """
 
@@ -162,8 +162,9 @@ def million(count: int, family: str, horizon: float, *, check: bool) -> None:
     own, theirs = (resource.getrusage(who).ru_maxrss / 2**20
                    for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))  # fmt: skip
     ends = ", ".join(f"{n} {BY_CODE[c].word}" for c, n in zip(codes, many, strict=True))
-    print(f"{side * side} launches, {family}, to T = {horizon:g}, run {'twice' if check else 'once'}"
-          f", two processes: {wall:.0f} s, computing time {spent:.0f} s, peak memory {own:.2f} "
+    runs = "twice" if check else "once"
+    print(f"{side * side} launches, {family}, to T = {horizon:g}, run {runs}, "
+          f"two processes: {wall:.0f} s, computing time {spent:.0f} s, peak memory {own:.2f} "
           f"and {theirs:.2f} GiB a process; {ends}", flush=True)  # fmt: skip
 
 
