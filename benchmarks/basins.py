@@ -20,8 +20,8 @@ import numpy as np
 import stability as st
 from stability.basin.basins import planned
 from stability.basin.cost import predict
+from stability.basin.lanes import lean_of
 from stability.basin.launches import prepare
-from stability.basin.lean import lean_of
 from stability.basin.outcomes import Judging, outcomes
 from stability.integrators import taylor
 from stability.integrators.flow import flow, flow_of

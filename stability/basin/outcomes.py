@@ -28,8 +28,7 @@ from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
 from ..motion.starts import Starts
 from ..settling.nearest import Settling
-from .lanes import EVENT, FAILED, LASTED, PROVED, ends
-from .lean import lean_of
+from .lanes import EVENT, FAILED, LASTED, PROVED, ends, lean_of
 from .proofs import NONE, Watcher, limits
 
 LOOSER = 100.0

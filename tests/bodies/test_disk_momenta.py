@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.basin.lean import lean_of
+from stability.basin.lanes import lean_of
 from stability.bodies.contact import Contact, Parameter
 from stability.bodies.contact_laws import law_class
 from stability.bodies.thin_disk.disk_model import disk_model
