@@ -50,7 +50,10 @@ def test_outcomes_are_those_of_the_checked_single_run(
     part = Outcomes(**{n: getattr(found, n)[fit] for n in Outcomes.__dataclass_fields__})
     assert compared(part, run, count // 50) == 0
     settled = part.outcome == CODES[Outcome.SETTLED]
-    assert settled.sum() > count / 5
+    if (body, family) == ("hoop", "rolling"):  # nothing settles by then: these wobble on
+        assert not settled.any() and (part.outcome == CODES[Outcome.MOVING]).sum() > 0.9 * count
+    else:
+        assert settled.sum() > count / 5
     # the proved member, and the one that the last state of the single run converges to
     last = np.stack([run[n].values[:, -1] for n in STATES], axis=-1)
     near = launches.settling.many(last, launches.p[fit], np.inf)
@@ -58,7 +61,7 @@ def test_outcomes_are_those_of_the_checked_single_run(
     stated = part.error + run.final_error.values  # not finite where neighbouring runs part
     allowed = part.member_error + near.settled.error + stated
     told = settled & near.settled.proved & np.isfinite(stated)
-    assert told.sum() > 0.9 * settled.sum()
+    assert told.sum() >= 0.9 * settled.sum()
     assert (late <= allowed + 1e-12)[told].all(), list(zip(late[told], allowed[told], strict=True))
 
 
