@@ -1,8 +1,12 @@
 """Maps of outcomes: launches a second, against heyoka's own batch mode, and the cost predicted.
 
 The raw batch integrates the same launches to the same horizon with the same events, as heyoka's
-documentation does: whole batches, no outcome, no proof, no second run.  It stops where a launch of
-a batch has ended and all others have too.  CPU time of one process; medians of the ratios.
+documentation does: whole batches of as many launches as the processor has lanes, no outcome, no
+proof, no second run.  It stops where all launches of a batch have ended.  It has the equations of
+the Newton-Euler graph in the disk's six states, without the account of energy; a second raw batch
+has those of `disk_momenta.py`, which the package integrates itself: two ratios separate what the
+equations give from what ends by proof and full lanes give.  CPU time of one process, paired;
+medians of the ratios.
 """
 
 import argparse
@@ -16,6 +20,7 @@ import numpy as np
 import stability as st
 from stability.basin.basins import planned
 from stability.basin.cost import predict
+from stability.basin.lanes import lean_of
 from stability.basin.launches import prepare
 from stability.basin.outcomes import Judging, outcomes
 from stability.integrators import taylor
@@ -24,6 +29,7 @@ from stability.motion.result import BY_CODE
 from stability.motion.starts import Starts
 
 MU, HORIZON = 0.3, 2000.0
+HORIZONS = (200.0, 1000.0, 2000.0)
 SCENES = {"spinning": "phi_dot", "rolling": "omega3"}
 BODIES = {"uniform disk": 0.25, "annulus": 0.4, "hoop": 0.5}
 
@@ -37,11 +43,18 @@ def launches(family: str, k: float, count: int, seed: int, horizon: float) -> St
     return asked.starts(points, horizon)
 
 
-def raw(some: Starts, tolerance: float, most: int) -> float:
-    """CPU time of heyoka's batch mode for the launches [s]."""
+def raw(some: Starts, tolerance: float, most: int, *, short: bool = False) -> float:
+    """CPU time of heyoka's batch mode for a launch [s].
+
+    `short`: in the states that the package integrates; otherwise in the six of the disk.
+    """
     import heyoka as hy
 
-    which = flow_of(some.model)
+    whole = flow_of(some.model)
+    lean = lean_of(whole)
+    which = lean.flow if short else whole.having(
+        x=whole.x[:-1], rhs=whole.rhs[:-1], names=whole.names[:-1]
+    )  # fmt: skip
     symbols, rates, guards = taylor.expressions(which)
     width = hy.recommended_simd_size()
     batch = hy.taylor_adaptive_batch(
@@ -51,7 +64,8 @@ def raw(some: Starts, tolerance: float, most: int) -> float:
         pars=np.ones((which.p.numel(), width)),
     )  # fmt: skip
     fit = [i for i in range(some.count) if i not in (some.unfit or {})]
-    y, p = which.pack(some.starts), np.column_stack([some.p, np.full(some.count, 1e-6)])
+    y, p = whole.pack(some.starts), np.column_stack([some.p, np.full(some.count, 1e-6)])
+    y = lean.pack(y) if short else y[:, :-1]
     begin = time.process_time()
     for first in range(0, len(fit) - width + 1, width):
         rows = fit[first : first + width]
@@ -91,29 +105,32 @@ def reference(count: int, repeats: int) -> None:
           f"{statistics.median(shares):.2f} of raw heyoka's batch")  # fmt: skip
 
 
-def scene(count: int, repeats: int) -> None:
+def scene(count: int, repeats: int, horizon: float) -> None:
     """The scene of rolling and spinning starts, against raw batches."""
-    print(f"rolling and spinning starts, mu = {MU}, to T = {HORIZON:g}, tolerance 1e-9, "
+    print(f"rolling and spinning starts, mu = {MU}, to T = {horizon:g}, tolerance 1e-9, "
           f"{count} launches each")  # fmt: skip
     for body, k in BODIES.items():
         for family in SCENES:
-            some = launches(family, k, count, 1, HORIZON)
-            outcomes(some, Judging(check=False))
-            ratios, single, checked = [], [], []
+            some = launches(family, k, count, 1, horizon)
+            outcomes(launches(family, k, 2048, 2, 2.0), Judging())
+            ratios, shorter, single, checked = [], [], [], []
             for _ in range(repeats):
-                bare = raw(some, 1e-9, 20_000)
+                bare = raw(some, 1e-9, 10**6)
                 begin = time.process_time()
                 found = outcomes(some, Judging(check=False))
                 middle = time.process_time()
                 outcomes(some, Judging())
-                single.append((middle - begin) / count)
                 checked.append((time.process_time() - middle) / count)
+                single.append((middle - begin) / count)
                 ratios.append(bare / single[-1])
+                shorter.append(raw(some, 1e-9, 10**6, short=True) / single[-1])
             codes, many = np.unique(found.outcome, return_counts=True)
             ends = ", ".join(f"{n} {BY_CODE[c].word}" for c, n in zip(codes, many, strict=True))
             once, twice = (1e6 * min(seconds) for seconds in (single, checked))
             print(f"  {body}, {family}: {once:.0f} us a launch, run twice {twice:.0f} us; "
-                  f"{statistics.median(ratios):.1f} times raw batches; {ends}")  # fmt: skip
+                  f"{statistics.median(ratios):.1f} times raw batches, "
+                  f"{statistics.median(shorter):.1f} times those in momenta; {ends}",
+                  flush=True)  # fmt: skip
 
 
 def predicted() -> None:
@@ -129,30 +146,46 @@ def predicted() -> None:
         print(f"predicted cost, {family}: {cost.computing:.1f} s, real {real:.1f} s")
 
 
-def million(count: int) -> None:
-    """A map of many launches in a store, by two processes: wall time and memory."""
+def million(count: int, family: str, horizon: float, *, check: bool) -> None:
+    """A map of many launches in a store, by two processes: wall time, CPU time and memory."""
     import tempfile
 
     side = round(count**0.5)
     with tempfile.TemporaryDirectory() as folder:
-        begin = time.perf_counter()
-        found = st.basins(contact="viscous", mu=MU, family="spinning", horizon=HORIZON,
-                          x=("phi_dot", 0.3, 4.0, side), y=("tilt", 0.0, 0.6, side), check=False,
-                          store=f"{folder}/map.zarr", executor="processes", workers=2)  # fmt: skip
-        wall = time.perf_counter() - begin
+        begin, before = time.perf_counter(), _spent()
+        found = st.basins(contact="viscous", mu=MU, family=family, horizon=horizon,
+                          x=(SCENES[family], 0.3, 4.0, side), y=("tilt", 0.0, 0.6, side),
+                          check=check, store=f"{folder}/map.zarr", executor="processes",
+                          workers=2)  # fmt: skip
+        wall, spent = time.perf_counter() - begin, _spent() - before
         codes, many = np.unique(found.outcome.values, return_counts=True)
     own, theirs = (resource.getrusage(who).ru_maxrss / 2**20
                    for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))  # fmt: skip
     ends = ", ".join(f"{n} {BY_CODE[c].word}" for c, n in zip(codes, many, strict=True))
-    print(f"{side * side} launches, spinning, two processes: {wall:.0f} s, peak memory {own:.2f} "
-          f"and {theirs:.2f} GiB a process; {ends}")  # fmt: skip
+    runs = "twice" if check else "once"
+    print(f"{side * side} launches, {family}, to T = {horizon:g}, run {runs}, "
+          f"two processes: {wall:.0f} s, computing time {spent:.0f} s, peak memory {own:.2f} "
+          f"and {theirs:.2f} GiB a process; {ends}", flush=True)  # fmt: skip
+
+
+def _spent() -> float:
+    """Computing time of this process and of those that have ended [s]."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
 
 
 def main() -> None:
     """Print all figures."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--large", action="store_true", help="a million launches too")
-    parser.add_argument("--count", type=int, default=2048, help="launches of a scene")
+    parser.add_argument(
+        "--large",
+        type=int,
+        nargs="?",
+        const=1_000_000,
+        default=0,
+        help="maps of so many launches too, a million by default",
+    )
+    parser.add_argument("--count", type=int, default=4096, help="launches of a scene")
     parser.add_argument("--repeats", type=int, default=3)
     asked = parser.parse_args()
     if not taylor.available():
@@ -160,10 +193,13 @@ def main() -> None:
         return
     flow("viscous")
     reference(asked.count, asked.repeats)
-    scene(asked.count, asked.repeats)
+    for horizon in HORIZONS:
+        scene(asked.count, asked.repeats, horizon)
     predicted()
     if asked.large:
-        million(1_000_000)
+        for family in SCENES:
+            for check in (False, True):
+                million(asked.large, family, HORIZON, check=check)
 
 
 if __name__ == "__main__":

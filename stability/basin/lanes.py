@@ -20,12 +20,15 @@ from numpy.typing import NDArray
 
 from ..algebra.number_types import heyoka
 from ..base.types import Floats
-from ..integrators.flow import ASKING, Flow
+from ..bodies.model import WORK
+from ..integrators.flow import ASKING, Flow, flow_of
 from ..integrators.taylor import FINEST, PIECES, expressions
 
 STRIDE = 64
 """Steps of a lane between two looks of the watcher."""
-TURNS = 64
+WIDTH = 2
+"""Lanes of a batch over those of the processor's registers: fewer calls of the library."""
+TURNS = 256
 """Most batches of one thread that move by turns."""
 RUNNING, LASTED, EVENT, PROVED, FAILED = range(5)
 """How a launch stands: it runs, it lasted to its last time, a guard's product reached zero, its
@@ -97,41 +100,62 @@ class _Run:
         self.batches, self.p, self.horizon, self.most = batches, p, horizon, most
         self.watch, self.found, self.next = watch, found, 0
         self.width = batches[0].batch_size
-        self.lanes = np.full((len(batches), self.width), -1, dtype=np.intp)
+        shape = len(batches), self.width
+        self.lanes = np.full(shape, -1, dtype=np.intp)
+        self.last, self.longest = np.zeros(shape), np.full(shape, np.inf)
         pieces = math.inf if flow.model.turning else PIECES + 7 * abs(math.log10(tolerance))
-        self.longest = horizon / pieces if math.isfinite(pieces) else np.full(len(p), np.inf)
-        self.codes = _outcomes()
+        self.piece = horizon / pieces if math.isfinite(pieces) else None
+        self.states = [batch.state for batch in batches]  # views of their memory
+        self.codes, self.full = _outcomes(), heyoka().taylor_outcome.step_limit
 
     def to_the_end(self) -> None:
         """Move all lanes until no launch is left."""
         for at, batch in enumerate(self.batches):
-            # a lane without a launch stands still at a state where the equations have a value
-            batch.state[:] = self.found.state[:1].T
-            batch.pars[:] = self.p[0, : len(batch.pars), None]
             batch.set_time(0.0)
+            for lane in range(self.width):
+                self._clear(at, lane)
             self._refill(at, range(self.width))
         while (used := np.flatnonzero((self.lanes >= 0).any(axis=1))).size:
             self._look(used, np.stack([self._move(at) for at in used.tolist()]))
+
+    def _clear(self, at: int, lane: int) -> None:
+        """Let a lane stand still at a state where the equations have a value."""
+        batch = self.batches[at]
+        self.lanes[at, lane], self.last[at, lane], self.longest[at, lane] = -1, 0.0, np.inf
+        batch.state[:, lane] = self.found.state[0]
+        batch.pars[:, lane] = self.p[0, : len(batch.pars)]
 
     def _refill(self, at: int, free: Any) -> None:
         batch = self.batches[at]
         # both parts of each time: rounding would change the launches on the other lanes
         high, low = (np.array(part) for part in batch.dtime)
         for lane in free:
+            high[lane] = low[lane] = 0.0
             mine = self.next
             if mine >= len(self.p):
-                self.lanes[at, lane] = -1
-                batch.state[:, lane] = self.found.state[0]
-                batch.pars[:, lane] = self.p[0, : len(batch.pars)]
+                self._clear(at, lane)
                 continue
             self.next += 1
-            self.lanes[at, lane] = mine
+            self._put(at, lane, mine)
             batch.state[:, lane] = self.found.state[mine]
             batch.pars[:, lane] = self.p[mine, : len(batch.pars)]
-            high[lane] = low[lane] = 0.0
             if batch.with_events:
                 batch.reset_cooldowns(lane)
         batch.set_dtime(high, low)
+
+    def _put(self, at: int, lane: int, launch: int) -> None:
+        self.lanes[at, lane], self.last[at, lane] = launch, self.horizon[launch]
+        if self.piece is not None:
+            self.longest[at, lane] = self.piece[launch]
+
+    def _propagate(self, at: int, last: Floats, steps: int) -> list[Any]:
+        """Move a batch; outcome and number of steps of each lane."""
+        batch, more = self.batches[at], {}
+        if self.piece is not None:
+            more = {"max_delta_t": self.longest[at]}
+        batch.propagate_until(last, max_steps=steps, **more)
+        found: list[Any] = batch.propagate_res
+        return found
 
     def _move(self, at: int) -> NDArray[np.int8]:
         """Move one batch by a stride; how its lanes stand.
@@ -139,35 +163,39 @@ class _Run:
         A launch that ends stops the whole batch.  The others then finish their stride, so that each
         is seen at the same steps and not where a neighbour ended.
         """
-        carried, batch, left = self.lanes[at], self.batches[at], STRIDE
-        going = carried >= 0
-        stand = np.full(self.width, RUNNING, dtype=np.int8)
-        longest = np.where(going, self.longest[carried], np.inf)
-        while left > 0 and going.any():
-            last = np.where(going, self.horizon[carried], batch.time)
-            batch.propagate_until(last, max_steps=left, max_delta_t=longest)
+        results, carried = self._propagate(at, self.last[at], STRIDE), self.lanes[at]
+        stand, batch = np.zeros(self.width, dtype=np.int8), self.batches[at]
+        # the library says of all lanes at once that they have reached their limit of steps
+        if results[0][0] == self.full and (batch.time < self.last[at]).all():
+            self.found.steps[carried] += STRIDE
+            return stand
+        left, going = STRIDE, carried >= 0
+        while True:
             made = 0
-            for lane, (outcome, _, _, steps) in enumerate(batch.propagate_res):
+            for lane, (outcome, _, _, steps) in enumerate(results):
                 if going[lane]:
                     made = max(made, steps)
                     self.found.steps[carried[lane]] += steps
                     stand[lane] = self.codes.get(int(outcome), EVENT)
             # of lanes that another one has stopped the library says that they have lasted
             stand[stand == LASTED] = RUNNING
-            stand[going & (stand == RUNNING) & (np.asarray(batch.time) >= last)] = LASTED
-            wild = going & ~(np.isfinite(batch.state).all(axis=0) & np.isfinite(batch.time))
+            now = np.asarray(batch.time)
+            stand[going & (stand == RUNNING) & (now >= self.last[at])] = LASTED
+            wild = going & ~(np.isfinite(batch.state).all(axis=0) & np.isfinite(now))
             if wild.any():
                 stand[wild] = FAILED
                 batch.state[:, wild] = self.found.state[:1].T
                 high, low = (np.where(wild, 0.0, part) for part in batch.dtime)
                 batch.set_dtime(high, low)
-            going &= stand == RUNNING
+            going = going & (stand == RUNNING)
             left -= made or left
-        return stand
+            if left <= 0 or not going.any():
+                return stand
+            results = self._propagate(at, np.where(going, self.last[at], batch.time), left)
 
     def _look(self, used: NDArray[np.intp], stand: NDArray[np.int8]) -> None:
         """Show the states to the watcher, write what has ended, and refill the lanes."""
-        states = np.stack([self.batches[at].state for at in used])  # (batches, n, lanes)
+        states = np.stack([self.states[at] for at in used.tolist()])  # (batches, n, lanes)
         times, carried = np.stack([self.batches[at].time for at in used]), self.lanes[used]
         going = (carried >= 0) & (stand == RUNNING)
         spent = going & (self.found.steps[carried] >= self.most)
@@ -207,7 +235,8 @@ class _Run:
         new.set_dtime(high, low)
         if new.with_events:
             new.reset_cooldowns(place)
-        self.lanes[to, place], self.lanes[at, lane] = self.lanes[at, lane], -1
+        self._put(to, place, int(self.lanes[at, lane]))
+        self._clear(at, lane)
 
 
 @lru_cache(maxsize=1)
@@ -238,10 +267,63 @@ def _compiled(flow: Flow, tolerance: float) -> tuple[Any, list[Any]]:
     """A batch integrator, and the copies of it that are not in use."""
     hy = heyoka()
     symbols, rates, guards = expressions(flow)
-    width = hy.recommended_simd_size()
+    width = WIDTH * hy.recommended_simd_size()
     down = hy.event_direction.negative
     batch = hy.taylor_adaptive_batch(
         list(zip(symbols, rates, strict=True)), np.zeros((len(symbols), width)), tol=tolerance,
-        t_events=[hy.t_event_batch(g, direction=down) for g in guards],
+        t_events=[hy.t_event_batch(g, direction=down) for g in guards], fast_math=True,
     )  # fmt: skip
     return batch, []
+
+
+@dataclass(frozen=True, eq=False)
+class Lean:
+    """A flow for lanes, and the states of the flow that it takes the place of."""
+
+    whole_flow: Flow
+    """The flow of the model."""
+    flow: Flow
+    """The flow to integrate."""
+
+    @property
+    def short(self) -> bool:
+        """Whether the states are others, those of `Model.short`."""
+        return self.flow.model.chart is not self.whole_flow.model.chart
+
+    def pack(self, y: Floats) -> Floats:
+        """States of the lean flow, shape (N, l), from those of the whole one, shape (N, n)."""
+        if self.short:
+            return self.flow.pack(self.whole_flow.reported(y))
+        return y[:, : len(self.flow.names)]
+
+    def whole(self, y: Floats) -> Floats:
+        """States of the whole flow from those of the lean one; no work is done."""
+        if self.short:
+            return self.whole_flow.pack(self.flow.reported(y))
+        found = np.zeros((len(y), len(self.whole_flow.names)))
+        found[:, : y.shape[1]] = y
+        return found
+
+    def report(self, y: Floats) -> Floats:
+        """States that a motion reports, shape (N, s), from those of the lean flow."""
+        if self.short:
+            return self.flow.reported(y)
+        return self.whole_flow.reported(self.whole(y))
+
+
+@lru_cache(maxsize=64)
+def lean_of(flow: Flow) -> Lean:
+    """The lean flow of a model; built once for each.
+
+    Parameters
+    ----------
+    flow
+        Flow of a body or of a user's system.
+    """
+    model = flow.model
+    if model.short is not None:
+        return Lean(flow, flow_of(model.short(model)))
+    if flow.names[-1] != WORK:
+        return Lean(flow, flow)
+    n = len(flow.names) - 1
+    return Lean(flow, flow.having(x=flow.x[:n], rhs=flow.rhs[:n], names=flow.names[:n]))

@@ -20,7 +20,6 @@ from ..algebra.program import Program
 from ..base.checks import flag, one_number
 from ..base.errors import ParameterError
 from ..base.types import Floats
-from ..bodies.model import WORK
 from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
 from ..integrators.taylor import NEWTON, SHIFT, available, unread
@@ -29,13 +28,15 @@ from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
 from ..motion.starts import Starts
 from ..settling.nearest import Settling
-from .lanes import EVENT, FAILED, LASTED, PROVED, ends
+from .lanes import EVENT, FAILED, LASTED, PROVED, ends, lean_of
 from .proofs import NONE, Watcher, limits
 
 LOOSER = 100.0
 """Tolerance of the second run over that of the first."""
-PARTED = 0.1
-"""Difference of final states beyond which the two runs of a launch have parted."""
+ROUNDING = 2.0**-53
+"""Relative size of a rounding error."""
+PARTED = 0.01
+"""Error of a steady motion or final state beyond which the two runs of a launch have parted."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ class Outcomes:
     """Bound on its distance from the true one, for the state that was computed; NaN for none."""
     error: Floats
     """Estimated effect of the integration's error on time, member or final state; NaN where the
-    launch was not run again, shape (N,)."""
+    launch was not run again, or its runs part, shape (N,)."""
     steps: NDArray[np.int64]
     """Steps of the first run, shape (N,)."""
 
@@ -188,10 +189,24 @@ def _together(
         same = (first.outcome == second.outcome) & (first.family == second.family)
         alone |= ~same
         first.error[:] = _differences(first, second)
+        first.error[:] *= _decades(tolerance, loose)
         # where the two runs have parted, neither says how the launch ends
-        alone |= (first.outcome == CODES[Outcome.MOVING]) & (first.error > PARTED)
+        lasting = np.isin(first.outcome, [CODES[Outcome.MOVING], CODES[Outcome.SETTLED]])
+        alone |= lasting & (first.error > PARTED)
     _write(found, rows, first)
     _singly(found, launches, rows[alone], judging)
+
+
+def _decades(tolerance: float, loose: float) -> float:
+    """Factor from the difference of two runs to the error of the first.
+
+    A motion that leaves an unstable one leaves later by equal times for each decade of error: the
+    two runs differ by the decades between their tolerances, the first from an exact motion by those
+    down to rounding.
+    """
+    if not loose > tolerance:
+        return 1.0
+    return max(1.0, math.log(tolerance / ROUNDING) / math.log(loose / tolerance))
 
 
 def _numbers(
@@ -218,12 +233,10 @@ def _judged(
     settling: Settling,
 ) -> _Run:  # fmt: skip
     """One run of launches, and what its ends mean; rare ends count as unresolved."""
-    lean = _lean(flow)
-    watch = Watcher(settling, flow, p, horizon, judging.settle)
-    done = ends(lean, starts[:, : len(lean.names)], p, horizon, tolerance, judging.most, watch)
-    state = starts.copy()
-    state[:, : len(lean.names)] = done.state
-    run = _Run(**vars(_blank(len(starts))), state=state)
+    lean = lean_of(flow)
+    watch = Watcher(settling, lean.report, flow.system.parameters, p, horizon, judging.settle)
+    done = ends(lean.flow, lean.pack(starts), p, horizon, tolerance, judging.most, watch)
+    run = _Run(**vars(_blank(len(starts))), state=lean.whole(done.state))
     run.time[:], run.steps[:] = done.time, done.steps
     run.outcome[done.kind == FAILED] = CODES[Outcome.UNRESOLVED]
     proved = done.kind == PROVED
@@ -238,15 +251,6 @@ def _judged(
         if rows.size:
             _events(run, flow, rows, p)
     return run
-
-
-@lru_cache(maxsize=64)
-def _lean(flow: Flow) -> Flow:
-    """The flow without the energy account, where that comes last; built once for each."""
-    if flow.names[-1] != WORK:
-        return flow
-    n = len(flow.names) - 1
-    return flow.having(x=flow.x[:n], rhs=flow.rhs[:n], names=flow.names[:n])
 
 
 @lru_cache(maxsize=64)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..base.types import Floats
-from ..integrators.flow import Flow
 from ..settling.nearest import Settling
 from ..settling.together.many import NearestMany
 
@@ -21,10 +22,12 @@ class Watcher:
     ----------
     settling
         Steady motions that the launches may settle on.
-    flow
-        Flow of the launches.
+    report
+        Function from the states that are shown to those that a motion reports.
+    parameters
+        Names of the system's parameters.
     p
-        Its parameters, shape (N, m).
+        Their values, then others, shape (N, m).
     horizon
         Last time of each launch, at which it is tried in any case, shape (N,).
     within
@@ -32,10 +35,11 @@ class Watcher:
     """
 
     def __init__(
-        self, settling: Settling, flow: Flow, p: Floats, horizon: Floats, within: float
-    ) -> None:
-        self.settling, self.flow, self.horizon, self.within = settling, flow, horizon, within
-        self.p = p[:, : len(flow.system.parameters)]
+        self, settling: Settling, report: Callable[[Floats], Floats], parameters: Sequence[str],
+        p: Floats, horizon: Floats, within: float,
+    ) -> None:  # fmt: skip
+        self.settling, self.report, self.horizon, self.within = settling, report, horizon, within
+        self.p = p[:, : len(parameters)]
         count = len(p)
         self.limit = np.full(count, within)
         self.family = np.full(count, NONE, dtype=np.int8)
@@ -43,10 +47,8 @@ class Watcher:
 
     def __call__(self, rows: NDArray[np.intp], states: Floats, times: Floats) -> NDArray[np.bool_]:
         """Whether the outcome of each launch is proved."""
-        full = np.zeros((len(states), len(self.flow.names)))
-        full[:, : states.shape[1]] = states
         limit = np.where(times < self.horizon[rows], self.limit[rows], self.within)
-        found = self.settling.many(self.flow.reported(full), self.p[rows], limit)
+        found = self.settling.many(self.report(states), self.p[rows], limit)
         proved = found.settled.proved
         tried = found.distance <= limit
         self.limit[rows[tried]] = (found.settled.nearer * found.distance)[tried]

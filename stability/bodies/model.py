@@ -81,6 +81,8 @@ class Model:
     """Cheap test that no guard failed at states, shape (t, n); None: all guards are evaluated."""
     chart: Chart | None = None
     """How reported states follow from y; None where y begins with them."""
+    short: Callable[[Model], Model] | None = None
+    """(this model) → the same motion in states that need fewer operations, in a chart."""
     title: str = ""
     """Title of a motion's dataset."""
     source: str = ""

@@ -94,6 +94,11 @@ class _Line:
             return None
         return surroundings(self.law, self.name)
 
+    def near(self, states: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """As `Quick.near`."""
+        at, parts = _parts(self.family, states.T, p[:, 0], np)
+        return at[:, None], np.sqrt(sum(np.square(e) for e in parts))
+
     def place(self, states: Floats, p: Floats, *, plain: bool) -> tuple[Balls, Balls, Floats]:
         """As `Place.place`."""
         sign = np.copysign(1.0, states[:, TURNING])

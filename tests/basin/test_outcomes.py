@@ -13,6 +13,7 @@ from stability.basin.launches import prepare
 from stability.basin.outcomes import Judging, Outcomes, outcomes
 from stability.motion.result import BY_CODE, CODES, Outcome
 
+STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 DISKS = {"uniform": 0.25, "annulus": 0.4, "hoop": 0.5}
 
 
@@ -49,12 +50,19 @@ def test_outcomes_are_those_of_the_checked_single_run(
     part = Outcomes(**{n: getattr(found, n)[fit] for n in Outcomes.__dataclass_fields__})
     assert compared(part, run, count // 50) == 0
     settled = part.outcome == CODES[Outcome.SETTLED]
-    assert settled.sum() > count / 5
-    # the proved member, and the nearest one at the last time
-    late = np.abs(part.member - run.nearest_at.values)[settled]
-    distance = run.nearest_distance.values[settled]
-    allowed = part.member_error[settled] + part.error[settled] + distance
-    assert (late <= allowed + 1e-9).all()
+    if (body, family) == ("hoop", "rolling"):  # nothing settles by then: these wobble on
+        assert not settled.any() and (part.outcome == CODES[Outcome.MOVING]).sum() > 0.9 * count
+    else:
+        assert settled.sum() > count / 5
+    # the proved member, and the one that the last state of the single run converges to
+    last = np.stack([run[n].values[:, -1] for n in STATES], axis=-1)
+    near = launches.settling.many(last, launches.p[fit], np.inf)
+    late = np.abs(part.member - near.settled.limit[:, 0])
+    stated = part.error + run.final_error.values  # not finite where neighbouring runs part
+    allowed = part.member_error + near.settled.error + stated
+    told = settled & near.settled.proved & np.isfinite(stated)
+    assert told.sum() >= 0.9 * settled.sum()
+    assert (late <= allowed + 1e-12)[told].all(), list(zip(late[told], allowed[told], strict=True))
 
 
 def test_outcomes_do_not_depend_on_the_company() -> None:

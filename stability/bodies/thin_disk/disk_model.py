@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
@@ -14,6 +15,7 @@ from ..contact import Contact
 from ..contact_laws import Creep, law_class
 from ..model import WORK, Model
 from .disk_equations import CREEPS, STATES, disk_system
+from .disk_momenta import momenta_model
 from .disk_quantities import QUANTITIES
 
 POSE = ("phi", "psi", "centre_x", "centre_y")
@@ -125,11 +127,16 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         tuple(names), guards, WORDS, series, QUANTITIES,
         law.symbols()[0] if law.relaxes and not sticking else "",
         turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
-        parking=partial(_park, friction), sound=_stands,
+        parking=partial(_park, friction), sound=_stands, short=_short(law, sticking or pose),
         title=f"motion of a disk, {law.name} contact",
         source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, integrated",
     )  # fmt: skip
+
+
+def _short(law: type[Contact], other: bool) -> Callable[[Model], Model] | None:  # noqa: FBT001
+    """The disk in momenta, where the slip is a state and its force has a value at rest."""
+    return None if other or law.sticks or law.holds else partial(momenta_model, law)
 
 
 def _park(friction: list[int], states: Any, parameters: Any, lane: int) -> None:

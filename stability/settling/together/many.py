@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,15 @@ class Place(Protocol):
 
         Entries are nan or infinite where the family has no member for a state.
         """
+        ...
+
+
+@runtime_checkable
+class Quick(Protocol):
+    """A family that also says in double precision how far states are from it."""
+
+    def near(self, states: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Members' y, shape (launches, n), and distances, infinite where there is no member."""
         ...
 
 
@@ -84,28 +93,36 @@ def nearest_many(
     p = np.broadcast_to(p, (len(states), np.shape(p)[-1]))
     count = len(states)
     with np.errstate(all="ignore"):  # a family without a member there is infinitely far
-        placed = [one.place(states, p, plain=plain) for one in places]
-        far = [np.sqrt(np.square(e.mid).sum(1)) for _, e, _ in placed]
-    apart = np.nan_to_num(np.reshape(far, (len(places), count)), nan=np.inf)
+        near = [_near(one, states, p, plain=plain) for one in places]
+    apart = np.nan_to_num(np.reshape([far for _, far in near], (len(places), count)), nan=np.inf)
     best = np.argmin(apart, axis=0) if places else np.zeros(count, int)
     distance = apart.min(axis=0, initial=np.inf)
     family = np.where(np.isfinite(distance), best, -1)
-    most = max((y.mid.shape[1] for y, _, _ in placed), default=0)
+    most = max((y.shape[1] for y, _ in near), default=0)
     at = np.full((count, most), np.nan)
     whole = nothing(count, most)
-    for i, (one, (y, e, given)) in enumerate(zip(places, placed, strict=True)):
-        here, n = family == i, y.mid.shape[1]
-        at[here, :n] = y.mid[here]
+    for i, (one, (members, _)) in enumerate(zip(places, near, strict=True)):
+        here, n = family == i, members.shape[1]
+        at[here, :n] = members[here]
         some = np.flatnonzero(here & (distance <= within))
         around = one.attracting if len(some) else None
         if around is None:
             continue
-        part = [Balls(v.mid[some], v.rad[some]) for v in (y, e)]
-        found = _settled(around, part[0], given[some], part[1], plain=plain)
+        with np.errstate(all="ignore"):
+            y, e, given = one.place(states[some], p[some], plain=plain)
+        found = _settled(around, y, given, e, plain=plain)
         whole.limit[some, :n] = found.limit
         for name in ("proved", "error", "rate", "reach", "nearer"):
             getattr(whole, name)[some] = getattr(found, name)
     return NearestMany(tuple(one.name for one in places), family, at, distance, whole)
+
+
+def _near(one: Place, states: Floats, p: Floats, *, plain: bool) -> tuple[Floats, Floats]:
+    """Members' y and distances from a family; only states that come near meet the balls."""
+    if isinstance(one, Quick):
+        return one.near(states, p)
+    y, e, _ = one.place(states, p, plain=plain)
+    return y.mid, np.sqrt(np.square(e.mid).sum(1))
 
 
 def _settled(around: Surroundings, y: Balls, given: Floats, e: Balls, *, plain: bool) -> Settled:
