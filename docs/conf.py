@@ -12,7 +12,6 @@ sys.path.insert(0, str(DOCS))
 os.environ["IPYTHONDIR"] = str(DOCS / "sphinx_parts" / "kernel")  # settings of executed cells
 
 from sphinx_parts import elsewhere  # noqa: E402
-from sphinx_parts.notebooks import read  # noqa: E402, F401
 
 from stability.base.version import __version__  # noqa: E402
 
@@ -31,13 +30,13 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_parts.site",
 ]
-exclude_patterns = ["report", "films", "sphinx_parts", "*.py", "_made", "**.ipynb_checkpoints"]
+exclude_patterns = ["films", "sphinx_parts", "*.py", "_made", "**.ipynb_checkpoints"]
 root_doc = "index"
 nitpicky = True
 nitpick_ignore_regex = [
     # rooms behind the public names have no page of their own
     ("py:.*", r"(stability\.|\.\.|_)?[a-z_]+\..*"),
-    ("py:.*", r"(optional|callable|Any|Floats|Complexes|Progress|Number|Points|T|Self|Record)"),
+    ("py:.*", r"[A-Z_]\w*"),
 ]
 suppress_warnings = ["mystnb.unknown_mime_type", "config.cache"]
 
@@ -49,7 +48,6 @@ myst_enable_extensions = [
 myst_heading_anchors = 4
 myst_links_external_new_tab = False
 
-nb_custom_formats = {".py": "sphinx_parts.notebooks.read"}
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(BUILD / "executed")
 nb_execution_in_temp = True
@@ -62,7 +60,6 @@ nb_merge_streams = True
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # signatures show them; parameters say shapes and units
 autodoc_preserve_defaults = True
-autodoc_class_signature = "mixed"
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False

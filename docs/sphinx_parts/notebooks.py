@@ -1,27 +1,20 @@
-"""The notebooks of the project as pages: copied next to the pages, and read by jupytext."""
+"""The notebooks of the project as pages, and plain pages whose Python is run."""
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 TARGET = ROOT / "docs" / "notebooks"
-OWN = ("## ", "`make notebooks` opens this page")
+HEAD = """---
+file_format: mystnb
+kernelspec:
+  name: python3
+  display_name: Python 3
+---
 
-
-def read(text: str) -> Any:
-    """A script in cells as a notebook; links of the folder `notebooks` become those of the site.
-
-    Parameters
-    ----------
-    text
-        The script.
-    """
-    import jupytext
-
-    return jupytext.reads(text, fmt="py:percent")
+"""
 
 
 def written(path: Path, text: str) -> None:
@@ -31,26 +24,18 @@ def written(path: Path, text: str) -> None:
         path.write_text(text, encoding="utf-8")
 
 
-def copy() -> list[str]:
-    """Copy every notebook; returns their names."""
+def copy() -> None:
+    """Write every notebook as a page, with its links seen from there."""
+    import jupytext
+
     names = []
     for path in sorted((ROOT / "notebooks").glob("*.py")):
-        text = re.sub(r"\(\.\./docs/", "(../", path.read_text(encoding="utf-8"))
-        written(TARGET / path.name, text)
+        page = jupytext.writes(jupytext.read(path), fmt="md:myst")
+        written(TARGET / f"{path.stem}.md", page.replace("(../docs/", "(../"))
         names.append(path.stem)
-    for old in TARGET.glob("*.py"):
-        if old.stem not in names:
+    for old in TARGET.glob("*"):
+        if old.stem not in names or old.suffix != ".md":
             old.unlink()
-    return names
-
-
-HEAD = """---
-kernelspec:
-  name: python3
-  display_name: Python 3
----
-
-"""
 
 
 def executed(app: Any, docname: str, source: list[str]) -> None:  # noqa: ARG001

@@ -148,21 +148,77 @@ def write() -> None:
     for group in GROUPS:
         title = f"{group.title}\n{'=' * len(group.title)}\n\n{group.words}\n\n"
         body = "\n".join(entry(name) for name in names[group.name])
-        written(TARGET / f"{group.name}.rst", f"{title}{body}")
+        written(TARGET / f"{group.name}.rst", f"{title}{body}{_errors(group)}")
+
+
+def _errors(group: Group) -> str:
+    """The kinds of error that functions raise, all of them kinds of `StabilityError`."""
+    from stability.base import errors
+
+    if group.name != "errors":
+        return ""
+    kinds = [n for n, v in vars(errors).items() if isinstance(v, type)
+             and issubclass(v, errors.StabilityError) and v is not errors.StabilityError]  # fmt: skip
+    head = "\nKinds of StabilityError\n-----------------------\n\n"
+    head += "Catch `StabilityError`, which all of these are, or one of them.\n\n"
+    head = head.replace("`StabilityError`", ":py:exc:`stability.StabilityError`")
+    return head + "".join(
+        f".. autoexception:: stability.base.errors.{name}\n   :show-inheritance:\n\n"
+        for name in kinds
+    )
 
 
 # --- docstrings ---
 
 
 def sections_of(lines: list[str]) -> list[str]:
-    """A docstring whose line `Source: …` is a section of its own."""
+    """A docstring in the markup of Sphinx: names are links, and `Source: …` is a section."""
     text = "\n".join(lines)
     text = re.sub(
         r"^Source: (.*?)(?=\n\s*\n|\Z)", r"Source\n------\n\1", text, flags=re.DOTALL | re.MULTILINE
     )
-    return text.split("\n")
+    text = re.sub(r"(?<![`:\w])`([^`\n]+)`(?![`_])", _marked, text)
+    found = []
+    for line in text.split("\n"):
+        code = line.lstrip().startswith((">>>", "...")) or "``" in line
+        found.append(line if code else line.replace("|", r"\|"))
+    return found
 
 
-def sections(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:  # noqa: ARG001
-    """Give every docstring its section `Source`, before its sections are read."""
+def _marked(match: re.Match[str]) -> str:
+    """A public name as a link, anything else as code."""
+    name = match[1]
+    return f":py:obj:`~stability.{name}`" if name in stability.__all__ else f"``{name}``"
+
+
+def sections(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """Read the sections of a docstring; those of attributes are plain text."""
+    from sphinx.ext.napoleon import NumpyDocstring
+
     lines[:] = sections_of(lines)
+    if what not in ("attribute", "property", "data"):
+        lines[:] = NumpyDocstring(lines, app.config, app, what, name, obj, options).lines()
+
+
+def alone(app: Any) -> None:
+    """Keep the general reader of docstrings away: it takes words before a colon for a type."""
+    from sphinx.ext import napoleon
+
+    for listener in list(app.events.listeners["autodoc-process-docstring"]):
+        if listener.handler is napoleon._process_docstring:
+            app.disconnect(listener.id)
+
+
+def resolved(app: Any, env: Any, node: Any, inner: Any) -> Any:
+    """The place of an error that is raised and has no public name: the page on errors."""
+    from docutils import nodes
+
+    from stability.base import errors
+
+    name = node.get("reftarget", "").rpartition(".")[2]
+    if node.get("refdomain") != "py" or not isinstance(getattr(errors, name, None), type):
+        return None
+    target = app.builder.get_relative_uri(node["refdoc"], "reference/errors")
+    link = nodes.reference("", "", refuri=f"{target}#stability.base.errors.{name}", internal=True)
+    link += inner
+    return link

@@ -9,6 +9,7 @@ from . import command_line, commands, figures, live, mathml, notebooks, referenc
 
 def made(app: Any) -> None:
     """Write the pages that are derived from the code of today, before Sphinx looks for pages."""
+    reference.alone(app)
     notebooks.copy()
     reference.write()
     command_line.write()
@@ -30,5 +31,6 @@ def setup(app: Any) -> dict[str, bool]:
     app.connect("env-purge-doc", sources.purge)
     app.connect("env-merge-info", sources.merge)
     app.connect("html-collect-pages", sources.pages)
-    app.connect("autodoc-process-docstring", reference.sections, priority=100)
+    app.connect("autodoc-process-docstring", reference.sections)
+    app.connect("missing-reference", reference.resolved)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
