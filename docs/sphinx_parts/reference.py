@@ -177,18 +177,21 @@ def sections_of(lines: list[str]) -> list[str]:
     text = re.sub(
         r"^Source: (.*?)(?=\n\s*\n|\Z)", r"Source\n------\n\1", text, flags=re.DOTALL | re.MULTILINE
     )
-    text = re.sub(r"(?<![`:\w])`([^`\n]+)`(?![`_])", _marked, text)
-    found = []
+    lines, example = [], False
     for line in text.split("\n"):
-        code = line.lstrip().startswith((">>>", "...")) or "``" in line
-        found.append(line if code else line.replace("|", r"\|"))
-    return found
+        example = line.lstrip().startswith(">>>") or (example and bool(line.strip()))
+        lines.append(line if example or "``" in line else line.replace("|", r"\|"))
+    text = "\n".join(lines)
+    return re.sub(r"(?<![`:\w])`([^`\n]+)`(?![`_])(.?)", _marked, text).split("\n")
 
 
 def _marked(match: re.Match[str]) -> str:
     """A public name as a link, anything else as code."""
-    name = match[1]
-    return f":py:obj:`~stability.{name}`" if name in stability.__all__ else f"``{name}``"
+    name, after = match[1].replace("\\", ""), match[2]
+    gap = "\\ " if after and not re.match(r"[\s.,:;!?)\]}'\"/-]", after) else ""
+    if name in stability.__all__:
+        return f":py:obj:`~stability.{name}`{gap}{after}"
+    return f"``{name}``{gap}{after}"
 
 
 def sections(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:

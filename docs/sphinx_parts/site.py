@@ -21,6 +21,8 @@ def setup(app: Any) -> dict[str, bool]:
     app.add_directive("run", commands.Run)
     app.add_directive("file", commands.File)
     app.add_directive("made", commands.Made)
+    app.add_directive("checkout", commands.Checkout)
+    app.add_directive("edit", commands.Edit)
     app.add_directive("live", live.Live)
     app.add_html_math_renderer("mathml", (mathml.inline, None), (mathml.display, None))
     app.connect("builder-inited", made)
