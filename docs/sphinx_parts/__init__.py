@@ -1,1 +1,1 @@
-"""What the documentation site adds to Sphinx: commands that run, figures that are made, reference."""
+"""What the documentation site adds to Sphinx: commands, figures, the reference."""

@@ -1,4 +1,4 @@
-"""Names of other projects that the reference links to: a short list, since a build needs no network.
+"""Names of other projects that the reference links to: a short list, for a build without network.
 
 `elsewhere.txt` has one line for each: project, role, name, address within that project's pages.
 With DOCS_ONLINE set, the whole inventories are read from there instead.

@@ -1,4 +1,4 @@
-"""The reference: one page for each group of public names, in the order in which a reader meets them.
+"""The reference: a page for each group of public names, in the order in which a reader meets them.
 
 A name belongs to the group of its folder, so that a new name has a place without a list.
 """
@@ -175,7 +175,10 @@ def sections_of(lines: list[str]) -> list[str]:
     """A docstring in the markup of Sphinx: names are links, and `Source: …` is a section."""
     text = "\n".join(lines)
     text = re.sub(
-        r"^Source: (.*?)(?=\n\s*\n|\Z)", r"Source\n------\n\1", text, flags=re.DOTALL | re.MULTILINE
+        r"^Source: (.*?)(?=\n\s*\n|\Z)",
+        r"Source\n------\n\1",
+        text,
+        flags=re.DOTALL | re.MULTILINE,
     )
     lines, example = [], False
     for line in text.split("\n"):
@@ -212,7 +215,7 @@ def alone(app: Any) -> None:
             app.disconnect(listener.id)
 
 
-def resolved(app: Any, env: Any, node: Any, inner: Any) -> Any:
+def resolved(app: Any, env: Any, node: Any, inner: Any) -> Any:  # noqa: ARG001
     """The place of an error that is raised and has no public name: the page on errors."""
     from docutils import nodes
 
