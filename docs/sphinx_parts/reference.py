@@ -157,8 +157,9 @@ def _errors(group: Group) -> str:
 
     if group.name != "errors":
         return ""
-    kinds = [n for n, v in vars(errors).items() if isinstance(v, type)
-             and issubclass(v, errors.StabilityError) and v is not errors.StabilityError]  # fmt: skip
+    base = errors.StabilityError
+    found = {n: v for n, v in vars(errors).items() if isinstance(v, type)}
+    kinds = [n for n, v in found.items() if issubclass(v, base) and v is not base]
     head = "\nKinds of StabilityError\n-----------------------\n\n"
     head += "Catch `StabilityError`, which all of these are, or one of them.\n\n"
     head = head.replace("`StabilityError`", ":py:exc:`stability.StabilityError`")
