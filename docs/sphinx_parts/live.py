@@ -69,8 +69,6 @@ def make(place: str) -> None:
         )  # fmt: skip
         if done.returncode:
             raise ExtensionError(f"{command!r} ended with {done.returncode}:\n{done.stdout}")
-        for big in (Path(place) / name).glob("*.pdf"):
-            big.unlink()  # the page has the same figures as pictures
         stamp.write_text(f"{fingerprint()} {command}")
 
 

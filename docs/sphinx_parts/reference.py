@@ -223,7 +223,8 @@ def resolved(app: Any, env: Any, node: Any, inner: Any) -> Any:  # noqa: ARG001
     from stability.base import errors
 
     name = node.get("reftarget", "").rpartition(".")[2]
-    if node.get("refdomain") != "py" or not isinstance(getattr(errors, name, None), type):
+    found = getattr(errors, name, None)
+    if not isinstance(found, type) or not issubclass(found, errors.StabilityError):
         return None
     target = app.builder.get_relative_uri(node["refdoc"], "reference/errors")
     link = nodes.reference("", "", refuri=f"{target}#stability.base.errors.{name}", internal=True)
