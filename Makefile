@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: atlas explorer explorer-library basins report notebooks pictures peers test test-long lint bench derive lock clean
+.PHONY: atlas explorer explorer-library basins report notebooks pictures docs linkcheck peers test test-long lint bench derive lock clean
 
 # The main job: the stability diagrams of three bodies, in atlas/index.html.
 atlas: $(READY)
@@ -45,6 +45,20 @@ pictures: .venv/.jupyter
 
 .venv/.jupyter: $(READY)
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[notebook]'
+	@touch $@
+
+# The documentation site in build/site/html: every cell and command run, every figure drawn; a warning is an error.
+docs: .venv/.docs
+	$(BIN)/python -m sphinx -b html -j 2 -W --keep-going -q docs build/site/html
+	$(BIN)/python docs/sphinx_parts/links.py
+	@echo "open build/site/html/index.html"
+
+# Every address on the site, asked over the network.
+linkcheck: .venv/.docs
+	$(BIN)/python -m sphinx -b linkcheck -j 2 docs build/site/links
+
+.venv/.docs: $(READY)
+	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[docs]'
 	@touch $@
 
 # Lint, types and every test.

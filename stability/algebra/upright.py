@@ -44,4 +44,13 @@ class Upright:
 
 
 UPRIGHT = Upright()
-"""The right angle, the only instance."""
+"""The right angle, the only instance.
+
+Source: exactly π/2, which no double is: docs/explanation/method.md.
+
+Examples
+--------
+>>> import stability as st
+>>> st.UPRIGHT.sin(), st.UPRIGHT.cos()
+(1, 0)
+"""

@@ -16,6 +16,8 @@ VALUE = 60
 class StabilityError(ValueError):
     """Any input that the package refuses.
 
+    Source: this package; a refusal for each argument: tests/faults/test_bad_input.py.
+
     Examples
     --------
     >>> import stability as st
@@ -53,6 +55,8 @@ class FileError(StabilityError):
 
 class StabilityWarning(UserWarning):
     """A result that is true but incomplete; the message says what stays open.
+
+    Source: this package; a refusal for each argument: tests/faults/test_bad_input.py.
 
     Examples
     --------

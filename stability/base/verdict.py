@@ -10,6 +10,8 @@ class Verdict(Sentences):
 
     The value of each member is the sentence a user reads.
 
+    Source: docs/explanation/method.md; exact arithmetic on random points: tests/spectra.
+
     Examples
     --------
     >>> Verdict.STABLE == "stable", Verdict("stable") is Verdict.STABLE, Verdict(1).word
@@ -58,6 +60,8 @@ BY_CODE = {code: verdict for verdict, code in CODES.items()}
 
 class Nonlinear(Sentences):
     """Behaviour of the nonlinear motion; the value of each member is the sentence a user reads.
+
+    Source: Lyapunov's and Malkin's theorems, docs/explanation/method.md: tests/spectra.
 
     Examples
     --------

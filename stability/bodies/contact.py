@@ -56,7 +56,16 @@ def plain(value: Any, scales: Scales) -> Any:  # noqa: ARG001
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of a contact law: a field of its class, an axis of maps, an option."""
+    """One number of a contact law: a field of its class, an axis of maps, an option.
+
+    Source: dimensions of docs/explanation/method.md: tests/bodies/test_contact_law.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.Viscous.parameters[0].name, st.Viscous.parameters[0].unit
+    ('mu', 's/m')
+    """
 
     name: str
     """Name of the field."""
@@ -89,6 +98,8 @@ class Contact(Record):
     ------
     ParameterError
         If a parameter is not a finite number above zero, or zero where that is not accepted.
+
+    Source: docs/explanation/architecture.md; a user's law: tests/bodies/test_contact_law.py.
 
     Examples
     --------

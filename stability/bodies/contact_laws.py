@@ -31,6 +31,9 @@ def _over_speed(value: Any, scales: Scales) -> Any:
 class Smooth(Contact):
     """No friction at all: L·ẑ, omega3 and energy are conserved.
 
+    Source: the laws of docs/explanation/method.md;
+    conserved quantities: tests/motion/test_conserved.py.
+
     Examples
     --------
     >>> Smooth().conservative
@@ -99,6 +102,9 @@ class LinearViscous(Contact):
     ParameterError
         Unless exactly one of c and mu is given, as a finite number above zero.
 
+    Source: the laws of docs/explanation/method.md;
+    conserved quantities: tests/motion/test_conserved.py.
+
     Examples
     --------
     >>> LinearViscous.like(0.3, Disk(mass=2.0)).c
@@ -154,6 +160,9 @@ class LinearViscous(Contact):
 @dataclass(frozen=True, eq=False)
 class Rough(Contact):
     """No slip: the force that keeps the contact point at rest.
+
+    Source: the laws of docs/explanation/method.md;
+    conserved quantities: tests/motion/test_conserved.py.
 
     Examples
     --------
@@ -227,6 +236,8 @@ class RegularisedCoulomb(Contact):
     ParameterError
         If mu or epsilon is not a finite number above zero.
 
+    Source: tends to dry friction at a known rate: tests/integrators/test_coulomb.py.
+
     Examples
     --------
     >>> RegularisedCoulomb(0.3, 1e-3).epsilon
@@ -298,7 +309,16 @@ class Creep(Contact):
 
 @dataclass(frozen=True, eq=False)
 class Creep1(Creep):
-    """Creep of order 1: slip from the force of rolling without slip."""
+    """Creep of order 1: slip from the force of rolling without slip.
+
+    Source: slow manifold of viscous friction (N. Fenichel 1979): tests/bodies/test_creep.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.Creep1(300.0).name
+    'creep-1'
+    """
 
     name: ClassVar[str] = "creep-1"
     order: ClassVar[int] = 1
@@ -306,7 +326,16 @@ class Creep1(Creep):
 
 @dataclass(frozen=True, eq=False)
 class Creep2(Creep):
-    """Creep of order 2."""
+    """Creep of order 2.
+
+    Source: slow manifold of viscous friction (N. Fenichel 1979): tests/bodies/test_creep.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.Creep2(300.0).name
+    'creep-2'
+    """
 
     name: ClassVar[str] = "creep-2"
     order: ClassVar[int] = 2
@@ -314,7 +343,16 @@ class Creep2(Creep):
 
 @dataclass(frozen=True, eq=False)
 class Creep3(Creep):
-    """Creep of order 3."""
+    """Creep of order 3.
+
+    Source: slow manifold of viscous friction (N. Fenichel 1979): tests/bodies/test_creep.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.Creep3(300.0).name
+    'creep-3'
+    """
 
     name: ClassVar[str] = "creep-3"
     order: ClassVar[int] = 3

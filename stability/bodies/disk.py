@@ -234,4 +234,13 @@ REAL_DISKS: dict[str, tuple[dict[str, float], str]] = {
         "300 g, 90 cm interior diameter; taken as a thin hoop",
     ),
 }
-"""Real disks by name: constructor arguments in SI units, and their source."""
+"""Real disks by name: constructor arguments in SI units, and their source.
+
+Source: named in each entry.
+
+Examples
+--------
+>>> import stability as st
+>>> sorted(st.REAL_DISKS)
+['gymnastics-hoop', 'le-saux', 'quarter']
+"""

@@ -53,6 +53,8 @@ def launch(
     ParameterError
         If tumbling has no disk, or an angle leaves the range in which the body stands.
 
+    Source: definitions of docs/explanation/scenes.md; tests/motion/test_motion.py.
+
     Examples
     --------
     >>> launch("rolling", at=1.2, tilt=0.1).round(3).tolist()

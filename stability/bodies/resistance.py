@@ -24,6 +24,9 @@ class Resistance(Record):
     must be linear in the normal force and in the coefficient.  A subclass has one field, the
     coefficient; its unit is a product of kg, m, s and N.
 
+    Source: linear resistance;
+    its work against the power along the run: tests/motion/test_resisted_motion.py.
+
     Examples
     --------
     >>> RollingResistance(0.01).moment((1.0, 2.0, 3.0), 10.0, 0.01)
@@ -103,6 +106,12 @@ class RollingResistance(Resistance):
         If it is not a finite number of at least 0.
 
     Source: the linear law of rolling friction, as in Bondi, Proc. R. Soc. A 405 (1986) 265-274.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.RollingResistance(0.01).rho
+    0.01
     """
 
     rho: ArrayLike
@@ -125,6 +134,14 @@ class PivotingResistance(Resistance):
     ----------
     sigma
         Coefficient, at least 0 [m s].
+
+    Raises
+    ------
+    ParameterError
+        If it is not a finite number of at least 0.
+
+    Source: linear resistance;
+    its work against the power along the run: tests/motion/test_resisted_motion.py.
 
     Examples
     --------
@@ -152,6 +169,14 @@ class AirTorque(Resistance):
     ----------
     drag
         Coefficient, at least 0 [N m s].
+
+    Raises
+    ------
+    ParameterError
+        If it is not a finite number of at least 0.
+
+    Source: linear resistance;
+    its work against the power along the run: tests/motion/test_resisted_motion.py.
 
     Examples
     --------

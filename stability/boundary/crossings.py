@@ -12,7 +12,16 @@ from ..base.types import Sentences
 
 
 class Crossing(Sentences):
-    """Kind of crossing at a boundary; the value of each member is the sentence a user reads."""
+    """Kind of crossing at a boundary; the value of each member is the sentence a user reads.
+
+    Source: docs/explanation/method.md; planted boundaries: tests/boundary/test_boundaries.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.Crossing("static").word
+    'static'
+    """
 
     STATIC = "static boundary: a real eigenvalue (or λ² of a conservative law) passes through zero"
     FLUTTER = "flutter boundary: a pair of eigenvalues crosses the imaginary axis"
@@ -33,7 +42,17 @@ class Crossing(Sentences):
 
 @dataclass(frozen=True)
 class BoundaryPoint:
-    """One point at which the verdict changes along an axis."""
+    """One point at which the verdict changes along an axis.
+
+    Source: docs/explanation/method.md; planted boundaries: tests/boundary/test_boundaries.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> [edge] = st.boundaries("rolling", axis=("at", 1, 2, 9), contact=st.Viscous(0.3))
+    >>> edge.value, edge.crossing.word
+    (1.4142135623730951, 'flutter')
+    """
 
     value: float
     """Value of the axis, in the user's unit."""
@@ -48,7 +67,16 @@ class BoundaryPoint:
 
 
 class Unresolved(NamedTuple):
-    """A piece of an axis on which a change of verdict was not excluded, or not located."""
+    """A piece of an axis on which a change of verdict was not excluded, or not located.
+
+    Source: docs/explanation/method.md; planted boundaries: tests/boundary/test_boundaries.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.boundaries("rolling", axis=("at", 1, 2, 9), contact=st.Viscous(0.3)).unresolved
+    ()
+    """
 
     low: float
     """Low end, in the user's unit."""
@@ -63,6 +91,8 @@ class Boundaries(Sequence[BoundaryPoint]):
     """Every change of verdict that a search found, in increasing order, and the unresolved pieces.
 
     A sequence that equals the list of its points, and is false if empty.
+
+    Source: docs/explanation/method.md; planted boundaries: tests/boundary/test_boundaries.py.
 
     Examples
     --------

@@ -43,6 +43,8 @@ class Drift(Record):
 
     The relative error of `time` is of the order of the tilt squared.
 
+    Source: expansion on the centre manifold; simulations: tests/boundary/test_drift.py.
+
     Examples
     --------
     >>> import stability as st

@@ -94,6 +94,17 @@ def report(
 
     Source: the truth of spectra is proved in balls, that of motions rests on two integrations in
     many digits (benchmarks/truths.py); tests/compare/test_compare.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> try:
+    ...     st.report(Path(tempfile.gettempdir()) / "report", ["spectra"])
+    ... except st.StabilityError as error:
+    ...     print("spectrum" in str(error))
+    True
     """
     from .page import write
 

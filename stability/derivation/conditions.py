@@ -49,6 +49,17 @@ class Conditions(Record):
 
     Every polynomial has integer coefficients.  Numbers of the graph are the exact ratios of their
     doubles, or the decimals that were written: `numbers` says which.
+
+    Source: A. Hurwitz (1895); hand formulas of nine systems: tests/derivation/test_conditions.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import casadi as ca
+    >>> x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    >>> s = st.System("f", x, p, -p * x, states=("x",), parameters=("p",))
+    >>> st.conditions(st.Family(s, "rest", at=("p",), held={"x": 0})).rule
+    'Stable where p > 0; unstable where it is negative.'
     """
 
     family: Family

@@ -83,6 +83,8 @@ def plot_map(
     ParameterError
         If a size is not accepted, or strips are given with axes.
 
+    Source: drawn from the dataset alone; each text is measured: tests/figures.
+
     Examples
     --------
     >>> import stability as st

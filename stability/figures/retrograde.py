@@ -44,6 +44,15 @@ def plot_retrograde(dataset: xarray.Dataset, *, width: float | None = None) -> F
     ------
     ParameterError
         If the dataset is another one.
+
+    Source: drawn from the dataset alone; each text is measured: tests/figures.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> chart = st.retrograde_map([0.0, 1.0], [0.0, 1.0], starts=[(80.0, 1.0)])
+    >>> len(st.plot_retrograde(chart).axes)
+    2
     """
     _check(dataset)
     x, y = dataset.share.values, dataset.inner.values

@@ -3,7 +3,7 @@
 At rest every continuation is listed: sticking, if the force lies in the friction cone, and each
 direction with h = 0, f > 0, gn > 0 in which a slip can set in (f and h: the slip's acceleration
 along and across its direction).  h times the determinant D is a trigonometric polynomial of degree
-two, so there are at most four directions.  docs/dry-friction.md proves that exactly one
+two, so there are at most four directions.  docs/explanation/dry-friction.md proves that exactly one
 continuation exists below mu = 2√(k(k+1)).  tests/integrators/test_coulomb.py compares this module
 with closed formulas.
 """

@@ -236,8 +236,8 @@ class _Dry:
     def _ambiguous(self, first: int) -> bool:
         """Whether slip could also have set in at a sample of sticking: then the run ends there.
 
-        Below mu = 2√(k(k+1)) the continuation is unique (docs/dry-friction.md), so there is no
-        search.
+        Below mu = 2√(k(k+1)) the continuation is unique (docs/explanation/dry-friction.md), so
+        there is no search.
         """
         if self.mu < 2 * math.sqrt(self.k * (self.k + 1)):
             return False

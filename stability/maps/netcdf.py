@@ -45,6 +45,8 @@ def write_map(
     FileError
         If it cannot be written; nothing is left half-written.
 
+    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_files.py.
+
     Examples
     --------
     >>> import tempfile, stability as st
@@ -104,6 +106,18 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     ------
     FileError
         If there is no such file, or it is damaged, not a NetCDF file, or no map of this package.
+
+    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_files.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> m = st.stability_map("rolling", x=("at", 1, 2, 3), y=("mu", 1, 2, 3))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     st.read_map(st.write_map(m, Path(folder) / "map.nc")).identical(m)
+    True
     """
     import xarray
 

@@ -41,6 +41,8 @@ def write_motion(
     FileError
         If the file cannot be written; no part of a file is left.
 
+    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_files.py.
+
     Examples
     --------
     >>> import tempfile, stability as st
@@ -81,6 +83,18 @@ def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
     ------
     FileError
         If there is no such file, or it is damaged, not a NetCDF file, or not a motion.
+
+    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_files.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.5}, 1.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     st.read_motion(st.write_motion(run, Path(folder) / "run.nc")).identical(run)
+    True
     """
     from ..storage.reading import opened
 

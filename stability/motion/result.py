@@ -55,6 +55,8 @@ class Result:
 class Outcome(Sentences):
     """End of a run: exactly one of these, with its time and evidence.
 
+    Source: definitions of docs/explanation/scenes.md; tests/motion/test_motion.py.
+
     Examples
     --------
     >>> Outcome.LIFT_OFF.word

@@ -129,7 +129,7 @@ def _doubted(result: Result, doubt: ErrorEstimate | None) -> Result:
 
 def _unbounded(result: Result, doubt: ErrorEstimate) -> str:
     """What is known of a final state whose error has no bound, and what to ask instead."""
-    finer = result.tolerance > FINEST[result.choice.method]
+    finer = bool(result.tolerance > FINEST[result.choice.method])  # SciPy's is of NumPy
     return (
         "; the error of the final state has no bound: runs within the tolerance "
         f"{result.tolerance:g} of it part after {doubt.together:.0%} of its time; ask for an "

@@ -30,6 +30,8 @@ from .uncertain import Spread, apart
 class Answer(Record):
     """What a scene is answered, by which model, and how well that is known.
 
+    Source: the ladder of docs/explanation/scenes.md; errors against the full model: tests/scene.
+
     Examples
     --------
     >>> import stability as st

@@ -73,7 +73,18 @@ _SEEN: WeakKeyDictionary[Flow, set[tuple[float, str | None]]] = WeakKeyDictionar
 
 @dataclass(frozen=True, eq=False)
 class Rung(Record):
-    """One rung of a ladder, as the report shows it."""
+    """One rung of a ladder, as the report shows it.
+
+    Source: the ladder of docs/explanation/scenes.md; errors against the full model: tests/scene.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> start = {"theta": 1.55, "omega3": 1.5}
+    >>> scene = st.Scene(st.Disk(), st.Viscous(300.0), start, horizon=1.0, tolerance=1e-2)
+    >>> [rung.name for rung in scene.answer().rungs if rung.chosen]
+    ['linearised']
+    """
 
     name: str
     """Name of the model."""

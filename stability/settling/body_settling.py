@@ -1,8 +1,8 @@
 """Settling of a body of revolution: closed forms of its steady motions, and their surroundings.
 
-The families are those of docs/bodies.md that one number names: rolling at each zero of the height's
-slope, spinning where that slope vanishes upright, tumbling, vertical spin at smooth poles.  As for
-the disk, a state counts as settled if its distance is within the limit and
+The families are those of docs/explanation/bodies.md that one number names: rolling at each zero of
+the height's slope, spinning where that slope vanishes upright, tumbling, vertical spin at smooth
+poles. As for the disk, a state counts as settled if its distance is within the limit and
 `stability.settling.attraction` proves that the motion from there on converges to one member.
 """
 

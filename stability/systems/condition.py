@@ -15,7 +15,18 @@ from .system_checks import expression
 
 @dataclass(frozen=True, eq=False)
 class Condition(Portable, Record):
-    """A quantity that must be positive for the equations to have a meaning, and the reason."""
+    """A quantity that must be positive for the equations to have a meaning, and the reason.
+
+    Source: this package; the end of a run at a condition: tests/motion/test_system_motion.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import casadi as ca
+    >>> g = ca.SX.sym("g")
+    >>> st.Condition(g, "g is {value:g}, which must be positive").sentence
+    'g is {value:g}, which must be positive'
+    """
 
     value: ca.SX
     """Expression in the states and parameters; a state without a positive value is refused."""

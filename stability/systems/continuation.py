@@ -35,7 +35,20 @@ LEAVE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Fold(Record):
-    """A turning point of a branch: no member lies beyond it nearby."""
+    """A turning point of a branch: no member lies beyond it nearby.
+
+    Source: continuation as in E. L. Allgower & K. Georg (1990); closed forms: tests/systems.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import casadi as ca
+    >>> x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    >>> s = st.System("f", x, p, p - x**2, states=("x",), parameters=("p",))
+    >>> up = st.Family(s, "up", at=("p",), unknown={"x": 1.0}, equations=("x",))
+    >>> abs(st.branch(up, 1, -1, [], points=11).folds[0].value) < 1e-9
+    True
+    """
 
     value: float
     """Family parameter, in the unit of that parameter."""
@@ -49,7 +62,20 @@ class Fold(Record):
 
 @dataclass(frozen=True, eq=False)
 class BranchPoint(Record):
-    """A static boundary on a branch: another branch of members crosses it there."""
+    """A static boundary on a branch: another branch of members crosses it there.
+
+    Source: continuation as in E. L. Allgower & K. Georg (1990); closed forms: tests/systems.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import casadi as ca
+    >>> x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    >>> s = st.System("f", x, p, p * x - x**3, states=("x",), parameters=("p",))
+    >>> rest = st.Family(s, "rest", at=("p",), unknown={"x": 0.0}, equations=("x",))
+    >>> st.branch(rest, -1, 1, [], points=11).branch_points[0].kind
+    'pitchfork'
+    """
 
     value: float
     """Family parameter, in the unit of that parameter."""
@@ -127,7 +153,20 @@ class _Members(NamedTuple):
 
 
 class Branch(TupleRecord, _Members):
-    """A run of members found by continuation along `at`."""
+    """A run of members found by continuation along `at`.
+
+    Source: continuation as in E. L. Allgower & K. Georg (1990); closed forms: tests/systems.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import casadi as ca
+    >>> x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    >>> s = st.System("f", x, p, p * x - x**3, states=("x",), parameters=("p",))
+    >>> rest = st.Family(s, "rest", at=("p",), unknown={"x": 0.0}, equations=("x",))
+    >>> st.branch(rest, -1, 1, [], points=11).complete
+    True
+    """
 
     __slots__ = ()
 

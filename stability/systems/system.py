@@ -45,6 +45,8 @@ class System(Equations):
     ParameterError
         If names and expressions do not match, or an expression holds another symbol.
 
+    Source: CasADi's automatic differentiation; tests/systems/test_random_systems.py.
+
     Examples
     --------
     >>> import casadi as ca

@@ -8,7 +8,7 @@ import pytest
 
 from stability.cli.commands import _parser
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "basins.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "explanation" / "basins.md"
 
 
 def blocks(language: str) -> list[str]:

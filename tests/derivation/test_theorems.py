@@ -555,7 +555,7 @@ def test_the_number_of_continuations_from_rest_is_as_stated() -> None:
 
 
 def test_just_above_the_threshold_the_same_count_finds_three() -> None:
-    """The state of docs/dry-friction.md: sticking, and slip in two directions."""
+    """The state of docs/explanation/dry-friction.md: sticking, and slip in two directions."""
     start = [1.1405036155603199, -0.003713908095680414 * 0.9999, 1.82547123230798,
              1.1032082780622803, 0, 0]  # fmt: skip
     x, k = np.array(start)[:, None], np.array([0.25])

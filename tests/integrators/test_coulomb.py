@@ -119,7 +119,7 @@ def test_the_force_of_sticking_stays_inside_the_cone_and_sliding_lies_on_it() ->
 
 
 def test_force_and_acceleration_at_rest_are_those_of_the_closed_formulas() -> None:
-    # docs/dry-friction.md: gn = -k bz/(k + c² - mu s c cos a), and so on
+    # docs/explanation/dry-friction.md: gn = -k bz/(k + c² - mu s c cos a), and so on
     rng = np.random.default_rng(8)
     for _ in range(50):
         theta, q, p, w = rng.uniform(0.4, 2.7), *rng.uniform(-1, 1, 3)
@@ -159,7 +159,7 @@ def test_every_radial_direction_is_found() -> None:
 
 
 def test_below_the_threshold_there_is_exactly_one_way_on() -> None:
-    # theorem of docs/dry-friction.md for mu < 2√(k(k+1)) and a contact that is pressed
+    # theorem of docs/explanation/dry-friction.md for mu < 2√(k(k+1)) and a contact that is pressed
     rng = np.random.default_rng(6)
     seen = set()
     for _ in range(1500):
@@ -178,7 +178,7 @@ def test_below_the_threshold_there_is_exactly_one_way_on() -> None:
 
 
 def by_force(four: Any, k: float, mu: float) -> tuple[bool, list[float]]:
-    """Ways on by docs/dry-friction.md's F(λ) in 40 digits: sticking, and angles of slip.
+    """Ways on by F(λ) of docs/explanation/dry-friction.md in 40 digits: sticking, angles of slip.
 
     With gn and A affine in the contact force, A = b' + W F: no trigonometric polynomial in it.
     """

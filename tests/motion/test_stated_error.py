@@ -169,3 +169,11 @@ def test_a_final_state_without_a_bound_of_its_error_is_told_with_a_remedy() -> N
     assert said not in short.attrs["evidence"]
     with pytest.warns(st.StabilityWarning, match=r"^launch 1: .* \(2 of 3 launches\)\.$"):
         st.simulate(lorenz, {"r": [0.5, 28.0, 29.0]}, start, 60.0)
+
+
+@pytest.mark.parametrize("method", ["lsoda", "dop853", "cvodes"])
+def test_every_integrator_tells_of_an_error_without_a_bound(method: str) -> None:
+    """A loose run at a launch whose neighbours part: a sentence, by any library."""
+    start = st.launch("rolling", at=1.2, tilt=0.1)
+    with pytest.warns(st.StabilityWarning, match="the error of the final state has no bound"):
+        st.simulate(st.Disk(), st.Viscous(0.3), start, 60.0, tolerance=1e-3, method=method)

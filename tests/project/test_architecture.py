@@ -14,7 +14,7 @@ import stability
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "stability"
-PAGE = ROOT / "docs" / "architecture.md"
+PAGE = ROOT / "docs" / "explanation" / "architecture.md"
 CHANGES = (
     "contact law", "body", "source of systems", "family", "integrator", "route to a verdict",
     "figure", "table", "command", "hard case", "output format", "eigenvalue backend",
@@ -142,7 +142,7 @@ def test_every_folder_file_and_link_of_the_page_exists() -> None:
 def test_every_folder_is_named_and_linked() -> None:
     text = PAGE.read_text()
     for name in FOLDERS:
-        assert f"[{name}](../stability/{name}/__init__.py)" in text
+        assert f"[{name}](../../stability/{name}/__init__.py)" in text
 
 
 def test_links_to_tests_name_tests_that_exist() -> None:

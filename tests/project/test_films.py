@@ -19,7 +19,7 @@ def test_every_film_is_kept_and_small() -> None:
     assert {p.name for p in FILMS["FOLDER"].iterdir()} == set(FILMS["PICTURES"])
     for path in FILMS["FOLDER"].iterdir():
         assert path.stat().st_size < 600_000, path.name
-        assert f"films/{path.name}" in (ROOT / "docs" / "bodies.md").read_text()
+        assert f"films/{path.name}" in (ROOT / "docs" / "explanation" / "bodies.md").read_text()
 
 
 @pytest.mark.parametrize("name", MOVING)

@@ -81,7 +81,9 @@ def test_a_notebook_is_kept_with_its_output_and_small_pictures(path: Path) -> No
             assert len(image.convert("L").getcolors(256) or ()) > 16
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/compare.md", "docs/scenes.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "docs/explanation/compare.md", "docs/explanation/scenes.md"]
+)
 def test_python_in_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     _run(page)
@@ -97,7 +99,7 @@ def _run(page: str) -> dict[str, Any]:
 
 
 def test_the_page_of_bodies_runs() -> None:
-    _run("docs/bodies.md")
+    _run("docs/explanation/bodies.md")
 
 
 def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
@@ -105,7 +107,7 @@ def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
 ) -> None:
     """With d = trail - centre: (m d s² + trail (c s + k)) (trail s + v) + (J - m centre d) s³."""
     monkeypatch.chdir(tmp_path)
-    space = _run("docs/own-systems.md")
+    space = _run("docs/tutorials/towed-wheel.md")
     g, edge = space["given"], space["edge"]
     d = g["trail"] - g["centre"]
 

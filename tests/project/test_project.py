@@ -31,8 +31,14 @@ WITH_SYMPY = (
     "systems/sources/sympy_models.py",  # and import SymPy when they are called
 )
 """Where SymPy may be imported."""
-LONGER = ("integrators/stick_slip.py", "systems/family.py")
-"""Files above 400 lines: one automaton, and one class that is a user's whole interface."""
+LONGER = (
+    "integrators/stick_slip.py",  # one automaton
+    "systems/family.py",  # one class that is a user's whole interface
+    # several public records, each with its source and an example
+    "bodies/contact_laws.py", "derivation/conditions.py", "scene/ladder.py",
+    "systems/continuation.py",
+)  # fmt: skip
+"""Files above 400 lines."""
 
 
 def test_importing_the_package_loads_nothing_heavy() -> None:
@@ -94,7 +100,7 @@ def test_files_and_folders_can_be_taken_in_at_a_glance() -> None:
         assert folder.parent != PACKAGE or folder.name not in stability.__all__
 
 
-NOT_OF_A_FOLDER = {"data", "faults", "oracles", "project", "release", "tools"}
+NOT_OF_A_FOLDER = {"data", "docs", "faults", "oracles", "project", "release", "tools"}
 """Folders of tests that no folder of the package is named like."""
 
 

@@ -14,6 +14,7 @@ import pytest
 import stability as st
 
 ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "explanation" / "scenes.md"
 NAME = "slow manifold"
 
 
@@ -216,10 +217,10 @@ def test_models_of_the_disk_are_refused() -> None:
 def test_the_example_of_the_page_is_short_and_says_what_it_prints(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "scenes.md").read_text(), re.S)
+    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.S)
     [block] = [b for b in blocks if "ReducedModel" in b]
     assert len([line for line in block.split("\n") if line.strip()]) <= 30
-    exec(compile(block, "docs/scenes.md", "exec"), {})
+    exec(compile(block, "docs/explanation/scenes.md", "exec"), {})
     first, second = capsys.readouterr().out.splitlines()
     assert first.startswith("0.1 two scales ")
     assert second.startswith("0.0001 slow manifold ")

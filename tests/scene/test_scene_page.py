@@ -1,4 +1,7 @@
-"""What `docs/scenes.md` says, one test for each statement, and the page against today's answers."""
+"""What the page on scenes says, one test for each statement, and the page against today's answers.
+
+The page is docs/explanation/scenes.md.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,7 @@ from stability.scene.rungs.drifting import DRIFT
 from stability.scene.rungs.near_steady import LINEARISED, SECOND, STEADY
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "scenes.md").read_text()
+PAGE = (ROOT / "docs" / "explanation" / "scenes.md").read_text()
 START = {"theta": 1.55, "omega3": 1.5}
 DIPPING = {"theta": 1.206, "theta_dot": 0.782, "phi_dot": 0.404, "omega3": 0.789}
 NAMES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")

@@ -19,7 +19,17 @@ from ..polynomial import Polynomial
 
 @dataclass(frozen=True)
 class Exact:
-    """Polynomial and conditions of a family under a law, over Q."""
+    """Polynomial and conditions of a family under a law, over Q.
+
+    Source: docs/explanation/method.md; tests/spectra/test_exact_polynomial.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.exact_polynomial("spinning", "viscous")
+    >>> found.variables, found.zeros
+    (('k', 'M', 'z'), 1)
+    """
 
     family: str
     """Name of the family."""
@@ -64,6 +74,8 @@ class ExactPolynomial(ABC):
     A subclass for your family has one method, `coefficients`, and `zeros` where eigenvalues vanish
     by structure.  `Family` takes an instance as `exact`, if no unknown is solved for.  At first
     use the package compares the polynomial with the equations of motion at random members.
+
+    Source: docs/explanation/method.md; tests/spectra/test_exact_polynomial.py.
 
     Examples
     --------

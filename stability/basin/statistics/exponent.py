@@ -117,6 +117,8 @@ def uncertainty_exponent(
     StabilityWarning
         If the shares do not fit a power law over this range.
 
+    Source: C. Grebogi et al., Phys. Lett. A 99 (1983) 415; tests/basin/test_statistics.py.
+
     Examples
     --------
     >>> def above(points):

@@ -108,6 +108,8 @@ def fractions(labels: ArrayLike, level: float = LEVEL) -> tuple[Fraction, ...]:
     ParameterError
         If the labels are not whole numbers, or there are none.
 
+    Source: E. B. Wilson (1927); tests/basin/test_statistics.py.
+
     Examples
     --------
     >>> for one in fractions([0, 0, 1, 0, 2, 0, 0, 1, 0, 0]):

@@ -35,6 +35,8 @@ class Quantity(Protocol):
 class Uniform:
     """Even distribution between two values.
 
+    Source: Philox 4x64-10 of Salmon, Moraes, Dror & Shaw 2011: tests/basin/test_samples.py.
+
     Examples
     --------
     >>> Uniform(1, 3).at(np.array([0.25]))
@@ -57,6 +59,8 @@ class Uniform:
 @dataclass(frozen=True)
 class LogUniform:
     """Distribution whose logarithm is even, between two values above zero.
+
+    Source: Philox 4x64-10 of Salmon, Moraes, Dror & Shaw 2011: tests/basin/test_samples.py.
 
     Examples
     --------
@@ -81,6 +85,8 @@ class LogUniform:
 @dataclass(frozen=True)
 class Normal:
     """Normal distribution.
+
+    Source: Philox 4x64-10 of Salmon, Moraes, Dror & Shaw 2011: tests/basin/test_samples.py.
 
     Examples
     --------
@@ -161,6 +167,8 @@ class Independent(Record):
 @dataclass(frozen=True, eq=False)
 class Ball(Record):
     """Even distribution in a ball, whose radius each quantity measures in its own unit.
+
+    Source: Philox 4x64-10 of Salmon, Moraes, Dror & Shaw 2011: tests/basin/test_samples.py.
 
     Examples
     --------

@@ -116,6 +116,8 @@ def fatal_shock(
     ParameterError
         If an argument or what `label` returns is not accepted.
 
+    Source: the least distance found by a search; planted ends: tests/basin/test_shock.py.
+
     Examples
     --------
     >>> def over(points):

@@ -55,7 +55,7 @@ class Body(RoundShape):
     ParameterError
         If a number is not in its range, or the height is that of no convex body.
 
-    Source: the equations and the meaning of h are derived in docs/bodies.md and compared with an
+    Source: docs/explanation/bodies.md derives the equations and the meaning of h; compared with an
     inertial formulation that knows the surface alone (tests/bodies/test_round_bodies.py).
 
     Examples

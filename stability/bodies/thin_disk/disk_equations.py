@@ -60,6 +60,13 @@ def disk_system(
         Observables: `energy`, `normal_force`,
         `contact_force` (horizontal, x̂ and ŷ), `slip`, `determinant` (D), `power` (dissipated).
 
+    Raises
+    ------
+    ParameterError
+        If the law has no such form of its equations.
+
+    Source: equations of Przybylska & Rauch-Wojciechowski 2016; tests/bodies/test_equations.py.
+
     Examples
     --------
     >>> system = disk_system("viscous")

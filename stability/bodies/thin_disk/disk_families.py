@@ -153,7 +153,8 @@ _RECORDS = (
     ),
 )  # fmt: skip
 FAMILIES = {family.name: family for family in _RECORDS}
-"""Every family of the disk by name.  A new one is one more record; see docs/architecture.md."""
+"""Every family of the disk by name.  A new one is one more record:
+docs/explanation/architecture.md."""
 
 
 def families_under(law: str) -> list[DiskFamily]:

@@ -12,7 +12,16 @@ from ...base.types import Floats, Record, Sentences
 
 
 class HopfKind(Sentences):
-    """Fate of a motion next to the boundary; the value is the sentence a user reads."""
+    """Fate of a motion next to the boundary; the value is the sentence a user reads.
+
+    Source: first Lyapunov coefficient; hidden normal forms: tests/boundary/test_hopf_any.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.HopfKind("elliptic").word
+    'elliptic'
+    """
 
     ELLIPTIC = (
         "elliptic: a motion near the unstable part of the line swings out and settles on the "
@@ -36,7 +45,16 @@ class HopfKind(Sentences):
 
 @dataclass(frozen=True, eq=False)
 class HopfPoint(Record):
-    """A flutter boundary along a line of steady motions, with its normal form."""
+    """A flutter boundary along a line of steady motions, with its normal form.
+
+    Source: first Lyapunov coefficient; hidden normal forms: tests/boundary/test_hopf_any.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> [(p.at, p.kind.word) for p in st.hopf("spinning", contact=st.Viscous(0.8))]
+    [(2.597367404552053, 'elliptic')]
+    """
 
     at: float
     """Family parameter at the boundary, in the user's unit."""
@@ -91,7 +109,16 @@ class HopfPoint(Record):
 
 
 class Onset(Sentences):
-    """How oscillation begins at a flutter boundary; the value is the sentence a user reads."""
+    """How oscillation begins at a flutter boundary; the value is the sentence a user reads.
+
+    Source: first Lyapunov coefficient; hidden normal forms: tests/boundary/test_hopf_any.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> [kind.word for kind in st.Onset]
+    ['soft', 'hard', 'linear', 'undecided']
+    """
 
     SOFT = (
         "soft (supercritical): beyond the boundary a small stable oscillation appears, whose "
@@ -120,6 +147,21 @@ class CycleBirth(Record):
 
     Each bound is proved in ball arithmetic: the true number is within it.  All four numbers are NaN
     where nothing is proved; `reason` then says why.
+
+    Source: first Lyapunov coefficient; hidden normal forms: tests/boundary/test_hopf_any.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import casadi as ca
+    >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    >>> r = p - x[0] ** 2 - x[1] ** 2
+    >>> rates = ca.vertcat(r * x[0] - x[1], r * x[1] + x[0])
+    >>> s = st.System("f", x, p, rates, states=("x", "y"), parameters=("p",))
+    >>> rest = st.Family(s, "rest", at=("p",), held={"x": 0, "y": 0})
+    >>> [birth] = st.hopf(rest, axis=("p", -1, 1, 9))
+    >>> birth.kind.word
+    'soft'
     """
 
     at: float

@@ -45,6 +45,8 @@ STEPS = 6
 class SlowFlow(Record):
     """The drift dy/dt along a family, of first order in a small coefficient.
 
+    Source: averaging to first order; simulations: tests/boundary/test_slow_flow.py.
+
     Examples
     --------
     >>> import stability as st

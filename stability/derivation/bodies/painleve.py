@@ -69,7 +69,8 @@ def painleve_limit(body: Body) -> Limit:
     ParameterError
         If a number of the body is an array, or the height defies enclosure.
 
-    Source: the definition of D in docs/bodies.md; for the disk 2√(k(k+1)) in closed form.
+    Source: the definition of D in docs/explanation/bodies.md; for the disk 2√(k(k+1)) in closed
+    form.
 
     Examples
     --------

@@ -98,6 +98,8 @@ def plot_motion(
     ParameterError
         If the dataset holds several launches or lacks a series, or an option is not accepted.
 
+    Source: drawn from the dataset alone; each text is measured: tests/figures.
+
     Examples
     --------
     >>> import stability as st

@@ -48,6 +48,8 @@ class ReducedModel(Record):
     ParameterError
         If the name is empty, or `down` or `up` is not a function.
 
+    Source: docs/explanation/scenes.md; tests/scene/test_reduced_model.py.
+
     Examples
     --------
     >>> import casadi as ca

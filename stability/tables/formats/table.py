@@ -66,6 +66,8 @@ class Table(Record):
 
     It prints as text, and is a table in a notebook.
 
+    Source: this package; each form is read back: tests/tables/test_forms.py.
+
     Examples
     --------
     >>> from stability import table

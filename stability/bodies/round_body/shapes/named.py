@@ -36,6 +36,13 @@ def Torus(tube: ArrayLike, *, solid: bool = True, **scales: Any) -> Body:  # noq
     -------
     Body
 
+    Raises
+    ------
+    ParameterError
+        If a number is outside its range, or a keyword is unknown.
+
+    Source: docs/explanation/bodies.md; quadratures of the solid: tests/bodies/test_named_bodies.py.
+
     Examples
     --------
     >>> tyre = Torus(0.1, solid=False)
@@ -66,6 +73,13 @@ def Spheroid(aspect: ArrayLike, **scales: Any) -> Body:  # noqa: N802
     Returns
     -------
     Body
+
+    Raises
+    ------
+    ParameterError
+        If a number is outside its range, or a keyword is unknown.
+
+    Source: docs/explanation/bodies.md; quadratures of the solid: tests/bodies/test_named_bodies.py.
 
     Examples
     --------
@@ -105,6 +119,13 @@ def EccentricSphere(  # noqa: N802
     -------
     Body
 
+    Raises
+    ------
+    ParameterError
+        If a number is outside its range, or a keyword is unknown.
+
+    Source: docs/explanation/bodies.md; quadratures of the solid: tests/bodies/test_named_bodies.py.
+
     Examples
     --------
     >>> top = EccentricSphere(0.1)
@@ -143,6 +164,13 @@ def ThickDisk(thickness: ArrayLike, **scales: Any) -> Body:  # noqa: N802
     Returns
     -------
     Body
+
+    Raises
+    ------
+    ParameterError
+        If a number is outside its range, or a keyword is unknown.
+
+    Source: docs/explanation/bodies.md; quadratures of the solid: tests/bodies/test_named_bodies.py.
 
     Examples
     --------

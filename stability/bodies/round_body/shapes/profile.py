@@ -103,6 +103,13 @@ def Egg(taper: float = 0.2, *, aspect: float = 1.3, **scales: Any) -> Body:  # n
     -------
     Body
 
+    Raises
+    ------
+    ParameterError
+        If a number is outside its range, or a keyword is unknown.
+
+    Source: docs/explanation/bodies.md; quadratures of the solid: tests/bodies/test_named_bodies.py.
+
     Examples
     --------
     >>> egg = Egg(0.2)

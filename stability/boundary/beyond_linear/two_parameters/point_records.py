@@ -12,7 +12,17 @@ from ....base.types import Record, Sentences
 
 
 class PointKind(Sentences):
-    """What meets at a point; the value of each member is the sentence a user reads."""
+    """What meets at a point; the value of each member is the sentence a user reads.
+
+    Source: docs/explanation/method.md; closed forms: tests/boundary/test_codimension_two.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9))
+    >>> found[0].kind.word
+    'zero hopf'
+    """
 
     DOUBLE_ZERO = "double zero (Bogdanov-Takens): two eigenvalues vanish, beyond structural zeros"
     ZERO_HOPF = "zero and a pair (zero-Hopf): one eigenvalue vanishes and a pair is imaginary"
@@ -29,7 +39,17 @@ class PointKind(Sentences):
 
 @dataclass(frozen=True)
 class DegeneratePoint:
-    """One point of a parameter plane at which two conditions meet."""
+    """One point of a parameter plane at which two conditions meet.
+
+    Source: docs/explanation/method.md; closed forms: tests/boundary/test_codimension_two.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9))
+    >>> found[0].x, found[0].y
+    (2.0, 1.0)
+    """
 
     kind: PointKind
     """What meets."""
@@ -65,6 +85,15 @@ class CodimensionTwo(Record, Sequence[DegeneratePoint]):
     """Every point that a search found, and what it left open.
 
     A sequence of its points, sorted by kind and x.
+
+    Source: docs/explanation/method.md; closed forms: tests/boundary/test_codimension_two.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9))
+    >>> found.complete, len(found)
+    (True, 1)
     """
 
     points: tuple[DegeneratePoint, ...]

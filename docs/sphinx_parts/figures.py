@@ -1,0 +1,186 @@
+"""Figures of pages that the build draws again, in place of the copies that the repository shows.
+
+The repository keeps a copy of each for readers of the files.  `KEPT` names those that stay as they
+are, with the command that makes them.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from sphinx.util import logging
+
+from .commands import MADE, ROOT, environment
+
+DOCS = ROOT / "docs"
+REPORT = DOCS / "report"
+KEPT = {
+    "scaling.png": "python benchmarks/scaling.py",
+    "report/failures-ladder.png": "make report",
+}
+"""Figures that are not drawn by the build: minutes of measured time."""
+
+
+@cache
+def fingerprint() -> str:
+    """A word that changes with any file of the package, and with this one."""
+    found = hashlib.sha256()
+    paths = [p for p in (ROOT / "stability").rglob("*") if p.suffix in (".py", ".json", ".html")]
+    for path in (*sorted(paths), Path(__file__), DOCS / "films.py"):
+        found.update(path.read_bytes())
+    return found.hexdigest()[:16]
+
+
+def command(words: str, result: str, path: Path) -> None:
+    """Run a command of the package in the repository, and take one file that it writes."""
+    folder = path.parent / "work"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    done = subprocess.run(
+        ["bash", "-ec", words.replace("OUT", str(folder))], cwd=ROOT, env=environment(),
+        text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+    )  # fmt: skip
+    if done.returncode:
+        raise RuntimeError(f"{words!r} ended with {done.returncode}:\n{done.stdout}")
+    (folder / result).rename(path)
+    shutil.rmtree(folder)
+
+
+def basins(path: Path) -> None:
+    """The picture of launches near rolling, with fewer launches."""
+    command(
+        "stability basins --family rolling --x at:0.02:3:64 --y tilt:0.01:1.2:50 --mu 0.3 "
+        "--time 200 --out OUT/rolling.zarr --plot OUT/rolling.png", "rolling.png", path,
+    )  # fmt: skip
+
+
+def scene(path: Path) -> None:
+    """The chart of a scene, measured now."""
+    command(
+        "stability scene examples/scenes/hoop-on-a-rough-floor.toml --plot OUT/scene.png",
+        "scene.png", path,
+    )  # fmt: skip
+
+
+def towed_wheel(path: Path) -> None:
+    """The map of the tutorial, by the tutorial's own code."""
+    import re
+
+    page = (DOCS / "tutorials" / "towed-wheel.md").read_text(encoding="utf-8")
+    space: dict[str, Any] = {}
+    for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
+        exec(block.replace('"towed-wheel.png"', repr(str(path))), space)
+        if "towed-wheel.png" in block:
+            return
+
+
+def of_films(name: str) -> Callable[[Path], Any]:
+    """The maker of a film, from `docs/films.py`."""
+
+    def make(path: Path) -> Any:
+        import films
+
+        return films.PICTURES[name](path)
+
+    return make
+
+
+def of_report(name: str) -> Callable[[Path], None]:
+    """The maker of a figure of the example report, from its measured numbers."""
+
+    def make(path: Path) -> None:
+        from stability.figures.canvas import save_figure
+
+        save_figure(_report_figure(name), path)
+
+    return make
+
+
+def _report_figure(name: str) -> Any:
+    import xarray
+
+    from stability.compare import failures, report
+    from stability.compare.figures import cost_error
+    from stability.compare.marks import BY_WORD
+
+    def data(stem: str) -> Any:
+        with xarray.open_dataset(REPORT / f"{stem}.nc", engine="h5netcdf") as found:
+            return found.load()
+
+    part, _, what = name.partition("-")
+    if part == "failures":
+        rows = csv.DictReader((REPORT / "failures.csv").read_text(encoding="utf-8").splitlines())
+        cases = [
+            failures.Entry(r["part"], r["group"], r["case"], r["method"], BY_WORD.get(r["mark"]),
+                           float(r["digits"] or "nan"), r["note"]) for r in rows
+        ]  # fmt: skip
+        return report._failure_figure(cases, what)
+    if part == "motion":
+        found = data("motion")
+        if what == "first":
+            return cost_error.first_call_figure(found)
+        return cost_error.motion_figure(found, what)
+    draw = {"verdict": cost_error.verdict_figure, "eigenvalues": cost_error.spectrum_figure,
+            "boundary": cost_error.boundary_figure}  # fmt: skip
+    return draw[what](data("spectrum"))
+
+
+def house(path: Path) -> None:
+    """The picture of the folders."""
+    import house as script
+
+    script.main(path)
+
+
+FROM_REPORT = (
+    "spectrum-verdict", "spectrum-eigenvalues", "spectrum-boundary", "motion-path", "motion-event",
+    "motion-first", "failures-linear", "failures-motion",
+)  # fmt: skip
+MAKERS: dict[str, Callable[[Path], Any]] = {
+    "basins.png": basins, "scene.png": scene, "towed-wheel.png": towed_wheel, "house.svg": house,
+    **{f"films/{n}": of_films(n) for n in ("tippe-top.gif", "egg.gif", "ring.gif",
+                                           "retrograde.png")},
+    **{f"report/{n}.png": of_report(n) for n in FROM_REPORT},
+}  # fmt: skip
+"""Function that makes each figure, by its path within `docs`."""
+
+
+def made(name: str) -> Path:
+    """A figure of today's package: drawn, or found from an earlier build."""
+    path = MADE / "figures" / fingerprint() / name
+    if not path.is_file():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        draft = path.with_name(f"draft-{path.name}")
+        MAKERS[name](draft)
+        draft.rename(path)
+    return path
+
+
+def replaced(app: Any, doctree: nodes.document) -> None:
+    """Take the figures of today's package in place of kept copies."""
+    here = Path(app.env.doc2path(app.env.docname)).parent
+    for node in doctree.findall(nodes.image):
+        target = (here / node["uri"]).resolve()
+        if "://" in node["uri"] or not target.is_relative_to(DOCS):
+            continue
+        name = target.relative_to(DOCS).as_posix()
+        if name in MAKERS:
+            logging.getLogger(__name__).info("drawing %s", name)
+            node["uri"] = "/" + made(name).relative_to(DOCS).as_posix()
+        elif target.is_file() and MADE not in target.parents and name not in KEPT:
+            if not name.startswith("sphinx_parts"):
+                raise RuntimeError(f"{name} is a figure that no part of the build makes")
+
+
+if __name__ == "__main__":
+    for wanted in sys.argv[1:] or MAKERS:
+        print(made(wanted))

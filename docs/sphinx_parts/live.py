@@ -1,0 +1,104 @@
+"""Pages that work: an atlas, a report and the explorer, made small by the build."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any, ClassVar
+
+from docutils import nodes
+from docutils.parsers.rst import directives
+from sphinx.errors import ExtensionError
+from sphinx.util import logging
+from sphinx.util.docutils import SphinxDirective
+
+import stability
+
+from .commands import ROOT, environment, folder
+from .figures import fingerprint
+from .notebooks import written
+
+PARTS = {
+    "atlas": "stability atlas --out OUT/atlas --resolution 60",
+    "report": "stability report --out OUT/report --cases hoop,gentle,near "
+              "--methods ad,sympy,simulate,lsoda",
+}  # fmt: skip
+"""Command of each part."""
+EXPLORER = "stability explore --out OUT/explorer/index.html"
+PAGE = """# The explorer
+
+The stability diagram as one file: open it, move the sliders, click a point. It needs no server and
+no network. The page says what is proved, and what is computed in your browser.
+
+```{live} explorer/index.html
+:title: the explorer
+:height: 900
+```
+
+Make your own: `stability explore --out page.html`, or {py:func}`stability.explore` in Python.
+"""
+
+
+def make(place: str) -> None:
+    """Make the parts that are missing, or of another state of the package.
+
+    Parameters
+    ----------
+    place
+        Folder whose content is copied to the root of the site.
+    """
+    target = ROOT / "docs" / "live" / "explorer.md"
+    parts = dict(PARTS)
+    if "explore" in stability.__all__:
+        parts["explorer"] = EXPLORER
+        written(target, PAGE)
+    else:
+        target.unlink(missing_ok=True)
+    for name, command in parts.items():
+        stamp = Path(place) / name / ".made"
+        if stamp.is_file() and stamp.read_text() == f"{fingerprint()} {command}":
+            continue
+        logging.getLogger(__name__).info("making %s: %s", name, command)
+        shutil.rmtree(Path(place) / name, ignore_errors=True)
+        if name == "explorer":
+            (Path(place) / name).mkdir(parents=True)
+        done = subprocess.run(
+            ["bash", "-ec", command.replace("OUT", place)], cwd=ROOT, env=environment(),
+            text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+        )  # fmt: skip
+        if done.returncode:
+            raise ExtensionError(f"{command!r} ended with {done.returncode}:\n{done.stdout}")
+        stamp.write_text(f"{fingerprint()} {command}")
+
+
+class Live(SphinxDirective):
+    """A page within the page, with a link that opens it alone.
+
+    The name is within the site's extra files; `from-page` takes one that a command of this page
+    has written.
+    """
+
+    required_arguments = 1
+    option_spec: ClassVar[dict[str, Any]] = {
+        "title": directives.unchanged_required, "height": directives.positive_int,
+        "from-page": directives.flag,
+    }  # fmt: skip
+
+    def run(self) -> list[nodes.Node]:
+        """The frame."""
+        name, extra = self.arguments[0], Path(self.config.html_extra_path[0])
+        if "from-page" in self.options:
+            source = folder(self.env.docname) / name
+            name = f"made/{self.env.docname}/{name}"
+            (extra / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, extra / name)
+        if not (extra / name).is_file():
+            raise ExtensionError(f"{extra / name} is not there")
+        url = "../" * self.env.docname.count("/") + name
+        title, height = self.options.get("title", name), self.options.get("height", 640)
+        text = (
+            f'<iframe class="live" src="{url}" title="{title}" height="{height}" loading="lazy">'
+            f'</iframe><p class="live-link"><a href="{url}">Open {title} on its own page</a></p>'
+        )
+        return [nodes.raw("", text, format="html")]

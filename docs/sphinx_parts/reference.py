@@ -1,0 +1,232 @@
+"""The reference: a page for each group of public names, in the order in which a reader meets them.
+
+A name belongs to the group of its folder, so that a new name has a place without a list.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import stability
+
+from .notebooks import written
+
+TARGET = Path(__file__).resolve().parents[1] / "reference"
+
+
+@dataclass(frozen=True)
+class Group:
+    """A page of the reference."""
+
+    name: str
+    """Name of the file."""
+    title: str
+    """Title of the page."""
+    words: str
+    """What the group is for, in a sentence or two."""
+    rooms: tuple[str, ...]
+    """Folders or modules of the package whose public names are here."""
+
+
+GROUPS = (
+    Group("bodies", "Bodies and contact",
+          "A disk, or another body of revolution; the law of its contact with the plane; "
+          "resistance to rolling and turning.", ("bodies",)),
+    Group("systems", "Systems",
+          "Equations of motion of your own, and what they say about themselves.",
+          ("systems.system", "systems.mechanics", "systems.condition")),
+    Group("families", "Families",
+          "Steady motions with a name, and how they are followed.",
+          ("systems", "algebra.upright", "bodies.thin_disk")),
+    Group("spectra", "Spectra and verdicts",
+          "Eigenvalues of the linearisation, the verdict, and how it is known.",
+          ("spectra", "base.verdict", "algebra", "derivation")),
+    Group("boundaries", "Boundaries",
+          "Where a verdict changes, what happens there, and what lies beyond linear theory.",
+          ("boundary",)),
+    Group("maps", "Maps", "Verdicts and growth rates over two quantities, in memory or in files.",
+          ("maps",)),
+    Group("motion", "Motion", "Launches: how each goes on, and how it ends.",
+          ("motion", "bodies.launch", "integrators", "settling")),
+    Group("scene", "Scenes", "The least model that answers a question, with its error.",
+          ("scene",)),
+    Group("basins", "Basins", "Which launch ends where, and how sensitive that is.", ("basin",)),
+    Group("figures", "Figures", "Diagrams, loci, motions, films and live pages.",
+          ("figures", "explorer")),
+    Group("tables", "Tables and reports",
+          "Tables of numbers, measured comparisons, and what to cite.",
+          ("tables", "compare", "export", "base.citation", "atlas")),
+    Group("errors", "Errors", "Every error is one sentence: the value, and what is accepted.",
+          ("base",)),
+)  # fmt: skip
+"""The pages, in their order."""
+
+
+def group_of(module: str) -> Group:
+    """The group of a module of the package: that with the longest room around it.
+
+    Parameters
+    ----------
+    module
+        Name of a module, within the package.
+
+    Raises
+    ------
+    ValueError
+        If no group has a room for it.
+    """
+    fitting = [
+        (len(room), index, group)
+        for index, group in enumerate(GROUPS)
+        for room in group.rooms
+        if f"{module}.".startswith(f"{room}.")
+    ]
+    if not fitting:
+        raise ValueError(f"no group of the reference has a room for {module}: see {__file__}")
+    return max(fitting, key=lambda found: found[:2])[2]
+
+
+def grouped() -> dict[str, list[str]]:
+    """The public names of each group, in the order of the face."""
+    home: Mapping[str, tuple[str, ...]] = stability._HOME
+    found: dict[str, list[str]] = {group.name: [] for group in GROUPS}
+    for module, names in home.items():
+        found[group_of(module).name] += names
+    return found
+
+
+def kind(name: str) -> str:
+    """How autodoc documents a name."""
+    value = getattr(stability, name)
+    if isinstance(value, type):
+        return "exception" if issubclass(value, BaseException) else "class"
+    return "function" if callable(value) else "data"
+
+
+def entry(name: str) -> str:
+    """The text of one name."""
+    what = kind(name)
+    head = f"{name}\n{'-' * len(name)}\n\n"
+    if what == "data":
+        home = stability._WHERE[name]
+        module = import_module(f"stability.{home}")
+        text = documented(module, name)
+        body = "\n".join(f"   {line}" if line else "" for line in text)
+        return f"{head}.. py:data:: stability.{name}\n\n{body}\n\n"
+    text = f"{head}.. auto{what}:: stability.{name}\n"
+    if what == "class":
+        text += "   :members:\n   :show-inheritance:\n"
+        if not _enumeration(name):
+            text += "   :inherited-members: object, Record, Enum, Mapping, Sequence, tuple, str\n"
+    return text + "\n"
+
+
+def _enumeration(name: str) -> bool:
+    from enum import Enum
+
+    return issubclass(getattr(stability, name), Enum)
+
+
+def documented(module: Any, name: str) -> list[str]:
+    """The docstring of a constant, from below it in its module."""
+    from sphinx.pycode import ModuleAnalyzer
+
+    docs = ModuleAnalyzer.for_module(module.__name__).find_attr_docs()
+    if ("", name) in docs:
+        return sections_of(docs["", name])
+    return sections_of((getattr(module, name).__doc__ or "").splitlines())
+
+
+def write() -> None:
+    """Write the pages."""
+    names = grouped()
+    for group in GROUPS:
+        title = f"{group.title}\n{'=' * len(group.title)}\n\n{group.words}\n\n"
+        body = "\n".join(entry(name) for name in names[group.name])
+        written(TARGET / f"{group.name}.rst", f"{title}{body}{_errors(group)}")
+
+
+def _errors(group: Group) -> str:
+    """The kinds of error that functions raise, all of them kinds of `StabilityError`."""
+    from stability.base import errors
+
+    if group.name != "errors":
+        return ""
+    base = errors.StabilityError
+    found = {n: v for n, v in vars(errors).items() if isinstance(v, type)}
+    kinds = [n for n, v in found.items() if issubclass(v, base) and v is not base]
+    head = "\nKinds of StabilityError\n-----------------------\n\n"
+    head += "Catch `StabilityError`, which all of these are, or one of them.\n\n"
+    head = head.replace("`StabilityError`", ":py:exc:`stability.StabilityError`")
+    return head + "".join(
+        f".. autoexception:: stability.base.errors.{name}\n   :show-inheritance:\n\n"
+        for name in kinds
+    )
+
+
+# --- docstrings ---
+
+
+def sections_of(lines: list[str]) -> list[str]:
+    """A docstring in the markup of Sphinx: names are links, and `Source: …` is a section."""
+    text = "\n".join(lines)
+    text = re.sub(
+        r"^Source: (.*?)(?=\n\s*\n|\Z)",
+        r"Source\n------\n\1",
+        text,
+        flags=re.DOTALL | re.MULTILINE,
+    )
+    lines, example = [], False
+    for line in text.split("\n"):
+        example = line.lstrip().startswith(">>>") or (example and bool(line.strip()))
+        lines.append(line if example or "``" in line else line.replace("|", r"\|"))
+    text = "\n".join(lines)
+    return re.sub(r"(?<![`:\w])`([^`\n]+)`(?![`_])(.?)", _marked, text).split("\n")
+
+
+def _marked(match: re.Match[str]) -> str:
+    """A public name as a link, anything else as code."""
+    name, after = match[1].replace("\\", ""), match[2]
+    gap = "\\ " if after and not re.match(r"[\s.,:;!?)\]}'\"/-]", after) else ""
+    if name in stability.__all__:
+        return f":py:obj:`~stability.{name}`{gap}{after}"
+    return f"``{name}``{gap}{after}"
+
+
+def sections(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """Read the sections of a docstring; those of attributes are plain text."""
+    from sphinx.ext.napoleon import NumpyDocstring
+
+    lines[:] = sections_of(lines)
+    if what not in ("attribute", "property", "data"):
+        lines[:] = NumpyDocstring(lines, app.config, app, what, name, obj, options).lines()
+
+
+def alone(app: Any) -> None:
+    """Keep the general reader of docstrings away: it takes words before a colon for a type."""
+    from sphinx.ext import napoleon
+
+    for listener in list(app.events.listeners["autodoc-process-docstring"]):
+        if listener.handler is napoleon._process_docstring:
+            app.disconnect(listener.id)
+
+
+def resolved(app: Any, env: Any, node: Any, inner: Any) -> Any:  # noqa: ARG001
+    """The place of an error that is raised and has no public name: the page on errors."""
+    from docutils import nodes
+
+    from stability.base import errors
+
+    name = node.get("reftarget", "").rpartition(".")[2]
+    found = getattr(errors, name, None)
+    if not isinstance(found, type) or not issubclass(found, errors.StabilityError):
+        return None
+    target = app.builder.get_relative_uri(node["refdoc"], "reference/errors")
+    link = nodes.reference("", "", refuri=f"{target}#stability.base.errors.{name}", internal=True)
+    link += inner
+    return link
