@@ -1,4 +1,4 @@
-"""The towed wheel of docs/tutorials/towed-wheel.md: three states, seven quantities, one constraint."""
+"""The towed wheel of docs/tutorials/towed-wheel.md: three states, seven quantities."""
 
 import casadi as ca
 
