@@ -3,6 +3,7 @@
 import json
 import os
 import pty
+import random
 import re
 import signal
 import subprocess
@@ -97,6 +98,23 @@ def test_borders_are_refined_for_the_figure(
                      y=("tilt", 0.1, 0.5, 4), horizon=30.0, levels=2)  # fmt: skip
     assert true.sizes["border_point"] > 10
     np.testing.assert_array_equal(drawn[0].border_tilt.values, true.border_tilt.values)
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+def test_a_scheduler_in_one_word_writes_the_bytes_of_threads(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    pytest.importorskip("distributed")
+    before, stores = random.getstate(), {}
+    for where in ("threads", "dask"):
+        out = tmp_path / f"{where}.zarr"
+        words = (*MAP, "--out", str(out), "--chunk", "6", "--scheduler", where, "--workers", "2")
+        assert "24 launches" in output(capsys, *words, "--dry-run")
+        output(capsys, *words)
+        stores[where] = {p.relative_to(out): p.read_bytes() for p in out.rglob("*") if p.is_file()}
+    random.setstate(before)  # `distributed` draws from it
+    assert len(stores["threads"]) > 4 * 8
+    assert stores["dask"] == stores["threads"]
 
 
 def launches_of(capsys: pytest.CaptureFixture[str], tmp_path: Path, *words: str) -> xarray.Dataset:
