@@ -31,10 +31,11 @@ from ..motion.starts import Starts
 from ..systems.family import Family
 from ..systems.system import System
 from .dataset import arrays, attributes, blank, coordinates, label, question, variables
-from .launch_labels import LaunchLabels, refined
+from .launch_labels import LaunchLabels
 from .launches import Launches, prepare
 from .linear import linear_verdict
 from .outcomes import Judging, judged_by, last_time, outcomes
+from .refinement.refine import refine
 from .statistics.samples import DistributionLike, Independent, sample
 
 if TYPE_CHECKING:
@@ -211,8 +212,8 @@ def basins(
         and those of a sample are coordinates.  A start without contact has ended at time 0: *flat*,
         *no-contact* or *lift-off*.  With `levels`, the borders along `border_point`: `border_X` for
         each axis X, `border_curve` (which line), and the outcomes on both sides; they are computed
-        after the map, and are not in the store.  Attributes hold units, settings and versions, and
-        no date: the same call gives the same bytes.
+        after the map, and are added to the store when all are there.  Attributes hold units,
+        settings and versions, and no date: the same call gives the same bytes.
 
     Raises
     ------
@@ -241,19 +242,8 @@ def basins(
     levels = whole_number("levels", levels, 0, MOST_LEVELS)
     if levels and len(plan.axes) != 2:
         raise ParameterError("levels refines a map over x and y alone; leave it out.")
-    kept, _ = run(plan, store, overwrite, executor, workers, progress)
-    found = labelled(kept, plan)
-    return bordered(found, plan, levels, given, workers) if levels else found
-
-
-def bordered(
-    found: xarray.Dataset, plan: Plan, levels: int, executor: Executor | None, workers: int | None
-) -> xarray.Dataset:  # fmt: skip
-    """A map of two axes, with its borders refined."""
-    axes = plan.axes[1], plan.axes[0]
-    order = replace(plan.launches, varied=tuple(a.name for a in axes))
-    labels = LaunchLabels(order, plan.horizon, plan.judging, executor, workers)
-    return refined(found.load(), labels, axes, levels)
+    kept, _ = run(plan, store, overwrite, executor, workers, progress, levels)
+    return labelled(kept, plan)
 
 
 def labelled(kept: Store, plan: Plan) -> xarray.Dataset:
@@ -328,16 +318,18 @@ def _tile(shape: tuple[int, ...], size: int) -> tuple[int, ...]:
 
 def run(
     plan: Plan, store: Any, overwrite: bool, executor: Any, workers: int | None,
-    progress: Progress | None,
+    progress: Progress | None, levels: int = 0, later: int = 0,
 ) -> tuple[Store, Filled]:  # fmt: skip
-    """Fill the store of a plan.
+    """Fill the store of a plan, and refine the borders of its map.
 
     Parameters
     ----------
     plan
         The launches.
-    store, overwrite, executor, workers, progress
+    store, overwrite, executor, workers, progress, levels
         As for `basins`.
+    later
+        Launches that are expected along borders, for the progress of the map.
 
     Returns
     -------
@@ -349,8 +341,14 @@ def run(
     kept = store_of(plan, store, overwrite)
     with _engine(executor, workers) as (pool, number):
         work = _Work(shared(plan, pool))
+        told = progress and (lambda done, total: progress(done, total + later))
         done = fill(kept, work, blank=_Blank(len(some.model.states), varied), executor=pool,
-                    workers=number, progress=progress)  # fmt: skip
+                    workers=number, progress=told)  # fmt: skip
+        if levels:
+            axes = plan.axes[1], plan.axes[0]
+            order = replace(plan.launches, varied=tuple(a.name for a in axes))
+            labels = LaunchLabels(order, plan.horizon, plan.judging)
+            refine(kept, labels, axes, levels, pool, number, progress)
     return kept, done
 
 

@@ -10,19 +10,24 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from ..base.types import Floats
 from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block
 from .basins import Plan
 from .dataset import arrays
+from .launch_labels import coded
 from .outcomes import outcomes
+from .refinement.waves import expected_launches
 from .statistics.samples import sample
 
 FIRST, LAST, GROWTH = 8, 512, 4
 """Launches of the first and of the last trial, and their ratio from one trial to the next."""
 SECONDS, SHARE = 3.0, 0.01
 """Computing time of a trial at most [s], or the share of the expected cost that it may take."""
+NEAR = 4
+"""Neighbours of a launch that are compared with it for the length of borders."""
 LEAST_SHARE = 0.2
 """Least part of a trial's mean cost that counts as the cost of one more launch."""
 
@@ -32,7 +37,7 @@ class Cost:
     """Expected cost of a call of `basins`."""
 
     launches: int
-    """Launches to run."""
+    """Launches of the map or sample to run."""
     stored: int
     """Launches that the store holds already."""
     sampled: int
@@ -45,11 +50,13 @@ class Cost:
     """Number of workers."""
     size: int
     """Size of the whole store, compressed [bytes]."""
+    border: int = 0
+    """Launches expected along borders, about; they are part of the times."""
 
 
 def predict(
     plan: Plan, workers: int = 1, missing: Sequence[Block] | None = None,
-    clock: Callable[[], float] = time.process_time,
+    clock: Callable[[], float] = time.process_time, levels: int = 0,
 ) -> Cost:  # fmt: skip
     """Expected cost of a plan, from trials of launches that are spread over it.
 
@@ -67,6 +74,8 @@ def predict(
         Chunks to compute; all when left out.
     clock
         Computing time of this process [s].
+    levels
+        Halvings of the steps of a map along its borders, if these are to be refined.
 
     Returns
     -------
@@ -93,18 +102,40 @@ def predict(
     blocks = layout.blocks() if missing is None else list(missing)
     counts = [layout.count(b) for b in blocks]
     launches = sum(counts)
-    if not launches:
+    if not launches and not levels:
         return Cost(0, layout.total, 0, 0.0, 0.0, workers, 0)
     _corners(plan)
     cells = _spread(layout.shape)
-    once, each, found = _trials(plan, cells, launches, clock)
+    once, each, found = _trials(plan, cells, max(launches, 1), clock)
+    tried = len(found["outcome"])
+    border = _along_borders(layout.shape, cells[:tried], found, levels) if levels else 0
     computing = len(blocks) * once + launches * each
     rounds = math.ceil(len(blocks) / workers)
-    seconds = rounds * (once + each * launches / len(blocks))
-    size = _compressed(found) * layout.total
+    seconds = rounds * (once + each * launches / max(len(blocks), 1))
+    # waves of a refinement follow each other: two for a level
+    computing += 2 * levels * workers * once + border * each
+    seconds += 2 * levels * once + border * each / workers
+    size = (_compressed(found) * layout.total) + border
     done = layout.total - launches
-    return Cost(launches, done, len(next(iter(found.values()))), computing, seconds, workers,
-                round(size))  # fmt: skip
+    return Cost(launches, done, tried, computing, seconds, workers, round(size), border)
+
+
+def _along_borders(
+    shape: tuple[int, ...], cells: NDArray[np.intp], found: Arrays, levels: int
+) -> int:
+    """Launches along borders, from neighbours among scattered ones.
+
+    A line of length L parts a share f of the pairs at distance r, f = 2 L r/(π A), and passes
+    through 4 L/π cells of a lattice (Buffon).
+    """
+    labels, near = coded(found["outcome"], found["family"]), min(NEAR, len(cells) - 1)
+    if not near:
+        return 0
+    apart, place = KDTree(cells).query(cells, near + 1)
+    unlike = labels[place[:, 1:]] != labels[:, None]
+    area = float(math.prod(n - 1 for n in shape))
+    mixed = min(2 * area * unlike.sum() / apart[:, 1:].sum(), area)
+    return expected_launches(mixed, levels)
 
 
 def _trials(

@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,13 +18,9 @@ from ..integrators.taylor import CORES
 from ..jobs.pipeline import check_run, ordered, threads
 from ..jobs.shared import shared
 from ..motion.result import BY_CODE
-from .borders import Borders, borders
 from .lattice.labels import Ints
 from .launches import Launches, prepare
 from .outcomes import Judging, judged_by, last_time, outcomes
-
-if TYPE_CHECKING:
-    import xarray
 
 FAMILIES = 64
 """Most families of one question: a label is the outcome's code times this, plus the family's."""
@@ -78,6 +74,14 @@ class LaunchLabels:
             found += [labels for _, labels in results]
         return np.concatenate(found)
 
+    def of(self, points: Floats) -> Ints:
+        """The labels of some launches, computed at once and here."""
+        table = dict(zip(self.launches.varied, points.T, strict=True))
+        with CASADI:
+            launches = self.launches.starts(table, self.horizon)
+        found = outcomes(launches, self.judging)
+        return coded(found.outcome, found.family + 1)
+
     def words(self, label: int) -> str:
         """A label in words."""
         outcome, family = divmod(int(label), FAMILIES)
@@ -95,11 +99,7 @@ class LaunchLabels:
 def _labels(labels: Any, points: Floats) -> Ints:
     """Labels of some launches, by a worker."""
     mine: LaunchLabels = labels()
-    table = dict(zip(mine.launches.varied, points.T, strict=True))
-    with CASADI:
-        launches = mine.launches.starts(table, mine.horizon)
-    found = outcomes(launches, mine.judging)
-    return coded(found.outcome, found.family + 1)
+    return mine.of(points)
 
 
 def coded(outcome: Any, family: Any) -> Ints:
@@ -164,61 +164,3 @@ def launch_labels(
     check_run(workers, None, executor)
     judging = judged_by(tolerance, check)
     return LaunchLabels(asked, last_time(horizon), judging, executor, workers)
-
-
-def refined(
-    dataset: xarray.Dataset, labels: LaunchLabels, axes: tuple[Any, Any], levels: int
-) -> xarray.Dataset:
-    """A map with the borders between its outcomes, refined where neighbours differ.
-
-    Parameters
-    ----------
-    dataset
-        The map.
-    labels
-        Labels of launches over x and y.
-    axes
-        x and y.
-    levels
-        Halvings of the steps of the map.
-
-    Returns
-    -------
-    xarray.Dataset
-        Along `border_point`: `border_X` for each axis X, the end points of each line in turn
-        (`border_curve`), and the flag values of the outcomes on both sides.
-    """
-    known = coded(dataset.outcome.values, dataset.family.values)
-    found = borders(labels, *((a.name, a.low, a.high, a.count, *(["log"] * a.log)) for a in axes),
-                    levels=levels, known=known)  # fmt: skip
-    return dataset.assign(_variables(found, axes)).assign_attrs(
-        border_width=[float(w) for w in found.widths[-1]], border_launches=found.asked,
-        border_note=found.note, border_cells=[int(n) for n in found.counts],
-    )  # fmt: skip
-
-
-def _variables(found: Borders, axes: tuple[Any, Any]) -> dict[str, Any]:
-    lines = found.lines
-    points = np.concatenate([_closed(line) for line in lines]) if lines else np.zeros((0, 2))
-    lengths = [len(_closed(line)) for line in lines]
-    sides = np.repeat(np.array([line.labels for line in lines]).reshape(-1, 2), lengths, axis=0)
-    made: dict[str, Any] = {
-        f"border_{a.name}": ("border_point", points[:, i], {
-            "long_name": f"{a.name} of the border, off the true one by less than border_width"})
-        for i, a in enumerate(axes)
-    }  # fmt: skip
-    made["border_curve"] = ("border_point", np.repeat(np.arange(len(lines)), lengths),
-                            {"long_name": "number of the line"})  # fmt: skip
-    for side, column in (("low", 0), ("high", 1)):
-        for name, part in (("outcome", sides[:, column] // FAMILIES),
-                           ("family", sides[:, column] % FAMILIES)):  # fmt: skip
-            made[f"border_{name}_{side}"] = (
-                "border_point", part.astype(np.int8),
-                {"long_name": f"{name} on the {side} side, a flag value of {name}"},
-            )  # fmt: skip
-    return made
-
-
-def _closed(line: Any) -> Floats:
-    points: Floats = np.vstack([line.points, line.points[:1]]) if line.closed else line.points
-    return points

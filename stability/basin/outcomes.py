@@ -22,7 +22,7 @@ from ..base.errors import ParameterError
 from ..base.types import Floats
 from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
-from ..integrators.taylor import NEWTON, SHIFT, available, unread
+from ..integrators.taylor import NEWTON, available, longest_shift, unread
 from ..motion.neighbours import signs
 from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
@@ -249,7 +249,7 @@ def _judged(
             run.outcome[kept[lost]] = CODES[Outcome.UNRESOLVED]
         rows = np.flatnonzero(done.kind == EVENT)
         if rows.size:
-            _events(run, flow, rows, p)
+            _events(run, flow, rows, p, horizon)
     return run
 
 
@@ -259,7 +259,7 @@ def _rates(flow: Flow) -> Program:
     return Program(flow.rates)
 
 
-def _events(run: _Run, flow: Flow, rows: NDArray[np.intp], p: Floats) -> None:
+def _events(run: _Run, flow: Flow, rows: NDArray[np.intp], p: Floats, horizon: Floats) -> None:
     """Move events along the motion to their guards' zeros, and name them.
 
     An event lies on the polynomial of a step, next to the zero.
@@ -269,14 +269,14 @@ def _events(run: _Run, flow: Flow, rows: NDArray[np.intp], p: Floats) -> None:
     values, _ = flow.margins(y, given)
     which = np.argmin(np.abs(values), axis=1)
     pick = np.arange(len(rows))
-    rates = _rates(flow)
+    rates, most = _rates(flow), longest_shift(flow, horizon[rows])
     for _ in range(NEWTON):
         values, speeds = flow.margins(y, given)
         value, speed = values[pick, which], speeds[pick, which]
         with np.errstate(all="ignore"):
             step = np.where(speed < 0, -value / speed, 0.0)
             moving = rates.arrays([list(y.T), list(given.T)], y.shape[:1])[0][..., 0]
-            good = (np.abs(step) < SHIFT) & np.isfinite(moving).all(axis=1)
+            good = (np.abs(step) < most) & np.isfinite(moving).all(axis=1)
         step = np.where(good, step, 0.0)
         times += step
         y += step[:, None] * np.where(good[:, None], moving, 0.0)

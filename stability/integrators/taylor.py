@@ -224,6 +224,19 @@ def _end(leg: Leg, outcome: Any, ta: Any, states: Floats) -> End:
     return End(UNRESOLVED, time, state, why)
 
 
+def longest_shift(flow: Flow, span: Any) -> Any:
+    """Longest step that moves an event to its guard's zero.
+
+    Parameters
+    ----------
+    flow
+        Flow of a body or of a user's system, whose unit of time is arbitrary.
+    span
+        Length of the run, a float or an array.
+    """
+    return SHIFT if flow.model.turning else SHIFT * np.minimum(1.0, span)
+
+
 def _on_guard(leg: Leg, time: float, state: Floats) -> End:
     """The end at an event, moved along the motion to where its guard is zero.
 
@@ -231,9 +244,8 @@ def _on_guard(leg: Leg, time: float, state: Floats) -> End:
     """
     kind = guard_at(leg.flow, leg.p, state)
     index = list(leg.flow.guards).index(kind)
-    rates, most = leg.flow.quick.rates, SHIFT
-    if not leg.flow.model.turning:  # a user's unit of time is arbitrary
-        most *= min(1.0, float(leg.times[-1] - leg.times[0]))
+    rates = leg.flow.quick.rates
+    most = longest_shift(leg.flow, float(leg.times[-1] - leg.times[0]))
     for _ in range(NEWTON):
         value, rate = (float(part[index]) for part in leg.flow.margins(state, leg.p))
         step = -value / rate if rate < 0 else 0.0

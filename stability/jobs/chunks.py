@@ -218,6 +218,9 @@ class Store(Protocol):
     def write(self, block: Block, arrays: Arrays) -> None:
         """Add a whole chunk, the marker last."""
 
+    def attach(self, frame: xarray.Dataset) -> None:
+        """Add whole arrays on axes of their own, in place of those that were attached before."""
+
     def dataset(self) -> xarray.Dataset:
         """All arrays with their coordinates and attributes; cells not there hold fill values."""
 
@@ -254,6 +257,7 @@ class Memory:
         self.layout, self.variables = layout, tuple(variables)
         self.coords, self.attrs = dict(coords or {}), dict(attrs or {})
         self._there: set[Block] = set()
+        self._attached: xarray.Dataset | None = None
         self._arrays = {
             v.name: np.full((*layout.shape, *(n for _, n in v.more)), v.fill, v.dtype)
             for v in self.variables
@@ -274,6 +278,10 @@ class Memory:
             )
         self._there.add(block)
 
+    def attach(self, frame: xarray.Dataset) -> None:
+        """Add whole arrays on axes of their own."""
+        self._attached = frame
+
     def dataset(self) -> xarray.Dataset:
         """All arrays with their coordinates and attributes, without a copy."""
         import xarray
@@ -283,4 +291,6 @@ class Memory:
                      dict(v.attrs))
             for v in self.variables
         }  # fmt: skip
-        return xarray.Dataset(arrays, self.coords, self.attrs)
+        found = xarray.Dataset(arrays, self.coords, self.attrs)
+        more = self._attached
+        return found if more is None else found.assign(more.variables).assign_attrs(more.attrs)

@@ -68,12 +68,8 @@ class ChunkFiles:
         whole = check_chunk(self.variables, arrays, self.layout.count(block))
         marker, *others = self.variables
         for variable in (*others, marker):
-            content = self._encoded(variable, block, whole[variable.name])
-            path = self._path(variable, block)
-            with _resumable(path), atomic_write(
-                path, overwrite=True, result=False, durable=True
-            ) as draft:  # fmt: skip
-                draft.write_bytes(content)
+            values = whole[variable.name]
+            _write(self._path(variable, block), self._encoded(variable, block, values))
 
     def listed(self) -> set[str]:
         """Names of the markers that are there."""
@@ -94,7 +90,8 @@ class ChunkFiles:
 
         lengths = tuple(n for _, n in variable.more)
         sizes = self.layout.sizes(block)
-        array = np.full((*self.layout.chunk, *lengths), variable.fill, _little(variable))
+        kind = np.dtype(variable.dtype).newbyteorder("<")
+        array = np.full((*self.layout.chunk, *lengths), variable.fill, kind)
         array[tuple(map(slice, sizes))] = values.reshape(*sizes, *lengths)
         return bytes(Zstd(level=LEVEL, checksum=True).encode(array))
 
@@ -108,6 +105,14 @@ def _resumable(path: Path) -> Iterator[None]:
         raise FileError(f"{str(error).rstrip('.')}{RESUME}.") from None
 
 
+def _write(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all."""
+    with _resumable(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(path, overwrite=True, result=False, durable=True) as draft:
+            draft.write_bytes(content)
+
+
 def file_name(variable: Variable, block: Block) -> str:
     """Name of a chunk's file in the folder of its array.
 
@@ -117,10 +122,6 @@ def file_name(variable: Variable, block: Block) -> str:
     'c.2.0.0'
     """
     return ".".join(["c", *map(str, block), *("0" for _ in variable.more)])
-
-
-def _little(variable: Variable) -> np.dtype[Any]:
-    return np.dtype(variable.dtype).newbyteorder("<")
 
 
 class ZarrStore:
@@ -177,7 +178,10 @@ class ZarrStore:
         self.layout, self.variables = layout, tuple(variables)
         self.folder: Path = check_folder(path).resolve()
         self.writer = ChunkFiles(self.folder, layout, self.variables)
-        asked = _asked(layout, self.variables, coords or {}, attrs or {}, question or {})
+        self._given = coords or {}, attrs or {}
+        asked = self._asked = _asked(
+            layout, self.variables, coords or {}, attrs or {}, question or {}
+        )
         head = self._head()
         if head is not None and head[PRINT] != _fingerprint(asked):
             if not overwrite:
@@ -188,7 +192,7 @@ class ZarrStore:
             self._remove()
             head = None
         if head is None:
-            self._create(_skeleton(layout, self.variables, coords or {}, attrs or {}, asked), asked)
+            self._create(self._files(), asked)
         self.writer.clean()
 
     def missing(self) -> list[Block]:
@@ -199,6 +203,25 @@ class ZarrStore:
     def write(self, block: Block, arrays: Arrays) -> None:
         """Add a whole chunk, the marker last."""
         self.writer.write(block, arrays)
+
+    def attach(self, frame: xarray.Dataset) -> None:
+        """Add whole arrays on axes of their own, in place of those that were attached before.
+
+        The metadata of the store name them last; until then the store is one without them.
+        """
+        bare, whole, head = self._files(), self._files(frame), self.folder / HEAD
+        more = [n for n in sorted(whole, key=lambda n: (n.endswith(HEAD), n)) if n not in bare]
+        if head.read_bytes() == whole[HEAD] and all((self.folder / n).is_file() for n in more):
+            return
+        _write(head, bare[HEAD])
+        for name in {Path(n).parts[0] for n in more}:
+            shutil.rmtree(self.folder / name, ignore_errors=True)
+        for name in more:
+            _write(self.folder / name, whole[name])
+        _write(head, whole[HEAD])
+
+    def _files(self, more: xarray.Dataset | None = None) -> dict[str, bytes]:
+        return _skeleton(self.layout, self.variables, *self._given, self._asked, more)
 
     def dataset(self) -> xarray.Dataset:
         """The dataset, read when it is used."""
@@ -303,18 +326,16 @@ def _difference(head: Mapping[str, Any], asked: Mapping[str, str]) -> str:
     """The first difference between the question of a store and the one that is asked."""
     try:
         there = json.loads(head[QUESTION])
-        names = [n for n in {**asked, **there} if asked.get(n) != there.get(n)]
-        name = names[0]
-    except (ValueError, KeyError, TypeError, IndexError):
+        name = next(n for n in {**asked, **there} if asked.get(n) != there.get(n))
+    except (ValueError, KeyError, TypeError, StopIteration):
         return "its question cannot be read"
     if name == "the coordinates":
         return "the coordinates differ"
-    old, new = (_short(side.get(name, "missing")) for side in (there, asked))
+    old, new = (
+        text if len(text) <= 40 else f"{text[:18]} … {text[-18:]}"
+        for text in (side.get(name, "missing") for side in (there, asked))
+    )
     return f"{name}: {old} there, {new} here"
-
-
-def _short(text: str) -> str:
-    return text if len(text) <= 40 else f"{text[:18]} … {text[-18:]}"
 
 
 # --- metadata ---
@@ -322,9 +343,9 @@ def _short(text: str) -> str:
 
 def _skeleton(
     layout: Layout, variables: tuple[Variable, ...], coords: Mapping[str, Any],
-    attrs: Mapping[str, Any], asked: Mapping[str, str],
+    attrs: Mapping[str, Any], asked: Mapping[str, str], more: xarray.Dataset | None = None,
 ) -> dict[str, bytes]:  # fmt: skip
-    """Files of a store without chunks, by path: equal for equal questions."""
+    """Files of a store without chunks, by path, and those of further whole arrays."""
     try:
         import xarray
         import zarr
@@ -341,6 +362,9 @@ def _skeleton(
         {n: frame[n].astype(np.dtypes.StringDType(), keep_attrs=True) for n in texts}
     )
     frame.attrs = json.loads(_json(dict(attrs)))
+    if more is not None:
+        frame = frame.assign(more.variables)
+        frame.attrs |= json.loads(_json(dict(more.attrs)))
     frame.attrs |= {MARKER: variables[0].name, QUESTION: _json(dict(asked))}
     frame.attrs[PRINT] = _fingerprint(asked)
     chunks = {n: {"chunks": tuple(min(s, LARGEST) for s in c.shape)} for n, c in
@@ -361,13 +385,13 @@ def _skeleton(
 
 def _array(layout: Layout, variable: Variable, frame: xarray.Dataset) -> dict[str, Any]:
     """Metadata of an array, with the coordinates that lie on its axes."""
-    lengths = tuple(n for _, n in variable.more)
+    lengths, kind = tuple(n for _, n in variable.more), np.dtype(variable.dtype).newbyteorder("<")
     dims = (*layout.dims, *(n for n, _ in variable.more))
     near = sorted(str(name) for name, values in frame.coords.items()
                   if name not in frame.dims and set(values.dims) <= set(dims))  # fmt: skip
     attributes = json.loads(_json(dict(variable.attrs)))
     return {
-        "name": variable.name, "dtype": _little(variable), "fill_value": variable.fill,
+        "name": variable.name, "dtype": kind, "fill_value": variable.fill,
         "shape": (*layout.shape, *lengths), "chunks": (*layout.chunk, *lengths),
         "attributes": attributes | ({"coordinates": " ".join(near)} if near else {}),
         "dimension_names": dims,

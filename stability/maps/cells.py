@@ -30,30 +30,26 @@ from ..systems.graph.smoothness import edged
 from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
-from .growth_rates import GrowthKernel, steady_memory
-from .own.formula_cells import FormulaCells, formula_cells
+from .growth_rates import GrowthKernel, Room, steady_memory
+from .own.formula_cells import formula_cells
 from .own.graph_rates import quick_rates
+from .own.rates import Bands
 from .own.slice_cells import SliceCells, slice_cells
 from .own.slice_verdicts import ELSEWHERE
 from .verdict_tiles import GridVerdicts
 
 CHUNK = 16384
 """Cells of a chunk: few enough for the cache, many enough for NumPy."""
-BAND = 262144
+BAND = 2**19
 """Cells of a chunk of whole rows on the exact route: many, so that no thread waits for Python."""
-
-
-COMPILED_FROM = 2 * 10**6
+COMPILED_FROM = 10**6
 """Fewest cells for which compiled loops are loaded, which takes as long as these by NumPy."""
 OWN_BAND = 65536
 """The same for a user's family: few enough for the arrays of its roots."""
 LEAST = 1024
 """Fewest cells for which a user's family gets its polynomial over Q."""
-
-
 MOST_SETTLED = 2000
 """Most cells of a user's family that are decided one by one without `certify`."""
-
 LEFT = "left"
 """Key in a chunk, in addition to its arrays: number of cells sent to exact arithmetic."""
 MOST_CELLS = 10**9
@@ -97,7 +93,7 @@ class Cells:
         self._certain = problem.derived or certain(family)
         declared = family.conservative and self._certain
         self._even = declared or (not problem.derived and symmetric(family))
-        self.slice: FormulaCells | SliceCells | None = None
+        self.slice: Bands | None = None
         if problem.law is None and math.prod(self.shape) >= LEAST:
             self.slice = formula_cells(problem, axes, modes) or slice_cells(problem, axes, modes)
         self._count = len(family.system.states) - zeros
@@ -220,10 +216,7 @@ class Cells:
             self.handed_on += 1
 
     def settle_few(self) -> None:
-        """The same at low precision, where only a few cells of a user's family are open.
-
-        Cells exactly on a boundary are such: over Q they are neutral, and no double says so.
-        """
+        """The same at low precision, for few open cells of a user's family: those on a boundary."""
         if 0 < (self.codes == CODES[Verdict.UNDECIDED]).sum() <= MOST_SETTLED:
             self.settle(BITS)
 
@@ -240,8 +233,8 @@ class Cells:
             return part if rates.values is None else part | {"values": rates.values}
         values = dict(self.problem.values)
         values |= {x.name: x.values[None, :], y.name: y.values[rows, None]}
-        codes, left = self._verdicts(x.values, y.values[rows])
-        growth = self._growth(values)
+        growth = self._growth(values, out=self._room(rows))
+        codes, left = self._verdicts(x.values, y.values[rows], growth.codes)
         chunk: Chunk = {
             LEFT: np.array([left + growth.handed_on]),
             "codes": codes.reshape(-1), "abscissa": growth.abscissa, "error": growth.error,
@@ -250,6 +243,12 @@ class Cells:
         if growth.values is not None:
             chunk["values"] = growth.values
         return chunk
+
+    def _room(self, rows: slice) -> Room | None:
+        """Whole rows of the map, which a worker of this process fills in place."""
+        here = "abscissa" in vars(self)
+        arrays = (self.abscissa, self.error, self.frequency, self.codes) if here else ()
+        return tuple(a[rows].reshape(-1) for a in arrays) or None
 
     def _complete(self) -> None:
         """The cells that the slice left open: by the graph, verdicts of members as they are."""

@@ -35,7 +35,7 @@ EXACT = (
     "precision, then in rational arithmetic or balls"
 )
 
-LOOPS = "; growth rates by compiled loops"
+LOOPS = "; growth rates by compiled loops, where a bound that keeps the sign proves the verdict"
 """Added to it where Numba compiled them."""
 
 GRAPH = (

@@ -41,6 +41,10 @@ def steady_memory() -> None:
     np.empty(31 * 2**20, dtype=np.uint8)
 
 
+Room = tuple[Any, ...]
+"""Arrays for abscissa, bound on its error, |imaginary part| and flags, each flat."""
+
+
 class Growth(NamedTuple):
     """Eigenvalues over the cells of a tile, flat."""
 
@@ -54,6 +58,9 @@ class Growth(NamedTuple):
     """All eigenvalues, sorted, shape (N, n); None unless asked for."""
     handed_on: int
     """Cells that went to exact arithmetic."""
+    codes: NDArray[np.int8] | None = None
+    """Flags of the verdicts that the bounds of compiled loops prove, shape (N,), 0 for others; None
+    where other routes computed the rates."""
 
 
 class _Coefficients:
@@ -115,7 +122,9 @@ class GrowthKernel:
         """Whether compiled loops compute the tiles."""
         return self._loops is not None
 
-    def __call__(self, values: Mapping[str, Any], *, scattered: bool = False) -> Growth:
+    def __call__(
+        self, values: Mapping[str, Any], *, scattered: bool = False, out: Room | None = None
+    ) -> Growth:
         """Eigenvalues for broadcast values over a tile.
 
         Parameters
@@ -124,6 +133,8 @@ class GrowthKernel:
             Float or array by name, broadcasting to two dimensions (rows, columns), or one.
         scattered
             Whether neighbours are unrelated, so that every cell starts from the eigensolver.
+        out
+            Contiguous arrays that compiled loops fill; new ones when left out.
 
         Returns
         -------
@@ -134,9 +145,9 @@ class GrowthKernel:
         rows, columns = (1,) * (2 - len(given)) + given
         shape = rows, columns
         with np.errstate(all="ignore"):
-            quick = None if scattered else self._quick(values, shape)
+            quick, codes = None if scattered else self._quick(values, shape, out), None
             if quick is not None:
-                found, poor, factors = quick
+                found, poor, factors, codes = quick
             else:
                 roots, factors = self._roots(values, shape, [] if scattered else None)
                 found = self._rated(values, shape, roots)
@@ -156,13 +167,15 @@ class GrowthKernel:
             spectrum = np.ascontiguousarray(found.values.T)
             order = np.lexsort((spectrum.imag, spectrum.real), axis=-1)
             spectrum = np.take_along_axis(spectrum, order, -1)
-        return Growth(found.top, found.error, found.turn, spectrum, len(poor))
+        return Growth(found.top, found.error, found.turn, spectrum, len(poor), codes)
 
-    def _quick(self, values: Mapping[str, Any], shape: tuple[int, int]) -> Any:
-        """Quantities of the cells by compiled loops, open cells, and the factors of these cells."""
+    def _quick(
+        self, values: Mapping[str, Any], shape: tuple[int, int], out: Room | None = None
+    ) -> Any:
+        """Quantities by compiled loops, open cells, the factors of these, and flags."""
         if self._loops is None or not all(in_range(v) for v in values.values()):
             return None
-        found = self._loops(point(self.problem, values), self._unit(values), shape)
+        found = self._loops(point(self.problem, values), self._unit(values), shape, out)
         if found is None:
             return None
         if HAS_LONG and len(found.poor):
@@ -173,7 +186,8 @@ class GrowthKernel:
         degrees = [len(f) - 1 for f in self.exact.known.factors]
         factors = [Factors.unstack(found.factors) if n > 1 else None for n in degrees]
         top, error, turn = found.rates
-        return _All(top, error, turn, None, None), found.poor, factors
+        codes = None if "lean" in values else found.codes  # at lean 0 another polynomial decides
+        return _All(top, error, turn, None, None), found.poor, factors, codes
 
     def _unit(self, values: Mapping[str, Any]) -> Any:
         """Unit of σ in the user's unit of rate, as it broadcasts."""

@@ -169,8 +169,8 @@ class BoxConditions:
         values: dict[str, Any] = {}
         upright = np.zeros(count, dtype=bool)
         for name, value in self.problem.values.items():
-            low, high = spans.get(name, (value, value))
-            low, high = (np.broadcast_to(np.asarray(v, dtype=float), (count,)) for v in (low, high))
+            # what does not vary stays a number, which is bounded once
+            low, high = spans.get(name) or (np.asarray(value, float), np.asarray(value, float))
             if self.exact.angle(name):
                 upright |= _upright(name, low, high)
                 values[name] = (name, low, high)

@@ -51,13 +51,15 @@ class GridVerdicts:
         self.cells = FilteredVerdicts(problem)
         self.boxes = BoxConditions(problem)
 
-    def __call__(self, xs: Floats, ys: Floats) -> tuple[Codes, int]:
+    def __call__(self, xs: Floats, ys: Floats, known: Codes | None = None) -> tuple[Codes, int]:
         """Verdict flags over a grid.
 
         Parameters
         ----------
         xs, ys
             Increasing values of the axes.
+        known
+            Flags that are proved already, flat, 0 for others; they change in place.
 
         Returns
         -------
@@ -65,6 +67,10 @@ class GridVerdicts:
             Flags, shape (y, x), and how many cells went to exact arithmetic.
         """
         shape = len(ys), len(xs)
+        if known is not None:
+            codes = known.reshape(shape)
+            return codes, self._single(codes, *np.divmod(np.flatnonzero(known == 0), len(xs)), 1,
+                                       xs, ys)  # fmt: skip
         side = SIDES[0]
         tall, wide = (-(-n // side) for n in shape)
         # whole tiles, so that each is written at once; cells beyond the grid are cut off below

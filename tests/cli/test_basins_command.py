@@ -3,6 +3,7 @@
 import json
 import os
 import pty
+import random
 import re
 import signal
 import subprocess
@@ -91,12 +92,35 @@ def test_borders_are_refined_for_the_figure(
     drawn: list[xarray.Dataset] = []
     monkeypatch.setattr("stability.figures.basin.basins.plot_basins", drawn.append)
     monkeypatch.setattr("stability.figures.canvas.save_figure", lambda _, path: path.touch())
-    words = (*MAP, "--out", str(tmp_path / "a.zarr"))
-    output(capsys, *words, "--plot", str(tmp_path / "a.png"), "--levels", "2")
+    monkeypatch.setattr("stability.basin.cost.LAST", 24)
+    words = (*MAP, "--out", str(tmp_path / "a.zarr"), "--levels", "2")
+    told = output(capsys, *words, "--dry-run")
+    assert re.match(r"24 launches to run and about \d+ along borders: ", told)
+    cost = json.loads(output(capsys, *words, "--json", "--plot", str(tmp_path / "a.png")))["cost"]
+    again = json.loads(output(capsys, *words, "--json"))["cost"]
+    assert (again["launches"], again["border_launches"]) == (0, 0)
     true = st.basins(contact="viscous", mu=0.3, family="spinning", x=("at", 0.5, 3, 6),
                      y=("tilt", 0.1, 0.5, 4), horizon=30.0, levels=2)  # fmt: skip
     assert true.sizes["border_point"] > 10
     np.testing.assert_array_equal(drawn[0].border_tilt.values, true.border_tilt.values)
+    assert 0.3 < cost["border_launches"] / true.border_launches < 3
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+def test_a_scheduler_in_one_word_writes_the_bytes_of_threads(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    pytest.importorskip("distributed")
+    before, stores = random.getstate(), {}
+    for where in ("threads", "dask"):
+        out = tmp_path / f"{where}.zarr"
+        words = (*MAP, "--out", str(out), "--chunk", "6", "--scheduler", where, "--workers", "2")
+        assert "24 launches" in output(capsys, *words, "--dry-run")
+        output(capsys, *words)
+        stores[where] = {p.relative_to(out): p.read_bytes() for p in out.rglob("*") if p.is_file()}
+    random.setstate(before)  # `distributed` draws from it
+    assert len(stores["threads"]) > 4 * 8
+    assert stores["dask"] == stores["threads"]
 
 
 def launches_of(capsys: pytest.CaptureFixture[str], tmp_path: Path, *words: str) -> xarray.Dataset:
@@ -178,7 +202,12 @@ GOOD = (
         ((*GOOD, "--scheduler", "tcp://127.0.0.1:1"), "does not answer"),
         ((*GOOD, "--family", "flying"), "give one of rolling, spinning, tumbling"),
         ((*GOOD, "--workers", "0"), "workers"),
-        ((*GOOD, "--levels", "2"), "--levels belongs to --plot"),
+        (
+            (
+                "--sample theta:uniform:0.1:1 --count 5 --mu 0.3 --time 1 --out a.zarr --levels 2"
+            ).split(),
+            "--levels refines a map",
+        ),
         ((*GOOD, "--levels", "-1", "--plot", "a.png"), "levels is -1"),
         ((*GOOD, "--chunk", "0"), "chunk"),
         ((*GOOD[:6], "--time", "-1", "--out", "a.zarr"), "horizon is -1"),

@@ -69,6 +69,42 @@ def test_loops_and_numpy_agree_within_their_bounds(family: str, law: Any) -> Non
     assert (codes[found.abscissa < -found.error] == CODES[Verdict.STABLE]).all()
     tight = found.error <= 2 * wanted.error + 1e-13 * (np.abs(found.abscissa) + found.frequency)
     assert tight.all()
+    assert found.codes is not None
+    assert ((found.codes == codes) | (found.codes == 0)).all()
+    assert (found.codes == 0).mean() < 0.01
+
+
+@needs_numba
+@pytest.mark.parametrize(("family", "law"), CASES, ids=names)
+def test_random_cells_hold_against_balls(family: str, law: Any) -> None:
+    asked = question(family, law)
+    values = tile(asked, family)
+    found = GrowthKernel(asked, quick=True)(values)
+    assert found.codes is not None
+    for cell in np.random.default_rng(9).choice(found.abscissa.size, 12, replace=False):
+        one = {n: float(np.broadcast_to(v, (40, 150)).ravel()[cell]) for n, v in values.items()}
+        exact = certify(asked, one)
+        off = abs(exact.eigenvalues[-1].real - found.abscissa[cell])
+        assert off <= found.error[cell] + exact.abscissa_error
+        assert found.codes[cell] in (0, exact.verdict.code)
+
+
+@needs_numba
+@pytest.mark.parametrize("law", [st.Viscous, st.Smooth()], ids=["viscous", "smooth"])
+def test_verdicts_of_compiled_maps_are_those_of_the_conditions(
+    law: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import stability.maps.cells as module
+
+    # a boundary runs along the middle column, where only exact arithmetic decides
+    y = ("k", 0.1, 0.5, 40) if isinstance(law, st.Smooth) else ("mu", 0.2, 3, 40)
+    axes = {"x": ("at", 0.4, 3.6, 121), "y": y, "contact": law, "boundaries": False}
+    by_conditions = st.stability_map("spinning", **axes)
+    monkeypatch.setattr(module, "COMPILED_FROM", 2000)
+    by_loops = st.stability_map("spinning", **axes)
+    assert "compiled" in by_loops.method and "compiled" not in by_conditions.method
+    np.testing.assert_array_equal(by_loops.verdict, by_conditions.verdict)
+    assert len(np.unique(by_loops.verdict)) > 1
 
 
 @needs_numba
@@ -258,7 +294,7 @@ def test_pairs_of_doubles_spare_the_slow_route() -> None:
     kernel = GrowthKernel(asked, quick=True)
     values = dict(asked.values) | {"at": np.linspace(0.8, 1.5, 200)[None, :],
                                    "mu": np.linspace(0.2, 0.5, 60)[:, None]}  # fmt: skip
-    _, poor, _ = kernel._quick(values, (60, 200))
+    _, poor, _, _ = kernel._quick(values, (60, 200))
     assert len(poor) < 20
     known = kernel._loops
     assert known is not None

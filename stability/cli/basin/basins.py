@@ -84,8 +84,8 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
                      "goes on")  # fmt: skip
     sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
     sub.add_argument("--levels", type=int, default=0, metavar="L",
-                     help="with --plot: halve the steps this often along borders, and draw these; "
-                     "they are not in the store")  # fmt: skip
+                     help="halve the steps of a map this often along the borders between ends; the "
+                     "store gets the borders, and the figure shows them")  # fmt: skip
     sub.add_argument("--scheduler", metavar="WHERE", default="threads",
                      help="threads (default), processes, dask, or the address of a scheduler of "
                      "dask such as tcp://127.0.0.1:8786")  # fmt: skip
@@ -109,15 +109,16 @@ def run(options: argparse.Namespace) -> None:
         plan, out, picture = _planned(options)
         cost = _cost(plan, out, options)
         if not options.dry_run:
-            if cost.launches:
+            if cost.launches or cost.border:
                 say(_in_words(cost))
             from ...basin.basins import labelled
             from ...basin.basins import run as fill
 
-            kept, _ = fill(plan, out, options.force, options.scheduler, options.workers, progress)
+            kept, _ = fill(plan, out, options.force, options.scheduler, options.workers, progress,
+                           options.levels, cost.border)  # fmt: skip
             dataset = labelled(kept, plan)
             if picture is not None:
-                _draw(dataset, plan, picture, options)
+                _draw(dataset, picture, options)
     if options.dry_run:
         print(json_text({"cost": _record(cost)}) if options.json else _in_words(cost))
         return
@@ -134,8 +135,8 @@ def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
     if picture is not None and (options.sample or options.more):
         raise ParameterError("--plot draws a map of two axes; leave it out.")
     whole_number("levels", options.levels, 0, MOST_LEVELS)
-    if options.levels and picture is None:
-        raise ParameterError("--levels belongs to --plot; leave it out, or name a figure.")
+    if options.levels and (options.sample or options.more):
+        raise ParameterError("--levels refines a map of two axes; leave it out.")
     given = launched(options)
     thing = given.pop("disk")
     plan = planned(
@@ -150,45 +151,47 @@ def _cost(plan: Plan, out: Path, options: argparse.Namespace) -> Cost:
     from ...basin.cost import predict
     from ...jobs.dask import workers_of
 
-    missing = None
+    missing, levels = None, options.levels
     if out.is_dir() and any(out.iterdir()):
         from ...basin.basins import store_of
 
         try:
-            missing = store_of(plan, out).missing()
+            store = store_of(plan, out)
+            missing = store.missing()
+            if not missing and store.dataset().attrs.get("border_levels") == levels:
+                levels = 0  # they are there
         except FileError:
             if not options.force:
                 raise
-    return predict(plan, workers_of(options.scheduler, options.workers), missing)
+    number = workers_of(options.scheduler, options.workers)
+    return predict(plan, number, missing, levels=levels)
 
 
-def _draw(dataset: Any, plan: Plan, picture: Path, options: argparse.Namespace) -> None:
-    from ...basin.basins import bordered
+def _draw(dataset: Any, picture: Path, options: argparse.Namespace) -> None:
     from ...figures.basin.basins import plot_basins
     from ...figures.canvas import save_figure
     from ...storage.files import atomic_write
 
-    if options.levels:
-        dataset = bordered(dataset, plan, options.levels, None, options.workers)
     with atomic_write(picture, overwrite=options.force) as draft:
         save_figure(plot_basins(dataset), draft)
 
 
 def _record(cost: Cost) -> dict[str, Any]:
     return {
-        "launches": cost.launches, "stored": cost.stored, "tried": cost.sampled,
-        "computing_seconds": cost.computing, "seconds": cost.seconds, "workers": cost.workers,
-        "store_bytes": cost.size,
+        "launches": cost.launches, "border_launches": cost.border, "stored": cost.stored,
+        "tried": cost.sampled, "computing_seconds": cost.computing, "seconds": cost.seconds,
+        "workers": cost.workers, "store_bytes": cost.size,
     }  # fmt: skip
 
 
 def _in_words(cost: Cost) -> str:
     stored = f", {cost.stored} are there" * bool(cost.stored)
-    if not cost.launches:
+    if not cost.launches and not cost.border:
         return f"0 launches to run{stored}"
     workers = f"{cost.workers} worker{'s' * (cost.workers > 1)}"
+    border = f" and about {cost.border} along borders" * bool(cost.border)
     return (
-        f"{cost.launches} launches to run{stored}: {_time(cost.seconds)} with {workers}, "
+        f"{cost.launches} launches to run{border}{stored}: {_time(cost.seconds)} with {workers}, "
         f"{_time(cost.computing)} of computing; store about {_bytes(cost.size)}; by {cost.sampled} "
         "launches that were tried"
     )

@@ -296,33 +296,37 @@ def settle(row: int, column: int, many: int, degree: int, past: Any, near: Any, 
         near[f] = w[F + f * SIDE + many - 1]
 
 
-def note(at: int, many: int, degree: int, out: Any, poor: Any, kept: Any, count: int,
-         w: Any) -> int:  # fmt: skip
-    """Write a block in the user's unit, and list the cells that are to be computed again."""
+def judge(even: bool, roots: int, flags: Any, w: Any) -> int:
+    """Rates of a block in the user's unit; flags, 0 where a bound is not good, on a line."""
+    if even:
+        squares(w)
+    else:
+        rate(roots, w)
     sure = 0
     for j in range(SIDE):
         unit = w[UNIT + j]
         top, error, largest = unit * w[TOP + j], unit * w[ERROR + j], unit * w[LARGEST + j]
-        good = (error <= WANTED * largest) & ((abs(top) > error) | (error == 0))
+        still = (error == 0) & even
+        good = (error <= WANTED * largest) & ((abs(top) > error) | still)
         w[TOP + j], w[ERROR + j], w[TURN + j] = top, error, unit * w[TURN + j]
-        w[CHANGE + j] = 0.0 if good else 1.0
+        w[CHANGE + j] = (flags[1] if top > 0 else flags[0]) if good else 0.0
         sure += 1 if good else 0
-    for q in range(3):
-        for j in range(many):
-            out[q, U(at + j)] = w[U(TOP + q * SIDE + j)]
-    if sure < SIDE:
-        for j in range(many):
-            if w[CHANGE + j] > 0:
-                poor[count] = at + j
-                for f in range(degree):
-                    kept[f, count] = w[F + f * SIDE + j]
-                count += 1
+    return sure
+
+
+def leave(cell: int, j: int, count: int, poor: Any, kept: Any, w: Any) -> int:
+    """List a cell that is to be computed again, with its factors, if its bound is not good."""
+    if w[CHANGE + j] == 0:
+        poor[count] = cell
+        for f in range(len(kept)):
+            kept[f, count] = w[F + f * SIDE + j]
+        return count + 1
     return count
 
 
-def sweep(table: Any, where: Any, values: Any, shape: Any, even: bool, out: Any, poor: Any,
-          kept: Any) -> int:  # fmt: skip
-    """Growth rates of a tile; the number of cells that are to be computed again."""
+def sweep(table: Any, where: Any, values: Any, shape: Any, even: bool, flags: Any, out: Any,
+          codes: Any, poor: Any, kept: Any) -> int:  # fmt: skip
+    """Growth rates and flags of a tile; the number of cells that are to be computed again."""
     steps, numbers, parts, bounds, factors = table
     rows, columns = shape
     variables = len(where) - 1
@@ -344,23 +348,24 @@ def sweep(table: Any, where: Any, values: Any, shape: Any, even: bool, out: Any,
                 if not even:
                     discs(n, slot, w)
                 slot += n
-            if even:
-                squares(w)
-            else:
-                rate(slot, w)
-            at = row * columns + column
-            count = note(at, many, degree if degree > 1 else 0, out, poor, kept, count, w)
+            sure, at = judge(even, slot, flags, w), row * columns + column
+            for q in range(3):
+                for j in range(many):
+                    out[q][U(at + j)] = w[U(TOP + q * SIDE + j)]
+            for j in range(many):
+                codes[U(at + j)] = w[U(CHANGE + j)]
+            for j in range(many if sure < SIDE else 0):
+                count = leave(at + j, j, count, poor, kept, w)
     return count
 
 
 def refine(table: Any, where: Any, values: Any, rest: Any, columns: int, cells: Any, known: Any,
-           even: bool, out: Any, poor: Any, kept: Any) -> int:  # fmt: skip
+           even: bool, flags: Any, out: Any, codes: Any, poor: Any, kept: Any) -> int:  # fmt: skip
     """The same for some cells, with coefficients from pairs of doubles."""
     steps, numbers, parts, bounds, factors = table
     variables = len(where) - 1
     degree = factors[0, 1]
-    w, found, count = np.zeros(PAGE), np.empty((3, SIDE)), 0
-    some, again = np.empty(SIDE, dtype=np.int64), np.empty((degree, SIDE))
+    w, count = np.zeros(PAGE), 0
     for start in range(0, len(cells), SIDE):
         many = min(SIDE, len(cells) - start)
         for j in range(SIDE):
@@ -383,17 +388,10 @@ def refine(table: Any, where: Any, values: Any, rest: Any, columns: int, cells: 
             if not even:
                 discs(n, slot, w)
             slot += n
-        if even:
-            squares(w)
-        else:
-            rate(slot, w)
-        left = note(0, many, degree if degree > 1 else 0, found, some, again, 0, w)
+        judge(even, slot, flags, w)
         for j in range(many):
             for q in range(3):
-                out[q, cells[start + j]] = found[q, j]
-        for k in range(left):
-            poor[count] = cells[start + some[k]]
-            for f in range(degree):
-                kept[f, count] = again[f, k]
-            count += 1
+                out[q][cells[start + j]] = w[TOP + q * SIDE + j]
+            codes[cells[start + j]] = w[CHANGE + j]
+            count = leave(cells[start + j], j, count, poor, kept, w)
     return count

@@ -14,6 +14,7 @@ from ...algebra.kernels.compiled import compiled
 from ...algebra.polynomial import Polynomial
 from ...algebra.running_error import UNIT
 from ...base.types import Floats
+from ...base.verdict import CODES, Verdict, best
 from . import factors, loops, schemes
 
 WIDEST = 1e30
@@ -151,8 +152,10 @@ def order_of(exact: TabulatedPolynomial) -> list[int]:
 class Found(NamedTuple):
     """Growth rates of a tile, flat, in the user's unit of rate."""
 
-    rates: Floats
-    """Abscissa, bound on its error and |imaginary part|, shape (3, N)."""
+    rates: tuple[Floats, ...]
+    """Abscissa, bound on its error and |imaginary part|, each of shape (N,)."""
+    codes: NDArray[np.int8]
+    """Flags of verdicts, 0 where the sign is open or the bound too large, shape (N,)."""
     poor: NDArray[np.int64]
     """Cells whose bound is too large, or whose sign is open."""
     factors: Floats
@@ -170,13 +173,17 @@ class CompiledRates:
 
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
+        self.flags = float(CODES[best(even=tables.even)]), float(CODES[Verdict.UNSTABLE])
 
     @property
     def loops(self) -> SimpleNamespace:
         """The functions of `loops`, compiled at the first call of each."""
         return compiled(factors, schemes, loops)
 
-    def __call__(self, point: list[Any], unit: Any, shape: tuple[int, int]) -> Found | None:
+    def __call__(
+        self, point: list[Any], unit: Any, shape: tuple[int, int],
+        out: tuple[Any, ...] | None = None,
+    ) -> Found | None:  # fmt: skip
         """Growth rates of a tile; None where a variable is too large or too small.
 
         Parameters
@@ -187,18 +194,23 @@ class CompiledRates:
             Unit of the rates, the same.
         shape
             Rows and columns.
+        out
+            Four contiguous arrays to fill, of shape (N,): three for rates, one for flags; new ones
+            when left out.
         """
         where, values = _lines([*(point[i] for i in self.tables.order), unit])
         if not in_range(values[: where[-1, 0]]):
             return None
         count = shape[0] * shape[1]
-        out, poor = np.empty((3, count)), np.empty(count, dtype=np.int64)
+        *rates, codes = out or (*(np.empty(count) for _ in range(3)), np.empty(count, np.int8))
+        poor = np.empty(count, dtype=np.int64)
         degree = int(self.tables.factors[0, 1])
         kept = np.empty((degree, count))
         left = self.loops.sweep(
-            self.tables[:5], where, values, shape, self.tables.even, out, poor, kept
-        )
-        return Found(out, poor[:left], kept[:, :left])
+            self.tables[:5], where, values, shape, self.tables.even, self.flags, tuple(rates),
+            codes, poor, kept,
+        )  # fmt: skip
+        return Found(tuple(rates), codes, poor[:left], kept[:, :left])
 
     def refine(self, found: Found, point: list[Any], unit: Any, columns: int) -> Found:
         """The same with coefficients from pairs of doubles, where the first bounds are too large.
@@ -220,9 +232,9 @@ class CompiledRates:
         poor, kept = np.empty_like(found.poor), np.empty_like(found.factors)
         left = self.loops.refine(
             self.tables[:5], where, doubles, rest, columns, found.poor, found.factors,
-            self.tables.even, found.rates, poor, kept,
+            self.tables.even, self.flags, found.rates, found.codes, poor, kept,
         )  # fmt: skip
-        return Found(found.rates, poor[:left], kept[:, :left])
+        return Found(found.rates, found.codes, poor[:left], kept[:, :left])
 
 
 def in_range(values: Any) -> bool:

@@ -19,7 +19,7 @@ from ...base.verdict import NO_MEMBER
 from ...spectra.problem import Problem, formulas_of
 from ...systems.closed_form import ClosedForm
 from ...systems.graph.implicit_form import ImplicitForm
-from .rates import Rates, monic, rates
+from .rates import MOST_POOR, Bands, Rates, monic, rates, sample
 from .slice_verdicts import ELSEWHERE, Codes
 
 FORMULAS = (
@@ -28,16 +28,12 @@ FORMULAS = (
     "leave open from the graph by the eigensolver with Gershgorin's discs"
 )
 """Method in words."""
-SAMPLE = 16
-"""Cells along each axis on which the discs are tried."""
-MOST_POOR = 0.25
-"""Share of these cells beyond which the graph takes all cells."""
 BLOCK = 16384
 """Cells that are computed at once: few enough for the cache."""
 NUMPY = numpy_algebra()
 
 
-class FormulaCells:
+class FormulaCells(Bands):
     """The cells of a map of a family with formulas.
 
     Parameters
@@ -64,11 +60,9 @@ class FormulaCells:
         self.names = family.at, family.parameters
         self.axes = axes[0].name, axes[1].name
         self.values = {n: float(v) for n, v in problem.values.items() if n not in self.axes}
-        x, y = (g.values[:: max(1, g.count // SAMPLE)] for g in axes)
+        x, y = sample(axes)
         self.sized = formulas.even and not isinstance(formulas, ImplicitForm)
         self.growth = self._fine(x, y)
-        """Whether the discs are good enough for growth rates."""
-
         if self.sized and not self.growth:
             self.sized = False
             self.growth = self._fine(x, y)
@@ -77,18 +71,13 @@ class FormulaCells:
         """Whether few cells of a sample are left open."""
         return bool(np.isinf(self.band(xs, ys)[2].error).mean() <= MOST_POOR)
 
-    def band(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
-        """Flags and growth rates over a grid, flat; an infinite error where these are missing.
+    def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
+        """Flags and growth rates over a grid, flat; none is decided over Q.
 
         Parameters
         ----------
         xs, ys
             Increasing values of the axes.
-
-        Returns
-        -------
-        codes, exact, rates
-            Flags, `ELSEWHERE` where none is proved; how many cells were decided over Q: none.
         """
         rows = max(1, BLOCK // len(xs))
         parts = [self._block(xs, ys[i : i + rows]) for i in range(0, len(ys), rows)]
@@ -97,7 +86,6 @@ class FormulaCells:
         found = Rates(*joined)  # type: ignore[arg-type]  # only the eigenvalues may be None
         open_ = found.poor | (found.codes == 0)
         found.codes[open_ & (found.codes != NO_MEMBER)] = ELSEWHERE
-        found.error[found.codes == ELSEWHERE] = np.inf
         return found.codes, 0, found
 
     def _block(self, xs: Floats, ys: Floats) -> Rates:

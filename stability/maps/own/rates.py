@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -10,14 +11,20 @@ from numpy.typing import NDArray
 
 from ...algebra.exact.number_fields import characteristic
 from ...algebra.running_error import TINY, UNIT
+from ...base.axis import Axis
 from ...base.types import Complexes, Floats
-from ...base.verdict import CODES, Verdict
+from ...base.verdict import CODES, NO_MEMBER, Verdict
 from .root_discs import Discs, discs, most
+from .slice_verdicts import ELSEWHERE, Codes
 
 WANTED = 1e-10
 """Error of the abscissa, relative to the largest modulus, beyond which a cell is computed again."""
 BLOCK = 4096
 """Members of a block whose polynomials are formed at once."""
+SAMPLE = 16
+"""Cells along each axis on which discs are tried before a map."""
+MOST_POOR = 0.25
+"""Share of these cells beyond which the graph takes all cells."""
 MOST_STATES = 12
 """Largest degree of a polynomial whose roots are found here."""
 
@@ -37,6 +44,48 @@ class Rates(NamedTuple):
     """All eigenvalues, sorted, shape (N, n); None unless asked for."""
     poor: NDArray[np.bool_]
     """Where the discs meet or are large, shape (N,)."""
+
+
+class Bands(ABC):
+    """The cells of a map of a user's family by a polynomial, many rows at a time."""
+
+    how: str
+    """Method in words."""
+    growth: bool
+    """Whether the discs are good enough for growth rates."""
+
+    @abstractmethod
+    def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
+        """Flags, `ELSEWHERE` where none is proved, cells decided over Q, and growth rates, flat.
+
+        Parameters
+        ----------
+        xs, ys
+            Increasing values of the axes.
+        """
+
+    def band(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
+        """The same; the error is infinite in cells that are left to the graph.
+
+        Parameters
+        ----------
+        xs, ys
+            Increasing values of the axes.
+        """
+        codes, exact, found = self.judged(xs, ys)
+        found.error[(found.poor & (codes != NO_MEMBER)) | (codes == ELSEWHERE)] = np.inf
+        return codes, exact, found
+
+
+def sample(axes: tuple[Axis, Axis]) -> list[Floats]:
+    """A few values of each axis.
+
+    Parameters
+    ----------
+    axes
+        x and y.
+    """
+    return [g.values[:: max(1, g.count // SAMPLE)] for g in axes]
 
 
 Coefficients = tuple[Floats, Floats]

@@ -11,9 +11,9 @@ from ...algebra.exact.number_fields import NotExact
 from ...base.axis import Axis
 from ...base.types import Floats
 from ...spectra.problem import Problem
-from .rates import Coefficients, Rates, monic, rates
+from .rates import MOST_POOR, Bands, Coefficients, Rates, monic, rates, sample
 from .slice_record import Slice
-from .slice_verdicts import ELSEWHERE, Codes, SliceVerdicts, surface
+from .slice_verdicts import Codes, SliceVerdicts, surface
 from .slices import slice_of
 from .surfaces import LEAST, Surface, Window, powers
 
@@ -24,13 +24,9 @@ SLICE = (
     "graph by the eigensolver with Gershgorin's discs"
 )
 """Method in words."""
-SAMPLE = 16
-"""Cells along each axis on which the discs are tried."""
-MOST_POOR = 0.25
-"""Share of these cells beyond which growth rates come from the graph instead."""
 
 
-class SliceCells:
+class SliceCells(Bands):
     """The cells of a map of a family with a slice.
 
     Parameters
@@ -56,9 +52,7 @@ class SliceCells:
         ]
         present = [s for row, _, _ in self._factors for s in row if s is not None]
         self._degrees = tuple(max(s.degrees[k] for s in present) for k in (0, 1))
-        x, y = (g.values[:: max(1, g.count // SAMPLE)] for g in axes)
-        self.growth = bool(self.rates(x, y).poor.mean() <= MOST_POOR)
-        """Whether the discs are good enough for growth rates."""
+        self.growth = bool(self.rates(*sample(axes)).poor.mean() <= MOST_POOR)
 
     def rates(self, xs: Floats, ys: Floats) -> Rates:
         """Growth rates over a grid, flat, with y outermost.
@@ -74,24 +68,16 @@ class SliceCells:
             parts = [(_coefficients(row, t, s), even, count) for row, even, count in self._factors]
         return rates(parts, modes=self.modes)
 
-    def band(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
-        """Flags and growth rates over a grid, flat; an infinite error where these are missing.
+    def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
+        """Flags and growth rates over a grid, flat, as from `SliceVerdicts` and `rates`.
 
         Parameters
         ----------
         xs, ys
             Increasing values of the axes.
-
-        Returns
-        -------
-        codes, exact, rates
-            As from `SliceVerdicts` and `rates`.
         """
         codes, exact = self.verdicts(xs, ys)
-        found = self.rates(xs, ys)
-        flat = codes.reshape(-1)
-        found.error[found.poor | (flat == ELSEWHERE)] = np.inf
-        return flat, exact, found
+        return codes.reshape(-1), exact, self.rates(xs, ys)
 
 
 def slice_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> SliceCells | None:

@@ -1,0 +1,58 @@
+"""Both sides of refined borders are confirmed by an integrator that shares no code."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from disk_ends import ends
+
+import stability as st
+from stability.basin.borders import borders
+
+SURE = {"settled on spinning": "spinning", "settled on tumbling": "tumbling",
+        "lift-off": "lift-off"}  # fmt: skip
+"""Labels that say how a launch ends, and the oracle's words for them."""
+
+
+def sides(coarse: int, levels: int, horizon: float) -> tuple[np.ndarray, list[str], list[str]]:
+    """Launches on both sides of every refined border, their labels, and the oracle's words."""
+    label = st.launch_labels(contact="viscous", mu=0.3, family="spinning",
+                             varied=("phi_dot", "tilt"), horizon=horizon)  # fmt: skip
+    found = borders(label, ("phi_dot", 2.2, 4.6, coarse), ("tilt", 0.05, 0.95, coarse),
+                    levels=levels)  # fmt: skip
+    launches, first = np.unique(found.pairs.reshape(-1, 2), axis=0, return_index=True)
+    words = [label.words(int(i)) for i in found.pair_labels.ravel()[first]]
+    starts = np.zeros((len(launches), 6))
+    starts[:, 0], starts[:, 2] = np.pi / 2 - launches[:, 1], launches[:, 0]
+    return launches, words, ends(starts, 0.25, 0.3, horizon)
+
+
+def judged(words: list[str], true: list[str]) -> Counter[str]:
+    """How many sides the oracle confirms, contradicts, or leaves open."""
+    kinds = Counter[str]()
+    for word, other in zip(words, true, strict=True):
+        plain = word in SURE and other != "open"
+        kinds["open" if not plain else "same" if SURE[word] == other else "other"] += 1
+    return kinds
+
+
+def test_sides_of_a_coarse_border_are_confirmed() -> None:
+    launches, words, true = sides(5, 0, 120.0)
+    found = judged(words, true)
+    wrong = [(*map(float, launches[i]), words[i], true[i]) for i in range(len(words))
+             if words[i] in SURE and true[i] not in ("open", SURE[words[i]])]  # fmt: skip
+    assert found["other"] == 0, wrong
+    assert len(words) >= 12
+    assert found["open"] <= 0.2 * len(words)
+    assert len({w for w in words if w in SURE}) == 3
+
+
+@pytest.mark.long
+def test_sides_of_hundreds_of_border_points_are_confirmed() -> None:
+    launches, words, true = sides(9, 4, 400.0)
+    found = judged(words, true)
+    wrong = [(*map(float, launches[i]), words[i], true[i]) for i in range(len(words))
+             if words[i] in SURE and true[i] not in ("open", SURE[words[i]])]  # fmt: skip
+    assert found["other"] == 0, wrong
+    assert len(words) >= 120
+    assert found["open"] <= 0.2 * len(words)  # nearer to the border of two rests, all is slower
