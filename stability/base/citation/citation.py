@@ -19,6 +19,8 @@ ALWAYS = "stability, przybylska2016"
 class Citation(Record):
     """What to cite; it prints as text, and then as BibTeX.
 
+    Source: the entries of stability/base/citation/works.py, checked by tests/base/test_citation.py.
+
     Examples
     --------
     >>> import stability as st
