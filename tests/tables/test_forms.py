@@ -298,7 +298,7 @@ def test_bad_options_end_with_one_sentence(
 
 @pytest.mark.parametrize(("name", "given", "part"), [
     ("lift", {}, "table is 'lift'; known are families"),
-    ("families", {"k": 0.25}, "`launches` and `codimension` only"),
+    ("families", {"k": 0.25}, "`launches`, `flatness` and `codimension` only"),
     ("drift", {"speed": 3.0}, "speed belongs to"),
     ("conditions", {"family": "rolling"}, "a family by name belongs to `table codimension`"),
     ("codimension", {"family": "rolling"}, "takes x and y"),
