@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +17,6 @@ RESERVED = range(10, 15)
 """Places in PAR that AUTO uses itself."""
 MOST_PARAMETERS = 31
 """Places in PAR up to 36 that are left."""
-STEPS = 50
-"""Steps of the first run, about."""
 EQUATIONS = """\
 /* {title}
    Run:  auto-07p, then  run('{name}');  or  @r {name}
@@ -184,16 +181,12 @@ def _equations(problem: SteadyProblem, name: str, title: str) -> str:
 
 
 def _constants(problem: SteadyProblem, name: str, title: str) -> str:
-    length = problem.high - problem.low
-    start = float(problem.values[problem.parameters.index(problem.free)])
     at = places(len(problem.parameters))
     # a name is that of a state or of a parameter; a state that names the member is both
     labels = {n: f"{n}_at" if n in problem.states else n for n in problem.parameters}
     return CONSTANTS.format(
         title=title, name=name, ndim=len(problem.states), free=labels[problem.free],
-        stop=problem.stop,
-        ds=math.copysign(length / (10 * STEPS), problem.stop - start),
-        dsmin=length * 1e-9, dsmax=length / STEPS,
+        stop=problem.stop, **problem.steps,
         unames=", ".join(f"{i}: '{n}'" for i, n in enumerate(problem.states, start=1)),
         parnames=", ".join(f"{i}: '{n}'" for i, n in zip(at, labels.values(), strict=True)),
     )  # fmt: skip

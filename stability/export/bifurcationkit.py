@@ -14,8 +14,6 @@ from .c_code import c_name
 from .folder import write_folder
 from .steady_problem import SteadyProblem, steady_problem
 
-STEPS = 50
-"""Steps of the first run, about."""
 JULIA = """\
 # {title}
 # Run: julia {name}.jl, with BifurcationKit installed.
@@ -98,7 +96,6 @@ def _file(problem: SteadyProblem, name: str, title: str) -> str:
     outputs = f.call(inputs)
     rates, found = _straight(ca.Function("rates", inputs, [outputs[0]]))
     slopes, entries = _straight(ca.Function("slopes", inputs, [outputs[1]]))
-    length = problem.high - problem.low
     named = zip(problem.parameters, problem.values, strict=True)
     words = [c_name(n) for n in problem.parameters]
     return JULIA.format(
@@ -108,8 +105,7 @@ def _file(problem: SteadyProblem, name: str, title: str) -> str:
         start=", ".join(repr(float(v)) for v in problem.start),
         values=", ".join(f"{c_name(n)} = {float(v)!r}" for n, v in named),
         recorded=", ".join(f"{c_name(n)} = u[{i}]" for i, n in enumerate(problem.states, start=1)),
-        low=problem.low, high=problem.high, dsmin=length * 1e-9, dsmax=length / STEPS,
-        ds=(1 if problem.high == problem.stop else -1) * length / (10 * STEPS),
+        low=problem.low, high=problem.high, **problem.steps,
     )  # fmt: skip
 
 

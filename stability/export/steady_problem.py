@@ -8,6 +8,7 @@ eigenvalues are those of A but for one: the zero of the tangent is -1 (Brauer 19
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +21,9 @@ from ..base.types import Floats
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from ..systems.system import refuse_system
+
+STEPS = 50
+"""Steps of the first run, about."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,14 +46,26 @@ class SteadyProblem:
     """Its last value."""
 
     @property
+    def first(self) -> float:
+        """The first value of the parameter that is continued."""
+        return float(self.values[self.parameters.index(self.free)])
+
+    @property
     def low(self) -> float:
         """Smaller end."""
-        return min(float(self.values[self.parameters.index(self.free)]), self.stop)
+        return min(self.first, self.stop)
 
     @property
     def high(self) -> float:
         """Larger end."""
-        return max(float(self.values[self.parameters.index(self.free)]), self.stop)
+        return max(self.first, self.stop)
+
+    @property
+    def steps(self) -> dict[str, float]:
+        """First, shortest and longest step of the continuation; the first has its direction."""
+        length = self.high - self.low
+        first = math.copysign(length / (10 * STEPS), self.stop - self.first)
+        return {"ds": first, "dsmin": length * 1e-9, "dsmax": length / STEPS}
 
 
 def steady_problem(
