@@ -82,7 +82,8 @@ def test_a_notebook_is_kept_with_its_output_and_small_pictures(path: Path) -> No
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "docs/explanation/compare.md", "docs/explanation/scenes.md"]
+    "page",
+    ["README.md", *(f"docs/explanation/{name}.md" for name in ("tour", "compare", "scenes"))],
 )
 def test_python_in_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -127,14 +128,15 @@ def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
     assert "0.07 = 7/100" in space["same"].numbers
 
 
-def test_commands_in_the_readme_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("page", ["README.md", "docs/explanation/tour.md"])
+def test_commands_of_a_reader_in_the_root_run(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from stability.cli import main
 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")  # a reader is in the root
-    text = (ROOT / "README.md").read_text().replace("\\\n", " ")
+    text = (ROOT / page).read_text().replace("\\\n", " ")
     commands = re.findall(r"^\.venv/bin/stability (.+)$", text, re.MULTILINE)
     assert len(commands) >= 4
     for command in commands:
