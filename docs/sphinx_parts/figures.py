@@ -71,6 +71,14 @@ def scene(path: Path) -> None:
     )  # fmt: skip
 
 
+def launch(path: Path) -> None:
+    """A disk that rolls too slowly."""
+    command(
+        "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 --points 2001 "
+        "--plot OUT/launch.png", "launch.png", path,
+    )  # fmt: skip
+
+
 def towed_wheel(path: Path) -> None:
     """The map of the tutorial, by the tutorial's own code."""
     import re
@@ -146,7 +154,8 @@ FROM_REPORT = (
     "motion-first", "failures-linear", "failures-motion",
 )  # fmt: skip
 MAKERS: dict[str, Callable[[Path], Any]] = {
-    "basins.png": basins, "scene.png": scene, "towed-wheel.png": towed_wheel, "house.svg": house,
+    "basins.png": basins, "launch.png": launch, "scene.png": scene,
+    "towed-wheel.png": towed_wheel, "house.svg": house,
     **{f"films/{n}": of_films(n) for n in ("tippe-top.gif", "egg.gif", "ring.gif",
                                            "retrograde.png")},
     **{f"report/{n}.png": of_report(n) for n in FROM_REPORT},
