@@ -81,7 +81,8 @@ def lanes(block: Sequence[Any], shape: tuple[int, ...]) -> list[list[Any]]:
     >>> [[float(v) for v in point] for point in lanes([np.array([1.0, 2.0]), 3.0], (2,))]
     [[1.0, 3.0], [2.0, 3.0]]
     """
-    spread = [np.broadcast_to(np.asarray(v, dtype=float), shape).ravel() for v in block]
+    arrays = [np.asarray(v, dtype=float) for v in block]
+    spread = [(v if v.shape == shape else np.broadcast_to(v, shape)).ravel() for v in arrays]
     return [[v[i] for v in spread] for i in range(math.prod(shape))]
 
 
