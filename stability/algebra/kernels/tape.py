@@ -183,7 +183,9 @@ class Tape:
 
 
 def recorded(run: Callable[[list[Any], Algebra], Sequence[Any]], inputs: int) -> Tape:
-    """The tape of a calculation over any number type.
+    """The tape of the values of a calculation over any number type.
+
+    For values with their slopes in an input, take `series_tape.recorded_series`, which calls this.
 
     Parameters
     ----------

@@ -95,6 +95,18 @@ def quick_pieces(found: FormulaMeetings, low: float, high: float, *, log: bool) 
     log
         Whether pieces are cut at equal ratios.
     """
+    rounds = rounds_of(found)
+    return None if rounds is None else rounds.run(low, high, log=log)
+
+
+def rounds_of(found: FormulaMeetings) -> Rounds | None:
+    """Rounds of pieces with the kernel of a line's formulas; None where these have none.
+
+    Parameters
+    ----------
+    found
+        The functions along a line.
+    """
     line = found.line
     names = (*line.problem.family.at, *line.problem.family.parameters)
     if line.problem.ratios or line.problem.law is not None or line.axis not in names:
@@ -118,7 +130,7 @@ def quick_pieces(found: FormulaMeetings, low: float, high: float, *, log: bool) 
         return None
     if len(values) < tapes[0].inputs:  # no root is proved
         return None
-    return _Rounds(found, tapes, (values, errors), place).run(low, high, log=log)
+    return Rounds(found, tapes, (values, errors), place)
 
 
 @lru_cache(maxsize=64)
@@ -133,7 +145,7 @@ def _tape(formulas: ClosedForm, place: int, order: int) -> Tape:
     return recorded_series(run, cut + count, place, order)
 
 
-class _Rounds:
+class Rounds:
     """Rounds of pieces, each cut where the one before left it open."""
 
     def __init__(
