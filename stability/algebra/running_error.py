@@ -7,7 +7,6 @@ absolute and hold to every order, like those of an interval: an error may exceed
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -16,7 +15,7 @@ import numpy as np
 
 from ..base.types import Floats
 from .number_types import Algebra
-from .program import FEW, LONG, Program, lanes
+from .program import Program
 
 UNIT = 2.0**-53
 """Unit roundoff of a double."""
@@ -55,14 +54,14 @@ class RunningError:
     def __add__(self, other: Any) -> RunningError:
         value, error = self._pair(other)
         total = self.value + value
-        return RunningError(total, self.error + error + UNIT * abs(total))
+        return RunningError(total, self.error + error + UNIT * np.abs(total))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> RunningError:
         value, error = self._pair(other)
         total = self.value - value
-        return RunningError(total, self.error + error + UNIT * abs(total))
+        return RunningError(total, self.error + error + UNIT * np.abs(total))
 
     def __rsub__(self, other: Any) -> RunningError:
         return (-self).__add__(other)
@@ -73,22 +72,22 @@ class RunningError:
     def __mul__(self, other: Any) -> RunningError:
         if not isinstance(other, RunningError):
             total = self.value * other
-            return RunningError(total, abs(other) * self.error + (UNIT * abs(total) + TINY))
+            return RunningError(total, abs(other) * self.error + (UNIT * np.abs(total) + TINY))
         value, error = other.value, other.error
         total = self.value * value
-        passed = abs(self.value) * error + (abs(value) + error) * self.error
-        return RunningError(total, passed + UNIT * abs(total) + TINY)
+        passed = np.abs(self.value) * error + (np.abs(value) + error) * self.error
+        return RunningError(total, passed + UNIT * np.abs(total) + TINY)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> RunningError:
         if not isinstance(other, RunningError):
             total = self.value / other
-            return RunningError(total, self.error / abs(other) + (UNIT * abs(total) + TINY))
+            return RunningError(total, self.error / abs(other) + (UNIT * np.abs(total) + TINY))
         value, error = other.value, other.error
         total = self.value / value
-        size = abs(total)
-        least = abs(value) - error
+        size = np.abs(total)
+        least = np.abs(value) - error
         passed = (self.error + size * error) / np.where(least > 0, least, 0.0)
         return RunningError(total, passed + UNIT * size + TINY)
 
@@ -235,10 +234,6 @@ def running_error_arrays(
         For each output, arrays of shape `shape + (rows, columns)`; the error bound is widened by
         1 % for its own roundings.
     """
-    if shape and program.size >= LONG // 4 and 0 < math.prod(shape) <= FEW:
-        points = zip(*(_each(block, shape) for block in arguments), strict=True)
-        found = [running_error_arrays(program, list(point), ()) for point in points]
-        return [_stacked(pairs, shape) for pairs in zip(*found, strict=True)]
     with np.errstate(all="ignore"):
         values = program.run(TRACKED, arguments)
     results = []
@@ -257,21 +252,6 @@ def running_error_arrays(
                 value[..., row, column] = entry
         results.append((value, error))
     return results
-
-
-def _each(block: list[RunningError], shape: tuple[int, ...]) -> list[list[RunningError]]:
-    """The entries of an input at each point of a shape."""
-    parts = (lanes([getattr(v, n) for v in block], shape) for n in ("value", "error"))
-    return [[RunningError(v, e) for v, e in zip(*point, strict=True)]
-            for point in zip(*parts, strict=True)]  # fmt: skip
-
-
-def _stacked(
-    pairs: Sequence[tuple[Floats, Floats]], shape: tuple[int, ...]
-) -> tuple[Floats, Floats]:
-    """Value and error of an output from those at each point."""
-    value, error = (np.array(v).reshape(*shape, *v[0].shape) for v in zip(*pairs, strict=True))
-    return value, error
 
 
 # --- errors counted once, before any number is known ---

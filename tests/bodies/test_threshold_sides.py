@@ -1,7 +1,7 @@
 """Certified verdicts on both sides of every threshold of bodies, at 1e-12 of it, exactly.
 
 Thresholds are written once more from height and moments, over the rationals.  A root is taken to 60
-digits, and values beside it are fractions: verdicts are about these numbers and no doubles.
+digits, and values next to it are fractions: verdicts are about these numbers and no doubles.
 """
 
 from __future__ import annotations

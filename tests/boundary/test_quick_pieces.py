@@ -157,5 +157,6 @@ def test_a_tape_of_order_zero_gives_the_values() -> None:
 
     given = np.array([[0.4, 1.1], [2.0, 0.3]])
     plain, series = recorded(run, 2), recorded_series(run, 2, 0, 0)
-    for one, other in zip(plain.run(given), series.run(given), strict=True):
-        assert (one == other).all()
+    (m, r), (n, s) = plain.run(given), series.run(given)
+    assert (np.abs(m - n) <= r + s).all()
+    assert (np.abs(m - np.sin(given[0]) * given[1] / given.sum(axis=0)) < 1e-15).all()

@@ -89,7 +89,7 @@ def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> Part:
 
 
 def _at_once(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
-    """The change at a known single meeting with proved verdicts that differ right beside it.
+    """The change at a known single meeting with proved verdicts that differ right next to it.
 
     The verdicts at the ends of the piece follow from these, since nothing else changes on it.
     """
