@@ -13,9 +13,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import reduce
 from typing import Any
 
-from flint import arb, fmpq, fmpq_poly
+from flint import arb, fmpq, fmpq_poly, fmpz
 
 from ..algebra.balls import precision
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
@@ -116,15 +117,21 @@ def characteristic_ratios(family: Family, a: Sequence[Any], q: Sequence[Any]) ->
         rows = family.graph.matrix.dense(EXACT, [list(a), u, list(q)])
     except ZeroDivisionError:
         raise NotExact("a denominator vanishes all along the axis") from None
-    entries = [[Ratio.of(v) for v in row] for row in rows]
-    common = common_multiple((e.bottom for row in entries for e in row), RING.constant(1))
+    entries = {(i, j): Ratio.of(v) for i, row in enumerate(rows) for j, v in enumerate(row)}
+    entries = {place: e for place, e in entries.items() if not e.top.is_zero()}
+    common = common_multiple((e.bottom for e in entries.values()), RING.constant(1))
     below = univariate(common)
-    matrix = [[univariate(e.top * (common / e.bottom)) for e in row] for row in entries]
-    degree = max(1, below.degree(), *(e.degree() for row in matrix for e in row))
-    bits = max(_bits(e) for row in matrix for e in row)
+    tops = {place: univariate(e.top * (common / e.bottom)) for place, e in entries.items()}
+    degree = max(1, below.degree(), *(e.degree() for e in tops.values()))
+    bits = max(map(_bits, tops.values()), default=0)
     if degree * size * size * size // 2 * bits > MOST_WORK:
         raise NotExact("the polynomials are too large")
-    return primitive([c * below**j for j, c in enumerate(characteristic(matrix))]), below
+    # over Z, where products need no common denominators
+    scale = reduce(fmpz.lcm, (p.denom() for p in tops.values()), below.denom())
+    whole = {place: (p * scale).numer() for place, p in tops.items()}
+    found = characteristic([[whole.get((i, j), 0) for j in range(size)] for i in range(size)])
+    power, share = (below * scale).numer(), fmpq(1, scale**size)
+    return primitive([fmpq_poly(c * power**j) * share for j, c in enumerate(found)]), below
 
 
 def _bits(p: Any) -> int:

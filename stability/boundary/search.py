@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import cache, reduce
 from operator import mul
 from typing import Any
 
@@ -35,6 +35,10 @@ from .critical import Characteristic, Conditions, characteristic_ratios
 
 POSITIVE = ("k", "mu", "c", "mass", "radius", "gravity")
 """Axes of the disk that are positive."""
+KINDS = ("static", "flutter", "auxiliary")
+"""Kinds of conditions, in the order in which they name a zero."""
+SHORT = (8, 24)
+"""Bits that are tried for a value between two roots."""
 X, S = (Ratio(g) for g in RING.gens())
 
 
@@ -195,24 +199,29 @@ def _marks(
     if angle or positive:
         roots = _clip(roots, polynomials, 1 if angle else None)
     samples = _samples(roots, angle, positive)
-    signs = [source.sign(x) for x in samples]
-    if 0 in signs:
-        raise UnclearError
-    pole = source.poles
+
+    @cache  # beyond the interval no verdict is asked for
+    def sign(place: int) -> int:
+        found = source.sign(samples[place])
+        if not found:
+            raise UnclearError
+        return found
+
+    simple = _simple(source)
     out: list[Mark] = []
     for i, root in enumerate(roots):
-        side = samples[i], samples[i + 1]
-        kind = _kind(source, *side, pole)
         for value, turned in _values(root, angle):
             place = _inside(value, ends, polynomials if not angle else None)
             if place is not None:
                 below, above = (i + 1, i) if turned else (i, i + 1)
-                out.append(Mark(place, kind, signs[below], signs[above], root))
+                kind = _kind(simple, samples[i], samples[i + 1], source.sine)
+                out.append(Mark(place, kind, sign(below), sign(above), root))
     if edge and angle:
         upright = arb(0) if angle == "lean" else arb.pi() / 2
         place = _inside(upright, ends, None)
         if place is not None:
-            out.append(Mark(place, "edge", signs[-1], signs[-1], arb(1)))
+            last = sign(len(samples) - 1)
+            out.append(Mark(place, "edge", last, last, arb(1)))
     out.sort(key=lambda m: m.value.mid())
     return out
 
@@ -246,31 +255,34 @@ def _samples(roots: list[Any], angle: str, positive: bool) -> list[Any]:
         middle = ((low.upper() + high.lower()) / 2).mid()
         if not low < middle < high:
             raise UnclearError
-        out.append(middle.fmpq())
+        out.append(_shortest(low, middle, high).fmpq())
     return out
 
 
-def _kind(source: Conditions | Characteristic, low: Any, high: Any, pole: Any) -> str:
+def _shortest(low: Any, middle: Any, high: Any) -> Any:
+    """The middle of a gap with as few digits as stay within, for the exact steps that follow."""
+    for bits in SHORT:
+        with precision(bits):
+            near = (+middle).mid()
+        if low < near < high:
+            return near
+    return middle
+
+
+def _simple(source: Conditions | Characteristic) -> list[tuple[str, Any]]:
+    """Kinds of zero, in the order in which they are named, with polynomials of simple roots."""
+    known = [] if source.poles is None else [("pole", multivariate(source.poles))]
+    for kind in KINDS:  # a zero eigenvalue goes before a pair
+        known += [(kind, p) for name, p in source.critical if name == kind and not p.is_constant()]
+    return [(kind, p / p.gcd(p.derivative("x"))) for kind, p in known]
+
+
+def _kind(simple: Sequence[tuple[str, Any]], low: Any, high: Any, sine: Any) -> str:
     """Kind of the condition that vanishes between two neighbouring samples."""
-    if pole is not None and _vanishes(multivariate(pole), low, high, source.sine):
-        return "pole"
-    for kind in ("static", "flutter", "auxiliary"):  # a zero eigenvalue goes before a pair
-        if any(
-            _vanishes(p, low, high, source.sine)
-            for known, p in source.critical
-            if known == kind and not p.is_constant()
-        ):
+    for kind, p in simple:
+        if sign_at(p, low, sine) != sign_at(p, high, sine):
             return "flutter" if kind == "auxiliary" else kind
     return "pole"
-
-
-def _flips(p: Any, low: Any, high: Any, sine: Any) -> bool:
-    return sign_at(p, low, sine) != sign_at(p, high, sine)
-
-
-def _vanishes(p: Any, low: Any, high: Any, sine: Any) -> bool:
-    plain = p / p.gcd(p.derivative("x"))  # its roots are simple
-    return _flips(plain, low, high, sine)
 
 
 def _values(root: Any, angle: str) -> list[tuple[Any, bool]]:

@@ -296,19 +296,25 @@ def characteristic(matrix: Sequence[Sequence[Any]]) -> list[Any]:
     >>> characteristic([[1, 2], [3, 4]])
     [-2, -5, 1]
     """
+    rows = [{j: v for j, v in enumerate(row) if not _is(v, 0)} for row in matrix]
     poly: list[Any] = [1]  # highest first, of the leading principal block so far
-    for size in range(len(matrix)):
-        row, corner = list(matrix[size][:size]), matrix[size][size]
-        column = [matrix[i][size] for i in range(size)]
-        band: list[Any] = [1, -corner]
+    for size, row in enumerate(rows):
+        column = {i: rows[i][size] for i in range(size) if size in rows[i]}
+        band: list[Any] = [1, -matrix[size][size]]
         for _ in range(size):
-            band.append(-_sum(r * c for r, c in zip(row, column, strict=True)))
-            column = [_sum(matrix[i][j] * column[j] for j in range(size)) for i in range(size)]
+            band.append(-_dot(row, column))
+            column = {i: v for i in range(size) if not _is(v := _dot(rows[i], column), 0)}
         poly = [
-            _sum(band[i - j] * poly[j] for j in range(len(poly)) if 0 <= i - j < len(band))
+            _sum(band[i - j] * poly[j] for j in range(len(poly))
+                 if 0 <= i - j < len(band) and not _is(band[i - j], 0))
             for i in range(size + 2)
-        ]
+        ]  # fmt: skip
     return poly[::-1]
+
+
+def _dot(row: dict[int, Any], column: dict[int, Any]) -> Any:
+    """Product of a row and a column by their entries other than zero."""
+    return _sum(row[j] * v for j, v in column.items() if j in row)
 
 
 def _sum(terms: Iterable[Any]) -> Any:

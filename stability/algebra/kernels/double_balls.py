@@ -34,6 +34,9 @@ PI3 = float.fromhex("0x1.3198a2e037073p-69")
 """π/2 = PI1 + PI2 + PI3 within 2e-37; the first two have 33 bits."""
 SUM, DIFFERENCE, PRODUCT, RATIO, NEGATIVE, ROOT, SINES, SIZE = range(8)
 """Operations of a tape."""
+INLINE = ("add", "multiply", "divide", "root", "sines")
+"""Functions that are written into the loops of `follow`: an array for each row costs four times as
+much."""
 
 
 def add(a: Any, ra: Any, b: Any, rb: Any) -> Any:
@@ -101,25 +104,35 @@ def follow(tape: Any, mid: Any, rad: Any) -> None:
         the second in the last place.
     mid, rad
         Registers, shape (registers, lanes): inputs and constants are set, the rest is overwritten.
+        In plain Python the shape (registers, 1, lanes) makes each step one of whole rows.
     """
     for i in range(len(tape)):
         kind, t, a, b = tape[i, 0], tape[i, 1], tape[i, 2], tape[i, 3]
+        m, r, am, ar, bm, br = mid[t], rad[t], mid[a], rad[a], mid[b], rad[b]
         if kind == SUM:
-            mid[t], rad[t] = add(mid[a], rad[a], mid[b], rad[b])
+            for j in range(len(m)):
+                m[j], r[j] = add(am[j], ar[j], bm[j], br[j])
         elif kind == DIFFERENCE:
-            mid[t], rad[t] = add(mid[a], rad[a], -mid[b], rad[b])
+            for j in range(len(m)):
+                m[j], r[j] = add(am[j], ar[j], -bm[j], br[j])
         elif kind == PRODUCT:
-            mid[t], rad[t] = multiply(mid[a], rad[a], mid[b], rad[b])
+            for j in range(len(m)):
+                m[j], r[j] = multiply(am[j], ar[j], bm[j], br[j])
         elif kind == RATIO:
-            mid[t], rad[t] = divide(mid[a], rad[a], mid[b], rad[b])
+            for j in range(len(m)):
+                m[j], r[j] = divide(am[j], ar[j], bm[j], br[j])
         elif kind == NEGATIVE:
-            mid[t], rad[t] = -mid[a], rad[a]
+            for j in range(len(m)):
+                m[j], r[j] = -am[j], ar[j]
         elif kind == ROOT:
-            mid[t], rad[t] = root(mid[a], rad[a])
+            for j in range(len(m)):
+                m[j], r[j] = root(am[j], ar[j])
         elif kind == SINES:
-            mid[t], rad[t], mid[b], rad[b] = sines(mid[a], rad[a])
+            for j in range(len(m)):
+                m[j], r[j], bm[j], br[j] = sines(am[j], ar[j])
         else:
-            mid[t], rad[t] = np.abs(mid[a]), rad[a]
+            for j in range(len(m)):
+                m[j], r[j] = np.abs(am[j]), ar[j]
 
 
 def product(a: Any, b: Any, rb: Any, c: Any, rc: Any) -> None:

@@ -131,6 +131,9 @@ def recorded_series(
 ) -> Tape:
     """The tape of the Taylor coefficients of a calculation in one of its inputs.
 
+    `tape.recorded` records the values of a calculation; here the calculation runs on power series,
+    whose coefficients that function records as its values.  At order 0 both hold the same values.
+
     Parameters
     ----------
     run

@@ -20,7 +20,7 @@ from ...base.errors import StabilityError
 from ...base.types import Floats
 from ..number_types import Algebra
 from . import double_balls
-from .compiled import compiled
+from .compiled import compiled, numba_found
 from .double_balls import DIFFERENCE, NEGATIVE, PRODUCT, RATIO, ROOT, SINES, SIZE, SUM
 
 LANES = 512
@@ -162,6 +162,7 @@ class Tape:
         True
         """
         kernel, lanes = compiled(double_balls, plain=plain), mid.shape[1]
+        loops = (1,) if plain or not numba_found() else ()  # NumPy takes a row in one step
         found = np.zeros((2, len(self.outputs), lanes))
         for low in range(0, lanes, LANES):
             part = slice(low, low + LANES)
@@ -172,7 +173,7 @@ class Tape:
             for place, value in self.constants.items():
                 m[place] = value
             with np.errstate(all="ignore"):  # a radius that is nan holds everything
-                kernel.follow(self.steps, m, r)
+                kernel.follow(self.steps, *(v.reshape(-1, *loops, v.shape[1]) for v in (m, r)))
             found[0, :, part], found[1, :, part] = m[self._rows], r[self._rows]
         return found[0], found[1]
 
@@ -182,7 +183,9 @@ class Tape:
 
 
 def recorded(run: Callable[[list[Any], Algebra], Sequence[Any]], inputs: int) -> Tape:
-    """The tape of a calculation over any number type.
+    """The tape of the values of a calculation over any number type.
+
+    For values with their slopes in an input, take `series_tape.recorded_series`, which calls this.
 
     Parameters
     ----------

@@ -202,7 +202,7 @@ class Body(RoundShape):
         count = max(np.size(v) for v in self.shape.values()) if self.shape else 1
         theta = theta.reshape(-1, *[1] * max((np.ndim(v) for v in self.shape.values()), default=0))
         with np.errstate(all="ignore"):
-            h, bend = self.curvature(theta)
+            h, _, bend = self.heights(theta)
         if not (np.isfinite(h).all() and np.isfinite(bend).all()):
             raise ParameterError("height has no finite value and curvature at every theta between.")
         where = np.broadcast_to(theta, np.shape(h)) if count else theta

@@ -26,10 +26,23 @@ GUESSES = (3, 12)
 SPREAD = 1.25
 """Room between these sizes and the limits of a shape's numbers, as a factor."""
 
+Named = tuple[tuple[str, float], ...]
+"""Numbers by name, in order."""
+
 
 def first_numbers(body: RoundShape) -> dict[str, float]:
     """Every number of the body by name, of arrays the first."""
     return {n: float(np.asarray(v, dtype=float).flat[0]) for n, v in body.given.items()}
+
+
+def _outline(body: RoundShape) -> tuple[Callable[..., Any], Named, tuple[float, float]]:
+    """What inclinations depend on: no moment and no scale; of arrays the first entry."""
+    numbers = first_numbers(body)
+    return body.height, tuple((n, numbers[n]) for n in body.shape), body.between
+
+
+def _bare(height: Callable[..., Any], shape: Named, between: tuple[float, float]) -> Outline:
+    return Outline(height, 1.0, 1.0, dict(shape), "", between)
 
 
 def tumbling_ranges(body: RoundShape) -> list[tuple[float, float]]:
@@ -48,9 +61,7 @@ def tumbling_ranges(body: RoundShape) -> list[tuple[float, float]]:
     """
     low, high = body.between
     theta = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
-    first = first_numbers(body)
-    shape = [first[n] for n in body.shape]
-    h, slope = (np.asarray(body.array(f, theta, *shape)) for f in body.slopes()[:2])
+    h, slope, _ = _bare(*_outline(body)).heights(theta)
     axial, transverse = (float(np.asarray(m, dtype=float).flat[0]) for m in body.moments())
     s, c = np.sin(theta), np.cos(theta)
     r, z = h * s + slope * c, h * c - slope * s
@@ -126,10 +137,8 @@ def slope_of(body: RoundShape) -> Callable[[ArrayLike], Floats]:
     body
         The body.
     """
-    numbers = first_numbers(body)
-    first = [numbers[n] for n in body.shape]
-    function = body.slopes()[1]
-    return lambda theta: np.asarray(body.array(function, theta, *first))
+    first = _bare(*_outline(body))
+    return lambda theta: np.asarray(first.height_at(theta, 1))
 
 
 def stands_upright(body: RoundShape) -> bool:
@@ -140,10 +149,17 @@ def stands_upright(body: RoundShape) -> bool:
     body
         The body.
     """
-    low, high = body.between
+    return _upright(*_outline(body))
+
+
+@lru_cache(maxsize=256)
+def _upright(height: Callable[..., Any], shape: Named, between: tuple[float, float]) -> bool:
+    """The same, found once for each height."""
+    low, high = between
     if not low < math.pi / 2 < high:
         return False
-    scale = float(np.asarray(body.height_at(math.pi / 2)).flat[0])
+    body = _bare(height, shape, between)
+    scale = float(body.height_at(math.pi / 2))
     return abs(float(slope_of(body)(math.pi / 2))) <= CLOSE * scale
 
 
@@ -155,20 +171,23 @@ def levels(body: RoundShape) -> list[float]:
     body
         The body; of arrays the first entry counts.
     """
-    return list(_levels(body))
+    return list(_levels(*_outline(body)))
 
 
 @lru_cache(maxsize=256)
-def _levels(body: RoundShape) -> tuple[float, ...]:
-    """The same, found once for each body."""
-    low, high = body.between
+def _levels(
+    height: Callable[..., Any], shape: Named, between: tuple[float, float]
+) -> tuple[float, ...]:
+    """The same, found once for each height."""
+    low, high = between
+    slope = slope_of(_bare(height, shape, between))
+    upright = _upright(height, shape, between)
     grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
-    slope = slope_of(body)
     slopes = slope(grid)
-    upright = stands_upright(body)
     found = [math.pi / 2] * upright
-    for a, b, f, g in zip(grid[:-1], grid[1:], slopes[:-1], slopes[1:], strict=True):
-        if f * g < 0 and not (upright and a <= math.pi / 2 <= b):
+    for i in np.flatnonzero(slopes[:-1] * slopes[1:] < 0):
+        (a, b), (f, g) = grid[i : i + 2].tolist(), slopes[i : i + 2].tolist()
+        if not (upright and a <= math.pi / 2 <= b):
             root = float(brentq(slope, a, b, xtol=1e-15))
             if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
                 found.append(root)
@@ -239,7 +258,7 @@ def tumbling_rates(body: RoundShape, theta: Any) -> tuple[Any, Any]:
     theta
         Inclinations [rad].
     """
-    h, slope = body.height_at(theta), body.height_at(theta, 1)
+    h, slope, _ = body.heights(theta)
     axial, transverse = body.moments()
     s, c = np.sin(theta), np.cos(theta)
     r, z = h * s + slope * c, h * c - slope * s

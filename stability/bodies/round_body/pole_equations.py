@@ -108,16 +108,24 @@ def smooth_at(body: RoundShape, pole: int) -> bool:
     low, high = body.between
     if (low > 0) if pole == 1 else (high < np.pi):
         return False
-    c, own = ca.SX.sym("c"), [ca.SX.sym(n) for n in body.shape]
-    try:
-        f = height_of_cosine(shape_of(body)[1], c, own)
-    except NotSmoothError:
+    seen = _of_cosine(shape_of(body)[1], tuple(body.shape))
+    if seen is None:
         return False
-    slope = ca.jacobian(f, c)
-    seen = ca.Function("f", [c, *own], [ca.densify(ca.vertcat(f, slope, ca.jacobian(slope, c)))])
     columns = np.broadcast_arrays(float(pole), *body.shape.values())
     values = seen(*[np.asarray(v, dtype=float).reshape(1, -1) for v in columns]).full()
     return bool(np.isfinite(values).all())
+
+
+@lru_cache(maxsize=64)
+def _of_cosine(height: Any, names: tuple[str, ...]) -> ca.Function | None:
+    """A height with its two slopes by cos θ, built once; None where it is no function of it."""
+    c, own = ca.SX.sym("c"), [ca.SX.sym(n) for n in names]
+    try:
+        f = height_of_cosine(height, c, own)
+    except NotSmoothError:
+        return None
+    slope = ca.jacobian(f, c)
+    return ca.Function("f", [c, *own], [ca.densify(ca.vertcat(f, slope, ca.jacobian(slope, c)))])
 
 
 def _check_even(law: type[Contact], count: int) -> None:

@@ -17,7 +17,9 @@ from typing import Any
 
 import casadi as ca
 
+from ...algebra.number_types import Algebra, casadi_algebra
 from ...algebra.polynomial import Polynomial
+from ...algebra.program import Program
 from ...base.errors import StabilityError
 from ...systems.closed_form import ClosedForm
 from ...systems.graph.implicit_form import ImplicitForm
@@ -25,6 +27,7 @@ from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import LinearViscous, Rough, Smooth, Viscous
 from ..thin_disk.disk_polynomials import digest
+from .height.expression import Expression
 from .height.pole_height import height_of_angle
 from .si_law import Numbers, Shape
 
@@ -32,6 +35,8 @@ DATA = "body_polynomials.json"
 """The file of derived polynomials, next to this module."""
 DIGEST = "617236fe51c95b03a056857353da055d1d6ebb34d2ffdba8c9df3f33e9f57530"
 """SHA-256 of that file, written by `make derive`; a file with another digest is refused."""
+FEW = 4
+"""Most sines and cosines of a height that is read by sine and cosine of θ itself."""
 KINDS = {Viscous: "viscous", LinearViscous: "viscous", Rough: "rough", Smooth: "smooth"}
 """The polynomial of each law: at a steady motion a drag is linear in the slip."""
 
@@ -75,6 +80,13 @@ def closed_form(
         shape, Numbers.of(shape, given, physical=physical), given, start)  # fmt: skip
 
 
+def _waves(height: Expression) -> int:
+    """Number of sines and cosines in a height."""
+    graph = height.function
+    kinds = (graph.instruction_id(i) for i in range(graph.n_instructions()))
+    return sum(kind in (ca.OP_SIN, ca.OP_COS) for kind in kinds)
+
+
 class _Formulas:
     """The formulas of a family, as expressions in its parameters."""
 
@@ -89,7 +101,8 @@ class _Formulas:
         """The closed form of one body under one law."""
         table, theta = numbers.table, self.theta
         rate = table["gravity"] / table["length"]  # square of the unit of rates
-        h = ca.SX(height_of_angle(shape[1], theta, numbers.own))
+        level = ca.SX(height_of_angle(shape[1], theta, numbers.own))
+        h = self._series(shape[1], numbers.own) if _waves(shape[1]) > FEW else level
         slope = ca.jacobian(h, theta)
         s, c = ca.sin(theta), ca.cos(theta)
         known = {
@@ -123,15 +136,26 @@ class _Formulas:
         record = function.serialize(), self.record["zeros"], self.record["even"], values
         if start is None:
             return ClosedForm(*record)
+        slope = ca.jacobian(level, theta)
         parts = ca.cse([slope, ca.jacobian(slope, theta)])
         equation = ca.Function("equation", [theta, numbers.p], [ca.densify(v) for v in parts])
         return ImplicitForm(*record, equation.serialize(), start)
 
-    def _kept(self, moment: Any) -> ca.SX:
-        """A moment, as a symbol where it is a number: CasADi would round its square."""
-        if not ca.SX(moment).is_constant():
-            return ca.SX(moment)
-        self.constants.append((ca.SX.sym(f"c{len(self.constants)}"), float(moment)))
+    def _series(self, height: Expression, own: Sequence[ca.SX]) -> ca.SX:
+        """A height of many waves as it is given: each of a wide interval is within [-1, 1].
+
+        By the recurrence of `height_of_angle` enclosures grow with a power of the number of waves.
+        """
+        functions = casadi_algebra().functions
+        kept = Algebra("kept", self._kept, functions, lasting=False)
+        [[found]] = Program(height.function).run(kept, [[self.theta], *([n] for n in own)])
+        return ca.SX(found)
+
+    def _kept(self, number: Any) -> ca.SX:
+        """A number of many digits as a symbol: CasADi would round its products."""
+        if not ca.SX(number).is_constant():
+            return ca.SX(number)
+        self.constants.append((ca.SX.sym(f"c{len(self.constants)}"), float(number)))
         return self.constants[-1][0]
 
     def _member(

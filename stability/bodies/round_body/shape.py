@@ -67,7 +67,7 @@ class RoundShape(Record):
         slope
             0 for h, 1 for h', 2 for h''.
         """
-        return self.array(self.slopes()[slope], theta, *self.shape.values())
+        return self.heights(theta)[slope]
 
     @staticmethod
     def array(function: ca.Function, *values: Any) -> Any:
@@ -84,18 +84,19 @@ class RoundShape(Record):
         """h, h' and h'' as functions of θ and the numbers of the shape."""
         return _slopes(self.height, tuple(self.shape))
 
-    def curvature(self, theta: Any) -> tuple[Any, Any]:
-        """H and h'' in NumPy, at inclinations that broadcast with the numbers of the shape.
+    def heights(self, theta: Any) -> list[Any]:
+        """h, h' and h'' at inclinations, in NumPy: CasADi builds a map for each array.
 
         Parameters
         ----------
         theta
-            Inclinations [rad].
+            Inclinations that broadcast with the numbers of the shape [rad].
         """
-        values = [np.asarray(v, dtype=float) for v in (theta, *self.shape.values())]
+        values = [np.float64(v) if np.ndim(v) == 0 else np.asarray(v, dtype=float)
+                  for v in (theta, *self.shape.values())]  # fmt: skip
         shape = np.broadcast_shapes(*(v.shape for v in values))
         found = _program(self.height, tuple(self.shape)).arrays([[v] for v in values], shape)
-        return found[0][..., 0, 0], found[2][..., 0, 0]
+        return [v[..., 0, 0] if shape else float(v[0, 0]) for v in found]
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,6 +71,9 @@ def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> Part:
     """The change at the meetings of a piece: one or two, so that ends that differ mean one."""
     first, last = max(leaf.low, low), min(leaf.high, high)
     try:
+        point = _at_once(line, leaf)
+        if point is not None:
+            return [point], []
         signs = line.sign(leaf.low), line.sign(leaf.high)
         if signs[0] == signs[1] != 0 and leaf.meetings == 1:
             return [], []
@@ -83,6 +86,20 @@ def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> Part:
         return [], [Unresolved(first, last, f"no verdict there: {error}")]
     reason = TOUCH if signs[0] == signs[1] else "the change could not be bracketed"
     return [], [Unresolved(first, last, f"{reason}.")]
+
+
+def _at_once(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
+    """The change at a known single meeting with proved verdicts that differ right next to it.
+
+    The verdicts at the ends of the piece follow from these, since nothing else changes on it.
+    """
+    if leaf.near is None or leaf.meetings != 1:
+        return None
+    step = float(np.spacing(abs(leaf.near[0])))
+    sides = leaf.near[0] - step, leaf.near[0] + step
+    if not leaf.low <= sides[0] < sides[1] <= leaf.high:
+        return None
+    return _near(line, leaf) if line.sign(sides[0]) * line.sign(sides[1]) < 0 else None
 
 
 def _near(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:

@@ -74,7 +74,7 @@ class Quick:
     """What doubles prove along an axis."""
 
     clear: tuple[Span, ...]
-    """Pieces without a meeting."""
+    """Pieces without a meeting, neighbours as one."""
     single: tuple[Single, ...]
     """Pieces with one."""
     left: tuple[Span, ...]
@@ -95,6 +95,18 @@ def quick_pieces(found: FormulaMeetings, low: float, high: float, *, log: bool) 
     log
         Whether pieces are cut at equal ratios.
     """
+    rounds = rounds_of(found)
+    return None if rounds is None else rounds.run(low, high, log=log)
+
+
+def rounds_of(found: FormulaMeetings) -> Rounds | None:
+    """Rounds of pieces with the kernel of a line's formulas; None where these have none.
+
+    Parameters
+    ----------
+    found
+        The functions along a line.
+    """
     line = found.line
     names = (*line.problem.family.at, *line.problem.family.parameters)
     if line.problem.ratios or line.problem.law is not None or line.axis not in names:
@@ -113,12 +125,12 @@ def quick_pieces(found: FormulaMeetings, low: float, high: float, *, log: bool) 
             errors = np.insert(errors, cut, np.nextafter(off, np.inf))
         place += place >= cut
     try:
-        tapes = [_tape(found.formulas, place, order) for order in (ORDER, 1)]
+        tapes = [_tape(found.formulas, place, order) for order in (ORDER, ORDER - 1, 1)]
     except StabilityError:
         return None
     if len(values) < tapes[0].inputs:  # no root is proved
         return None
-    return _Rounds(found, tapes, (values, errors), place).run(low, high, log=log)
+    return Rounds(found, tapes, (values, errors), place)
 
 
 @lru_cache(maxsize=64)
@@ -133,7 +145,7 @@ def _tape(formulas: ClosedForm, place: int, order: int) -> Tape:
     return recorded_series(run, cut + count, place, order)
 
 
-class _Rounds:
+class Rounds:
     """Rounds of pieces, each cut where the one before left it open."""
 
     def __init__(
@@ -141,8 +153,9 @@ class _Rounds:
         place: int,
     ) -> None:  # fmt: skip
         self.found, self.inputs, self.place = found, inputs, place
-        self.form, self.slope = tapes
+        self.whole, self.inner, self.slope = tapes
         self.functions = len(found.kinds)
+        self.asked: int = found.formulas.function.numel_out(2)
 
     def run(self, low: float, high: float, *, log: bool) -> Quick:
         """All rounds."""
@@ -150,21 +163,21 @@ class _Rounds:
         cuts = low * (high / low) ** cuts if log and low > 0 else low + (high - low) * cuts
         cuts[0], cuts[-1] = low, high
         lows, highs = cuts[:-1], cuts[1:]
-        clear: list[Span] = []
+        clear: list[Floats] = []
         single: list[Single] = []
         left: list[Span] = []
         count = 0
         for number in range(ROUNDS):
             count += len(lows)
             free, slopes = self._judged(lows, highs)
-            clear += zip(lows[free].tolist(), highs[free].tolist(), strict=True)
+            clear.append(np.stack([lows[free], highs[free]]))
             done = free.copy()
             for i in np.flatnonzero(~free & slopes.any(axis=0)):
                 meeting = self._single(float(lows[i]), float(highs[i]), slopes[:, i])
                 if isinstance(meeting, Single):
                     single.append(meeting)
                 elif meeting:
-                    clear.append((float(lows[i]), float(highs[i])))
+                    clear.append(np.stack([lows[[i]], highs[[i]]]))
                 done[i] = meeting is not None
             lows, highs = lows[~done], highs[~done]
             if not len(lows):
@@ -173,27 +186,25 @@ class _Rounds:
                 left += zip(lows.tolist(), highs.tolist(), strict=True)
                 break
             lows, highs = _cut(lows, highs, log=log and low > 0)
-        return Quick(tuple(clear), tuple(single), tuple(left), count)
+        return Quick(_joined(np.hstack(clear)), tuple(single), tuple(left), count)
 
     def _at(self, points: Floats, radius: Floats, tape: Tape) -> tuple[Any, Any]:
         """Coefficients as balls at points, or over pieces, shape (functions, orders, points)."""
         mid, rad = (np.repeat(v[:, None], len(points), axis=1) for v in self.inputs)
         mid[self.place], rad[self.place] = points, radius
-        order = ORDER if tape is self.form else 1
-        shape = (-1, order + 1, len(points))
         m, r = tape.run(mid, rad)
+        shape = (self.functions + self.asked, -1, len(points))
         return m.reshape(shape), r.reshape(shape)
 
     def _judged(self, lows: Floats, highs: Floats) -> tuple[Flags, Flags]:
         """Pieces without a zero; and functions that are open but monotone there, where all are."""
-        count = len(lows)
         points = lows + (highs - lows) / 2
         half = np.nextafter(np.maximum(highs - points, points - lows), np.inf)
-        m, r = self._at(np.concatenate([points, points]),
-                        np.concatenate([np.zeros(count), half]), self.form)  # fmt: skip
+        inner = self._at(points, np.zeros(len(points)), self.inner)
+        outer = self._at(points, half, self.whole)
         with np.errstate(all="ignore"):
-            m, r = (np.concatenate([v[:, :ORDER, :count], v[:, ORDER:, count:]], axis=1)
-                    for v in (m, r))  # fmt: skip
+            m, r = (np.concatenate([v, w[:, ORDER:]], axis=1)
+                    for v, w in zip(inner, outer, strict=True))  # fmt: skip
             powers = half ** np.arange(ORDER + 1)[:, None]
             size = (np.abs(m) + r) * powers
             rest = (r[:, 0] + size[:, 1:].sum(axis=1)) * ROOM
@@ -244,6 +255,14 @@ class _Rounds:
             if abs(step) <= CLOSE * abs(here):
                 break
         return here
+
+
+def _joined(spans: Floats) -> tuple[Span, ...]:
+    """Pieces, shape (2, pieces), in order; neighbours as one."""
+    lows, highs = spans[:, np.argsort(spans[0])]
+    first = np.append(True, lows[1:] > highs[:-1])[: len(lows)]
+    ends = highs[np.append(first[1:], True)[: len(lows)]]
+    return tuple(zip(lows[first].tolist(), ends.tolist(), strict=True))
 
 
 def _exactly(line: AxisScan, formulas: ClosedForm, value: float) -> list[float] | None:

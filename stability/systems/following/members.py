@@ -15,7 +15,7 @@ from ..graph.ignorable import ignorable
 from .roots import newton_step, roots
 from .sheet import follow
 from .singular_points import Curve, Located, locate_branch_point, locate_fold
-from .steadiness import rate_noise
+from .steadiness import given_noise, rate_noise
 
 UNKNOWN = 1e-10
 """Largest rate that counts as zero, in units of the linearisation, if its rounding has no bound."""
@@ -214,6 +214,8 @@ def require_steady(family: Any, a: Floats, u: Floats, q: Floats, states: Floats)
             f"{family.name}: the rates have no value there, such as the sign of 0, or overflow "
             "double precision; give values nearer to 1."
         )
+    if (np.abs(rates) <= given_noise(states, matrix)).all():  # nothing else has to be counted
+        return
     bound = rate_noise(family.graph, a, u, q, states, matrix)
     bound = np.where(np.isfinite(bound), bound, UNKNOWN * scale[:, None])
     over = ~(np.abs(rates) <= bound)

@@ -79,7 +79,25 @@ def rate_noise(
             root = root + 2 * step_noise(graph, a, u, q, whole=True)
         solved = [RunningError(c, e) for c, e in zip(u.T, root.T, strict=True)]
         found = running_error_arrays(graph.rates, [_known(a), solved, _known(q)], a.shape[:1])
-        # held values are exact constants of the graph, so their rounding is added here
-        given = np.abs(matrix) @ (GIVEN * np.abs(states))[..., None]
-        bound: Floats = 2 * (found[0][1][..., 0] + given[..., 0])
+        bound: Floats = 2 * found[0][1][..., 0] + given_noise(states, matrix)
     return bound
+
+
+def given_noise(states: Floats, matrix: Floats) -> Floats:
+    """The part of `rate_noise` that given states account for, which is quickly known.
+
+    Held values are exact constants of the graph, so running error analysis leaves them out.
+
+    Parameters
+    ----------
+    states, matrix
+        As for `rate_noise`.
+
+    Returns
+    -------
+    ndarray
+        Shape (N, n).
+    """
+    with np.errstate(all="ignore"):
+        out: Floats = 2 * (np.abs(matrix) @ (GIVEN * np.abs(states))[..., None])[..., 0]
+    return out

@@ -1,0 +1,207 @@
+"""Certified verdicts on both sides of every threshold of bodies, at 1e-12 of it, exactly.
+
+Thresholds are written once more from height and moments, over the rationals.  A root is taken to 60
+digits, and values next to it are fractions: verdicts are about these numbers and no doubles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from math import isqrt
+from typing import Any
+
+import casadi as ca
+import pytest
+
+import stability as st
+
+STEP = Fraction(1, 10**12)
+ONE = 10**60
+HALF = Fraction(1, 2)
+
+
+def root(square: Fraction) -> Fraction:
+    """The square root to 60 digits."""
+    return Fraction(isqrt(square.numerator * ONE**2 // square.denominator), ONE)
+
+
+def rounded(name: str) -> st.Body:
+    """Height ρ + (1-ρ) sin θ, with all numbers free: h(π/2) = 1, ρ the radius of curvature."""
+    return st.Body(lambda theta, rho: rho + (1 - rho) * ca.sin(theta), axial=0.5, transverse=0.4,
+                   shape={"rho": 0.25}, name=name)  # fmt: skip
+
+
+def words(
+    family: st.Family, value: Fraction, numbers: Mapping[str, Fraction], name: str = ""
+) -> list[str]:
+    """Verdicts below and above a value of the family's number, or of a parameter by name."""
+    found = []
+    for side in (1 - STEP, 1 + STEP):
+        given = dict(numbers) | {name or "at": value * side}
+        found.append(st.spectrum(family, certify=True, **given).verdict.word)
+    return found
+
+
+# body, its numbers, then h, h′′, I1 and I3 upright
+Upright = tuple[st.Body, dict[str, Fraction], Fraction, Fraction, Fraction, Fraction]
+
+
+def torus(b: Fraction) -> Upright:
+    return (st.Torus(float(b)), {"tube": b}, 1 + b, Fraction(-1),
+            HALF + Fraction(5, 8) * b**2, 1 + Fraction(3, 4) * b**2)  # fmt: skip
+
+
+def spheroid(a: Fraction) -> Upright:
+    return (st.Spheroid(float(a)), {"aspect": a}, Fraction(1), a**2 - 1, (1 + a**2) / 5,
+            Fraction(2, 5))  # fmt: skip
+
+
+def coin(rho: Fraction, across: Fraction, along: Fraction) -> Upright:
+    numbers = {"rho": rho, "transverse": across, "axial": along}
+    return rounded("coin"), numbers, Fraction(1), rho - 1, across, along
+
+
+BODIES = [torus(Fraction(1, 5)), torus(Fraction(1, 3)), spheroid(Fraction(1, 2)),
+          coin(Fraction(1, 7), Fraction(2, 5), HALF)]  # fmt: skip
+MU = (Fraction(3, 10), Fraction(3))
+
+
+@pytest.mark.parametrize("case", BODIES, ids=lambda c: c[0].name)
+def test_upright_rolling_and_spinning_turn_at_the_printed_thresholds(case: Upright) -> None:
+    body, numbers, h, bend, i1, i3 = case
+    known = {
+        ("rolling", "rough"): -i1 * bend / (i3 * (i3 + h**2)),
+        ("rolling", "smooth"): -i1 * bend / i3**2,
+        ("spinning", "rough"): -bend / (i1 + h**2),
+        ("spinning", "smooth"): -bend / i1,
+    }
+    for (name, law), square in known.items():
+        family = body.family(name, law)
+        assert words(family, root(square), numbers) == ["unstable", "neutral"], (name, law)
+    square = -i1 * bend / (i3 * (i3 - i1))
+    for mu in MU:
+        family = body.family("rolling", "viscous")
+        assert words(family, root(square), numbers | {"mu": mu}) == ["unstable", "stable"]
+
+
+def test_rolling_of_a_long_body_turns_the_other_way() -> None:
+    body, numbers, _, bend, i1, i3 = spheroid(Fraction(8, 5))
+    square = i1 * bend / (i3 * (i1 - i3))
+    for mu in MU:
+        family = body.family("rolling", "viscous")
+        assert words(family, root(square), numbers | {"mu": mu}) == ["stable", "unstable"]
+
+
+def limits(rho: Fraction, i1: Fraction, i3: Fraction) -> tuple[Fraction, Fraction, Fraction]:
+    """q1, M1 and M2 of spinning, with h = 1."""
+    q1 = (1 - rho) / (i1 - i3 * rho)
+    m1 = 2 * i3 * (1 + rho) / ((1 + i3) * (2 * i1 + 1 + rho))
+    m2 = 2 * (1 - rho) * i3**2 * (i1 + i3) / ((1 + i3) * (i3 - i1) * (i1 + i3 + 2 * i1 * i3))
+    return q1, m1, m2
+
+
+@pytest.mark.parametrize(
+    ("rho", "i1", "i3"),
+    [(Fraction(0), Fraction(1, 4), HALF), (Fraction(1, 7), Fraction(2, 5), HALF),
+     (Fraction(1, 3), Fraction(3, 10), Fraction(2, 5))],
+)  # fmt: skip
+def test_spinning_with_friction_turns_at_its_three_limits(
+    rho: Fraction, i1: Fraction, i3: Fraction
+) -> None:
+    """q1 at a friction with and without a second limit; M1 far out, M2 next to q1, at all q."""
+    body, numbers, *_ = coin(rho, i1, i3)
+    family = body.family("spinning", "viscous")
+    q1, m1, m2 = limits(rho, i1, i3)
+    for m in (m1 / 2, m1, (m1 + m2) / 2):
+        assert words(family, root(q1), numbers | {"mu": root(m)}) == ["unstable", "stable"]
+    fast = numbers | {"at": Fraction(10**12)}  # the second value of q lies near 1e12 a1/|a2| there
+    assert words(family, root(m1), fast, "mu") == ["stable", "unstable"]
+    near = numbers | {"at": root(q1 * (1 + STEP**2))}
+    assert words(family, root(m2), near, "mu") == ["stable", "unstable"]
+    for q in (q1 * (1 + STEP**2), 2 * q1, 50 * q1):  # no value of q is stable at M2
+        one = st.spectrum(family, at=root(q), mu=root(m2) * (1 + STEP), certify=True, **numbers)
+        assert one.verdict.word == "unstable"
+
+
+@pytest.mark.parametrize("aspect", [Fraction(6, 5), Fraction(2), Fraction(5, 6), HALF])
+def test_a_lying_spheroid_turns_at_five(aspect: Fraction) -> None:
+    body, numbers, *_ = spheroid(aspect)
+    family = body.family("spinning", "viscous")
+    expected = ["stable", "unstable"] if aspect > 1 else ["unstable", "stable"]
+    assert words(family, root(Fraction(5)), numbers | {"mu": Fraction(1, 20)}) == expected
+
+
+@pytest.mark.parametrize(("offset", "across"), [(Fraction(1, 10), Fraction(2, 5)),
+                                                (Fraction(1, 5), Fraction(21, 50))])  # fmt: skip
+def test_a_tippe_top_turns_at_its_published_thresholds(offset: Fraction, across: Fraction) -> None:
+    """Ebenfeld & Scheck (1995): as in tests/bodies/test_pole_equations.py."""
+    c = Fraction(2, 5)
+    top = st.EccentricSphere(0.1, axial=0.4, transverse=0.4)
+    numbers = {"offset": offset, "axial": c, "transverse": across}
+    upright = offset * (1 - offset) ** 2 / (across - c * (1 - offset))
+    inverted = offset * (1 + offset) ** 2 / (c * (1 + offset) - across)
+    for mu in MU:
+        for pole, square, expected in ((0, upright, ["stable", "unstable"]),
+                                       ("pi", inverted, ["unstable", "stable"])):  # fmt: skip
+            family = top.family("vertical", "viscous", pole=pole)
+            assert words(family, root(square), numbers | {"mu": mu}) == expected
+
+
+@pytest.mark.parametrize("k", [Fraction(1, 4), HALF])
+def test_coin_and_hoop_roll_above_their_published_speeds(k: Fraction) -> None:
+    """Rolling without slip: v² = g R/3 of a coin and g R/4 of a hoop; spinning: 1/(1 + k)."""
+    thin = st.Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25, name="thin")
+    numbers = {"axial": 2 * k, "transverse": k}
+    square = {Fraction(1, 4): Fraction(1, 3), HALF: Fraction(1, 4)}[k]
+    known = {"rolling": square, "spinning": 1 / (1 + k)}
+    for name, value in known.items():
+        family = thin.family(name, "rough")
+        assert words(family, root(value), numbers) == ["unstable", "neutral"]
+
+
+SCALES = ("mass", "gravity", "length")
+EGG = st.Egg(0.2)
+NAMED: list[tuple[str, Any, st.Body, dict[str, Any]]] = [
+    (name, law, body, {})
+    for body in (st.Torus(0.2), st.Spheroid(0.6), st.ThickDisk(0.1))
+    for name in ("rolling", "spinning")
+    for law in ("viscous", "rough", "smooth")
+    if not (name == "spinning" and body.name == "thick disk")
+] + [
+    ("rolling", "viscous", EGG, {}),
+    ("tumbling", "viscous", st.Torus(0.2), {"axis": (0.05, 1.55)}),
+    ("tumbling", "viscous", st.Spheroid(0.6), {"axis": (1.6, 3.0)}),
+    ("tumbling", "viscous", EGG, {"axis": (1.0, 1.7)}),
+    ("precession", "smooth", st.ThickDisk(0.1), {"axis": (0.3, 1.3), "held": ("phi_dot", 1.7)}),
+    ("vertical", "viscous", st.Spheroid(0.6), {}),
+    ("vertical", "viscous", st.EccentricSphere(0.2), {}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "law", "body", "more"), NAMED,
+                         ids=lambda v: getattr(v, "name", str(v)))  # fmt: skip
+def test_boundaries_of_named_bodies_have_two_sides(
+    name: str, law: str, body: st.Body, more: dict[str, Any]
+) -> None:
+    """Every threshold that `boundaries` returns, over its range, with the verdicts that it says."""
+    low, high = more.get("axis", (0.05, 6.0))
+    numbers = {n: Fraction(v) for n, v in body.given.items() if n not in SCALES}
+    if law == "viscous":
+        numbers["mu"] = Fraction(3, 10)
+    family = body.family(name, law)
+    axis = family.at[0]
+    held = {more["held"][0]: Fraction(more["held"][1])} if "held" in more else {}
+    given = {n: float(v) for n, v in (numbers | held).items()}
+    found = st.boundaries(family, axis=(axis, low, high, 50), **given)
+    assert found.complete and found
+    for point in found:
+        value = Fraction(point.value)
+        seen = []
+        for side in (1 - STEP, 1 + STEP):
+            place = {axis: value * side} | held
+            at = [place[n] for n in family.at]
+            one = st.spectrum(family, at=at if len(at) > 1 else at[0], certify=True, **numbers)
+            seen.append(one.verdict.word)
+        good = "stable" if law == "viscous" else "neutral"
+        assert seen == ([good, "unstable"] if point.stable_below else ["unstable", good])
