@@ -54,6 +54,7 @@ nb_execution_in_temp = True
 nb_execution_timeout = 240
 nb_execution_raise_on_error = True
 nb_merge_streams = True
+nb_ipywidgets_js = {}  # a widget needs a kernel; its scripts would be asked from a network
 
 # --- reference ---
 
