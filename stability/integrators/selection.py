@@ -230,7 +230,8 @@ def _turn(leg: Leg) -> float:
 def _patient(leg: Leg) -> Leg:
     """The leg with at most the steps of an explicit method where that is the cheaper one."""
     length = leg.times[-1:] - leg.times[:1]
-    span = float((length * leg.flow.paces(leg.start[None], leg.p[None], length))[0])
+    with np.errstate(over="ignore"):  # an endless span asks for the steps that a leg has
+        span = float((length * leg.flow.paces(leg.start[None], leg.p[None], length))[0])
     most = 20_000 + PATIENCE * _turn(leg) * span
     return replace(leg, max_steps=int(min(leg.max_steps, most)))
 

@@ -160,7 +160,7 @@ class Scene(Record):
             what = shown(given) if not isinstance(names, Sequence) else "empty"
             raise ParameterError(f"quantities is {what}; known are {', '.join(every)}.")
         for name in names:
-            if name not in (*QUESTIONS, *LINEAR):
+            if not isinstance(name, str) or name not in (*QUESTIONS, *LINEAR):
                 known("quantities", name, every)
         linear = [n for n in names if n in LINEAR]
         if linear and len(linear) < len(names):
@@ -228,12 +228,14 @@ class Scene(Record):
         bare = Problem(launches, self.tolerance, np.array([0.0, last]))
         count = POINTS if "path" in self.quantities else 2
         if any(n in QUESTIONS and QUESTIONS[n].whole for n in self.quantities):
-            count = max(POINTS, int(last * bare.pace / SPACING))
-            if count > MOST_SAMPLES:
+            turns = last * bare.pace
+            if not turns / SPACING <= MOST_SAMPLES:
+                about = f"about {turns:.3g}" if turns < math.inf else "more than 1e308"
                 raise ParameterError(
-                    f"the motion turns about {last * bare.pace:.3g} times up to the horizon, too "
-                    "many to look at each; ask for final, or for an earlier horizon."
+                    f"the motion turns {about} times up to the horizon, too many to look at each; "
+                    "ask for final, or for an earlier horizon."
                 )
+            count = max(POINTS, int(turns / SPACING))
         return replace(bare, times=np.linspace(0.0, last, count))
 
     def answer(self, *, only: str | None = None) -> Answer:

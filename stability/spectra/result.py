@@ -290,17 +290,15 @@ class Spectrum(Record):
     @property
     def reason(self) -> Any:
         """One sentence with the reason for each verdict; an object array of them, shape (…)."""
+        each = [np.asarray(v) for v in (self.abscissa, self.abscissa_error, self.certified)]
         if not self.codes.ndim:
-            return self._reason(())
+            return self._reason((), *each)
         out = np.empty(self.codes.shape, dtype=object)
         for index in np.ndindex(self.codes.shape):
-            out[index] = self._reason(index)
+            out[index] = self._reason(index, *(v[index] for v in each))
         return out
 
-    def _reason(self, index: tuple[int, ...]) -> str:
-        abscissa, error, certified = (
-            np.asarray(v)[index] for v in (self.abscissa, self.abscissa_error, self.certified)
-        )
+    def _reason(self, index: tuple[int, ...], abscissa: Any, error: Any, certified: Any) -> str:
         bound = f"largest real part {abscissa:.3g}, error bound {error:.1g}"
         if (self.symmetric or self.family.conservative) and not certified:
             bound = "decided by the sign of λ², whose polynomial is even by structure; " + bound

@@ -24,6 +24,8 @@ def _scene(**given):
     [
         ({"quantities": np.array([])}, "quantities is an array"),
         ({"quantities": np.array(["final", "path"])}, "quantities is an array"),
+        ({"quantities": (np.zeros((2, 3)),)}, "quantities is an array"),
+        ({"quantities": ["final", 3]}, "quantities is 3"),
         ({"families": 3}, "families belong to a stability.System"),
         ({"families": [st.disk_family("rolling", "viscous")]}, "families belong"),
         ({"contact": {math.nan: st.Rough()}}, "give each law a word"),
@@ -36,6 +38,16 @@ def test_what_is_not_accepted_is_refused_in_a_sentence(given, words: str) -> Non
         _scene(**given)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_more_turns_than_a_number_holds_are_refused() -> None:
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    swing = ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] * x[1])
+    own = st.System("pendulum", x, p, swing, states=("angle", "rate"), parameters=("g", "d"))
+    scene = st.Scene(own, {"g": 9.81, "d": 0.5}, {"angle": 1.0, "rate": 0.0}, horizon=1e308,
+                     quantities="settling_time")  # fmt: skip
+    with pytest.raises(st.StabilityError, match="more than 1e308 times"):
+        scene.answer()
 
 
 def test_a_model_that_gives_up_has_no_error_and_no_true_error() -> None:
