@@ -65,6 +65,15 @@ def test_outcomes_are_those_of_the_checked_single_run(
     told = settled & near.settled.proved & np.isfinite(stated)
     assert told.sum() >= 0.9 * settled.sum()
     assert (late <= allowed + 1e-12)[told].all(), list(zip(late[told], allowed[told], strict=True))
+    if not told.any():
+        return
+    # a bound that says something: it is narrow, and a member off by thrice its error breaks it
+    assert np.quantile(allowed[told], 0.9) < 1e-3
+    assert np.median((late / allowed)[told]) < 0.01  # the limit is better than the nearest member
+    off = 3 * (part.member_error + part.error)
+    for moved in (part.member + off, part.member - off):
+        wrong = np.abs(moved - near.settled.limit[:, 0]) > allowed + 1e-12
+        assert wrong[told].mean() > 0.6
 
 
 def test_outcomes_do_not_depend_on_the_company() -> None:

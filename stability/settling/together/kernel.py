@@ -1,8 +1,8 @@
 """Settling of many states at once: the proof of `stability.settling.attraction` by a kernel.
 
 The same box and the same inequality, in balls of doubles.  The basis is the real modal basis of a
-member nearby, by LAPACK; launches with the same parameters share the bases of members on a grid. One
-whose proof just misses tries the two bases of the single test, each its own.
+member nearby, by LAPACK; launches with the same parameters share the bases of members on a grid.
+One whose proof just misses tries the two bases of the single test, each its own.
 Any basis is sound: its inverse is enclosed (`stability.settling.together.box_kernel`).  Where Numba
 is missing NumPy runs the same functions, with the same results to the last bit of each bound.
 """
