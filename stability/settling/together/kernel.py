@@ -226,7 +226,8 @@ class _Test:
         nodes, rows = np.unique(own, axis=0, return_inverse=True)
         both = self.slopes(nodes[:, :1] * STEP, nodes[:, 1:])
         there, mine = both[:, : self.around.across], rows.ravel()
-        stable, z, x, rate = (v[mine] for v in _modal(there))
+        stable, z, x, rate = _modal(there)
+        stable, z, x, rate = stable[mine], z[mine], x[mine], rate[mine]
         off = z @ (a - there[mine]) @ x
         poor = ~(np.square(off).sum((1, 2)) < np.square(APART * rate))
         stable[poor], z[poor], x[poor], rate[poor] = _modal(a[poor])
