@@ -131,12 +131,12 @@ def basins(
     horizon: float,
     body: Body | Disk | None = None,
     families: Family | Sequence[Family] = (),
-    tolerance: float = 1e-9,
-    check: bool = True,
-    settle: float = 0.05,
-    flat: float = 1e-6,
-    max_steps: int = 1_000_000,
-    max_seconds: float = 8.0,
+    tolerance: float = Judging.tolerance,
+    check: bool = Judging.check,
+    settle: float = Judging.settle,
+    flat: float = Judging.flat,
+    max_steps: int = Judging.most,
+    max_seconds: float = Judging.seconds,
     levels: int = 0,
     store: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
@@ -255,9 +255,10 @@ def labelled(kept: Store, plan: Plan) -> xarray.Dataset:
 def planned(
     disk: Any, contact: Any, *, x: Any = None, y: Any = None, more: Sequence[Any] = (),
     distribution: Any = None, count: Any = None, seed: Any = 0, held: Any = None,
-    family: str = "", horizon: Any, body: Any = None, families: Any = (), tolerance: Any = 1e-9,
-    check: Any = True, settle: Any = 0.05, flat: Any = 1e-6, max_steps: Any = 1_000_000,
-    max_seconds: Any = 8.0, chunk: Any = None, **parameters: Any,
+    family: str = "", horizon: Any, body: Any = None, families: Any = (),
+    tolerance: Any = Judging.tolerance, check: Any = Judging.check, settle: Any = Judging.settle,
+    flat: Any = Judging.flat, max_steps: Any = Judging.most, max_seconds: Any = Judging.seconds,
+    chunk: Any = None, **parameters: Any,
 ) -> Plan:  # fmt: skip
     """Check the arguments of `basins`; parameters and errors are its own.
 
