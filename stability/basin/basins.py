@@ -41,8 +41,9 @@ from .statistics.samples import DistributionLike, Independent, sample
 if TYPE_CHECKING:
     import xarray
 
-TILE = 4096
-"""Launches of a chunk, about: some seconds of work."""
+TILE, LARGE, PIECES = 4096, 16384, 64
+"""Launches of a chunk, about: at least, at most, and so that a map has this many chunks.  The last
+launches of a chunk run alone, so that large ones cost less."""
 LEAST = 512
 """Fewest launches of a chunk: fewer would leave lanes idle."""
 MOST_LEVELS = 20
@@ -193,7 +194,8 @@ def basins(
     overwrite
         Whether a store of another question may be replaced.
     chunk
-        Launches of a chunk, about; a worker computes and writes one at a time.
+        Launches of a chunk, about; a worker computes and writes one at a time.  4096 when left
+        out, up to 16384 for more than 262144 launches.
     executor
         `threads`, `processes`, `dask` (a scheduler and workers on this machine), the address of a
         running scheduler, or any `concurrent.futures.Executor`.
@@ -286,7 +288,8 @@ def planned(
         raise ParameterError(f"{math.prod(shape):.3g} launches are asked; give at most {MOST:.0e}.")
     launches = prepare(disk if body is None else body, contact, names, held, family, families,
                        dict(parameters))  # fmt: skip
-    size = TILE if chunk is None else whole_number("chunk", chunk)
+    usual = min(max(TILE, math.prod(shape) // PIECES), LARGE)
+    size = usual if chunk is None else whole_number("chunk", chunk)
     dims = names if axes else ("launch",)
     seed = whole_number("seed", seed, least=0)
     layout = Layout(dims, shape, _tile(shape, size))
