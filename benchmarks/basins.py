@@ -10,6 +10,7 @@ medians of the ratios.
 """
 
 import argparse
+import os
 import resource
 import statistics
 import time
@@ -146,8 +147,8 @@ def predicted() -> None:
         print(f"predicted cost, {family}: {cost.computing:.1f} s, real {real:.1f} s")
 
 
-def million(count: int, family: str, horizon: float, *, check: bool) -> None:
-    """A map of many launches in a store, by two processes: wall time, CPU time and memory."""
+def million(count: int, family: str, horizon: float, workers: int, *, check: bool) -> float:
+    """Wall time of a map of many launches in a store, by processes [s]; prints memory too."""
     import tempfile
 
     side = round(count**0.5)
@@ -156,7 +157,7 @@ def million(count: int, family: str, horizon: float, *, check: bool) -> None:
         found = st.basins(contact="viscous", mu=MU, family=family, horizon=horizon,
                           x=(SCENES[family], 0.3, 4.0, side), y=("tilt", 0.0, 0.6, side),
                           check=check, store=f"{folder}/map.zarr", executor="processes",
-                          workers=2)  # fmt: skip
+                          workers=workers)  # fmt: skip
         wall, spent = time.perf_counter() - begin, _spent() - before
         codes, many = np.unique(found.outcome.values, return_counts=True)
     own, theirs = (resource.getrusage(who).ru_maxrss / 2**20
@@ -164,8 +165,16 @@ def million(count: int, family: str, horizon: float, *, check: bool) -> None:
     ends = ", ".join(f"{n} {BY_CODE[c].word}" for c, n in zip(codes, many, strict=True))
     runs = "twice" if check else "once"
     print(f"{side * side} launches, {family}, to T = {horizon:g}, run {runs}, "
-          f"two processes: {wall:.0f} s, computing time {spent:.0f} s, peak memory {own:.2f} "
-          f"and {theirs:.2f} GiB a process; {ends}", flush=True)  # fmt: skip
+          f"{workers} processes: {wall:.0f} s, computing time {spent:.0f} s, peak memory "
+          f"{own:.2f} and {theirs:.2f} GiB a process; {ends}; load {os.getloadavg()[0]:.1f}",
+          flush=True)  # fmt: skip
+    return wall
+
+
+def scaling(count: int, family: str, horizon: float) -> None:
+    """The same map by one worker and by two."""
+    one, two = (million(count, family, horizon, n, check=False) for n in (1, 2))
+    print(f"two workers: {one / two:.2f} times as fast as one")
 
 
 def _spent() -> float:
@@ -174,32 +183,39 @@ def _spent() -> float:
     return sum(one.ru_utime + one.ru_stime for one in used)
 
 
+WHAT = ("reference", "scene", "predicted", "million", "scaling")
+"""What can be measured; the first three by default."""
+
+
 def main() -> None:
-    """Print all figures."""
+    """Print the figures that are asked."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument(
-        "--large",
-        type=int,
-        nargs="?",
-        const=1_000_000,
-        default=0,
-        help="maps of so many launches too, a million by default",
-    )
-    parser.add_argument("--count", type=int, default=4096, help="launches of a scene")
+    parser.add_argument("what", nargs="*", help=f"some of {', '.join(WHAT)}; the first three")
+    parser.add_argument("--count", type=int, help="launches: 4096, of a million 1000000")
+    parser.add_argument("--family", choices=tuple(SCENES), action="append")
+    parser.add_argument("--time", type=float, action="append", help="last times")
+    parser.add_argument("--check", action="store_true", help="run each of a million twice")
     parser.add_argument("--repeats", type=int, default=3)
     asked = parser.parse_args()
+    what = asked.what or WHAT[:3]
+    if set(what) - set(WHAT):
+        parser.error(f"give some of {', '.join(WHAT)}")
     if not taylor.available():
         print("heyoka is not installed")
         return
     flow("viscous")
-    reference(asked.count, asked.repeats)
-    for horizon in HORIZONS:
-        scene(asked.count, asked.repeats, horizon)
-    predicted()
-    if asked.large:
-        for family in SCENES:
-            for check in (False, True):
-                million(asked.large, family, HORIZON, check=check)
+    families, last = asked.family or tuple(SCENES), (asked.time or [HORIZON])[0]
+    if "reference" in what:
+        reference(asked.count or 4096, asked.repeats)
+    for horizon in (asked.time or HORIZONS) if "scene" in what else ():
+        scene(asked.count or 4096, asked.repeats, horizon)
+    if "predicted" in what:
+        predicted()
+    for family in families:
+        if "million" in what:
+            million(asked.count or 1_000_000, family, last, 2, check=asked.check)
+        if "scaling" in what:
+            scaling(asked.count or 65_536, family, last)
 
 
 if __name__ == "__main__":

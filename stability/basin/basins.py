@@ -41,8 +41,9 @@ from .statistics.samples import DistributionLike, Independent, sample
 if TYPE_CHECKING:
     import xarray
 
-TILE = 4096
-"""Launches of a chunk, about: some seconds of work."""
+TILE, LARGE, PIECES = 4096, 16384, 64
+"""Launches of a chunk, about: at least, at most, and so that a map has this many chunks.  The last
+launches of a chunk run alone, so that large ones cost less."""
 LEAST = 512
 """Fewest launches of a chunk: fewer would leave lanes idle."""
 MOST_LEVELS = 20
@@ -131,12 +132,12 @@ def basins(
     horizon: float,
     body: Body | Disk | None = None,
     families: Family | Sequence[Family] = (),
-    tolerance: float = 1e-9,
-    check: bool = True,
-    settle: float = 0.05,
-    flat: float = 1e-6,
-    max_steps: int = 1_000_000,
-    max_seconds: float = 8.0,
+    tolerance: float = Judging.tolerance,
+    check: bool = Judging.check,
+    settle: float = Judging.settle,
+    flat: float = Judging.flat,
+    max_steps: int = Judging.most,
+    max_seconds: float = Judging.seconds,
     levels: int = 0,
     store: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
@@ -193,7 +194,8 @@ def basins(
     overwrite
         Whether a store of another question may be replaced.
     chunk
-        Launches of a chunk, about; a worker computes and writes one at a time.
+        Launches of a chunk, about; a worker computes and writes one at a time.  4096 when left
+        out, up to 16384 for more than 262144 launches.
     executor
         `threads`, `processes`, `dask` (a scheduler and workers on this machine), the address of a
         running scheduler, or any `concurrent.futures.Executor`.
@@ -255,9 +257,10 @@ def labelled(kept: Store, plan: Plan) -> xarray.Dataset:
 def planned(
     disk: Any, contact: Any, *, x: Any = None, y: Any = None, more: Sequence[Any] = (),
     distribution: Any = None, count: Any = None, seed: Any = 0, held: Any = None,
-    family: str = "", horizon: Any, body: Any = None, families: Any = (), tolerance: Any = 1e-9,
-    check: Any = True, settle: Any = 0.05, flat: Any = 1e-6, max_steps: Any = 1_000_000,
-    max_seconds: Any = 8.0, chunk: Any = None, **parameters: Any,
+    family: str = "", horizon: Any, body: Any = None, families: Any = (),
+    tolerance: Any = Judging.tolerance, check: Any = Judging.check, settle: Any = Judging.settle,
+    flat: Any = Judging.flat, max_steps: Any = Judging.most, max_seconds: Any = Judging.seconds,
+    chunk: Any = None, **parameters: Any,
 ) -> Plan:  # fmt: skip
     """Check the arguments of `basins`; parameters and errors are its own.
 
@@ -285,7 +288,8 @@ def planned(
         raise ParameterError(f"{math.prod(shape):.3g} launches are asked; give at most {MOST:.0e}.")
     launches = prepare(disk if body is None else body, contact, names, held, family, families,
                        dict(parameters))  # fmt: skip
-    size = TILE if chunk is None else whole_number("chunk", chunk)
+    usual = min(max(TILE, math.prod(shape) // PIECES), LARGE)
+    size = usual if chunk is None else whole_number("chunk", chunk)
     dims = names if axes else ("launch",)
     seed = whole_number("seed", seed, least=0)
     layout = Layout(dims, shape, _tile(shape, size))

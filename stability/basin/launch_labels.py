@@ -121,7 +121,7 @@ def coded(outcome: Any, family: Any) -> Ints:
 def launch_labels(
     disk: Any = None, contact: Any = None, *, varied: Sequence[str], horizon: float,
     held: Mapping[str, float] | None = None, family: str = "", families: Any = (),
-    body: Any = None, tolerance: float = 1e-9, check: bool = True,
+    body: Any = None, tolerance: float = Judging.tolerance, check: bool = Judging.check,
     executor: Executor | None = None, workers: int | None = None, **parameters: Any,
 ) -> LaunchLabels:  # fmt: skip
     """Labels of launches by outcome and family, for `uncertainty_exponent` and `fatal_shock`.

@@ -17,7 +17,7 @@ from ..bodies.law_names import law_given
 from ..bodies.round_body.body import Body
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_families import FAMILIES
-from ..bodies.thin_disk.launch import launch
+from ..bodies.thin_disk.launch import near_steady
 from ..motion.body_starts import gather_body
 from ..motion.starts import Starts, gather
 from ..motion.system_starts import gather_system
@@ -107,7 +107,7 @@ class Launches:
         six = np.zeros((count, 6))
         if self.family:
             own = FAMILIES[self.family].at[0]
-            six = launch(self.family, at=given[own], tilt=given.get(TILT, 0.0), disk=disk)
+            six = near_steady(self.family, at=given[own], tilt=given.get(TILT, 0.0), disk=disk)
             six = np.array(np.broadcast_to(six, (count, 6)))
         for column, name in enumerate(STATES):
             if name in given and not (self.family and name == FAMILIES[self.family].at[0]):

@@ -15,8 +15,7 @@ from .disk import Disk
 from .round_body.body import Body
 from .round_body.families import FAMILIES, place_of
 from .round_body.inclinations import tumbling_rates
-from .thin_disk import launch as of_disk
-from .thin_disk.launch import TILT
+from .thin_disk.launch import TILT, near_steady
 
 
 def launch(
@@ -68,7 +67,7 @@ def launch(
         raise ParameterError(
             "theta and pole belong to a stability.Body; leave them out for a disk."
         )
-    return of_disk.launch(family, at=at, tilt=tilt, disk=disk if body is None else body)
+    return near_steady(family, at=at, tilt=tilt, disk=disk if body is None else body)
 
 
 def _near_member(

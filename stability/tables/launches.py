@@ -16,7 +16,7 @@ from ..base.verdict import Nonlinear, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
-from ..bodies.thin_disk.launch import TILT, TIME, disk_of, launch
+from ..bodies.thin_disk.launch import TILT, TIME, disk_of, near_steady
 from ..boundary.drift import drift
 from ..motion.result import BY_CODE, Outcome
 from ..motion.simulate import simulate
@@ -191,7 +191,7 @@ def _block(
     name: str, body: Disk, contact: Contact, mu: float, values: Floats, tilt: float, last: float
 ) -> list[LaunchRow]:
     """Rows of one body and friction, all velocities in one batch."""
-    starts = launch(name, at=values, tilt=tilt, disk=body)
+    starts = near_steady(name, at=values, tilt=tilt, disk=body)
     runs = simulate(body, contact, starts, np.linspace(0.0, last, SAMPLES))
     linear = spectrum(name, at=values, disk=body, contact=contact, certify=True)
     rows = []

@@ -117,37 +117,93 @@ def test_while_borders_are_replaced_the_store_is_a_map_without_them(
     assert tree(out) == tree(whole)
 
 
+class Counted:
+    """Labels that follow from the launches, and how many launches were asked."""
+
+    asked = 0
+
+    def of(self, points: Any) -> Any:
+        self.asked += len(points)
+        return (10 * points[:, 0]).astype(np.int64)
+
+
+def test_a_wave_is_read_back_and_one_of_other_launches_is_computed_anew(tmp_path: Path) -> None:
+    one, other = np.array([[0.1, 1.0], [0.2, 1.0]]), np.array([[0.3, 1.0], [0.4, 1.0]])
+    for points, asked in (((one, other), 4), ((one, other), 0), ((one, one), 2), ((other,), 2)):
+        labels = Counted()
+        run = waves.Waves(labels, tmp_path, None, 1, None, 0, 0)  # type: ignore[arg-type]
+        for some in points:
+            np.testing.assert_array_equal(run(some), 10 * some[:, 0])
+        assert labels.asked == asked
+    names = {p.name for p in (tmp_path / waves.FOLDER).iterdir()}
+    assert names == {"0000.zarr", "0001.zarr"}
+
+
 SCRIPT = """
 import sys
 import stability as st
-st.basins(contact="viscous", mu=0.3, family="spinning", x=("at", 2.2, 4.6, 7),
-          y=("tilt", 0.05, 0.95, 6), horizon=60.0, check=False, workers=1, chunk=16, levels=3,
-          store=sys.argv[1])
+from stability.basin.refinement import waves
+waves.LEAST = int(sys.argv[3])
+if __name__ == "__main__":
+    st.basins(contact="viscous", mu=0.3, family="spinning", x=("at", 2.2, 4.6, 7),
+              y=("tilt", 0.05, 0.95, 6), horizon=60.0, check=False, chunk=16, levels=3,
+              store=sys.argv[1], executor=sys.argv[2], workers=1 + (sys.argv[2] == "processes"))
 """
+FINE = 16
+"""Fewest launches of a chunk of a wave, so that two processes share one."""
+
+
+@pytest.fixture(scope="module")
+def fine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same store with waves of many chunks, by one thread."""
+    folder, least = tmp_path_factory.mktemp("fine") / "a.zarr", waves.LEAST
+    waves.LEAST = FINE
+    try:
+        st.basins(**MAP, levels=3, store=folder)
+    finally:
+        waves.LEAST = least
+    return folder
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
-@pytest.mark.parametrize("kills", [2, pytest.param(10, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    ("executor", "kills"),
+    [
+        ("threads", 2),
+        ("processes", 1),
+        pytest.param("threads", 10, marks=pytest.mark.long),
+        pytest.param("processes", 6, marks=pytest.mark.long),
+    ],
+)
 def test_a_killed_refinement_is_resumed_to_the_same_bytes(
-    kills: int, whole: Path, tmp_path: Path
+    executor: str, kills: int, whole: Path, fine: Path, tmp_path: Path
 ) -> None:
     out, rng = tmp_path / "a.zarr", np.random.default_rng(7)
-    total = len(tree(whole))
-    for _ in range(kills):
-        run = subprocess.Popen([sys.executable, "-c", SCRIPT, str(out)], env=dict(os.environ))
-        aim = len(tree(out)) + int(rng.integers(1, max(2, total // 8))) if out.exists() else 30
-        while run.poll() is None and (not out.exists() or len(files(out)) < aim):
+    same = whole if executor == "threads" else fine
+    least = str(waves.LEAST if executor == "threads" else FINE)
+    words = [sys.executable, "-c", SCRIPT, str(out), executor, least]
+    within = 0
+    for turn in range(kills):
+        run = subprocess.Popen(words, env=dict(os.environ))
+        while run.poll() is None and not aimed(out, same, (turn + rng.random()) / kills):
             time.sleep(0.002)
         run.send_signal(signal.SIGKILL)
         run.wait()
+        within += bool(labels_of(out)) and len(labels_of(out)) < len(labels_of(same))
         if out.exists():
             opened = xarray.open_zarr(out)
             assert ("border_point" in opened.sizes) == ("border_levels" in opened.attrs)
-    done = subprocess.run([sys.executable, "-c", SCRIPT, str(out)], capture_output=True,
-                          text=True, check=False)  # fmt: skip
+    assert within  # at least one among the waves
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert tree(out) == tree(whole)
+    assert tree(out) == tree(same)
 
 
-def files(folder: Path) -> list[str]:
-    return [name for _, _, names in os.walk(folder) for name in names]
+def aimed(out: Path, same: Path, part: float) -> bool:
+    """Whether so much of the waves is there that it is time for a kill."""
+    return len(labels_of(out)) > part * len(labels_of(same))
+
+
+def labels_of(folder: Path) -> list[Path]:
+    """Chunks of waves that are there."""
+    return list((folder / waves.FOLDER).glob("*/label/c.*"))

@@ -65,6 +65,15 @@ def test_outcomes_are_those_of_the_checked_single_run(
     told = settled & near.settled.proved & np.isfinite(stated)
     assert told.sum() >= 0.9 * settled.sum()
     assert (late <= allowed + 1e-12)[told].all(), list(zip(late[told], allowed[told], strict=True))
+    if not told.any():
+        return
+    # a bound that says something: it is narrow, and a member off by thrice its error breaks it
+    assert np.quantile(allowed[told], 0.9) < 1e-3
+    assert np.median((late / allowed)[told]) < 0.01  # the limit is better than the nearest member
+    off = 3 * (part.member_error + part.error)
+    for moved in (part.member + off, part.member - off):
+        wrong = np.abs(moved - near.settled.limit[:, 0]) > allowed + 1e-12
+        assert wrong[told].mean() > 0.6
 
 
 def test_outcomes_do_not_depend_on_the_company() -> None:
@@ -124,6 +133,41 @@ def pendulum() -> Any:
     turns = {n: st.Family(system, f"rest {n}", at=("c",), held={"angle": a, "rate": 0.0})
              for n, a in (("a", 0.0), ("b", 2 * np.pi), ("c", -2 * np.pi))}  # fmt: skip
     return system, tuple(turns.values())
+
+
+def late_departure() -> tuple[Any, Any]:
+    """A system that leaves an unstable motion, and the time that it then spends away.
+
+    s = u² leaves s = 0 as s' = 2 s (1 - s), from u = 2⁻⁵³, and w' = 10⁻⁴ s.  The circle
+    x² + y² = 1 is exact for the motion alone: its numerical error drives s too, which leaves early.
+    """
+    x = ca.SX.sym("x", 4)
+    circle = x[0] ** 2 + x[1] ** 2 - 1
+    rates = ca.vertcat(20 * x[1], -20 * x[0], 2 * x[2] * (1 - x[2]) + circle**2, 1e-4 * x[2])
+    system = st.System("late", x, ca.SX.sym("none", 0), rates, states=("x", "y", "s", "w"))
+
+    def away(time: float) -> float:
+        return float(0.5e-4 * np.log1p((np.exp(2 * time) - 1) * 2.0**-106))
+
+    return system, away
+
+
+@pytest.mark.parametrize("horizon", [55.0, 70.0])
+def test_the_error_of_a_late_departure_reaches_down_to_rounding(
+    horizon: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    system, away = late_departure()
+    asked = prepare(system, None, ("x", "y", "s", "w"), {}, "", (), {})
+    points = {n: np.full(1, v) for n, v in zip("xysw", (1.0, 0.0, 2.0**-106, 0.0), strict=True)}
+    runs, judged = [], engine._judged
+    monkeypatch.setattr(engine, "_judged", lambda *a: runs.append(judged(*a)) or runs[-1])
+    found = outcomes(asked.starts(points, horizon), Judging())
+    assert found.outcome[0] == CODES[Outcome.MOVING]
+    first, second = (run.state[0] for run in runs)
+    late = abs(first[3] - away(horizon))  # w, in closed form
+    assert late > 5e-4  # it has left too early, by five units of time
+    assert np.abs(first - second).max() < late  # so that the difference of two runs is no bound
+    assert late <= found.error[0] < 10 * late
 
 
 def test_launches_whose_two_runs_part_are_decided_alone(monkeypatch: pytest.MonkeyPatch) -> None:

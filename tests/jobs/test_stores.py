@@ -17,7 +17,7 @@ from chunk_work import ATTRS, COORDS, LAYOUT, VARIABLES, store, tree, undisturbe
 
 import stability as st
 from stability.jobs.chunks import Layout, Memory, Variable
-from stability.jobs.zarr_store import FORMAT, ZarrStore
+from stability.jobs.zarr_store import FORMAT, ZarrStore, file_name
 from stability.storage.files import atomic_write
 
 ALL = values(np.arange(90))
@@ -246,6 +246,36 @@ def test_without_zarr_there_is_one_sentence(
 
 
 # --- what is left behind ---
+
+
+def test_the_bytes_of_a_chunk_are_on_the_disk_before_it_has_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No marker may outlive a power cut without its chunk: flushed first, named then, it last."""
+    kept, seen = store(tmp_path / "a.zarr"), list[tuple[str, int, int]]()
+    flush, rename = os.fsync, Path.replace
+
+    def told(what: str, found: os.stat_result) -> None:
+        seen.append((what, found.st_ino, found.st_size))
+
+    def flushing(handle: int) -> None:
+        flush(handle)
+        told("flushed", os.fstat(handle))
+
+    def renaming(self: Path, target: Path) -> Path:
+        told(target.parent.name, self.stat())
+        return rename(self, target)
+
+    monkeypatch.setattr(os, "fsync", flushing)
+    monkeypatch.setattr(Path, "replace", renaming)
+    kept.write((0, 0), chunk((0, 0)))
+    assert [what for what, _, _ in seen[1::2]] == ["time", "last", "outcome"]
+    assert [what for what, _, _ in seen[::2]] == ["flushed"] * 3
+    assert [rest for _, *rest in seen[::2]] == [rest for _, *rest in seen[1::2]]
+    sizes = [(tmp_path / "a.zarr" / n / file_name(v, (0, 0))).stat().st_size for n, v in
+             ((v.name, v) for v in (*VARIABLES[1:], VARIABLES[0]))]  # fmt: skip
+    assert [size for _, _, size in seen[::2]] == sizes
+
 
 HALF = """
 import os, signal, sys

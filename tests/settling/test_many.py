@@ -102,7 +102,7 @@ def test_two_hundred_proved_motions_end_within_the_stated_error() -> None:
     assert converges(found, six, p, some[:200]).all()
 
 
-def test_the_kernel_proves_nearly_all_that_flint_proves() -> None:
+def test_the_kernel_proves_what_flint_proves() -> None:
     _, six, p = launches(600, 2)
     found = DiskSettling(st.Viscous).many(six, p, WITHIN)
     ours, theirs, bounds = [], [], found.settled
@@ -119,7 +119,7 @@ def test_the_kernel_proves_nearly_all_that_flint_proves() -> None:
             assert bounds.rate[i] <= 1.1 * exact.rate
             assert abs(bounds.limit[i, 0] - exact.limit[0]) <= bounds.error[i] + exact.error
     assert sum(theirs) > 200
-    assert np.not_equal(ours, theirs).sum() <= 0.02 * sum(theirs)
+    assert ours == theirs
 
 
 def test_proved_motions_end_within_the_stated_error_of_the_stated_limit() -> None:
@@ -168,7 +168,19 @@ def test_shared_bases_prove_what_own_bases_prove(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(kernel, "STEP", 2.0**-40)
     own = DiskSettling(st.Viscous).many(six, p, WITHIN).settled.proved
     assert own.sum() > 1000
-    assert np.not_equal(own, shared).sum() < 0.02 * own.sum()
+    assert not (own & ~shared).any()
+
+
+def test_a_proof_that_misses_in_a_shared_basis_is_tried_in_the_launchs_own() -> None:
+    # the end of a launch that the flint test proves, and a shared basis does not: 1 % is missing
+    six = np.array([0.620616445, 2.07832199e-05, -2.07307399, -4.99347477e-06,
+                    -2.59795893e-05, 2.42116199e-05])  # fmt: skip
+    p = np.array([0.4, 0.3])
+    exact = one(six, p)
+    found = DiskSettling(st.Viscous).many(six[None], p, 0.05).settled
+    assert exact is not None and found.proved[0]
+    assert found.rate[0] == pytest.approx(exact.rate, rel=0.01)
+    assert found.error[0] == pytest.approx(exact.error, rel=0.01)
 
 
 def test_nothing_is_proved_where_nothing_settles() -> None:

@@ -19,39 +19,8 @@ TILT, TIME = 0.1, 1000.0
 """Tilt of the symmetry axis [rad] and length of a run [√(R/g)]."""
 
 
-def launch(
-    family: str, *, at: ArrayLike, tilt: ArrayLike = TILT, disk: Disk | None = None
-) -> Floats:
-    """The start of a launch near a steady motion, its symmetry axis tilted.
-
-    Parameters
-    ----------
-    family
-        A family whose members one number names: rolling, spinning or tumbling.
-    at
-        omega3, phi_dot or theta of the steady motion, shape (…) [rad/s or rad].
-    tilt
-        Angle subtracted from theta, shape (…) [rad].
-    disk
-        The body; needed for tumbling, whose rate depends on it.
-
-    Returns
-    -------
-    ndarray
-        The six states, shape (…, 6), for `simulate`.
-
-    Raises
-    ------
-    NameUnknownError
-        If there is no such family.
-    ParameterError
-        If tumbling has no disk, or an angle leaves (0, π).
-
-    Examples
-    --------
-    >>> launch("rolling", at=1.2, tilt=0.1).round(3).tolist()
-    [1.471, 0.0, 0.0, 1.2, 0.0, 0.0]
-    """
+def near_steady(family: str, *, at: ArrayLike, tilt: ArrayLike, disk: Disk | None) -> Floats:
+    """The start of a launch of the disk; numbers and errors as those of `stability.launch`."""
     known("family", family, [name for name, one in FAMILIES.items() if one.line])
     record = FAMILIES[family]
     if disk is None and record.solution is not None:

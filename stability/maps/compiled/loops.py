@@ -214,9 +214,9 @@ def squares(w: Any) -> None:
         z = -w[A + j]
         slack = w[E + j] / abs(z)
         root = math.sqrt(abs(z))
-        # |√z - √z'| ≤ min(relative error of z, √ of its error)
-        error = smaller(root * (slack + EPS), math.sqrt(w[E + j]) + EPS * root)
-        error = math.sqrt(w[E + j]) if z == 0 else error
+        # |√z - √z'| ≤ √|z| times the relative error of z; a cell where the sign of z is open is
+        # computed again
+        error = root * (slack + EPS) if slack < 1 else math.inf
         top, turn = (root, 0.0) if z > 0 else (0.0, root)
         still = (top == 0) & (turn > error)
         w[TOP + j], w[TURN + j], w[LARGEST + j] = top, turn, root

@@ -138,6 +138,8 @@ def tables(exact: TabulatedPolynomial, behind: Mapping[str, int]) -> Tables | No
 def order_of(exact: TabulatedPolynomial) -> list[int]:
     """One order of the variables for all polynomials, so that a scheme knows them by level.
 
+    Those that no polynomial has are left out: a level costs a copy.
+
     Parameters
     ----------
     exact
@@ -146,7 +148,8 @@ def order_of(exact: TabulatedPolynomial) -> list[int]:
     known = exact.known
     terms = tuple(t for f in known.factors for c in f for t in c.terms)
     degrees = Polynomial(known.variables, terms).degrees
-    return sorted(range(len(known.variables)), key=lambda i: -degrees[i])
+    order = sorted(range(len(known.variables)), key=lambda i: -degrees[i])
+    return [i for i in order if degrees[i]] or order[:1]
 
 
 class Found(NamedTuple):

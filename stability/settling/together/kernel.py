@@ -2,6 +2,7 @@
 
 The same box and the same inequality, in balls of doubles.  The basis is the real modal basis of a
 member nearby, by LAPACK; launches with the same parameters share the bases of members on a grid.
+One whose proof just misses tries the two bases of the single test, each its own.
 Any basis is sound: its inverse is enclosed (`stability.settling.together.box_kernel`).  Where Numba
 is missing NumPy runs the same functions, with the same results to the last bit of each bound.
 """
@@ -32,7 +33,9 @@ MOST = 60
 STEP = 2.0**-12
 """Spacing of the members whose bases launches share."""
 APART = 0.05
-"""Largest part of the slowest rate that a shared basis may cost a launch."""
+"""Largest part of the slowest rate by which a shared basis may change a launch's slopes."""
+JUST = 4.0
+"""Rates by which a proof may miss and is tried again, in the launch's own two bases."""
 NEARER, MARGIN, LEAST = 0.6, 0.8, 0.05
 """Part of the distance where the next proof may succeed: without an estimate, over the estimate,
 and at least."""
@@ -65,6 +68,10 @@ class Settled:
     """Half the diagonal of the box across the family."""
     nearer: Floats
     """Part of its distance at which a launch that is not proved may be, an estimate in (0, 1)."""
+
+
+Bases = tuple[NDArray[np.bool_], Floats, Floats, Floats]
+"""Whether the members near launches are stable, Z, X, and the slowest rates."""
 
 
 def nothing(count: int, n: int) -> Settled:
@@ -162,14 +169,15 @@ def settled_many(
     """
     made, count, n = tapes(around), len(given), around.along
     found = nothing(count, n)
-    test = _Test(around, made, y, given, e, found, plain)
+    test = _Test(around, made, y, given, e, found, plain, np.zeros(count, bool))
     with np.errstate(all="ignore"):  # nan is never proved
         some, centre, slow, a = test.centres()
-        good, z, x, rate = test.bases(some, centre, a)
-        some, centre, slow = some[good], centre[good], slow[good]
-        for low in range(0, len(some), LANES):
-            part = slice(low, low + LANES)
-            test.boxes(some[part], centre[part], slow[part], z[part], x[part], rate[part])
+        if n == 1:  # launches with the same parameters share bases
+            test.proofs(some, centre, slow, test.shared_bases(some, centre, a))
+            some, centre, slow, a = test.missed(some, centre, slow, a)
+        test.proofs(some, centre, slow, _modal(a))
+        some, centre, slow, a = test.missed(some, centre, slow, a)
+        test.proofs(some, centre, slow, _lyapunov(a))
     return found
 
 
@@ -184,6 +192,8 @@ class _Test:
     e: Balls
     found: Settled
     plain: bool
+    just: NDArray[np.bool_]
+    """Which launches are proved, or nearly."""
 
     def slopes(self, y: Floats, given: Floats) -> Floats:
         """∂G/∂e and ∂g/∂e at members, shape (launches, m + n, m)."""
@@ -199,7 +209,7 @@ class _Test:
         some = np.flatnonzero(np.isfinite(np.hstack([self.y.mid, self.given, self.e.mid])).all(1))
         y, e, given = self.y.mid[some], self.e.mid[some], self.given[some]
         centre, slow, a = y, np.zeros((len(y), self.around.along, m)), np.zeros((len(y), m, m))
-        for _ in range(2):
+        for _ in range(3):
             both = self.slopes(centre, given)
             a, right = both[:, :m], both[:, m:].swapaxes(1, 2)
             slow = _solved(a.swapaxes(1, 2), right).swapaxes(1, 2)
@@ -207,25 +217,33 @@ class _Test:
         good = np.isfinite(a).all((1, 2)) & np.isfinite(centre).all(1)
         return some[good], centre[good], slow[good], a[good]
 
-    def bases(self, some: Any, centre: Floats, a: Floats) -> tuple[Any, Floats, Floats, Floats]:
-        """Whether each launch is near a stable member; Z, X and slowest rate of those that are.
+    def shared_bases(self, some: Any, centre: Floats, a: Floats) -> Bases:
+        """The bases of members on a grid; a launch that they do not fit has its own."""
+        if not len(some):
+            return _modal(a)
+        # in any company the same: the basis of the next member on the grid
+        own = np.column_stack([np.rint(centre[:, 0] / STEP), self.given[some]])
+        nodes, rows = np.unique(own, axis=0, return_inverse=True)
+        both = self.slopes(nodes[:, :1] * STEP, nodes[:, 1:])
+        there, mine = both[:, : self.around.across], rows.ravel()
+        stable, z, x, rate = _modal(there)
+        stable, z, x, rate = stable[mine], z[mine], x[mine], rate[mine]
+        off = z @ (a - there[mine]) @ x
+        poor = ~(np.square(off).sum((1, 2)) < np.square(APART * rate))
+        stable[poor], z[poor], x[poor], rate[poor] = _modal(a[poor])
+        return stable, z, x, rate
 
-        Launches with the same parameters share the bases of members on a grid.
-        """
-        if self.around.along != 1 or not len(some):
-            stable, z, x, rate = _modal(a)
-        else:
-            # in any company the same: the basis of the next member on the grid
-            own = np.column_stack([np.rint(centre[:, 0] / STEP), self.given[some]])
-            nodes, rows = np.unique(own, axis=0, return_inverse=True)
-            both = self.slopes(nodes[:, :1] * STEP, nodes[:, 1:])
-            there, mine = both[:, : self.around.across], rows.ravel()
-            stable, z, x, rate = _modal(there)
-            stable, z, x, rate = stable[mine], z[mine], x[mine], rate[mine]
-            off = z @ (a - there[mine]) @ x
-            poor = ~(np.square(off).sum((1, 2)) < np.square(APART * rate))
-            stable[poor], z[poor], x[poor], rate[poor] = _modal(a[poor])
-        return stable, z[stable], x[stable], rate[stable]
+    def missed(self, some: Any, *rest: Floats) -> tuple[Any, ...]:
+        """Launches that just miss the proof, and their parts of some arrays."""
+        again = self.just[some] & ~self.found.proved[some]
+        return some[again], *(v[again] for v in rest)
+
+    def proofs(self, some: Any, centre: Floats, slow: Floats, bases: Bases) -> None:
+        """Try the proof of launches near a stable member."""
+        stable, *rest = bases
+        whole = [v[stable] for v in (some, centre, slow, *rest)]
+        for low in range(0, len(whole[0]), LANES):
+            self.boxes(*(v[low : low + LANES] for v in whole))
 
     def boxes(
         self, some: Any, centre: Floats, slow: Floats, z: Floats, x: Floats, rate: Floats
@@ -250,8 +268,10 @@ class _Test:
             j, rj = (v[:cut].reshape(-1, m, len(some)) for v in (mid, rad))
             beta, error = kernel.turn(z, x, ell, j, rj, f, kappa, r, eta)
             if not turn:  # the rate of a box falls in proportion to its size, about
-                share = MARGIN * rate / (rate - beta)
-                self.found.nearer[some] = np.where(beta < 0, np.maximum(share, LEAST), NEARER)
+                share = np.maximum(MARGIN * rate / (rate - beta), LEAST)
+                before = np.where(self.just[some], self.found.nearer[some], 0.0)
+                self.found.nearer[some] = np.maximum(np.where(beta < 0, share, NEARER), before)
+                self.just[some] |= beta > -JUST * rate
             fine = (mid[cut:] > rad[cut:]).all(0) & (beta > 0) & (beta * r > rho * UP)
             needed = (error + sideways) * UP
             done = fine & (needed <= delta).all(0)
@@ -292,17 +312,39 @@ def _lanes(v: Floats) -> Floats:
     return np.ascontiguousarray(np.moveaxis(v, 0, -1))
 
 
-def _modal(a: Floats) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
+def _modal(a: Floats) -> Bases:
     """Whether matrices are stable, their real modal bases Z and X = Z⁻¹, and their slowest rates.
 
     The columns of X are real and imaginary parts of the eigenvectors.
     """
-    whole: Any = np.isfinite(a).all((1, 2))
-    values, vectors = np.linalg.eig(np.where(whole[:, None, None], a, 0.0))
+    stable, values, vectors, rate = _eigen(a)
     x = np.where(values.imag[:, None] < 0, vectors.imag, vectors.real)
     z = _solved(x, np.broadcast_to(np.eye(x.shape[1]), x.shape))
+    return stable & np.isfinite(z).all((1, 2)), z, x, rate
+
+
+def _lyapunov(a: Floats) -> Bases:
+    """As `_modal`, by the bases in which the symmetric part of A is diagonal: AᵀP + PA = -1.
+
+    With A = V Λ V⁻¹ entry (i, j) of VᴴPV is that of VᴴV over -(λ̄_i + λ_j).
+    """
+    stable, values, v, rate = _eigen(a)
+    w = _solved(v, np.broadcast_to(np.eye(v.shape[1]), v.shape))
+    falls = -(values.conj()[:, :, None] + values[:, None, :])
+    p = (w.conj().swapaxes(1, 2) @ (v.conj().swapaxes(1, 2) @ v / falls) @ w).real
+    stable &= np.isfinite(p).all((1, 2))
+    levels, q = np.linalg.eigh(np.where(stable[:, None, None], p, 0.0))
+    stable &= (levels > 0).all(1)
+    root = np.sqrt(np.where(stable[:, None], levels, 1.0))[:, None]
+    return stable, (q * root).swapaxes(1, 2), q / root, rate
+
+
+def _eigen(a: Floats) -> tuple[NDArray[np.bool_], Any, Any, Floats]:
+    """Whether matrices are stable, eigenvalues, eigenvectors, and slowest rates."""
+    whole: Any = np.isfinite(a).all((1, 2))
+    values, vectors = np.linalg.eig(np.where(whole[:, None, None], a, 0.0))
     rate = -values.real.max(1, initial=-np.inf)
-    return whole & (rate > 0) & np.isfinite(z).all((1, 2)), z, x, rate
+    return whole & (rate > 0), values, vectors, rate
 
 
 def _solved(a: Floats, b: Floats) -> Floats:

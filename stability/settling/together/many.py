@@ -6,9 +6,9 @@ than a microsecond.  Only states within the limit, near a family that attracts, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,6 @@ class Place(Protocol):
         ...
 
 
-@runtime_checkable
 class Quick(Protocol):
     """A family that also says in double precision how far states are from it."""
 
@@ -119,8 +118,9 @@ def nearest_many(
 
 def _near(one: Place, states: Floats, p: Floats, *, plain: bool) -> tuple[Floats, Floats]:
     """Members' y and distances from a family; only states that come near meet the balls."""
-    if isinstance(one, Quick):
-        return one.near(states, p)
+    near: Callable[[Floats, Floats], tuple[Floats, Floats]] | None = getattr(one, "near", None)
+    if near is not None:  # `Quick`; a test of the protocol would cost more than the distances
+        return near(states, p)
     y, e, _ = one.place(states, p, plain=plain)
     return y.mid, np.sqrt(np.square(e.mid).sum(1))
 
