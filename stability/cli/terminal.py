@@ -75,8 +75,10 @@ def stoppable() -> Iterator[Stop]:
         stop.number = number
         raise KeyboardInterrupt
 
-    def quiet(swallowed: Any) -> None:  # in a destructor; `check` raises it again
-        if not issubclass(swallowed.exc_type, KeyboardInterrupt):
+    def quiet(swallowed: Any) -> None:
+        # a KeyboardInterrupt in a destructor: `check` raises it again.  After a signal: an object
+        # that a library was building, and that cannot be freed well
+        if not stop.number and not issubclass(swallowed.exc_type, KeyboardInterrupt):
             hook(swallowed)
 
     hook, sys.unraisablehook = sys.unraisablehook, quiet
