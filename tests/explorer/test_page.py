@@ -72,19 +72,23 @@ def test_sliders_and_numbers_move_the_point(browser: Any, page_of_disk: Path) ->
             page.get_by_label(label, exact=True).focus()
             for _ in range(12):
                 page.keyboard.press("ArrowRight")
+            rest(seen)
             assert state(seen)["values"][name] > before
             number = page.get_by_label(f"{label}, number")
             number.fill("0.4")
             number.press("Enter")
+            rest(seen)
             assert state(seen)["values"][name] == 0.4
         number.fill("0.7")  # no thin body has this inertia factor
         number.press("Enter")
+        rest(seen)
         assert number.get_attribute("aria-invalid") == "true"
         assert "0.5" in number.get_attribute("title")
         assert state(seen)["values"]["k"] == 0.4
         slider = page.get_by_label("inertia factor k", exact=True)
         slider.dispatch_event("pointerdown")
         slider.evaluate("(e) => { e.value = 890; e.dispatchEvent(new Event('input')); }")
+        rest(seen)
         assert state(seen)["values"]["k"] == 0.25  # a slider rests at a value with a name
         assert "uniform disk" in page.locator(".sliders").inner_text()
         quiet(seen)
