@@ -11,7 +11,7 @@ BUILD = DOCS.parent / "build" / "site"
 sys.path.insert(0, str(DOCS))
 os.environ["IPYTHONDIR"] = str(DOCS / "sphinx_parts" / "kernel")  # settings of executed cells
 
-from sphinx_parts import elsewhere  # noqa: E402
+from sphinx_parts import elsewhere, figures  # noqa: E402
 
 from stability.base.version import __version__  # noqa: E402
 
@@ -49,11 +49,12 @@ myst_heading_anchors = 4
 myst_links_external_new_tab = False
 
 nb_execution_mode = "cache"
-nb_execution_cache_path = str(BUILD / "executed")
+nb_execution_cache_path = str(BUILD / "executed" / figures.fingerprint())  # of this package only
 nb_execution_in_temp = True
 nb_execution_timeout = 240
 nb_execution_raise_on_error = True
 nb_merge_streams = True
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # they would come from a server
 
 # --- reference ---
 
