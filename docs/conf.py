@@ -64,6 +64,7 @@ autodoc_preserve_defaults = True
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
+napoleon_attr_annotations = False  # an alias of NumPy would be written out
 napoleon_custom_sections = [("Source", "notes_style")]
 intersphinx_mapping = elsewhere.mapping(BUILD / "inventories", online="DOCS_ONLINE" in os.environ)
 intersphinx_timeout = 20
@@ -78,6 +79,7 @@ html_extra_path = [str(BUILD / "live")]
 html_math_renderer = "mathml"
 html_copy_source = False
 html_show_sourcelink = False
+html_context = {"default_mode": "auto"}  # dark where the reader's system is
 html_sidebars = {"index": []}
 html_theme_options = {
     "show_prev_next": True,
