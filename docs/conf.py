@@ -11,7 +11,7 @@ BUILD = DOCS.parent / "build" / "site"
 sys.path.insert(0, str(DOCS))
 os.environ["IPYTHONDIR"] = str(DOCS / "sphinx_parts" / "kernel")  # settings of executed cells
 
-from sphinx_parts import elsewhere  # noqa: E402
+from sphinx_parts import elsewhere, figures  # noqa: E402
 
 from stability.base.version import __version__  # noqa: E402
 
@@ -49,12 +49,12 @@ myst_heading_anchors = 4
 myst_links_external_new_tab = False
 
 nb_execution_mode = "cache"
-nb_execution_cache_path = str(BUILD / "executed")
+nb_execution_cache_path = str(BUILD / "executed" / figures.fingerprint())  # of this package only
 nb_execution_in_temp = True
 nb_execution_timeout = 240
 nb_execution_raise_on_error = True
 nb_merge_streams = True
-nb_ipywidgets_js = {}  # a widget needs a kernel; its scripts would be asked from a network
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # they would come from a server
 
 # --- reference ---
 
@@ -64,6 +64,7 @@ autodoc_preserve_defaults = True
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
+napoleon_attr_annotations = False  # an alias of NumPy would be written out
 napoleon_custom_sections = [("Source", "notes_style")]
 intersphinx_mapping = elsewhere.mapping(BUILD / "inventories", online="DOCS_ONLINE" in os.environ)
 intersphinx_timeout = 20
@@ -78,6 +79,7 @@ html_extra_path = [str(BUILD / "live")]
 html_math_renderer = "mathml"
 html_copy_source = False
 html_show_sourcelink = False
+html_context = {"default_mode": "auto"}  # dark where the reader's system is
 html_sidebars = {"index": []}
 html_theme_options = {
     "show_prev_next": True,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = ROOT / "docs" / "explorer.png"
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 SIZE = {"width": 1280, "height": 1130}
 LINK = "#show=spinning-viscous&at=2.3&mu=0.4&tilt=0.3&time=20"
 

@@ -22,6 +22,7 @@ from sphinx.util.docutils import SphinxDirective
 
 ROOT = Path(__file__).resolve().parents[2]
 MADE = ROOT / "docs" / "_made"
+_log = logging.getLogger(__name__)
 LONGEST = 240
 """Seconds after which a command is stopped."""
 
@@ -51,7 +52,7 @@ def output(command: str, where: Path, expected: int, page: str) -> str:
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
     )  # fmt: skip
     if done.returncode != expected:
-        logging.getLogger(__name__).warning(
+        _log.warning(
             "%r ended with %d, expected %d:\n%s", command, done.returncode, expected, done.stdout,
             location=page, type="command",
         )  # fmt: skip
@@ -159,10 +160,11 @@ class Edit(SphinxDirective):
         path = folder(self.env.docname) / name
         lines = path.read_text(encoding="utf-8").split("\n")
         places = [i for i, line in enumerate(lines) if after in line]
-        if not places:
-            raise ExtensionError(f"{name} has no line with {after!r}")
-        lines[places[0] + 1 : places[0] + 1] = list(self.content)
-        path.write_text("\n".join(lines), encoding="utf-8")
+        if places:
+            lines[places[0] + 1 : places[0] + 1] = list(self.content)
+            path.write_text("\n".join(lines), encoding="utf-8")
+        else:  # a warning, so that one build names every fault
+            _log.warning("%s has no line with %r", name, after, location=self.get_location())
         text = "\n".join(self.content)
         block = nodes.literal_block(text, text, language="python")
         self.set_source_info(block)

@@ -12,7 +12,9 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import redirect_stdout
 from functools import cache
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -30,11 +32,14 @@ KEPT = {
 """Figures that are not drawn by the build: minutes of measured time."""
 
 
+SOURCES = (".py", ".json", ".html", ".js", ".css")
+
+
 @cache
 def fingerprint() -> str:
     """A word that changes with any file of the package, and with this one."""
     found = hashlib.sha256()
-    paths = [p for p in (ROOT / "stability").rglob("*") if p.suffix in (".py", ".json", ".html")]
+    paths = [p for p in (ROOT / "stability").rglob("*") if p.suffix in SOURCES]
     for path in (*sorted(paths), Path(__file__), DOCS / "films.py"):
         found.update(path.read_bytes())
     return found.hexdigest()[:16]
@@ -86,9 +91,21 @@ def towed_wheel(path: Path) -> None:
     page = (DOCS / "tutorials" / "towed-wheel.md").read_text(encoding="utf-8")
     space: dict[str, Any] = {}
     for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
-        exec(block.replace('"towed-wheel.png"', repr(str(path))), space)
+        with redirect_stdout(StringIO()):
+            exec(block.replace('"towed-wheel.png"', repr(str(path))), space)
         if "towed-wheel.png" in block:
             return
+
+
+def explorer(path: Path) -> None:
+    """The picture of the explorer, taken by Chromium; the kept one where there is no Chromium."""
+    import explorer_picture as script
+
+    if any(shutil.which(name) for name in script.BROWSERS):
+        script.main(path)
+    else:
+        logging.getLogger(__name__).info("no Chromium: explorer.png is the kept picture")
+        shutil.copy(script.PICTURE, path)
 
 
 def of_films(name: str) -> Callable[[Path], Any]:
@@ -154,7 +171,7 @@ FROM_REPORT = (
     "motion-first", "failures-linear", "failures-motion",
 )  # fmt: skip
 MAKERS: dict[str, Callable[[Path], Any]] = {
-    "basins.png": basins, "launch.png": launch, "scene.png": scene,
+    "basins.png": basins, "explorer.png": explorer, "launch.png": launch, "scene.png": scene,
     "towed-wheel.png": towed_wheel, "house.svg": house,
     **{f"films/{n}": of_films(n) for n in ("tippe-top.gif", "egg.gif", "ring.gif",
                                            "retrograde.png")},

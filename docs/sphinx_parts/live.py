@@ -72,6 +72,28 @@ def make(place: str) -> None:
         stamp.write_text(f"{fingerprint()} {command}")
 
 
+WIDGET = "application/vnd.jupyter.widget-view+json"
+"""Kind of output of a cell that shows a widget; drawing it would ask a server for scripts."""
+
+
+def widgets(app: Any, doctree: nodes.document) -> None:
+    """Show the explorer's own page in the place of its widget, which is the same page."""
+    docname = app.env.docname
+    for node in [n for n in doctree.findall(nodes.raw) if WIDGET in n.astext()]:
+        node.replace_self(framed(docname, "explorer/index.html", "the explorer", 900))
+        app.env.nb_metadata[docname]["js_files"].pop("ipywidgets_state", None)
+
+
+def framed(docname: str, name: str, title: str, height: int) -> nodes.raw:
+    """A frame with a page of the site, and a link that opens it alone."""
+    url = "../" * docname.count("/") + name
+    text = (
+        f'<iframe class="live" src="{url}" title="{title}" height="{height}" loading="lazy">'
+        f'</iframe><p class="live-link"><a href="{url}">Open {title} on its own page</a></p>'
+    )
+    return nodes.raw("", text, format="html")
+
+
 class Live(SphinxDirective):
     """A page within the page, with a link that opens it alone.
 
@@ -95,10 +117,5 @@ class Live(SphinxDirective):
             shutil.copy(source, extra / name)
         if not (extra / name).is_file():
             raise ExtensionError(f"{extra / name} is not there")
-        url = "../" * self.env.docname.count("/") + name
         title, height = self.options.get("title", name), self.options.get("height", 640)
-        text = (
-            f'<iframe class="live" src="{url}" title="{title}" height="{height}" loading="lazy">'
-            f'</iframe><p class="live-link"><a href="{url}">Open {title} on its own page</a></p>'
-        )
-        return [nodes.raw("", text, format="html")]
+        return [framed(self.env.docname, name, title, height)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from . import command_line, commands, figures, live, mathml, notebooks, reference, sources
+from . import command_line, commands, figures, live, mathml, notebooks, reference, shell, sources
 
 
 def made(app: Any) -> None:
@@ -24,10 +24,13 @@ def setup(app: Any) -> dict[str, bool]:
     app.add_directive("checkout", commands.Checkout)
     app.add_directive("edit", commands.Edit)
     app.add_directive("live", live.Live)
+    app.add_directive("sh", shell.Sh)
     app.add_html_math_renderer("mathml", (mathml.inline, None), (mathml.display, None))
     app.connect("builder-inited", made)
     app.connect("source-read", commands.fresh)
+    app.connect("source-read", shell.executed)
     app.connect("source-read", notebooks.executed)
+    app.connect("doctree-read", live.widgets, priority=299)
     app.connect("doctree-read", figures.replaced, priority=300)
     app.connect("doctree-read", sources.linked, priority=301)
     app.connect("env-purge-doc", sources.purge)

@@ -1,0 +1,87 @@
+"""Commands of a plain page: the build runs each `sh` block, in the page's own folder.
+
+A comment above a block says what the build does otherwise::
+
+    <!-- run with 1000 -> 20; 2001 -> 101 -->    the same commands with these words replaced
+    <!-- not run: the reason -->                 shown with its reason
+    <!-- file wheel.py: the first 2 -->          the page's first two Python blocks are this file
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any, ClassVar
+
+from docutils import nodes
+from docutils.parsers.rst import directives
+from sphinx.errors import ExtensionError
+from sphinx.util.docutils import SphinxDirective
+
+from .commands import ROOT, folder, output
+
+BLOCK = re.compile(
+    r"(?:^<!-- (not run: |run with )([^\n]*) -->\n)?^```sh\n(.*?)^```$", re.DOTALL | re.MULTILINE
+)
+"""A block of commands, with the comment above it."""
+FILE = re.compile(r"^<!-- file (\S+): the first (\d+) -->$", re.MULTILINE)
+PYTHON = re.compile(r"^```(?:\{code-cell\} )?python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+def replacements(words: str) -> list[tuple[str, str]]:
+    """Pairs of a comment `run with`."""
+    pairs = [pair.split("->") for pair in words.split(";")]
+    if any(len(pair) != 2 for pair in pairs):
+        raise ExtensionError(f"run with {words!r}: say old -> new; old -> new")
+    return [(old.strip(), new.strip()) for old, new in pairs]
+
+
+def changed(text: str, words: str) -> str:
+    """Commands with words replaced; each of these words must be there."""
+    for old, new in replacements(words):
+        if old not in text:
+            raise ExtensionError(f"run with {words!r}: {old!r} is not in the commands {text!r}")
+        text = text.replace(old, new)
+    return text
+
+
+def executed(app: Any, docname: str, source: list[str]) -> None:  # noqa: ARG001
+    """Make a directive of each block of commands, and write the files of the page."""
+    text = source[0]
+    for name, count in FILE.findall(text):
+        blocks = PYTHON.findall(text)[: int(count)]
+        (folder(docname) / name).write_text("\n".join(blocks), encoding="utf-8")
+
+    def directive(found: re.Match[str]) -> str:
+        kind, words, body = found.groups()
+        option = {None: "", "run with ": f":with: {words}\n", "not run: ": f":not: {words}\n"}
+        return f"```{{sh}}\n{option[kind]}{body}```"
+
+    source[0] = BLOCK.sub(directive, text)
+
+
+class Sh(SphinxDirective):
+    """Commands, shown as they are, and run by the build."""
+
+    has_content = True
+    option_spec: ClassVar[dict[str, Any]] = {
+        "with": directives.unchanged_required, "not": directives.unchanged_required,
+    }  # fmt: skip
+
+    def run(self) -> list[nodes.Node]:
+        """The block, and a line where it is not run as it stands."""
+        text, said = "\n".join(self.content), ""
+        if "not" in self.options:
+            said = f"The build of this page does not run this: {self.options['not']}."
+        else:
+            where = folder(self.env.docname)
+            if not (where / "examples").exists():
+                (where / "examples").symlink_to(ROOT / "examples")
+            words = self.options.get("with")
+            output(changed(text, words) if words else text, where, 0, self.env.docname)
+            if words:
+                pairs = " and ".join(f"{new} for {old}" for old, new in replacements(words))
+                said = f"The build of this page runs this with {pairs}."
+        block = nodes.literal_block(text, text, language="sh")
+        self.set_source_info(block)
+        note = [nodes.paragraph("", said, classes=["ran"])] if said else []
+        return [block, *note]
