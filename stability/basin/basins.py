@@ -30,10 +30,19 @@ from ..jobs.zarr_store import ZarrStore
 from ..motion.starts import Starts
 from ..systems.family import Family
 from ..systems.system import System
-from .dataset import arrays, attributes, blank, coordinates, label, question, variables
+from .dataset import (
+    arrays,
+    attributes,
+    blank,
+    coordinates,
+    label,
+    question,
+    variables,
+    works,
+)
 from .launch_labels import LaunchLabels
 from .launches import Launches, prepare
-from .linear import linear_verdict
+from .linear import LINEAR, linear_verdict
 from .outcomes import Judging, judged_by, last_time, outcomes
 from .refinement.refine import refine
 from .statistics.samples import DistributionLike, Independent, sample
@@ -382,6 +391,7 @@ def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
     coords = coordinates(plan.launches, some, plan.axes)
     coords |= linear_verdict(plan.launches, plan.axes)
     told = attributes(plan.launches, some, plan.horizon, plan.judging, more)
+    told["citation"] = works(plan.launches, some, linear=LINEAR in coords)
     if store is None:
         return Memory(plan.layout, asked, coords, told)
     about = question(plan.launches, some, plan.horizon, plan.judging, more)

@@ -16,12 +16,13 @@ from ..base.types import Floats
 from ..base.version import __version__
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
+from ..integrators.selection import HEYOKA
 from ..jobs.chunks import Arrays, Variable
 from ..motion.result import CODES, Outcome, outcome_flags
 from ..motion.starts import Starts
 from ..systems.system import System
 from .launches import TILT, Launches
-from .outcomes import Judging, Outcomes
+from .outcomes import Judging, Outcomes, on_lanes
 
 FORMAT = "stability basins 1"
 """Mark of the datasets and stores of this module."""
@@ -190,10 +191,6 @@ def attributes(
         "tolerance": judging.tolerance,
         "checked": int(judging.check),
         "settle": judging.settle,
-        "citation": cited(
-            launches.contact.name if launches.contact is not None else None,
-            disk=isinstance(launches.thing, Disk),
-        ),
         "software": f"stability {__version__}",
         "source": sample.model.source,
         "Conventions": "CF-1.11",
@@ -217,6 +214,23 @@ def attributes(
         if launches.family:
             found["launched_near"] = launches.family
     return found | dict(more)
+
+
+def works(launches: Launches, sample: Starts, *, linear: bool) -> str:
+    """Keys of the works to cite: the model, the integrator of the lanes, and the linear verdict.
+
+    Parameters
+    ----------
+    launches, sample
+        What is launched, and some of it.
+    linear
+        Whether there is the linear verdict of the steady motions, whose changes are proved.
+    """
+    return cited(
+        launches.contact.name if launches.contact is not None else None,
+        disk=isinstance(launches.thing, Disk), eigenvalues=linear, proofs=linear,
+        methods=[HEYOKA] if on_lanes(sample) else (),
+    )  # fmt: skip
 
 
 def question(

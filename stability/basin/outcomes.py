@@ -147,11 +147,22 @@ def outcomes(launches: Starts, judging: Judging) -> Outcomes:
     rows = np.flatnonzero(fit)
     if not rows.size:
         return found
-    if launches.dry or not available() or unread(flow):
+    if not on_lanes(launches):
         _singly(found, launches, rows, judging)
         return found
     _together(found, launches, rows, judging, flow)
     return found
+
+
+def on_lanes(launches: Starts) -> bool:
+    """Whether launches run on the lanes of heyoka; otherwise each is run as by `simulate`.
+
+    Parameters
+    ----------
+    launches
+        Launches, or some of them.
+    """
+    return not launches.dry and available() and not unread(flow_of(launches.model))
 
 
 def _blank(count: int) -> Outcomes:

@@ -7,7 +7,6 @@ and the coordinates, in memory, and the chunks are written here, by its own code
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shutil
@@ -22,10 +21,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.errors import FileError, ParameterError, StabilityError, shown
-from ..base.version import __version__
+from ..base.errors import FileError, StabilityError
 from ..storage.files import atomic_write
 from ..storage.litter import clear, temporary
+from ..storage.store_question import (
+    PRINT,
+    QUESTION,
+    asked_of,
+    difference,
+    fingerprint_of,
+    plain_json,
+    same_question,
+)
 from ..storage.targets import check_folder, path_text, refusing
 from ..storage.zarr_folder import MARKER, MISSING
 from .chunks import Arrays, Block, Layout, Variable, check_chunk
@@ -35,12 +42,8 @@ if TYPE_CHECKING:
 
     import xarray
 
-FORMAT = 1
-"""Version of the way in which stores are written; another one is another question."""
 HEAD = "zarr.json"
 """Name of the metadata of a group or array, by Zarr's format 3."""
-QUESTION, PRINT = "question", "fingerprint"
-"""Attributes of a store: what its numbers depend on, and the checksum of that."""
 LEVEL = 3
 """Level of compression."""
 LARGEST = 2**22
@@ -179,14 +182,16 @@ class ZarrStore:
         self.folder: Path = check_folder(path).resolve()
         self.writer = ChunkFiles(self.folder, layout, self.variables)
         self._given = coords or {}, attrs or {}
-        asked = self._asked = _asked(
-            layout, self.variables, coords or {}, attrs or {}, question or {}
-        )
+        arrays = [[v.name, v.dtype, v.fill, v.attrs, v.more] for v in self.variables]
+        asked = self._asked = asked_of(
+            [layout.dims, layout.shape], layout.chunk, arrays, coords or {}, attrs or {},
+            question or {},
+        )  # fmt: skip
         head = self._head()
-        if head is not None and head[PRINT] != _fingerprint(asked):
+        if head is not None and not same_question(head, asked):
             if not overwrite:
                 raise FileError(
-                    f"{path_text(path)} belongs to another question ({_difference(head, asked)}); "
+                    f"{path_text(path)} belongs to another question ({difference(head, asked)}); "
                     "choose another name, or replace it with --overwrite (overwrite=True)."
                 )
             self._remove()
@@ -260,7 +265,7 @@ class ZarrStore:
                     draft.rename(self.folder)
                 except OSError:  # another run has made it meanwhile
                     head = self._head()
-                    if head is None or head[PRINT] != _fingerprint(asked):
+                    if head is None or not same_question(head, asked):
                         raise
         finally:
             shutil.rmtree(draft, ignore_errors=True)
@@ -271,71 +276,6 @@ class ZarrStore:
         with refusing(self.folder):
             self.folder.rename(old)
             shutil.rmtree(old)
-
-
-# --- questions ---
-
-
-def _asked(
-    layout: Layout, variables: tuple[Variable, ...], coords: Mapping[str, Any],
-    attrs: Mapping[str, Any], question: Mapping[str, Any],
-) -> dict[str, str]:  # fmt: skip
-    """Everything that the files depend on, as texts by name."""
-    import xarray
-
-    digest = hashlib.sha256()
-    for name, values in sorted(xarray.Dataset(coords=dict(coords)).variables.items()):
-        content = np.ascontiguousarray(values.values)
-        text = content.astype(str) if content.dtype.kind in "OT" else content
-        digest.update(f"{name} {values.dims} {content.shape} {content.dtype.kind}".encode())
-        digest.update(_json(dict(values.attrs)).encode())
-        digest.update(text.tobytes())
-    arrays = [[v.name, v.dtype, v.fill, v.attrs, v.more] for v in variables]
-    return {
-        **{f"its {name}": _json(value) for name, value in question.items()},
-        **{f"attribute {name}": _json(value) for name, value in attrs.items()},
-        "the number of cells": _json([layout.dims, layout.shape]),
-        "the chunk": _json(layout.chunk),
-        "the arrays": _json(arrays, allow_nan=True),
-        "the coordinates": digest.hexdigest(),
-        "the format": _json([FORMAT, __version__]),
-    }
-
-
-def _json(value: Any, *, allow_nan: bool = False) -> str:
-    try:
-        return json.dumps(value, default=_plain, allow_nan=allow_nan, sort_keys=True)
-    except (TypeError, ValueError):
-        raise ParameterError(f"{shown(value)} does not fit JSON, which a store needs.") from None
-
-
-def _plain(value: Any) -> Any:
-    """Arrays, numbers of NumPy and mappings as those of JSON."""
-    if isinstance(value, (np.ndarray, np.generic)):
-        return value.tolist()
-    if isinstance(value, Mapping):
-        return dict(value)
-    raise TypeError
-
-
-def _fingerprint(asked: Mapping[str, Any]) -> str:
-    return hashlib.sha256(_json(asked).encode()).hexdigest()
-
-
-def _difference(head: Mapping[str, Any], asked: Mapping[str, str]) -> str:
-    """The first difference between the question of a store and the one that is asked."""
-    try:
-        there = json.loads(head[QUESTION])
-        name = next(n for n in {**asked, **there} if asked.get(n) != there.get(n))
-    except (ValueError, KeyError, TypeError, StopIteration):
-        return "its question cannot be read"
-    if name == "the coordinates":
-        return "the coordinates differ"
-    old, new = (
-        text if len(text) <= 40 else f"{text[:18]} … {text[-18:]}"
-        for text in (side.get(name, "missing") for side in (there, asked))
-    )
-    return f"{name}: {old} there, {new} here"
 
 
 # --- metadata ---
@@ -361,12 +301,12 @@ def _skeleton(
     frame = frame.assign_coords(
         {n: frame[n].astype(np.dtypes.StringDType(), keep_attrs=True) for n in texts}
     )
-    frame.attrs = json.loads(_json(dict(attrs)))
+    frame.attrs = json.loads(plain_json(dict(attrs)))
     if more is not None:
         frame = frame.assign(more.variables)
-        frame.attrs |= json.loads(_json(dict(more.attrs)))
-    frame.attrs |= {MARKER: variables[0].name, QUESTION: _json(dict(asked))}
-    frame.attrs[PRINT] = _fingerprint(asked)
+        frame.attrs |= json.loads(plain_json(dict(more.attrs)))
+    frame.attrs |= {MARKER: variables[0].name, QUESTION: plain_json(dict(asked))}
+    frame.attrs[PRINT] = fingerprint_of(asked)
     chunks = {n: {"chunks": tuple(min(s, LARGEST) for s in c.shape)} for n, c in
               frame.coords.items() if c.size > LARGEST}  # fmt: skip
     with warnings.catch_warnings():
@@ -389,7 +329,7 @@ def _array(layout: Layout, variable: Variable, frame: xarray.Dataset) -> dict[st
     dims = (*layout.dims, *(n for n, _ in variable.more))
     near = sorted(str(name) for name, values in frame.coords.items()
                   if name not in frame.dims and set(values.dims) <= set(dims))  # fmt: skip
-    attributes = json.loads(_json(dict(variable.attrs)))
+    attributes = json.loads(plain_json(dict(variable.attrs)))
     return {
         "name": variable.name, "dtype": kind, "fill_value": variable.fill,
         "shape": (*layout.shape, *lengths), "chunks": (*layout.chunk, *lengths),

@@ -16,6 +16,7 @@ from stability.base.citation.works import WORKS
 from stability.bodies.contact_laws import MOTION_LAWS
 from stability.cli.commands import main
 from stability.integrators.selection import METHODS as INTEGRATORS
+from stability.integrators.taylor import available
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = ["stability", "przybylska2016", "casadi"]
@@ -108,7 +109,20 @@ def test_maps_boundaries_conditions_and_basins_say_what_to_cite(tmp_path: Path) 
     assert keys(st.conditions(st.disk_family("spinning", "rough"))) == [*MODEL, "arb"]
     lots = st.basins(st.Disk(), st.Viscous(0.3), x=("theta", 1.2, 1.5, 2), y=("omega3", 1, 2, 2),
                      horizon=1.0)  # fmt: skip
-    assert keys(lots) == MODEL
+    assert keys(lots) == [*MODEL, *(["heyoka"] * available())]
+
+
+def test_basins_cite_the_lanes_and_the_linear_verdict_where_they_ran(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    near: dict[str, Any] = {"contact": "viscous", "mu": 0.3, "family": "spinning", "horizon": 1.0,
+                            "x": ("at", 1.0, 3.0, 2), "y": ("tilt", 0.1, 0.2, 2)}  # fmt: skip
+    lanes = ["heyoka"] * available()
+    assert keys(st.basins(**near)) == [*MODEL, "lapack", "arb", *lanes]
+    monkeypatch.setattr("stability.basin.outcomes.available", lambda: False)
+    assert keys(st.basins(**near)) == [*MODEL, "lapack", "arb"]
+    dry: dict[str, Any] = {"x": ("theta", 1.2, 1.5, 2), "y": ("omega3", 1, 2, 2), "horizon": 0.1}
+    assert keys(st.basins(st.Disk(), st.Coulomb(0.3), **dry))[1:3] == MODEL[1:2] + ["lesaux2005"]
 
 
 def test_an_answer_cites_the_rung_that_answered() -> None:

@@ -17,8 +17,9 @@ from chunk_work import ATTRS, COORDS, LAYOUT, VARIABLES, store, tree, undisturbe
 
 import stability as st
 from stability.jobs.chunks import Layout, Memory, Variable
-from stability.jobs.zarr_store import FORMAT, ZarrStore, file_name
+from stability.jobs.zarr_store import HEAD, ZarrStore, file_name
 from stability.storage.files import atomic_write
+from stability.storage.store_question import ASIDE, FORMAT, PRINT, QUESTION, fingerprint_of
 
 ALL = values(np.arange(90))
 TOOLS = Path(chunk_work.__file__).parent
@@ -202,7 +203,7 @@ def test_another_version_of_the_format_is_another_question(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store(tmp_path / "a.zarr")
-    monkeypatch.setattr("stability.jobs.zarr_store.FORMAT", FORMAT + 1)
+    monkeypatch.setattr("stability.storage.store_question.FORMAT", FORMAT + 1)
     with pytest.raises(st.StabilityError, match="the format"):
         store(tmp_path / "a.zarr")
 
@@ -356,3 +357,37 @@ def test_two_runs_that_make_one_store_make_the_same(tmp_path: Path) -> None:
     assert made[0].missing() == late.missing() != []
     assert len(late.missing()) == 14
     assert list(tmp_path.glob(".stability-*")) == []
+
+
+# --- what a store says of itself is no part of its question ---
+
+
+def _cited(path: Path, keys: str, **more: Any) -> ZarrStore:
+    return ZarrStore(path, LAYOUT, VARIABLES, COORDS, {**ATTRS, "citation": keys, **more},
+                     {"horizon": 40.0})  # fmt: skip
+
+
+def test_a_store_goes_on_whatever_is_cited(tmp_path: Path) -> None:
+    fill_all(_cited(tmp_path / "a.zarr", "stability"), LAYOUT.blocks()[:3])
+    again = _cited(tmp_path / "a.zarr", "stability, casadi")
+    assert len(again.missing()) == len(LAYOUT.blocks()) - 3
+    with pytest.raises(st.StabilityError, match="belongs to another question"):
+        _cited(tmp_path / "a.zarr", "stability", title="another title")
+
+
+def test_a_store_that_holds_its_citation_in_its_question_goes_on(tmp_path: Path) -> None:
+    """As stores of earlier states of this version do."""
+    path = tmp_path / "a.zarr"
+    fill_all(_cited(path, "stability"), LAYOUT.blocks()[:3])
+    head = json.loads((path / HEAD).read_text())
+    old = json.loads(head["attributes"][QUESTION]) | dict.fromkeys(ASIDE, '"stability"')
+    head["attributes"] |= {QUESTION: json.dumps(old), PRINT: fingerprint_of(old)}
+    (path / HEAD).write_text(json.dumps(head))
+    again = _cited(path, "stability, casadi")
+    assert len(again.missing()) == len(LAYOUT.blocks()) - 3
+    with pytest.raises(st.StabilityError, match="attribute title"):
+        _cited(path, "stability, casadi", title="another title")
+    head["attributes"][PRINT] = "0"  # a question that is not the one of the checksum is not trusted
+    (path / HEAD).write_text(json.dumps(head))
+    with pytest.raises(st.StabilityError, match="cannot be read|belongs to another question"):
+        _cited(path, "stability, casadi")
