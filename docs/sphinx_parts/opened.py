@@ -19,7 +19,7 @@ LOOKS = {
     "desktop": {"viewport": {"width": 1280, "height": 900}, "color_scheme": "dark"},
 }
 SEARCHES = {"flutter": "tutorials/", "stability_map": "reference/maps.html", "hysteresis": ""}
-"""A word, and the start of an address among the pages that it finds; nothing may be found for ""."""
+"""A word, and how the address of a page that it finds starts; "" where it finds nothing."""
 
 
 def pages(site: Path = SITE) -> list[Path]:
