@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: atlas explorer explorer-library basins report notebooks pictures docs linkcheck peers test test-long lint bench derive lock clean
+.PHONY: atlas explorer explorer-library basins report notebooks pictures docs docs-opened linkcheck peers test test-long lint bench derive lock clean
 
 # The main job: the stability diagrams of three bodies, in atlas/index.html.
 atlas: $(READY)
@@ -52,6 +52,10 @@ docs: .venv/.docs
 	$(BIN)/python -m sphinx -b html -j 2 -W --keep-going -q docs build/site/html
 	$(BIN)/python docs/sphinx_parts/links.py
 	@echo "open build/site/html/index.html"
+
+# Every page of the built site in a Chromium, from its file: nothing on the console, no request, no page too wide.
+docs-opened: docs
+	$(BIN)/python docs/sphinx_parts/opened.py
 
 # Every address on the site, asked over the network.
 linkcheck: .venv/.docs
@@ -109,4 +113,5 @@ $(READY): pyproject.toml constraints.txt
 	@touch $@
 
 clean:
+	rm -rf docs/_made docs/notebooks docs/reference/*.rst docs/live/explorer.md
 	rm -rf .venv atlas basins report build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

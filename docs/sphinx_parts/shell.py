@@ -1,11 +1,4 @@
-"""Commands of a plain page: the build runs each `sh` block, in the page's own folder.
-
-A comment above a block says what the build does otherwise::
-
-    <!-- run with 1000 -> 20; 2001 -> 101 -->    the same commands with these words replaced
-    <!-- not run: the reason -->                 shown with its reason
-    <!-- file wheel.py: the first 2 -->          the page's first two Python blocks are this file
-"""
+"""Commands of a plain page: the build runs each `sh` block, in the page's own folder."""
 
 from __future__ import annotations
 
@@ -14,42 +7,17 @@ from typing import Any, ClassVar
 
 from docutils import nodes
 from docutils.parsers.rst import directives
-from sphinx.errors import ExtensionError
 from sphinx.util.docutils import SphinxDirective
 
+from .blocks import BLOCK, changed, files, replacements
 from .commands import ROOT, folder, output
-
-BLOCK = re.compile(
-    r"(?:^<!-- (not run: |run with )([^\n]*) -->\n)?^```sh\n(.*?)^```$", re.DOTALL | re.MULTILINE
-)
-"""A block of commands, with the comment above it."""
-FILE = re.compile(r"^<!-- file (\S+): the first (\d+) -->$", re.MULTILINE)
-PYTHON = re.compile(r"^```(?:\{code-cell\} )?python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-
-
-def replacements(words: str) -> list[tuple[str, str]]:
-    """Pairs of a comment `run with`."""
-    pairs = [pair.split("->") for pair in words.split(";")]
-    if any(len(pair) != 2 for pair in pairs):
-        raise ExtensionError(f"run with {words!r}: say old -> new; old -> new")
-    return [(old.strip(), new.strip()) for old, new in pairs]
-
-
-def changed(text: str, words: str) -> str:
-    """Commands with words replaced; each of these words must be there."""
-    for old, new in replacements(words):
-        if old not in text:
-            raise ExtensionError(f"run with {words!r}: {old!r} is not in the commands {text!r}")
-        text = text.replace(old, new)
-    return text
 
 
 def executed(app: Any, docname: str, source: list[str]) -> None:  # noqa: ARG001
     """Make a directive of each block of commands, and write the files of the page."""
     text = source[0]
-    for name, count in FILE.findall(text):
-        blocks = PYTHON.findall(text)[: int(count)]
-        (folder(docname) / name).write_text("\n".join(blocks), encoding="utf-8")
+    for name, code in files(text).items():
+        (folder(docname) / name).write_text(code, encoding="utf-8")
 
     def directive(found: re.Match[str]) -> str:
         kind, words, body = found.groups()

@@ -56,7 +56,7 @@ class FileError(StabilityError):
 class StabilityWarning(UserWarning):
     """A result that is true but incomplete; the message says what stays open.
 
-    Source: this package; a refusal for each argument: tests/faults/test_bad_input.py.
+    Source: this package; asked for in tests/boundary/test_interval_search.py.
 
     Examples
     --------

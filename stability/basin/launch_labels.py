@@ -128,10 +128,12 @@ def launch_labels(
 
     Parameters
     ----------
-    disk, contact, horizon, held, family, families, body, tolerance, check
+    disk, contact
         As for `basins`.
     varied
         Names of the numbers that vary, in the order of the columns.
+    horizon, held, family, families, body, tolerance, check
+        As for `basins`.
     executor, workers
         Where the launches run.
     **parameters
@@ -140,6 +142,7 @@ def launch_labels(
     Returns
     -------
     LaunchLabels
+        A function of launches, shape (n, d), that gives labels, shape (n,).
 
     Raises
     ------

@@ -58,7 +58,7 @@ def plain(value: Any, scales: Scales) -> Any:  # noqa: ARG001
 class Parameter:
     """One number of a contact law: a field of its class, an axis of maps, an option.
 
-    Source: dimensions of docs/explanation/method.md: tests/bodies/test_contact_law.py.
+    Source: this package; a parameter of a user's law: tests/bodies/test_contact_law.py.
 
     Examples
     --------

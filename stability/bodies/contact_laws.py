@@ -31,7 +31,7 @@ def _over_speed(value: Any, scales: Scales) -> Any:
 class Smooth(Contact):
     """No friction at all: L·ẑ, omega3 and energy are conserved.
 
-    Source: the laws of docs/explanation/method.md;
+    Source: rates and forces against Kane's equations: tests/bodies/test_equations.py;
     conserved quantities: tests/motion/test_conserved.py.
 
     Examples
@@ -102,8 +102,8 @@ class LinearViscous(Contact):
     ParameterError
         Unless exactly one of c and mu is given, as a finite number above zero.
 
-    Source: the laws of docs/explanation/method.md;
-    conserved quantities: tests/motion/test_conserved.py.
+    Source: linear friction at the contact point; rates, forces and dissipated power against
+    Kane's equations: tests/bodies/test_equations.py.
 
     Examples
     --------
@@ -161,7 +161,7 @@ class LinearViscous(Contact):
 class Rough(Contact):
     """No slip: the force that keeps the contact point at rest.
 
-    Source: the laws of docs/explanation/method.md;
+    Source: rates and forces against Kane's equations: tests/bodies/test_equations.py;
     conserved quantities: tests/motion/test_conserved.py.
 
     Examples

@@ -30,7 +30,7 @@ def launch(
         A family whose members one number names: rolling, spinning or tumbling; of a body that is
         smooth at a pole vertical too.
     at
-        omega3, phi_dot, theta or omega_Z of the steady motion, shape (…) [rad/s or rad].
+        Number omega3, phi_dot, theta or omega_Z of the steady motion, shape (…) [rad/s or rad].
     tilt
         Angle subtracted from theta, and added to it at theta = 0, shape (…) [rad].
     disk

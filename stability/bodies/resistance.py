@@ -105,7 +105,8 @@ class RollingResistance(Resistance):
     ParameterError
         If it is not a finite number of at least 0.
 
-    Source: the linear law of rolling friction, as in Bondi, Proc. R. Soc. A 405 (1986) 265-274.
+    Source: linear resistance; its work against the power along the run:
+    tests/motion/test_resisted_motion.py.
 
     Examples
     --------

@@ -64,12 +64,14 @@ def boundaries(
 
     Parameters
     ----------
-    family, disk, body, contact, at, **parameters
-        As for `stability_map`, with one number for every quantity but the axis.  Where the axis is
-        circling's theta or phi_dot, `at` is the other of the two.
+    family
+        As for `stability_map`.
     axis
         (name, low, high, n) or (name, low, high, n, "log"); both ends belong to it.  n is the
         number of points of a scan, where pieces stay without proof.
+    disk, body, contact, at, **parameters
+        As for `stability_map`, with one number for every quantity but the axis.  Where the axis is
+        circling's theta or phi_dot, `at` is the other of the two.
 
     Returns
     -------

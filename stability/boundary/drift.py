@@ -81,9 +81,9 @@ def drift(
     Parameters
     ----------
     at
-        omega3 at the start, shape (…), beyond the threshold [rad/s].
+        Rolling velocity omega3 at the start, shape (…), beyond the threshold [rad/s].
     tilt
-        theta - π/2 at the start, shape (…), small and not zero [rad]; the largest tilt, on the
+        Tilt theta - π/2 at the start, shape (…), small and not zero [rad]; the largest tilt, on the
         slow manifold or at the threshold, must stay below π/2.
     disk
         The body; the uniform disk with m = R = g = 1 when left out.
@@ -99,6 +99,7 @@ def drift(
     Returns
     -------
     Drift
+        Times and tilts, in the shapes of the arguments.
 
     Raises
     ------

@@ -320,6 +320,7 @@ def conditions(
     Returns
     -------
     Conditions
+        Polynomials, conditions with what is proved of each, and exact boundaries.
 
     Raises
     ------

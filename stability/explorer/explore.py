@@ -46,7 +46,7 @@ def explore(
     Parameters
     ----------
     family
-        rolling, spinning or tumbling: what is shown at first; or a `Family` of your own whose
+        Family shown at first, rolling, spinning or tumbling; or a `Family` of your own whose
         stability conditions are polynomials in its parameters.
     at
         Member that is shown at first; for the disk omega3, phi_dot [√(g/R)] or theta [rad].

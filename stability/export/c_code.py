@@ -110,6 +110,7 @@ def c_code(
     Returns
     -------
     CCode
+        The folder, the function's name, inputs and outputs, and the command that runs the example.
 
     Raises
     ------

@@ -58,6 +58,7 @@ def latex(
     Returns
     -------
     str
+        A document, or the part within one.
 
     Raises
     ------

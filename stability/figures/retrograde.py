@@ -39,6 +39,7 @@ def plot_retrograde(dataset: xarray.Dataset, *, width: float | None = None) -> F
     Returns
     -------
     Figure
+        A figure of matplotlib.
 
     Raises
     ------

@@ -45,7 +45,7 @@ def write_map(
     FileError
         If it cannot be written; nothing is left half-written.
 
-    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_files.py.
+    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_damage.py.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     FileError
         If there is no such file, or it is damaged, not a NetCDF file, or no map of this package.
 
-    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_files.py.
+    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_damage.py.
 
     Examples
     --------

@@ -350,7 +350,6 @@ def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> 
         "citation": cited(
             launches.law.name if launches.law else None,
             disk=launches.law is not None and "body" not in body,
-            rolling=bool(np.any(launches.given.get("rho", 0))),
             methods=used,
         ),
         "software": f"stability {__version__}",

@@ -41,7 +41,7 @@ def write_motion(
     FileError
         If the file cannot be written; no part of a file is left.
 
-    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_files.py.
+    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_damage.py.
 
     Examples
     --------
@@ -84,7 +84,7 @@ def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
     FileError
         If there is no such file, or it is damaged, not a NetCDF file, or not a motion.
 
-    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_files.py.
+    Source: NetCDF-4 by h5netcdf, with a checksum of this package: tests/faults/test_damage.py.
 
     Examples
     --------

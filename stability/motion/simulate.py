@@ -77,7 +77,7 @@ def simulate(
         system its parameters: values by name, or along the last axis; None where it has none, or
         where they are given by name.  A `Body` takes no law that sticks or creeps.
     start
-        theta, theta_dot, phi_dot, omega3, slip_x, slip_y along the last axis, shape (…, 6)
+        States theta, theta_dot, phi_dot, omega3, slip_x, slip_y along the last axis, shape (…, 6)
         [rad, rad/s, m/s], or a mapping by these names (theta is needed, missing ones are 0).  Four
         values are enough for smooth and rough.  For a system every state by name, or along the last
         axis.

@@ -55,13 +55,9 @@ class Scene(Record):
     ----------
     disk
         The disk, dimensionless or SI; a `Body` with its own units; or a `System` of the user.
-    body
-        A `Body`, or a `Disk`, in place of the first argument.
-    contact, mu
-        The law that is taken for the truth, or its name or class with the coefficient `mu`.  A
+    contact
+        The law that is taken for the truth, or its name or class, with its coefficient as `mu`.  A
         mapping of names to laws where none is certain.  For a system its parameters by name.
-    weights
-        Weight of each of several laws by name, above 0; equal if left out.
     start
         States by name, or six numbers, as for `simulate`.
     horizon
@@ -80,10 +76,16 @@ class Scene(Record):
     raise_tolerance
         Whether a tolerance finer than a tenth of what the uncertain inputs allow to know is raised
         to it.
+    weights
+        Weight of each of several laws by name, above 0; equal if left out.
     models
         Reduced models of a user's system, cheapest first.
     families
         Families of a user's system, near which its motion may be linear.
+    mu
+        Coefficient of a law that is given by its name or class.
+    body
+        A `Body`, or a `Disk`, in place of the first argument.
 
     Raises
     ------

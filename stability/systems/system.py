@@ -28,7 +28,7 @@ class System(Equations):
     x, p
         SX symbols, columns.
     rhs
-        f(x, p), a column as long as x.
+        Rates f(x, p), a column as long as x.
     states, parameters
         One name for each entry of x and p.
     observables

@@ -53,8 +53,8 @@ def table(
     Parameters
     ----------
     name
-        list (the tables themselves), families, conditions, drift, hopf, codimension, launches,
-        theorems, bodies, benchmarks, circular, thresholds, flatness or completeness.
+        Any of list (the tables themselves), families, conditions, drift, hopf, codimension,
+        launches, theorems, bodies, benchmarks, circular, thresholds, flatness or completeness.
     family
         A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by
         name, for codimension.

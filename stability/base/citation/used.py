@@ -28,7 +28,6 @@ def cited(
     law: str | None = None,
     *,
     disk: bool = False,
-    rolling: bool = False,
     methods: Iterable[str] = (),
     eigenvalues: bool = False,
     proofs: bool = False,
@@ -41,8 +40,6 @@ def cited(
         Name of the contact law; None for a user's system.
     disk
         Whether the body is the thin disk, whose model is from a paper.
-    rolling
-        Whether rolling resistance acts.
     methods
         Names of the integrators that ran.
     eigenvalues
@@ -64,7 +61,6 @@ def cited(
     keys = ["stability"]
     keys += ["przybylska2016"] * disk
     keys += LAWS.get(law or "", ())
-    keys += ["bondi1986"] * rolling
     keys += ["casadi"]
     keys += ["lapack"] * eigenvalues
     keys += ["arb"] * proofs

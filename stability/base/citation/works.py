@@ -94,9 +94,6 @@ _EVERY = (
     Work("fraser1988", "article", "the iteration of the slow manifold", "Fraser, Simon J.",
          "The steady state and equilibrium approximations: A geometrical picture", "1988",
          "The Journal of Chemical Physics", "88", "4732--4738", "10.1063/1.454686"),
-    Work("bondi1986", "article", "the linear law of rolling resistance", "Bondi, Hermann",
-         "The rigid body dynamics of unidirectional spin", "1986",
-         "Proceedings of the Royal Society A", "405", "265--274"),
     Work("casadi", "article", "the graph of the equations and its derivatives (CasADi)",
          "Andersson, Joel A. E. and Gillis, Joris and Horn, Greg and Rawlings, James B. and Diehl, "
          "Moritz", "CasADi: a software framework for nonlinear optimization and optimal control",

@@ -106,6 +106,7 @@ def uncertainty_exponent(
     Returns
     -------
     UncertaintyExponent
+        The exponent with its interval, and the counts behind it.
 
     Raises
     ------

@@ -57,8 +57,10 @@ def wilson(count: ArrayLike, of: ArrayLike, level: float = LEVEL) -> tuple[Float
 
     Returns
     -------
-    low, high : ndarray
-        Ends of the intervals, within [0, 1].
+    low : ndarray
+        Lower ends of the intervals, within [0, 1].
+    high : ndarray
+        Upper ends.
 
     Raises
     ------
@@ -102,6 +104,7 @@ def fractions(labels: ArrayLike, level: float = LEVEL) -> tuple[Fraction, ...]:
     Returns
     -------
     tuple of Fraction
+        One for each label, with an interval of confidence.
 
     Raises
     ------

@@ -110,6 +110,7 @@ def fatal_shock(
     Returns
     -------
     Shock
+        The disturbed launch, its size and label, and what was searched.
 
     Raises
     ------

@@ -189,6 +189,7 @@ def disk_family(name: str, law: str | type[Contact]) -> Family:
     Returns
     -------
     Family
+        The family, as `spectrum` and the others take it.
 
     Raises
     ------

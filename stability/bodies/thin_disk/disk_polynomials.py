@@ -116,6 +116,7 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     Returns
     -------
     Exact
+        Polynomial and conditions, over the rational functions of the parameters.
 
     Raises
     ------

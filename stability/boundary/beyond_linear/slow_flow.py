@@ -232,6 +232,7 @@ def slow_flow(
     Returns
     -------
     SlowFlow
+        The rate of drift at each member.
 
     Raises
     ------

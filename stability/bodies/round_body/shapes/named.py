@@ -35,6 +35,7 @@ def Torus(tube: ArrayLike, *, solid: bool = True, **scales: Any) -> Body:  # noq
     Returns
     -------
     Body
+        The ring as a body of revolution.
 
     Raises
     ------
@@ -73,6 +74,7 @@ def Spheroid(aspect: ArrayLike, **scales: Any) -> Body:  # noqa: N802
     Returns
     -------
     Body
+        The ellipsoid as a body of revolution.
 
     Raises
     ------
@@ -118,6 +120,7 @@ def EccentricSphere(  # noqa: N802
     Returns
     -------
     Body
+        The ball as a body of revolution.
 
     Raises
     ------
@@ -164,6 +167,7 @@ def ThickDisk(thickness: ArrayLike, **scales: Any) -> Body:  # noqa: N802
     Returns
     -------
     Body
+        The cylinder as a body of revolution.
 
     Raises
     ------

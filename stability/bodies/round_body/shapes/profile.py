@@ -102,13 +102,14 @@ def Egg(taper: float = 0.2, *, aspect: float = 1.3, **scales: Any) -> Body:  # n
     Returns
     -------
     Body
+        The egg as a body of revolution.
 
     Raises
     ------
     ParameterError
         If a number is outside its range, or a keyword is unknown.
 
-    Source: docs/explanation/bodies.md; quadratures of the solid: tests/bodies/test_named_bodies.py.
+    Source: docs/explanation/bodies.md; quadratures of the solid: tests/bodies/test_profiles.py.
 
     Examples
     --------

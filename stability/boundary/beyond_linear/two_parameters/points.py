@@ -76,12 +76,14 @@ def codimension_two(
 
     Parameters
     ----------
-    family, disk, body, contact, at, **parameters
-        As for `stability_map`, with one number for every quantity but the axes.
+    family
+        As for `stability_map`.
     x, y
         (name, low, high, n) or (name, low, high, n, "log").  n is the number of lines on which
         flutter boundaries are sought and followed, for vanishing coefficients that are not
         isolated over Q.
+    disk, body, contact, at, **parameters
+        As for `stability_map`, with one number for every quantity but the axes.
 
     Returns
     -------

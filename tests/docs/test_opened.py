@@ -1,0 +1,45 @@
+"""The check of the site in a browser finds each kind of fault; `make docs-opened` runs it."""
+
+import sys
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+from chromium import chromium
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as found:
+        yield found
+
+
+def test_each_fault_of_a_page_is_found(browser: Any, tmp_path: Path) -> None:
+    sys.path.insert(0, str(ROOT / "docs"))
+    try:
+        opened = import_module("sphinx_parts.opened")
+    finally:
+        sys.path.pop(0)
+    pages = {
+        "good": "<p>text</p>",
+        "wide": '<p style="width: 700px">text</p>',  # of a phone only
+        "loud": "<script>console.error('no')</script>",
+        "broken": "<script>nothing()</script>",
+        "greedy": '<img src="https://example.invalid/a.png">',
+        "empty": '<iframe src="none.html"></iframe>',
+    }
+    head = '<!doctype html><link rel="icon" href="data:,">'
+    head += '<meta name="viewport" content="width=device-width">'
+    for name, body in pages.items():
+        (tmp_path / f"{name}.html").write_text(head + body)
+    (tmp_path / "none.html").write_text("")
+    found = list(opened.faults(browser, tmp_path))
+    looks = {(line.split(".html (")[0], line.split("(")[1].split(")")[0]) for line in found}
+    assert looks == {
+        *((name, look) for name in ("loud", "broken", "greedy", "empty") for look in opened.LOOKS),
+        ("wide", "phone"),
+    }
