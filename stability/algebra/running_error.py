@@ -54,14 +54,14 @@ class RunningError:
     def __add__(self, other: Any) -> RunningError:
         value, error = self._pair(other)
         total = self.value + value
-        return RunningError(total, self.error + error + UNIT * np.abs(total))
+        return RunningError(total, self.error + error + UNIT * abs(total))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> RunningError:
         value, error = self._pair(other)
         total = self.value - value
-        return RunningError(total, self.error + error + UNIT * np.abs(total))
+        return RunningError(total, self.error + error + UNIT * abs(total))
 
     def __rsub__(self, other: Any) -> RunningError:
         return (-self).__add__(other)
@@ -72,23 +72,23 @@ class RunningError:
     def __mul__(self, other: Any) -> RunningError:
         if not isinstance(other, RunningError):
             total = self.value * other
-            return RunningError(total, abs(other) * self.error + (UNIT * np.abs(total) + TINY))
+            return RunningError(total, abs(other) * self.error + (UNIT * abs(total) + TINY))
         value, error = other.value, other.error
         total = self.value * value
-        passed = np.abs(self.value) * error + (np.abs(value) + error) * self.error
-        return RunningError(total, passed + UNIT * np.abs(total) + TINY)
+        passed = abs(self.value) * error + (abs(value) + error) * self.error
+        return RunningError(total, passed + UNIT * abs(total) + TINY)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> RunningError:
         if not isinstance(other, RunningError):
             total = self.value / other
-            return RunningError(total, self.error / abs(other) + (UNIT * np.abs(total) + TINY))
+            return RunningError(total, self.error / abs(other) + (UNIT * abs(total) + TINY))
         value, error = other.value, other.error
         total = self.value / value
-        size = np.abs(total)
-        least = np.abs(value) - error
-        passed = (self.error + size * error) / np.where(least > 0, least, 0.0)
+        size = abs(total)
+        least = abs(value) - error
+        passed = (self.error + size * error) / ((least + abs(least)) / 2)
         return RunningError(total, passed + UNIT * size + TINY)
 
     def __rtruediv__(self, other: Any) -> RunningError:

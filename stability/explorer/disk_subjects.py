@@ -19,15 +19,16 @@ from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_model import POSE, disk_model, pose_rates
 from ..bodies.thin_disk.disk_polynomials import PLAIN, DiskPolynomial, exact_polynomial
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
-from .source.formulas import Rule, Values, filled, typeset
+from .source.formulas import Rule, Values, filled, polynomial_signs, typeset
+from .source.frames import frame_of_angles
 from .source.source_text import graph, javascript
 from .subject import Quantity, Subject
 
 FAMILY_NAMES = ("rolling", "spinning", "tumbling")
 """Families of the page, which one number names."""
 WORDS = {
-    "smooth": "no friction", "viscous": "viscous friction, −μ N v",
-    "linear-viscous": "linear viscous friction, −c v", "rough": "no slip",
+    "smooth": "no friction", "viscous": "viscous friction, −μ\u00a0N\u00a0v",
+    "linear-viscous": "linear viscous friction, −c\u00a0v", "rough": "no slip",
 }  # fmt: skip
 """Each law in words."""
 STARTS = {"rolling": 1.2, "spinning": 2.2, "tumbling": 0.9}
@@ -69,19 +70,21 @@ def disk_subject(name: str, law: str) -> Subject:
     x, p, pose = system.x, system.p, ca.SX.sym("pose", len(POSE))
     rates = pose_rates(x, system.observables["slip"], pose)
     known = exact.known
+    rules = tuple(Rule(kind, rule, PLAIN) for kind, rule in known.conditions)
+    frame = frame_of_angles(x[0], pose, ca.sin(x[0]), ca.cos(x[0]))
     return Subject(
         key=f"{name} {law}", family=name, law=law, title=record.motion,
         quantities=tuple(_quantities(record, law, names)),
         axes=("at", "mu" if "mu" in names else "k"),
         even=(known.even,) * len(known.factors), zeros=known.zeros,
         coefficients=partial(_coefficients, exact, names),
-        rules=tuple(Rule(kind, rule, PLAIN) for kind, rule in known.conditions),
-        variables=partial(_variables, exact, names),
+        rules=rules, signs=partial(polynomial_signs, rules, partial(_variables, exact, names)),
         texts=tuple((typeset(r, written), filled(r, put)) for _, r in known.conditions),
         states=system.states,
         member=javascript([len(names)], partial(_member, record, names, len(system.states))),
         jacobian=graph(Program(ca.Function("slopes", [x, p], [ca.jacobian(system.rhs, x)]))),
         model=law, pose=graph(Program(ca.Function("pose", [x, p, pose], [rates]))),
+        frame=graph(Program(ca.Function("frame", [x, p, pose], [frame]))), still=(0.0,) * len(POSE),
         call={"kind": "disk", "family": name, "law": law, "state": record.at[0],
               "class": LAWS[law].__name__},
         parameters=tuple(names.index(n) for n in system.parameters),
@@ -164,10 +167,12 @@ def disk_motion(law: str) -> Mapping[str, Any]:
     guards = ca.Function("guards", [model.x, model.p], [ca.vertcat(*model.guards.values())])
     seen = ca.Function("seen", [model.x, model.p], [ca.vertcat(*observed.values())])
     rates = ca.Function("rates", [model.x, model.p], [model.rhs])
+    first, theta = model.names.index("phi"), model.x[0]
+    place = frame_of_angles(theta, model.x[first : first + len(POSE)], ca.sin(theta), ca.cos(theta))
     return {
         "names": model.names, "states": count, "guards": list(model.guards),
         "rates": graph(Program(rates)), "guard": graph(Program(guards)),
         "observe": graph(Program(seen)), "observed": list(observed), "more": [FLAT],
-        "pose": model.names.index("phi"), "work": model.names.index("work"),
-        "unit": 1024.0, "outcomes": {g: g for g in model.guards},
+        "frame": graph(Program(ca.Function("frame", [model.x, model.p], [place]))),
+        "work": model.names.index("work"), "outcomes": {g: g for g in model.guards},
     }  # fmt: skip

@@ -15,8 +15,9 @@ from ..bodies.round_body.body import Body
 from ..storage.files import atomic_write
 from ..storage.targets import check_suffix, check_target
 from ..systems.family import Family
+from .bodies.body_page import body_page
 from .page import page
-from .pages import axis, body_page, disk_page, own_page
+from .pages import axis, disk_page, own_page
 
 ENDINGS = (".html",)
 """Endings of the file."""
@@ -32,6 +33,7 @@ def explore(
     x: Any = None,
     y: Any = None,
     positive: Sequence[str] = (),
+    pole: Any = None,
     out: str | os.PathLike[str] | None = None,
     certify: bool = True,
     overwrite: bool = False,
@@ -55,11 +57,14 @@ def explore(
     disk
         The body that is shown at first, with m = R = g = 1: only its k is used.
     body
-        A `Body` in place of the disk, whose numbers become sliders: rolling and spinning.
+        A `Body` in place of the disk, whose numbers become sliders: rolling, spinning, tumbling
+        and, where it is smooth at a pole, vertical spin.
     x, y
-        Axes at first as (name, low, high).
+        Axes at first as (name, low, high), or (name, low, high, "log").
     positive
         Quantities of a family of your own that are positive, which makes its conditions shorter.
+    pole
+        0 or "pi": the inclination of vertical spin that is shown at first.
     out
         File to write, ending in `.html`; a widget is returned when left out.
     certify
@@ -97,6 +102,8 @@ def explore(
         check_suffix(out, ENDINGS)
         check_target(out, overwrite=overwrite)
     axes = axis(x, "x"), axis(y, "y")
+    if pole is not None and body is None:
+        raise ParameterError("pole belongs to vertical spin of a body; leave it out.")
     if isinstance(family, Family):
         for name, given in (("contact", contact), ("disk", disk), ("body", body)):
             if given is not None:
@@ -108,7 +115,7 @@ def explore(
     elif body is not None:
         if disk is not None or not isinstance(body, Body):
             raise ParameterError("give one stability.Body as body, and no disk.")
-        data = body_page(family, at, contact, body, axes, parameters, certify=certify)
+        data = body_page(family, at, contact, body, axes, parameters, certify=certify, pole=pole)
         title = f"{family} of a body"
     else:
         data = disk_page(family, at, contact, disk, axes, parameters, certify=certify)

@@ -17,16 +17,23 @@ from ..algebra.upright import Upright
 from ..base.axis import Axis
 from ..base.checks import known
 from ..base.errors import ParameterError, StabilityError, absent, shown
-from ..base.quantities import readable
+from ..base.quantities import readable, time_unit
 from ..bodies.model import WORK, system_model
-from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..derivation.conditions import Conditions, conditions
 from ..maps.proved_boxes import prove_boxes
 from ..spectra.arguments import prepare
 from ..systems.family import Family
 from ..systems.system import System
 from .certificates import packed
-from .source.formulas import Rule, Values, filled, scale_of, typeset, value_of
+from .source.formulas import (
+    Rule,
+    Values,
+    filled,
+    polynomial_signs,
+    shift_of,
+    typeset,
+    value_of,
+)
 from .source.source_text import graph, javascript
 from .subject import Quantity, Subject
 
@@ -38,6 +45,10 @@ SERIES = 2
 """Observables whose curves are drawn, next to the states."""
 FUNCTION = re.compile(r"(sin|cos|sqrt)\((\w+)\)")
 """A variable that is a function of a quantity."""
+SIZE = re.compile(r"sqrt\((\w+)\*\*2\)")
+"""A variable that is the size of a quantity."""
+ONE = "sqrt(1)"
+"""A variable that is 1: the root of a graph at a point where it is a number."""
 
 Axes = tuple[tuple[str, float, float], tuple[str, float, float]]
 
@@ -75,10 +86,17 @@ def own_subject(
     x, p = system.x, system.p
     behind = {v.name: 2 * (v.name not in names) for v in found.variables}
     put = {v.name: (_in_braces(v.name, names), 1) for v in found.variables}
-    symbols = {n: q.symbol for n, q in QUANTITIES.items() if q.symbol} if told else {}
-    written = {n: (symbols.get(n, n), 1) for n in put}
-    scales = [scale_of([c.polynomial]) for c in found.deciding]
+    symbols = (
+        {n: q.symbol.removesuffix("/mR²") for n, q in system.quantities.items() if q.symbol}
+        if told
+        else {}
+    )
+    written = {n: (_written(n, symbols), 1) for n in put}
+    deciding = [c for c in found.deciding if str(c.polynomial) != ONE]
+    shifts = [shift_of([c.polynomial]) for c in deciding]
     even = any(f.even for f in found.factors) or found._extra_zeros > 0
+    rules = tuple(Rule(c.kind, c.polynomial, behind, shift)
+                  for c, shift in zip(deciding, shifts, strict=True))  # fmt: skip
     factors = [f for f in found.factors for _ in range(f.multiplicity)]
     return Subject(
         key=f"{told.get('family', family.name)} {told.get('law', '')}".strip(),
@@ -89,12 +107,10 @@ def own_subject(
             for n in names),
         axes=(axes[0][0], axes[1][0]), even=tuple(f.even for f in factors), zeros=found.zeros,
         coefficients=partial(_coefficients, factors, read),
-        rules=tuple(Rule(c.kind, c.polynomial, behind, scale)
-                    for c, scale in zip(found.deciding, scales, strict=True)),
-        variables=partial(_variables, read),
-        texts=tuple((typeset(c.polynomial, written, scale), filled(c.polynomial, put, scale))
-                    for c, scale in zip(found.deciding, scales, strict=True)),
-        states=system.states, member=javascript([len(names)], _member(family, names)),
+        rules=rules, signs=partial(polynomial_signs, rules, partial(_variables, read)),
+        texts=tuple((typeset(c.polynomial, written, shift), filled(c.polynomial, put, shift))
+                    for c, shift in zip(deciding, shifts, strict=True)),
+        states=system.states, member=javascript([len(names)], member_states(family, names)),
         jacobian=graph(Program(ca.Function("slopes", [x, p], [ca.jacobian(system.rhs, x)]))),
         model=told.get("motion", family.name), parameters=tuple(
             names.index(n) for n in system.parameters),
@@ -110,12 +126,14 @@ class _Reader:
     """How a variable of the polynomials follows from the quantities."""
 
     index: int
-    """Index of the quantity."""
+    """Index of the quantity; -1 for the number 1."""
     function: str = ""
     """Its function; empty for the quantity itself."""
 
     def __call__(self, algebra: Algebra, q: Values) -> Any:
         """Value of the variable."""
+        if self.index < 0:
+            return 1.0
         value = q[self.index]
         return algebra.functions[self.function](value) if self.function else value
 
@@ -123,9 +141,13 @@ class _Reader:
 def _reader(found: Conditions, variable: str, names: Sequence[str]) -> _Reader:
     if variable in names:
         return _Reader(names.index(variable))
-    match = FUNCTION.fullmatch(variable)
+    match, size = FUNCTION.fullmatch(variable), SIZE.fullmatch(variable)
     if match and match[2] in names:
         return _Reader(names.index(match[2]), match[1])
+    if size and size[1] in names:
+        return _Reader(names.index(size[1]), "fabs")
+    if variable == ONE:
+        return _Reader(-1)
     family = found.family
     raise StabilityError(
         f"{family.name}: {variable} is solved for, or a function of several quantities; the page "
@@ -134,8 +156,16 @@ def _reader(found: Conditions, variable: str, names: Sequence[str]) -> _Reader:
 
 
 def _in_braces(variable: str, names: Sequence[str]) -> str:
-    match = FUNCTION.fullmatch(variable)
-    return f"({match[1]} {{{match[2]}}})" if match and match[2] in names else f"{{{variable}}}"
+    match, size = FUNCTION.fullmatch(variable), SIZE.fullmatch(variable)
+    if match and match[2] in names:
+        return f"({match[1]} {{{match[2]}}})"
+    return f"|{{{size[1]}}}|" if size else "1" if variable == ONE else f"{{{variable}}}"
+
+
+def _written(variable: str, symbols: Mapping[str, str]) -> str:
+    size = SIZE.fullmatch(variable)
+    known_ = "1" if variable == ONE else f"|{symbols.get(size[1], size[1])}|" if size else variable
+    return symbols.get(variable, known_)
 
 
 def _variables(read: Sequence[_Reader], algebra: Algebra, q: Values) -> list[Any]:
@@ -148,8 +178,8 @@ def _coefficients(
     point = _variables(read, algebra, q)
     out = []
     for factor in factors:
-        scale = scale_of(factor.coefficients)
-        out.append([value_of(c, scale, point) for c in factor.coefficients])
+        shift = shift_of(factor.coefficients)
+        out.append([value_of(c, shift, point) for c in factor.coefficients])
     return out
 
 
@@ -162,14 +192,23 @@ def _quantity(
         ((a, b) for n, a, b in axes if n == name),
         (0.0, 2 * value) if value > 0 else (2 * value, 0.0) if value < 0 else (-1.0, 1.0),
     )
-    known_ = QUANTITIES.get(name) if name in symbols else None
+    known_ = family.system.quantities.get(name) if name in symbols else None
     return Quantity(
         name, symbols.get(name, name), known_.long_name if known_ else "",
         "" if unit == "1" else readable(unit), low, high, value, 0.0 if positive else None,
     )  # fmt: skip
 
 
-def _member(family: Family, names: Sequence[str]) -> Callable[..., list[Any]]:
+def member_states(family: Family, names: Sequence[str]) -> Callable[..., list[Any]]:
+    """States of a member as a function of the number type and the quantities.
+
+    Parameters
+    ----------
+    family
+        A family whose members are known in closed form.
+    names
+        Its quantities.
+    """
     if family.unknown and not family.graph.closed:
         raise StabilityError(
             f"{family.name}: {', '.join(family.unknown)} of its members is solved for; the page "
@@ -205,6 +244,14 @@ def own_motion(family: Family) -> Mapping[str, Any]:
         "words": dict.fromkeys(model.guards, "a condition of the system reaches zero"),
         "outcomes": dict.fromkeys(model.guards, "domain-end"),
     }  # fmt: skip
+
+
+def own_units(family: Family) -> dict[str, str]:
+    """Units of times, rates and observables of a system; empty where it states none."""
+    units = family.system.units
+    time = time_unit(units)
+    known_ = {n: readable(u) for n, u in units.items() if u and u != "1"}
+    return known_ | ({} if time == "1" else {"time": time, "rate": f"1/{time}"})
 
 
 def own_certificate(family: Family, subject: Subject, values: Mapping[str, float]) -> Any:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from importlib.resources import files
 from typing import Any
@@ -36,7 +37,7 @@ def page(data: Mapping[str, Any], title: str) -> str:
     parts = {
         "TITLE": title.replace("&", "&amp;").replace("<", "&lt;"),
         "STYLE": _read("style.css"),
-        "DATA": json_in_html(data),
+        "DATA": json_in_html(shared(data)),
         "THREE": library().replace("</script", "<\\/script"),
         "SCRIPT": script().replace("</script", "<\\/script"),
     }
@@ -53,7 +54,7 @@ def module(data: Mapping[str, Any]) -> str:
         As for `page`.
     """
     return "\n".join([
-        script(), f"const DATA = {json.dumps(data)};",
+        script(), f"const DATA = {json.dumps(shared(data))};",
         f"const THREE_TEXT = {json.dumps(library())};",
         f"const STYLE_TEXT = {json.dumps(_read('style.css'))};",
         "export default {render({el}) { return mountWidget(el, DATA, THREE_TEXT, STYLE_TEXT); }};",
@@ -64,6 +65,51 @@ def module(data: Mapping[str, Any]) -> str:
 def library() -> str:
     """The 3-D library with its licence."""
     return f"/*\nthree.js\n{_read('library/three.LICENSE')}*/\n{_read('library/three.js')}"
+
+
+LONG = 200
+"""Length of a text that is worth a place of its own where it occurs twice."""
+
+
+def shared(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The data with each long text that occurs twice in one list, `texts`.
+
+    Parameters
+    ----------
+    data
+        As for `page`.
+
+    Returns
+    -------
+    dict
+        `texts`, and `data`, where {"text": i} is the entry i of `texts`.
+
+    Examples
+    --------
+    >>> long = "x" * 300
+    >>> shared({"a": [long, "y"], "b": long})["data"]
+    {'a': [{'text': 0}, 'y'], 'b': {'text': 0}}
+    """
+    counts: Counter[str] = Counter(t for t in _texts(data) if len(t) > LONG)
+    places = {t: i for i, t in enumerate(t for t, n in counts.items() if n > 1)}
+
+    def put(value: Any) -> Any:
+        if isinstance(value, str):
+            return {"text": places[value]} if value in places else value
+        if isinstance(value, Mapping):
+            return {n: put(v) for n, v in value.items()}
+        return [put(v) for v in value] if isinstance(value, (list, tuple)) else value
+
+    return {"texts": list(places), "data": put(data)}
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """Every text in nested lists and tables."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, (Mapping, list, tuple)):
+        for one in value.values() if isinstance(value, Mapping) else value:
+            yield from _texts(one)
 
 
 def json_in_html(data: Mapping[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""Data of a page: of the disk, of a body of revolution, of one family of a user's system."""
+"""Data of a page: of the disk, of one family of a user's system; what every page shares."""
 
 from __future__ import annotations
 
@@ -19,11 +19,10 @@ from ..base.version import __version__
 from ..bodies.contact_laws import LAWS, Viscous
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_given
-from ..bodies.round_body.body import Body
 from ..systems.family import Family
 from .certificates import certificate
 from .disk_subjects import FAMILY_NAMES, WORDS, disk_motion, disk_subject
-from .own_subject import given_values, own_certificate, own_motion, own_subject
+from .own_subject import given_values, own_certificate, own_motion, own_subject, own_units
 from .subject import Subject
 
 CERTIFIED = (0.25, 0.5)
@@ -33,15 +32,13 @@ LAW_NAMES = {
     "smooth": "Smooth", "viscous": "Viscous", "linear-viscous": "Linear", "rough": "Rough",
 }  # fmt: skip
 """Words on the buttons."""
-BODY_FAMILIES, BODY_LAWS = ("rolling", "spinning"), ("smooth", "viscous", "rough")
-"""Families and laws of a body whose conditions are polynomials in its numbers."""
 DECIMALS = (
     " Floats in the equations count as the decimals that were written, which "
     "st.conditions(family, decimals=True).numbers lists."
 )
 """What the reader of a page learns of numbers that are not exact."""
-SPEEDS = (0.05, 5.0)
-"""Range of omega3 and phi_dot of a body [√(g/R)]."""
+UNITS = {"time": "√(R/g)", "rate": "√(g/R)", "energy": "m g R", "normal force": "m g"}
+"""Units of times, rates and curves of a dimensionless body."""
 
 
 def disk_page(
@@ -63,7 +60,7 @@ def disk_page(
             "own."
         )
     numbers = dict(parameters)
-    law, values = _law(contact, numbers)
+    law, values = law_of(contact, numbers)
     values["k"] = _k(disk)
     if at is not None:
         values["at"] = at
@@ -76,81 +73,13 @@ def disk_page(
         slices = [{}] if over_k else [{"k": k} for k in sorted({*CERTIFIED, checked["k"]})]
         planes[subject.key] = [certificate(subject, held) for held in slices]
     return {
-        **_common(subjects, start, checked, axes), "solid": True, "certificates": planes,
+        **common(subjects, start, checked, axes), "solid": True, "certificates": planes,
         "motions": {n: disk_motion(n) for n in LAWS},
         "names": {"families": MOTIONS, "laws": LAW_NAMES, "says": {
             law: f"A thin disk, ring or hoop on a plane; {words}." for law, words in WORDS.items()
         }},
-        "foot": _foot("the exact polynomials and the equations of motion of the package; numbers "
+        "foot": foot("the exact polynomials and the equations of motion of the package; numbers "
                       "are dimensionless, m = R = g = 1"),
-    }  # fmt: skip
-
-
-def body_page(
-    family: Any, at: Any, contact: Any, body: Body, axes: Sequence[Any],
-    parameters: Mapping[str, Any], *, certify: bool,
-) -> dict[str, Any]:  # fmt: skip
-    """Data of the page of a body of revolution: rolling and spinning, under three laws.
-
-    Parameters
-    ----------
-    family, at, contact, body, parameters, certify
-        As for `explore`.
-    axes
-        The two axes, or None for each.
-    """
-    if not isinstance(family, str) or family not in BODY_FAMILIES:
-        raise NameUnknownError(
-            f"family is {shown(family)}; of a body the page draws {listed(BODY_FAMILIES, 'and')}."
-        )
-    if not body.dimensionless:
-        raise ParameterError(
-            "body has a mass, gravity or length other than 1; the page is dimensionless: leave "
-            "them out."
-        )
-    law, numbers = _law(contact, dict(parameters))
-    mu = numbers.get("mu", 0.3)
-    subjects: list[Subject] = []
-    motions: dict[str, Any] = {}
-    planes: dict[str, Any] = {}
-    for name in BODY_FAMILIES:
-        for one in BODY_LAWS:
-            friction = {"mu": mu} if LAWS[one].parameters else {}
-            try:
-                member = body.family(name, LAWS[one](**friction))
-                values = {n: float(v) for n, v in (body.given | friction).items()}
-                values[member.at[0]] = 1.5 if at is None else at
-                values = {n: values[n] for n in (*member.at, *member.parameters)}
-                subject = own_subject(
-                    member,
-                    values,
-                    _body_axes(member, values),
-                    (),
-                    {
-                        "family": name,
-                        "law": one,
-                        "motion": one,
-                        "title": f"{name}, {body.name}" if getattr(body, "name", "") else name,
-                    },
-                )
-            except StabilityError:
-                if (name, one) == (family, law):
-                    raise
-                continue
-            subjects.append(subject)
-            motions[one] = motions.get(one) or own_motion(member)
-            planes[subject.key] = _proved(member, subject, values) if certify else []
-    start = next((s for s in subjects if s.key == f"{family} {law}"), None)
-    if start is None:
-        raise NameUnknownError(f"contact is {shown(law)}; of a body the page draws "
-                               f"{listed(BODY_LAWS, 'or')}.")  # fmt: skip
-    return {
-        **_common(subjects, start, {q.name: q.value for q in start.quantities}, axes),
-        "solid": False, "certificates": planes, "motions": motions,
-        "names": {"families": MOTIONS, "laws": LAW_NAMES, "says": {
-            law: f"A body of revolution on a plane; {WORDS[law]}." for law in BODY_LAWS}},
-        "foot": _foot("conditions that were derived exactly from the equations of motion; numbers "
-                      "are dimensionless"),
     }  # fmt: skip
 
 
@@ -181,19 +110,33 @@ def own_page(
     subject = own_subject(family, values, (pair[0], pair[1]), positive)
     checked = _checked(subject, values)
     return {
-        **_common([subject], subject, checked, (None, None)), "solid": False,
+        **common([subject], subject, checked, axes, own_units(family)), "solid": False,
         "motions": {subject.model: own_motion(family)},
-        "certificates": {subject.key: _proved(family, subject, checked) if certify else []},
+        "certificates": {subject.key: proved(family, subject, checked) if certify else []},
         "names": {"families": {}, "laws": {}, "says": {
             "": "A family of a user's system, its conditions derived exactly by the package."}},
-        "foot": _foot("conditions that were derived exactly from the system's equations")
+        "foot": foot("conditions that were derived exactly from the system's equations")
         + DECIMALS * bool(subject.call["numbers"]),
     }  # fmt: skip
 
 
-def _common(
-    subjects: Sequence[Subject], start: Subject, values: Mapping[str, float], axes: Sequence[Any]
-) -> dict[str, Any]:
+def common(
+    subjects: Sequence[Subject], start: Subject, values: Mapping[str, float], axes: Sequence[Any],
+    units: Mapping[str, str] = UNITS,
+) -> dict[str, Any]:  # fmt: skip
+    """What every page has: its subjects, and what is shown at first.
+
+    Parameters
+    ----------
+    subjects, start
+        Every subject, and the one at first.
+    values
+        Values of its quantities.
+    axes
+        The two axes, or None for each.
+    units
+        Units of times, rates and curves.
+    """
     for axis in axes:
         if axis is not None and axis.name not in values:
             raise NameUnknownError(
@@ -202,11 +145,30 @@ def _common(
     return {
         "format": 1, "version": __version__, "subjects": [s.told() for s in subjects],
         "start": {"subject": start.key, "values": dict(values), "axes": [
-            None if a is None else [a.name, a.low, a.high] for a in axes]},
+            None if a is None else told_axis(a) for a in axes]},
+        "units": units,
     }  # fmt: skip
 
 
-def _foot(source: str) -> str:
+def told_axis(axis: Axis) -> list[Any]:
+    """Name, ends and spacing of an axis in the page.
+
+    Parameters
+    ----------
+    axis
+        The axis.
+    """
+    return [axis.name, axis.low, axis.high, *["log"] * axis.log]
+
+
+def foot(source: str) -> str:
+    """The last line of a page.
+
+    Parameters
+    ----------
+    source
+        What the page computes from.
+    """
     return f"Made by stability {__version__}. This page computes everything itself, from {source}."
 
 
@@ -220,14 +182,7 @@ def _range(name: str, values: Mapping[str, float]) -> tuple[str, float, float]:
     return name, low, high
 
 
-def _body_axes(family: Family, values: Mapping[str, float]) -> Any:
-    """The family's quantity across, and up friction or else a number of the shape."""
-    other = "mu" if "mu" in values else family.parameters[0]
-    high = 3.0 if other == "mu" else min(0.9, 2 * values[other])
-    return (family.at[0], *SPEEDS), (other, 0.02, high)
-
-
-def _proved(family: Family, subject: Subject, values: Mapping[str, float]) -> list[Any]:
+def proved(family: Family, subject: Subject, values: Mapping[str, float]) -> list[Any]:
     """Proved rectangles, or none where the map of the family proves nothing."""
     try:
         with warnings.catch_warnings():
@@ -238,7 +193,7 @@ def _proved(family: Family, subject: Subject, values: Mapping[str, float]) -> li
 
 
 def axis(given: Any, which: str) -> Axis | None:
-    """An axis from (name, low, high), as for a map but without a count; None for none.
+    """An axis from (name, low, high) and perhaps "log", as of a map without its count.
 
     Parameters
     ----------
@@ -249,15 +204,14 @@ def axis(given: Any, which: str) -> Axis | None:
     """
     if given is None:
         return None
-    if isinstance(given, (list, tuple)) and len(given) == 3:
-        given = (*given, 2)
-    found = Axis.of(given, which)
-    if found.log:
-        raise ParameterError(f"{which} is logarithmic; the page draws plain axes.")
-    return found
+    if not isinstance(given, (list, tuple)) or len(given) not in (3, 4):
+        raise ParameterError(
+            f"{which} is {shown(given)}; give (name, low, high) or (name, low, high, 'log')."
+        )
+    return Axis.of((*given[:3], 2, *given[3:]), which)
 
 
-def _law(contact: Any, numbers: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+def law_of(contact: Any, numbers: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """Name of the law and its dimensionless number."""
     if not numbers and contact is None:
         return Viscous.name, {}

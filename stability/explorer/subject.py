@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from ..algebra.number_types import Algebra
 from ..base.checks import checked
 from ..base.errors import ParameterError, shown
-from .source.formulas import Coefficients, Rule, Values
-from .source.shader import look
+from .source.formulas import Coefficients, Conditions, Rule, Sign, Values
+from .source.shader import Seen, look
 from .source.source_text import JAVASCRIPT, Line, Record, javascript
 
 
@@ -80,10 +80,10 @@ class Subject:
     """Number of eigenvalues that vanish by structure."""
     coefficients: Coefficients
     """Coefficients of each factor in λ, lowest first."""
-    rules: tuple[Rule, ...]
-    """Polynomials whose signs decide."""
-    variables: Any
-    """Function of the number type and the quantities to the variables of the rules."""
+    rules: tuple[Rule | Sign, ...]
+    """What decides by its sign."""
+    signs: Conditions
+    """(value, size) of each rule; the share of the rule times the size bounds the error."""
     texts: tuple[tuple[str, str], ...]
     """Each rule as HTML, with symbols and with {name} for numbers."""
     states: tuple[str, ...]
@@ -105,17 +105,30 @@ class Subject:
     symbols: Mapping[str, str] = field(default_factory=dict)
     """Symbols of the states."""
 
-    def conditions(self, algebra: Algebra, quantities: Values) -> list[tuple[Any, Any]]:
-        """(value, sum of the sizes of the monomials) of each rule."""
-        point = self.variables(algebra, quantities)
-        return [rule.sizes(algebra, point) for rule in self.rules]
+    bounds: Conditions | None = None
+    """(value, error bound) of each rule where that is no share of the size; None where it is."""
+    members: Callable[[Algebra, Values], list[Any]] | None = None
+    """Numbers that are positive where the family has a member; None where it always has one."""
+    frame: str = ""
+    """JavaScript: states, parameters, pose → place of the body (`source.frames`)."""
+    still: tuple[float, ...] = ()
+    """The pose at time zero."""
+    start: str = ""
+    """JavaScript: quantities, tilt → start of a launch; empty where a state takes the tilt."""
+    meridian: Mapping[str, Any] = field(default_factory=dict)
+    """Surface of a body of revolution; empty for the thin disk."""
+    proved: bool = True
+    """Whether the signs have a bound on their errors."""
+    note: str = ""
+    """What the letters of the conditions are."""
 
     def told(self) -> dict[str, Any]:
         """The record in the page."""
-        count = len(self.quantities)
+        count, bounds = len(self.quantities), self.bounds
 
-        def both(algebra: Algebra, q: Values) -> tuple[list[list[Any]], list[tuple[Any, Any]]]:
-            return self.coefficients(algebra, q), self.conditions(algebra, q)
+        def seen(algebra: Algebra, q: Values) -> Seen:
+            found = self.members(algebra, q) if self.members else []
+            return self.coefficients(algebra, q), self.signs(algebra, q), found
 
         return {
             "key": self.key, "family": self.family, "law": self.law, "title": self.title,
@@ -126,17 +139,23 @@ class Subject:
                 [count], lambda f, q: [c for factor in self.coefficients(f, q) for c in factor]
             ),
             "conditions": javascript(
-                [count], lambda f, q: [v for pair in self.conditions(f, q) for v in pair]
+                [count], lambda f, q: [v for pair in self.signs(f, q) for v in pair]
             ),
+            "bounds": javascript(
+                [count], lambda f, q: [v for pair in bounds(f, q) for v in pair]
+            ) if bounds else "",
             "rules": [
                 {"kind": rule.kind, "text": text, "filled": put, "share": rule.share}
                 for rule, (text, put) in zip(self.rules, self.texts, strict=True)
             ],
-            "shader": look(count, both, self.even), "states": self.states,
+            "shader": look(count, seen, self.even), "states": self.states,
             "member": self.member, "jacobian": self.jacobian, "model": self.model,
             "call": dict(self.call), "pose": self.pose, "parameters": self.parameters,
             "good": self.good or ("neutral" if any(self.even) else "stable"),
-            "symbols": dict(self.symbols),
+            "symbols": dict(self.symbols), "frame": self.frame, "still": self.still,
+            "members": javascript([count], self.members) if self.members else "",
+            "start": self.start, "meridian": dict(self.meridian), "proved": self.proved,
+            "note": self.note,
         }  # fmt: skip
 
     def _degrees(self, count: int) -> list[int]:

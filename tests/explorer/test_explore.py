@@ -56,9 +56,8 @@ def test_every_operation_of_a_graph_is_written() -> None:
     program = Program(ca.Function("f", [x], [ca.vertcat(*rows)]))
     source = graph(program)
     # JavaScript's operators are Python's, and its functions have names of their own
-    body = re.sub(
-        r"const (t\d+) = (.*);", r"\1 = \2", source.split("{\n", 1)[1].rsplit("\nreturn ", 1)[0]
-    )
+    lines = source.split("const ", 1)[1].rsplit(";\nreturn ", 1)[0]
+    body = re.sub(r",(t\d+ = )", r"\n\1", lines)
     space: dict[str, Any] = {"a0": [0.7, 1.3], "Math": _Math()}
     exec(body, space)
     asked = source.rsplit("return ", 1)[1].rstrip(";}\n ")
@@ -102,7 +101,11 @@ def test_routh_counts_what_the_roots_say() -> None:
     ({"x": ("foo", 1, 2)}, "foo"),
     ({"x": ("at", 2, 1)}, "x"),
     ({"body": st.Disk()}, "Body"),
-    ({"body": st.Torus(0.2), "family": "tumbling"}, "tumbling"),
+    ({"body": st.Torus(0.2), "family": "vertical"}, "not smooth at theta = 0"),
+    ({"body": st.Torus(0.2), "family": "circling"}, "circling"),
+    ({"body": st.Torus(0.2), "family": "rolling", "pole": 0}, "pole"),
+    ({"pole": "pi"}, "pole"),
+    ({"x": ("at", 0.0, 2.0, "log")}, "above zero"),
     ({"nu": 3.0}, "nu"),
 ])  # fmt: skip
 def test_a_bad_argument_is_one_sentence(given: dict[str, Any], said: str, tmp_path: Path) -> None:
@@ -138,8 +141,8 @@ def test_a_missing_widget_library_is_one_sentence(monkeypatch: pytest.MonkeyPatc
 def test_a_body_has_its_numbers_as_sliders(tmp_path: Path) -> None:
     path = st.explore("rolling", body=st.Torus(0.2), mu=0.3, out=tmp_path / "tyre.html")
     text = path.read_text(encoding="utf-8")
-    data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
+    data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])["data"]
     keys = {s["key"] for s in data["subjects"]}
-    assert {"rolling viscous", "spinning rough"} <= keys
+    assert {"rolling viscous", "spinning rough", "tumbling viscous", "tumbling smooth"} <= keys
     [start] = [s for s in data["subjects"] if s["key"] == "rolling viscous"]
     assert [q["name"] for q in start["quantities"]] == ["omega3", "tube", "mu"]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import reference
 from chromium import Visit, visit
+from page_numbers import ASK, NEAR
 from towed_wheel import GIVEN, towed_wheel
 
 import stability as st
@@ -16,8 +17,6 @@ from stability.bodies.thin_disk.disk_equations import STATES
 FAMILIES = ("rolling", "spinning", "tumbling")
 LAWS = {"smooth": (), "viscous": ("mu",), "linear-viscous": ("mu",), "rough": ()}
 POINTS, LAUNCHES, SEED = 10_000, 48, 20
-NEAR = 1e-6
-"""Distance from a boundary, relative to the sizes of a condition's terms, that is left out."""
 
 
 def drawn(generator: Any, family: str, law: str, count: int) -> np.ndarray:
@@ -33,13 +32,6 @@ def spectrum(family: str, law: str, points: np.ndarray) -> st.Spectrum:
     return st.spectrum(
         family, at=points[:, 0], contact=law, disk=st.Disk(k=points[:, -1]), **friction
     )
-
-
-ASK = """(sets) => sets.map(({key, points}) => points.map((q) => {
-  const subject = stabilityExplorer.view.subjects.get(key), {verdict, rows} = subject.judge(q);
-  const near = Math.min(1, ...rows.map((r) => Math.abs(r.value) * r.share / r.error));
-  return {verdict, near, values: subject.eigenvalues(q)};
-}))"""
 
 
 def test_ten_thousand_points_have_the_verdicts_and_eigenvalues_of_the_package(disk: Visit) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...base.errors import ParameterError
 from ...storage.json_text import json_text
-from ..options import _at, _disk, _number, body_of
+from ..options import _at, _disk, _number, body_of, where_of
 from ..system_option import doubles, own_family, with_at
 
 EXAMPLES = (
@@ -29,7 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         Its parser.
     """
     for axis, where in (("--x", "across"), ("--y", "up")):
-        parser.add_argument(axis, metavar="NAME:LO:HI", help=f"axis {where} at first")
+        parser.add_argument(axis, metavar="NAME:LO:HI[:log]",
+                            help=f"axis {where} at first")  # fmt: skip
     parser.add_argument("--positive", metavar="NAME,NAME",
                         help="with --system: quantities that are positive")  # fmt: skip
     parser.add_argument("--out", required=True, metavar="PAGE.html", help="page to write")
@@ -50,13 +51,17 @@ def _explore(options: argparse.Namespace) -> None:
         names = tuple(options.positive.split(",")) if options.positive else ()
         path = explore(family, positive=names, **common, **given)
     else:
-        for key in ("positive", "parameter", "theta", "pole"):
+        for key in ("positive", "parameter", "theta", *(["pole"] if body is None else [])):
             if getattr(options, key, None) is not None:
                 raise ParameterError(f"--{key} has no meaning for this page; leave it out.")
         name = options.family or "spinning"
         numbers = {} if options.mu is None else {"mu": options.mu}
         at: Any = None if options.at is None else _at(options.at)
-        physics: dict[str, Any] = {"body": body} if body is not None else {"disk": _disk(options)}
+        physics: dict[str, Any]
+        if body is None:
+            physics = {"disk": _disk(options)}
+        else:
+            physics = {"body": body, "pole": where_of(options).get("pole")}
         path = explore(name, at=at, contact=options.contact, **physics, **common, **numbers)
     if options.json:
         print(json_text({"page": str(path), "bytes": path.stat().st_size}))
@@ -64,10 +69,11 @@ def _explore(options: argparse.Namespace) -> None:
         print(f"open {path}")
 
 
-def _axis(text: str | None, which: str) -> tuple[str, float, float] | None:
+def _axis(text: str | None, which: str) -> tuple[Any, ...] | None:
     if text is None:
         return None
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise ParameterError(f"--{which} is {text!r}; give NAME:LO:HI.")
-    return parts[0], _number(parts[1], which), _number(parts[2], which)
+    name, *ends = text.split(":")
+    spacing = ends[2:]
+    if len(ends) < 2 or spacing not in ([], ["log"]):
+        raise ParameterError(f"--{which} is {text!r}; give NAME:LO:HI or NAME:LO:HI:log.")
+    return name, *(_number(end, which) for end in ends[:2]), *spacing

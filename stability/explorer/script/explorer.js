@@ -61,7 +61,7 @@ export function mount(root, data, library, link = null) {
     const even = subject.wholeEven;
     grows.replaceChildren("Each point is one steady motion. Colour: largest growth rate ",
       `(float: ${diagram.raster ? diagram.raster.method : "single precision"}). Hatched: unstable${even ? "; dotted: neutral" : ""}. `,
-      "Lines: boundaries, in double precision (dashed: flutter). Drag to move the point; wheel or pinch to zoom, double click for the whole.");
+      "Lines: boundaries, in double precision (solid: static, dashed: flutter). Drag to move the point; wheel or pinch to zoom, double click for the whole.");
     motion.root.parentElement.hidden = !view.motion;
   };
   view.on((changed) => { if (changed.has("subject")) head(); });
@@ -86,9 +86,20 @@ export function mount(root, data, library, link = null) {
   return {view, diagram, motion, plane, exports, launched, polynomialRoots, stage: () => stage};
 }
 
+/** The data, with each text that occurs twice put back in its places. */
+function whole({texts, data}) {
+  const put = (value) => {
+    if (Array.isArray(value)) return value.map(put);
+    if (value === null || typeof value !== "object") return value;
+    if (typeof value.text === "number") return texts[value.text];
+    return Object.fromEntries(Object.entries(value).map(([name, one]) => [name, put(one)]));
+  };
+  return put(data);
+}
+
 /** The page: the link is the part of the address after #. */
 export function mountPage() {
-  const data = JSON.parse(document.getElementById("data").textContent);
+  const data = whole(JSON.parse(document.getElementById("data").textContent));
   const library = () => new Function(`${document.getElementById("three").textContent}; return THREE;`)();
   const parts = mount(document.getElementById("explorer"), data, library, location.hash);
   let later = 0;
@@ -105,6 +116,6 @@ export function mountWidget(el, data, threeText, styleText) {
   const style = element("style", {}, styleText), root = element("div", {});
   el.append(style, root);
   const library = () => new Function(`${threeText}; return THREE;`)();
-  const parts = mount(root, data, library);
+  const parts = mount(root, whole(data), library);
   return () => { parts.motion.playing = false; root.remove(); style.remove(); };
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -22,6 +21,16 @@ Conditions = Callable[[Algebra, Values], list[tuple[Any, Any]]]
 
 
 @dataclass(frozen=True)
+class Sign:
+    """A number whose sign decides, with no polynomial to show."""
+
+    kind: str
+    """What happens where it vanishes: static, flutter or auxiliary."""
+    share: float
+    """Error bound over the size that is given with its value."""
+
+
+@dataclass(frozen=True)
 class Rule:
     """A polynomial whose sign decides."""
 
@@ -31,8 +40,8 @@ class Rule:
     """The polynomial; all positive means stable or neutral."""
     roundings: Mapping[str, int]
     """Roundings in the value of each variable."""
-    scale: float = 1.0
-    """Power of two that the polynomial is multiplied by, where its coefficients are large."""
+    shift: int = 0
+    """The polynomial is divided by 2 to this power, where its coefficients are large."""
 
     @property
     def share(self) -> float:
@@ -47,22 +56,39 @@ class Rule:
         )
         size = algebra.functions["fabs"]
         sizes = [size(v) for v in values]
-        return value_of(self.polynomial, self.scale, values), value_of(positive, self.scale, sizes)
+        return value_of(self.polynomial, self.shift, values), value_of(positive, self.shift, sizes)
 
 
-def _size(coefficient: int, scale: float) -> str:
+def polynomial_signs(
+    rules: Sequence[Rule], variables: Callable[[Algebra, Values], list[Any]], algebra: Algebra,
+    q: Values,
+) -> list[tuple[Any, Any]]:  # fmt: skip
+    """(value, sum of the sizes of the monomials) of each rule.
+
+    Parameters
+    ----------
+    rules
+        The polynomials.
+    variables
+        Function of the number type and the quantities to the variables of the polynomials.
+    algebra, q
+        The number type and the quantities.
+    """
+    point = variables(algebra, q)
+    return [rule.sizes(algebra, point) for rule in rules]
+
+
+def _size(coefficient: int, shift: int) -> str:
     """A coefficient without its sign; one that was scaled is rounded to five digits."""
-    return str(abs(coefficient)) if scale == 1 else f"{_scaled(abs(coefficient), scale):.5g}"
+    return f"{_scaled(abs(coefficient), shift):.5g}" if shift else str(abs(coefficient))
 
 
-def _scaled(coefficient: int, scale: float) -> float:
+def _scaled(coefficient: int, shift: int) -> float:
     # an integer of any size over a power of two, with one rounding
-    return float(coefficient / (1 << round(-math.log2(scale))))
+    return float(coefficient / (1 << shift))
 
 
-def typeset(
-    polynomial: Polynomial, names: Mapping[str, tuple[str, int]], scale: float = 1.0
-) -> str:
+def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], shift: int = 0) -> str:
     """A polynomial as HTML.
 
     Parameters
@@ -71,8 +97,8 @@ def typeset(
         The polynomial.
     names
         For each variable the symbol to write, and the power of it that the variable is.
-    scale
-        Power of two that the polynomial is multiplied by; its coefficients are then rounded.
+    shift
+        The polynomial is divided by 2 to this power; its coefficients are then rounded.
 
     Examples
     --------
@@ -86,10 +112,11 @@ def typeset(
         for variable, exponent in zip(polynomial.variables, exponents, strict=True):
             symbol, power = names.get(variable, (variable, 1))
             raised = exponent * power
-            text = f"<i>{html.escape(symbol)}</i>"
-            if raised:
+            letter, _, below = html.escape(symbol).partition("_")
+            text = f"<i>{letter}</i>" + f"<sub>{below}</sub>" * bool(below)
+            if raised and symbol != "1":
                 factors.append(text if raised == 1 else f"{text}<sup>{raised}</sup>")
-        size = "" if abs(c) == 1 and factors else _size(c, scale)
+        size = "" if abs(c) == 1 and factors else _size(c, shift)
         words.append((" − " if c < 0 else " + ") + size + "".join(factors))
     found = "".join(words) or "0"
     return found[3:] if found.startswith(" + ") else found.replace(" − ", "−", 1)
@@ -99,7 +126,7 @@ MOST_FILLED = 4
 """Largest number of monomials of a formula that is shown with numbers."""
 
 
-def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], scale: float = 1.0) -> str:
+def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], shift: int = 0) -> str:
     """A short polynomial as HTML with {name} in place of each number; empty for a long one.
 
     Parameters
@@ -108,7 +135,7 @@ def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], scale: 
         The polynomial.
     names
         For each variable its number as text with {name}, and the power of it that the variable is.
-    scale
+    shift
         As for `typeset`.
 
     Examples
@@ -121,19 +148,19 @@ def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], scale: 
         return ""
     words = []
     for c, exponents in polynomial.terms:
-        factors = [_size(c, scale)] if abs(c) != 1 or not any(exponents) else []
+        factors = [_size(c, shift)] if abs(c) != 1 or not any(exponents) else []
         for variable, exponent in zip(polynomial.variables, exponents, strict=True):
             number, power = names.get(variable, (variable, 1))
             raised = exponent * power
-            if raised:
+            if raised and number != "1":
                 factors.append(number if raised == 1 else f"{number}<sup>{raised}</sup>")
         words.append((" − " if c < 0 else " + ") + " · ".join(factors))
     found = "".join(words)
     return found[3:] if found.startswith(" + ") else found.replace(" − ", "−", 1)
 
 
-def scale_of(polynomials: Sequence[Polynomial]) -> float:
-    """A power of two that makes the largest coefficient about 1; 1 where all are small.
+def shift_of(polynomials: Sequence[Polynomial]) -> int:
+    """The power of two over which the largest coefficient is about 1; 0 where all are small.
 
     Parameters
     ----------
@@ -141,27 +168,27 @@ def scale_of(polynomials: Sequence[Polynomial]) -> float:
         Polynomials with one factor.
     """
     largest = max((abs(c) for p in polynomials for c, _ in p.terms), default=1)
-    return 1.0 if largest < 2**40 else 2.0 ** -(largest.bit_length() - 1)
+    return 0 if largest < 2**40 else largest.bit_length() - 1
 
 
-def value_of(polynomial: Polynomial, scale: float, point: Sequence[Any]) -> Any:
-    """A polynomial times a power of two, with each coefficient rounded once.
+def value_of(polynomial: Polynomial, shift: int, point: Sequence[Any]) -> Any:
+    """A polynomial over a power of two, with each coefficient rounded once.
 
     Parameters
     ----------
-    polynomial, scale
-        The polynomial and the factor.
+    polynomial, shift
+        The polynomial and the power.
     point
         Values of its variables.
 
     Examples
     --------
-    >>> value_of(Polynomial(("x",), ((2**60, (2,)), (3, (0,)))), 2.0**-60, [0.5])
+    >>> value_of(Polynomial(("x",), ((2**60, (2,)), (3, (0,)))), 60, [0.5])
     0.25
     """
-    if scale == 1:
+    if not shift:
         return polynomial(*point)
-    return _horner([(_scaled(c, scale), e) for c, e in polynomial.terms], list(point))
+    return _horner([(_scaled(c, shift), e) for c, e in polynomial.terms], list(point))
 
 
 def _horner(terms: list[tuple[float, tuple[int, ...]]], values: list[Any]) -> Any:

@@ -11,15 +11,16 @@ from typing import Any
 
 from .source_text import SHADER, Line, Record
 
+Seen = tuple[list[list[Any]], list[tuple[Any, Any]], list[Any]]
+"""Coefficients of each factor, (value, size) of each condition, numbers positive at members."""
 HALVINGS = 24
 """Bisections of the abscissa: as many as a single-precision number has digits."""
 
 
 def look(
-    quantities: int, formula: Callable[..., tuple[list[list[Any]], list[tuple[Any, Any]]]],
-    even: Sequence[bool],
+    quantities: int, formula: Callable[..., Seen], even: Sequence[bool],
 ) -> str:  # fmt: skip
-    """Source of the function that a shader calls: growth rate, least condition over its size.
+    """Source of a shader's function: growth rate, least condition over its size, least of members.
 
     Parameters
     ----------
@@ -27,7 +28,8 @@ def look(
         Number of quantities that name a point.
     formula
         Function of the number type and the quantities to the coefficients of each factor in λ,
-        lowest first, and to (value, size) of each condition.
+        lowest first, to (value, size) of each condition, and to numbers that are positive where
+        the family has a member.
     even
         Whether each factor has even powers alone.
 
@@ -38,14 +40,14 @@ def look(
 
     Examples
     --------
-    >>> text = look(2, lambda f, q: ([[q[0], q[1], 1.0]], [(q[1], 1.0)]), [False])
-    >>> "abscissa2(" in text, "vec2 look(float q0, float q1)" in text
+    >>> text = look(2, lambda f, q: ([[q[0], q[1], 1.0]], [(q[1], 1.0)], []), [False])
+    >>> "abscissa2(" in text, "vec3 look(float q0, float q1)" in text
     (True, True)
     """
     record = Record(SHADER)
     names = [Line(record, f"q{i}") for i in range(quantities)]
-    factors, conditions = formula(record.algebra(), names)
-    body = [*record.lines, "float growth = -1e30;", "float sign = 1.0;"]
+    factors, conditions, members = formula(record.algebra(), names)
+    body = [*record.lines, "float growth = -1e30;", "float sign = 1.0;", "float member = 1.0;"]
     needed: dict[str, str] = {}
     for factor, is_even in zip(factors, even, strict=True):
         name, source = _abscissa(len(factor) - 1, even=is_even)
@@ -54,9 +56,10 @@ def look(
         body.append(f"growth = max(growth, {name}({given}));")
     for value, size in conditions:
         body.append(f"sign = min(sign, ({record.text(value)}) / ({record.text(size)}));")
+    body += [f"member = min(member, {record.text(value)});" for value in members]
     parameters = ", ".join(f"float q{i}" for i in range(quantities))
-    lines = [*needed.values(), f"vec2 look({parameters}) {{", *body, "return vec2(growth, sign);"]
-    return "\n".join([*lines, "}"])
+    lines = [*needed.values(), f"vec3 look({parameters}) {{", *body]
+    return "\n".join([*lines, "return vec3(growth, sign, member);", "}"])
 
 
 def _abscissa(degree: int, *, even: bool) -> tuple[str, str]:

@@ -24,7 +24,7 @@ class Language:
     name: str
     """Name of the language."""
     line: str
-    """A line that gives `{text}` the name `{name}`."""
+    """A line, or its part, that gives `{text}` the name `{name}`."""
     number: Callable[[float], str]
     """A number as text."""
     function: str
@@ -47,7 +47,7 @@ def _shader_number(value: float) -> str:
 
 
 JAVASCRIPT = Language(
-    "JavaScript", "const {name} = {text};", _javascript_number, "Math.{name}({value})",
+    "JavaScript", "{name} = {text}", _javascript_number, "Math.{name}({value})",
     renamed=(("fabs", "abs"),),
 )  # fmt: skip
 SHADER = Language(
@@ -164,6 +164,9 @@ class Line:
     def __neg__(self) -> Any:
         return self.record.line(f"-{self.name}")
 
+    def __abs__(self) -> Any:
+        return self.record.algebra().functions["fabs"](self)
+
     def __pos__(self) -> Any:
         return self
 
@@ -190,13 +193,14 @@ def javascript(inputs: Sequence[int], formula: Callable[..., Sequence[Any]]) -> 
     Examples
     --------
     >>> javascript([2], lambda algebra, x: [x[0] * x[1] + 1])
-    '(a0) => {\nconst t0 = a0[0] * a0[1];\nconst t1 = t0 + 1;\nreturn [t1];\n}'
+    '(a0) => {\nconst t0 = a0[0] * a0[1],t1 = t0 + 1;\nreturn [t1];\n}'
     """
     record = Record(JAVASCRIPT)
     given = [[Line(record, f"a{i}[{j}]") for j in range(n)] for i, n in enumerate(inputs)]
     found = ", ".join(record.text(v) for v in formula(record.algebra(), *given))
     names = ", ".join(f"a{i}" for i in range(len(inputs)))
-    return "\n".join([f"({names}) => {{", *record.lines, f"return [{found}];", "}"])
+    lines = [f"const {','.join(record.lines)};"] if record.lines else []
+    return "\n".join([f"({names}) => {{", *lines, f"return [{found}];", "}"])
 
 
 def graph(program: Program, outputs: Sequence[int] | None = None) -> str:

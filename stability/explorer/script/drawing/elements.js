@@ -23,6 +23,14 @@ function filled(made, attributes, children) {
   return made;
 }
 
+/** A symbol such as ω_Z as an element, with its index below the line. */
+export function symbol(name, svg = false) {
+  const [letter, index] = name.split("_");
+  if (!svg) return element("i", {}, letter, ...(index ? [element("sub", {}, index)] : []));
+  return shape("tspan", {"font-style": "italic"}, letter,
+    ...(index ? [shape("tspan", {"baseline-shift": "sub", "font-size": "75%"}, index)] : []));
+}
+
 const MINUS = "−";
 
 /** A number with this many digits, a true minus, and powers of ten where these are shorter. */

@@ -44,8 +44,10 @@ export class Raster {
     const [width, height] = packed || [this.canvas.width, this.canvas.height];
     gl.bindFramebuffer(gl.FRAMEBUFFER, packed ? this.frame : null);
     gl.viewport(0, 0, width, height);
-    set("low", "2f", x.low, y.low);
-    set("high", "2f", x.high, y.high);
+    const end = (axis, value) => (axis.log ? Math.log(value) : value);
+    set("low", "2f", end(x, x.low), end(y, y.low));
+    set("high", "2f", end(x, x.high), end(y, y.high));
+    set("logs", "2i", Number(x.log), Number(y.log));
     set("held", "1fv", subject.array(values));
     set("xIndex", "1i", subject.names.indexOf(x.name));
     set("yIndex", "1i", subject.names.indexOf(y.name));

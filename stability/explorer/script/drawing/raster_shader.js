@@ -30,11 +30,14 @@ vec3 painted(float place, bool unstable, vec2 p) {
 
 const LOOK = `
 void main() {
-  vec2 v = mix(low, high, gl_FragCoord.xy / size), found = look(ARGUMENTS);
+  vec2 v = mix(low, high, gl_FragCoord.xy / size);
+  if (logs.x == 1) v.x = exp(v.x);
+  if (logs.y == 1) v.y = exp(v.y);
+  vec3 found = look(ARGUMENTS);
   float g = found.x, a = abs(g);
   float bent = a <= linear ? width * a / linear : width + log(a / linear) / 2.302585093;
   float place = clamp(0.5 + 0.5 * sign(g) * bent / end, 0.0, 1.0);
-  bool inside = DOMAIN;
+  bool inside = DOMAIN && found.z > 0.0;
   RESULT
 }`;
 const WHOLE = "colour = inside ? vec4(painted(place, found.y < 0.0, gl_FragCoord.xy / pixel), 1.0) : vec4(0.0);";
@@ -53,6 +56,7 @@ export function subjectShader(subject, packed) {
 uniform vec2 low, high;
 uniform float held[${n}], linear, width, end;
 uniform int xIndex, yIndex;
+uniform ivec2 logs;
 ${subject.shader}
 ${LOOK.replace("ARGUMENTS", given.join(", ")).replace("DOMAIN", limits.join(" && ") || "true")
     .replace("RESULT", packed ? PACKED : WHOLE)}`;

@@ -1,15 +1,32 @@
 // Axes: values over the unit interval, and ticks at round numbers.
 
-/** An axis of a diagram. */
-export function axisScale(name, low, high) {
+/** An axis of a diagram; `spacing` is "log" for even steps in the logarithm, from a positive end. */
+export function axisScale(name, low, high, spacing) {
+  const log = spacing === "log" && low > 0;
   return {
-    name, low, high,
-    value: (u) => low + u * (high - low),
-    place: (v) => (v - low) / (high - low),
+    name, low, high, log,
+    value: log ? (u) => low * (high / low) ** u : (u) => low + u * (high - low),
+    place: log ? (v) => Math.log(v / low) / Math.log(high / low) : (v) => (v - low) / (high - low),
   };
 }
 
-/** About `count` round numbers between the ends. */
+/** The axis of a quantity in a state of the page. */
+export function axisOf(state, name) {
+  return axisScale(name, ...state.ranges[name]);
+}
+
+/** About `count` round numbers on an axis. */
+export function axisTicks({low, high, log}, count) {
+  const decades = log ? Math.log10(high / low) : 0;
+  if (decades < 1) return ticks(low, high, count);
+  const sizes = 2 * decades <= count ? [1, 2, 5] : [1], stride = Math.ceil(decades / count), found = [];
+  for (let n = Math.floor(Math.log10(low)); n <= Math.log10(high); n += stride) {
+    for (const s of sizes) found.push(Number((s * 10 ** n).toPrecision(12)));
+  }
+  return found.filter((v) => v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9));
+}
+
+/** About `count` round numbers between two ends. */
 export function ticks(low, high, count) {
   const raw = (high - low) / Math.max(1, count), power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 2.5, 5, 10].map((s) => s * power).find((s) => s >= raw * 0.999) || 10 * power;

@@ -8,11 +8,12 @@ const CELLS_X = 120, CELLS_Y = 90, HALVINGS = 50;
  */
 export function boundaryCurves(subject, values, x, y, detail = 1) {
   const cells = [Math.round(CELLS_X * detail), Math.round(CELLS_Y * detail)];
+  const absent = subject.rules.flatMap(() => [NaN, NaN]);
   const q = subject.array(values), i = subject.names.indexOf(x.name), j = subject.names.indexOf(y.name);
   const all = (u, v) => {
     q[i] = x.value(u);
     q[j] = y.value(v);
-    return subject.formula.conditions(q);
+    return subject.exists(q) ? subject.formula.conditions(q) : absent;
   };
   const grid = sampled(all, cells, subject.rules.length), curves = [];
   subject.rules.forEach((rule, index) => {
@@ -48,6 +49,7 @@ function contour(f, grid, halvings) {
   const segments = [], rows = grid.length - 1, columns = grid[0].length - 1;
   for (let j = 0; j < rows; j++) {
     for (let i = 0; i < columns; i++) {
+      if (Number.isNaN(grid[j][i] + grid[j][i + 1] + grid[j + 1][i] + grid[j + 1][i + 1])) continue; // no member
       const first = grid[j][i] > 0;
       if (first !== grid[j][i + 1] > 0 || first !== grid[j + 1][i] > 0 || first !== grid[j + 1][i + 1] > 0) {
         segments.push(...cell(f, grid, i, j, halvings));

@@ -6,8 +6,9 @@ import {fromSource} from "./subject.js";
 const SAMPLES = 1201;
 const LONGEST = 1.5; // seconds of computing after which a launch is shown as far as it came
 
-/** The start of a launch: the states of the motion, the first one (the angle) less the tilt. */
+/** The start of a launch: the states of the motion, the first one (the angle) less the tilt, as `launch` gives it. */
 export function startOf(subject, motion, q, tilt) {
+  if (subject.start) return fromSource(subject.start)(q, [-(tilt[0] || 0)]);
   const states = fromSource(subject.member)(q), y = new Array(motion.names.length).fill(0);
   states.slice(0, motion.states).forEach((v, i) => { y[i] = v; });
   tilt.forEach((by, i) => { y[i] += by; });
@@ -32,16 +33,14 @@ export function launched(subject, motion, q, tilt, until, options = {}) {
   const seen = states.map((y) => observe(y, p));
   const series = Object.fromEntries(motion.observed.map((name, i) => [name, seen.map((v) => v[i])]));
   return {outcome, times: kept, states, series, until: run.time, final: run.state, steps: run.steps,
-    refused: false, work: motion.work === undefined ? null : states.map((y) => y[motion.work])};
+    refused: false, p, work: motion.work === undefined ? null : states.map((y) => y[motion.work])};
 }
 
-/** Pose of the disk at a time of a launch: angles and place, between two samples. */
+/** Place of the body at a time of a launch, between two samples: axis, mark, centre, contact point. */
 export function poseAt(run, motion, t) {
   const {times, states} = run, i = before(times, t), j = Math.min(i + 1, times.length - 1);
   const u = times[j] > times[i] ? Math.min(1, Math.max(0, (t - times[i]) / (times[j] - times[i]))) : 0;
-  const mix = (index) => (1 - u) * states[i][index] + u * states[j][index];
-  const n = motion.pose, unit = motion.unit;
-  return {theta: mix(0), phi: unit * mix(n), psi: unit * mix(n + 1), x: unit * mix(n + 2), y: unit * mix(n + 3)};
+  return fromSource(motion.frame)(Array.from(states[i], (v, n) => (1 - u) * v + u * states[j][n]), run.p);
 }
 
 export function before(times, t) {
@@ -59,25 +58,24 @@ const MODE_SAMPLES = 900, VISIBLE = 0.22; // largest tilt of the picture of a mo
  * The linear motion of one mode, large enough to be seen: {times, poses, size}.
  * The largest entry of the tilt is VISIBLE; the mode grows or decays as its eigenvalue says.
  */
-export function modeMotion(subject, q, eigenvalue, unit) {
+export function modeMotion(subject, q, eigenvalue) {
   const {states, p} = subject.linearised(q), vector = subject.mode(q, eigenvalue);
   const [re, im] = eigenvalue, pace = Math.max(Math.abs(im), Math.abs(re), 0.05);
   const until = Math.min(40, Math.max(4, (im !== 0 ? 3 * 2 * Math.PI : 4) / pace));
-  const growth = Math.exp(Math.max(0, re * until)), tilt = Math.hypot(...vector[0]);
+  const growth = Math.exp(Math.max(0, re * until)), tilt = Math.hypot(...vector[0], ...(subject.still.length > 4 ? vector[1] : []));
   const speeds = Math.max(...vector.map((v) => Math.hypot(...v)));
   const size = Math.min(VISIBLE / Math.max(tilt, 1e-9), 1.0 / speeds) / growth;
   const at = (t) => {
     const e = size * Math.exp(re * t), c = Math.cos(im * t), s = Math.sin(im * t);
     return states.map((v, i) => v + e * (vector[i][0] * c - vector[i][1] * s));
   };
-  const pose = fromSource(subject.pose), h = until / (MODE_SAMPLES - 1);
-  let y = [0, 0, 0, 0];
+  const pose = fromSource(subject.pose), frame = fromSource(subject.frame), h = until / (MODE_SAMPLES - 1);
+  let y = [...subject.still];
   const times = [], poses = [];
   for (let i = 0; i < MODE_SAMPLES; i++) {
     const t = i * h, x = at(t);
     times.push(t);
-    poses.push({theta: x[0], phi: unit * y[0], psi: unit * y[1], x: unit * y[2], y: unit * y[3]});
-    // Simpson's rule for the angles, whose rates follow from the states alone
+    poses.push(frame(x, p, y));
     const rate = (s, z) => pose(at(s), p, z);
     const a = rate(t, y), b = rate(t + h / 2, y.map((v, j) => v + (h / 2) * a[j]));
     const c = rate(t + h / 2, y.map((v, j) => v + (h / 2) * b[j])), d = rate(t + h, y.map((v, j) => v + h * c[j]));

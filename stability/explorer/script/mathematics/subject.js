@@ -42,6 +42,11 @@ export class Subject {
     return found.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   }
 
+  /** Whether the family has a member there. */
+  exists(q) {
+    return !this.members || fromSource(this.members)(q).every((v) => v > 0);
+  }
+
   /** Largest real part of the eigenvalues. */
   growth(q) {
     let most = -Infinity;
@@ -51,24 +56,26 @@ export class Subject {
 
   /** Each condition with its value, a bound on its rounding error, and its proved sign or 0. */
   conditionsAt(q) {
-    const flat = this.formula.conditions(q);
+    const flat = this.bounds ? fromSource(this.bounds)(q) : this.formula.conditions(q);
     return this.rules.map((rule, i) => {
-      const value = flat[2 * i], error = rule.share * flat[2 * i + 1];
+      const value = flat[2 * i], error = (this.bounds ? 1 : rule.share) * flat[2 * i + 1];
       const sure = Math.abs(value) > error && Number.isFinite(error);
       return {...rule, value, error, sign: sure ? Math.sign(value) : 0};
     });
   }
 
-  /** The least of the conditions over their sizes: its sign is the verdict, without proof. */
+  /** The least of the conditions over their sizes: its sign is the verdict, without proof; NaN without a member. */
   margin(q) {
+    if (!this.exists(q)) return NaN;
     const flat = this.formula.conditions(q);
     let least = 1;
     for (let i = 0; i < this.rules.length; i++) least = Math.min(least, flat[2 * i] / flat[2 * i + 1]);
     return least;
   }
 
-  /** The verdict, proved by the signs of the conditions in double precision, or undecided. */
+  /** The verdict by the signs of the conditions in double precision, or undecided; absent without a member. */
   judge(q) {
+    if (!this.exists(q)) return {verdict: "absent", rows: this.conditionsAt(q)};
     const rows = this.conditionsAt(q);
     if (rows.some((r) => r.sign < 0)) return {verdict: "unstable", rows};
     if (rows.every((r) => r.sign > 0)) return {verdict: this.good, rows};

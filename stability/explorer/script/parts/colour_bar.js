@@ -1,4 +1,4 @@
-// The colour bar: what each colour means, in the scale of the diagram.
+// The colour bar: the largest growth rate, what each colour means, in the scale of the diagram.
 
 import {css, shade} from "../drawing/colours.js";
 import {shape, text} from "../drawing/elements.js";
@@ -6,8 +6,8 @@ import {rateTicks} from "../drawing/scales.js";
 
 const STRIPES = 80;
 
-/** Draw the bar into its drawing: growth above, decay below. */
-export function colourBar(drawing, scale, colours, even) {
+/** Draw the bar into its drawing: growth above, decay below; `unit` is that of a rate. */
+export function colourBar(drawing, scale, colours, even, unit) {
   const box = drawing.getBoundingClientRect(), width = box.width || 54, height = box.height || 300;
   const top = 22, bottom = 38, tall = height - top - bottom, x = 6, wide = 12, parts = [];
   const first = even ? STRIPES / 2 : 0; // without friction nothing decays
@@ -25,6 +25,9 @@ export function colourBar(drawing, scale, colours, even) {
   }
   parts.push(shape("text", {class: "number strong", x: 0, y: 12}, "grows"));
   parts.push(shape("text", {class: "number strong", x: 0, y: height - 22}, even ? "persists" : "decays"));
+  parts.push(shape("text", {class: "title", "text-anchor": "middle",
+    transform: `translate(${width - 5} ${top + tall / 2}) rotate(-90)`},
+  "largest growth rate Re ", shape("tspan", {"font-style": "italic"}, "λ"), unit ? ` [${unit}]` : ""));
   drawing.setAttribute("viewBox", `0 0 ${width} ${height}`);
   drawing.replaceChildren(...parts);
 }

@@ -3,8 +3,8 @@
 import {element, onceAFrame, text} from "../drawing/elements.js";
 
 const KINDS = {
-  static: "no eigenvalue passes through zero",
-  flutter: "no pair of eigenvalues crosses the imaginary axis",
+  static: "no real eigenvalue passes through zero (divergence)",
+  flutter: "no complex pair of eigenvalues crosses the imaginary axis",
   auxiliary: "an auxiliary sign",
 };
 const LONG = 260; // characters of a formula that is folded
@@ -14,7 +14,9 @@ export class Conditions {
     this.view = view;
     this.rows = element("div", {class: "condition-rows"});
     this.rule = element("p", {class: "sentence"});
-    this.root = element("div", {class: "conditions"}, this.rule, this.rows);
+    this.note = element("p", {class: "small"});
+    this.polynomial = element("p", {class: "small polynomial"});
+    this.root = element("div", {class: "conditions"}, this.rule, this.note, this.polynomial, this.rows);
     this.render = onceAFrame(() => this.draw());
     view.on(() => this.render());
   }
@@ -22,7 +24,8 @@ export class Conditions {
   draw() {
     const {view} = this, {subject} = view;
     if (this.shown !== subject.key) this.build(subject);
-    const {rows} = subject.judge(view.point());
+    const q = view.point(), {rows} = subject.judge(q);
+    this.polynomial.innerHTML = `Characteristic polynomial (float): ${polynomialText(subject, q)}`;
     rows.forEach((row, i) => {
       const {value, put} = this.lines[i];
       const sign = row.sign > 0 ? "> 0" : row.sign < 0 ? "< 0" : "≈ 0";
@@ -38,7 +41,9 @@ export class Conditions {
     const good = subject.wholeEven ? "Neutral" : "Stable", count = subject.rules.length;
     this.rule.textContent = count === 0
       ? `${good} at every member of the family: no eigenvalue can cross the imaginary axis.`
-      : `${good} where ${count === 1 ? "this polynomial is" : "these polynomials are all"} positive, unstable where ${count === 1 ? "it" : "one"} is negative.`;
+      : `${good} where ${count === 1 ? `this ${subject.note ? "number" : "polynomial"} is` : `these ${subject.note ? "numbers" : "polynomials"} are all`} positive, unstable where ${count === 1 ? "it" : "one"} is negative.`;
+    this.note.textContent = subject.note ? `${subject.note}.` : "";
+    this.note.hidden = !subject.note;
     this.lines = [];
     this.rows.replaceChildren(...subject.rules.map((rule) => {
       const value = element("span", {class: "value"}), long = rule.text.length > LONG;
@@ -60,4 +65,26 @@ export class Conditions {
       return v < 0 ? `(${text(v, 5)})` : text(v, 5);
     }).concat(subject ? " " : "");
   }
+}
+
+/** The characteristic polynomial with its numbers, as HTML; every factor with leading coefficient 1. */
+function polynomialText(subject, q) {
+  const flat = subject.formula.coefficients(q), factors = subject.zeros ? [power(subject.zeros)] : [];
+  let start = 0;
+  for (const degree of subject.degrees) {
+    const own = flat.slice(start, start + degree + 1), words = [];
+    start += degree + 1;
+    for (let n = degree; n >= 0; n--) {
+      const c = own[n] / own[degree], size = text(Math.abs(c), 5);
+      if (c === 0) continue;
+      if (!Number.isFinite(c)) return "none, as there is no member here";
+      words.push(`${c < 0 ? " − " : words.length ? " + " : ""}${n === degree ? "" : size}${n ? `${n < degree ? " " : ""}${power(n)}` : ""}`);
+    }
+    factors.push(subject.degrees.length + Number(subject.zeros > 0) > 1 ? `(${words.join("")})` : words.join(""));
+  }
+  return factors.join(" ");
+}
+
+function power(n) {
+  return `<i>λ</i>${n > 1 ? `<sup>${n}</sup>` : ""}`;
 }

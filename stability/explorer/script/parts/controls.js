@@ -1,6 +1,8 @@
 // Family, law, and a slider with a number for each quantity.
 
-import {element, onceAFrame, text} from "../drawing/elements.js";
+import {element, onceAFrame, symbol, text} from "../drawing/elements.js";
+import {axisOf} from "../drawing/scales.js";
+import {ranged} from "./view.js";
 
 const STEPS = 2000;
 
@@ -65,9 +67,8 @@ export class Controls {
     const id = `stability-${q.name}`, marks = q.marks.length ? `${id}-marks` : null;
     const slider = element("input", {type: "range", id, min: 0, max: STEPS, step: 1, list: marks, "aria-label": `${spoken(q)}`,
       oninput: () => {
-        const [low, high] = this.reach(q);
-        const value = low + ((high - low) * slider.value) / STEPS;
-        this.view.move({[q.name]: this.held ? this.snapped(q, value) : Number(value.toPrecision(6))}, q.name);
+        const place = slider.value / STEPS;
+        this.view.move({[q.name]: this.held ? this.snapped(q, place) : this.onAxis(q, place)}, q.name);
       }});
     // the hand rests at a value with a name; arrow keys pass it
     slider.addEventListener("pointerdown", () => { this.held = true; });
@@ -78,20 +79,24 @@ export class Controls {
     const ticks = marks ? element("datalist", {id: marks}) : null;
     const arrow = element("span", {class: "role small"});
     const row = element("div", {class: "slider"},
-      element("label", {for: id, title: q.label || q.name}, element("i", {}, q.symbol), arrow), slider, number, named, ticks);
+      element("label", {for: id, title: q.label || q.name}, symbol(q.symbol), arrow), slider, number, named, ticks);
     Object.assign(row, {slider, number, named, quantity: q, ticks, arrow});
     return row;
   }
 
-  /** The range of a slider: that of the axis, or of the quantity. */
-  reach(q) {
-    return this.view.state.ranges[q.name];
+  /** The scale of a slider: that of the quantity's axis. */
+  axis(q) {
+    return axisOf(this.view.state, q.name);
   }
 
-  /** The value with a name that is within a step of the slider. */
-  snapped(q, value) {
-    const [low, high] = this.reach(q), near = q.marks.find(([v]) => Math.abs(v - value) < 0.006 * (high - low));
-    return near ? near[0] : Number(value.toPrecision(6));
+  onAxis(q, place) {
+    return Number(this.axis(q).value(place).toPrecision(6));
+  }
+
+  /** The value at a place of the slider, or one with a name that is within a step of it. */
+  snapped(q, place) {
+    const axis = this.axis(q), near = q.marks.find(([v]) => Math.abs(axis.place(v) - place) < 0.006);
+    return near ? near[0] : this.onAxis(q, place);
   }
 
   typed(q, input) {
@@ -100,8 +105,8 @@ export class Controls {
     const ends = [q.least === null ? null : `above ${q.least}`, q.most === null ? null : `at most ${text(q.most, 4)}`];
     input.title = ok ? "" : `give a number ${ends.filter((e) => e).join(" and ")}`;
     if (!ok) return;
-    const ranges = {...this.view.state.ranges}, [low, high] = ranges[q.name];
-    ranges[q.name] = [Math.min(low, value), Math.max(high, value)];
+    const ranges = {...this.view.state.ranges}, [low, high, spacing] = ranges[q.name];
+    ranges[q.name] = ranged([Math.min(low, value), Math.max(high, value)], spacing);
     this.view.set({ranges});
     this.view.move({[q.name]: value}, q.name);
   }
@@ -109,15 +114,15 @@ export class Controls {
   draw() {
     const {state} = this.view;
     for (const row of this.rows.children) {
-      const q = row.quantity, value = state.values[q.name], [low, high] = this.reach(q);
-      row.slider.value = String(Math.round(((value - low) / (high - low)) * STEPS));
+      const q = row.quantity, value = state.values[q.name], axis = this.axis(q);
+      row.slider.value = String(Math.round(axis.place(value) * STEPS));
       row.slider.setAttribute("aria-valuetext", `${text(value, 5)} ${q.unit}`);
-      if (document.activeElement !== row.number) row.number.value = String(Number(value.toPrecision(8)));
+      if (document.activeElement !== row.number) row.number.value = String(Number(value.toPrecision(6)));
       const named = q.marks.find(([v]) => v === value);
       row.named.textContent = named ? named[1] : q.unit;
       row.arrow.textContent = q.name === state.x ? "→" : q.name === state.y ? "↑" : "";
       row.arrow.title = q.name === state.x ? "horizontal axis" : q.name === state.y ? "vertical axis" : "";
-      if (row.ticks) row.ticks.replaceChildren(...q.marks.map(([v]) => element("option", {value: ((v - low) / (high - low)) * STEPS})));
+      if (row.ticks) row.ticks.replaceChildren(...q.marks.map(([v]) => element("option", {value: Math.round(axis.place(v) * STEPS)})));
     }
     this.xAxis.value = state.x;
     this.yAxis.value = state.y;
@@ -133,15 +138,23 @@ export class Controls {
           "aria-label": `${spoken(q)}, ${i ? "upper" : "lower"} end of the axis`, onchange: () => {
             const range = [...view.state.ranges[name]];
             range[i] = Number(ends[i].value);
-            if (ends[i].value !== "" && range[1] > range[0]) view.set({ranges: {...view.state.ranges, [name]: range}});
+            const ok = ends[i].value !== "" && range[1] > range[0] && (range[2] !== "log" || range[0] > 0);
+            if (ok) view.set({ranges: {...view.state.ranges, [name]: range}});
             else this.render();
           }}));
-        const line = element("div", {class: "axis-line"}, element("i", {}, q.symbol), " from ", ends[0], " to ", ends[1]);
-        Object.assign(line, {ends, name});
+        const log = element("input", {type: "checkbox", "aria-label": `${spoken(q)}, logarithmic axis`, onchange: () => view.set({
+          ranges: {...view.state.ranges, [name]: ranged(view.state.ranges[name], log.checked ? "log" : "")}})});
+        const line = element("div", {class: "axis-line"}, symbol(q.symbol), " from ", ends[0], " to ", ends[1],
+          element("label", {class: "log"}, log, " logarithmic"));
+        Object.assign(line, {ends, name, log});
         return line;
       }));
     }
     for (const line of this.ranges.children) {
+      const [low, , spacing] = state.ranges[line.name];
+      line.log.checked = spacing === "log";
+      line.log.disabled = !(low > 0);
+      line.log.title = low > 0 ? "" : "a logarithmic axis starts above zero";
       line.ends.forEach((input, i) => {
         if (document.activeElement !== input) input.value = String(Number(state.ranges[line.name][i].toPrecision(6)));
       });

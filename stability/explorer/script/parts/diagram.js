@@ -2,11 +2,12 @@
 
 import {boundaryCurves} from "../mathematics/boundaries.js";
 import {palette, rateScale} from "../drawing/colours.js";
-import {clamp, element, onceAFrame, shape, text} from "../drawing/elements.js";
-import {ticks} from "../drawing/scales.js";
+import {clamp, element, onceAFrame, shape, symbol, text} from "../drawing/elements.js";
+import {axisTicks} from "../drawing/scales.js";
 import {colourBar} from "./colour_bar.js";
 import {handled} from "./hand.js";
 import {regionNames} from "./region_names.js";
+import {ranged} from "./view.js";
 
 const MARGIN = {left: 46, right: 12, top: 10, bottom: 38};
 const QUICK = 30; // milliseconds from frame to frame while something moves; otherwise it is coarser
@@ -65,7 +66,7 @@ export class Diagram {
   /** Show the ranges of the start again. */
   whole() {
     const ranges = {...this.view.state.ranges};
-    for (const q of this.view.subject.quantities) ranges[q.name] = [q.low, q.high];
+    for (const q of this.view.subject.quantities) ranges[q.name] = ranged([q.low, q.high], ranges[q.name][2]);
     this.view.set({ranges});
   }
 
@@ -78,7 +79,7 @@ export class Diagram {
     const detail = this.moving ? 0.5 : 1;
     this.curves = boundaryCurves(view.subject, view.state.values, x, y, detail);
     this.vectors(x, y, width, height);
-    colourBar(this.bar, this.scale, colours, view.subject.wholeEven);
+    colourBar(this.bar, this.scale, colours, view.subject.wholeEven, view.data.units.rate);
     this.pace(begun);
   }
 
@@ -141,12 +142,12 @@ export class Diagram {
       shape("circle", {class: "dot", cx: px, cy: py, r: 2.2})] : [];
     const many = Math.max(3, Math.floor(width / 80)), rows = Math.max(3, Math.floor(height / 55));
     const axes = [shape("rect", {class: "frame", x: left, y: top, width, height})];
-    for (const v of ticks(x.low, x.high, many)) {
+    for (const v of axisTicks(x, many)) {
       const [at] = this.pixel(x, y, [v, y.low]);
       axes.push(shape("path", {class: "tick", d: `M${at} ${top + height}v4`}),
         shape("text", {class: "number", x: at, y: top + height + 15, "text-anchor": "middle"}, text(v, 6)));
     }
-    for (const v of ticks(y.low, y.high, rows)) {
+    for (const v of axisTicks(y, rows)) {
       const [, at] = this.pixel(x, y, [x.low, v]);
       axes.push(shape("path", {class: "tick", d: `M${left} ${at}h-4`}),
         shape("text", {class: "number", x: left - 7, y: at + 3.5, "text-anchor": "end"}, text(v, 6)));
@@ -166,5 +167,5 @@ export class Diagram {
 
 function labelled(q) {
   const unit = q.unit ? ` [${q.unit}]` : "";
-  return [q.label ? `${q.label} ` : "", shape("tspan", {"font-style": "italic"}, q.symbol), unit];
+  return [q.label ? `${q.label} ` : "", symbol(q.symbol, true), unit];
 }

@@ -1,9 +1,10 @@
 // The plane of eigenvalues, with the paths that they take while one quantity runs.
 
 import {element, onceAFrame, shape, text} from "../drawing/elements.js";
-import {ticks} from "../drawing/scales.js";
+import {axisOf, ticks} from "../drawing/scales.js";
 
-const SAMPLES = 140;
+const SAMPLES = 140, FINER = 9; // values along a path; halvings between two of them where it turns
+const LONGEST = 0.03, FINEST = 600; // step of a path over the plane; halvings of all steps together
 const MARGIN = {left: 8, right: 8, top: 8, bottom: 18};
 const LEAST = 1e-6; // below it all eigenvalues count as zero, and the plane shows the unit of rates
 const NEAR = 22; // pixels within which a tap chooses an eigenvalue
@@ -15,7 +16,7 @@ export class EigenvaluePlane {
     this.choice = element("select", {"aria-label": "Quantity whose change moves the eigenvalues along their paths",
       onchange: () => view.set({along: this.choice.value})});
     this.root = element("div", {class: "plane-box"}, this.drawing,
-      element("label", {class: "small along"}, "paths: eigenvalues while ", this.choice, " runs"));
+      element("label", {class: "small along"}, "Eigenvalues λ (float: double precision); paths: λ while ", this.choice, " runs"));
     this.drawing.addEventListener("click", (event) => this.pick(event));
     this.render = onceAFrame(() => this.draw());
     new ResizeObserver(() => this.render()).observe(this.drawing);
@@ -25,37 +26,37 @@ export class EigenvaluePlane {
   draw() {
     const box = this.drawing.getBoundingClientRect();
     if (!box.width) return;
-    const {view} = this, {subject, state} = view, now = subject.eigenvalues(view.point());
+    const {view} = this, {subject, state} = view, now = subject.eigenvalues(view.point()).filter((z) => Number.isFinite(z[0] + z[1]));
     this.offer();
-    const paths = this.paths();
-    const [reach, tall] = this.extent(now);
+    const [reach, tall] = this.extent(now), paths = this.paths(reach, tall);
     const {left, right, top, bottom} = MARGIN;
     const width = box.width - left - right, height = box.height - top - bottom;
     this.place = ([re, im]) => [left + width * (0.5 + re / (2 * reach)), top + height * (0.5 - im / (2 * tall))];
     this.now = now;
-    const [ox, oy] = this.place([0, 0]), parts = [
+    const [ox, oy] = this.place([0, 0]), words = [], parts = [
       shape("rect", {class: "growing", x: ox, y: top, width: left + width - ox, height}),
       shape("rect", {class: "decaying", x: left, y: top, width: ox - left, height}),
     ];
     for (const v of ticks(-reach, reach, 5)) {
       const [x] = this.place([v, 0]);
       if (v !== 0) parts.push(shape("path", {class: "grid", d: `M${x} ${top}v${height}`}));
-      if (Math.abs(v) < 0.93 * reach) parts.push(shape("text", {class: "number", x, y: box.height - 5, "text-anchor": "middle"}, text(v, 3)));
+      if (Math.abs(v) < 0.93 * reach) words.push(shape("text", {class: "number", x, y: box.height - 5, "text-anchor": "middle"}, text(v, 3)));
     }
     for (const v of ticks(-tall, tall, 4)) {
       const [, y] = this.place([0, v]);
       if (v === 0 || Math.abs(v) > 0.93 * tall) continue;
-      parts.push(shape("path", {class: "grid", d: `M${left} ${y}h${width}`}),
-        shape("text", {class: "number", x: left + 3, y: y - 2}, `${text(v, 3)} i`));
+      parts.push(shape("path", {class: "grid", d: `M${left} ${y}h${width}`}));
+      words.push(shape("text", {class: "number", x: left + 3, y: y - 2}, `${text(v, 3)} i`));
     }
     parts.push(shape("path", {class: "axis", d: `M${left} ${oy}h${width}M${ox} ${top}v${height}`}));
-    parts.push(shape("text", {class: "number", x: left + width - 3, y: oy - 4, "text-anchor": "end"}, "Re λ"),
+    words.push(shape("text", {class: "number", x: left + width - 3, y: oy - 4, "text-anchor": "end"}, "Re λ"),
       shape("text", {class: "number", x: ox + 4, y: top + 10}, "Im λ"));
     for (const path of paths) {
       for (const piece of this.inside(path, reach, tall)) {
         parts.push(shape("path", {class: "locus", d: `M${piece.map((z) => this.place(z).map((v) => v.toFixed(1)).join(" ")).join("L")}`}));
       }
     }
+    parts.push(...words);
     const chosen = state.mode === null ? null : this.shown(now)[state.mode];
     for (const z of now) {
       const [x, y] = this.place(z), own = chosen && z[0] === chosen[0] && Math.abs(z[1]) === Math.abs(chosen[1]);
@@ -86,24 +87,39 @@ export class EigenvaluePlane {
       const power = 10 ** Math.floor(Math.log10(v)), share = v / power;
       return ([1, 1.5, 2, 3, 4, 6, 8].find((s) => s >= share * 0.999) || 10) * power;
     };
-    const size = Math.max(...now.map((z) => Math.hypot(...z))), most = size > LEAST ? size : 1;
+    const size = Math.max(0, ...now.map((z) => Math.hypot(...z))), most = size > LEAST ? size : 1;
     return [0, 1].map((i) => round(1.15 * Math.max(...now.map((z) => Math.abs(z[i])), 0.2 * most)));
   }
 
-  paths() {
-    const {subject, state} = this.view, [low, high] = state.ranges[state.along], at = {...state.values};
-    const paths = [];
-    let last = null;
-    for (let n = 0; n <= SAMPLES; n++) {
-      at[state.along] = low + ((high - low) * n) / SAMPLES;
+  /** Eigenvalues while the quantity runs, in steps that are short wherever a path can be seen. */
+  paths(reach, tall) {
+    const {subject, state} = this.view, axis = axisOf(state, state.along), at = {...state.values};
+    const seen = (z) => Math.abs(z[0]) < 1.02 * reach && Math.abs(z[1]) < 1.02 * tall;
+    const apart = (a, b) => (seen(a) || seen(b) ? Math.hypot((a[0] - b[0]) / reach, (a[1] - b[1]) / tall) / 2 : 0);
+    const values = (u) => {
+      at[state.along] = axis.value(u);
       const found = subject.eigenvalues(subject.array(at));
-      if (!found.every((z) => Number.isFinite(z[0] + z[1]))) { last = null; continue; }
-      if (last === null || last.length !== found.length) {
-        last = found.map((z) => { const path = [z]; paths.push(path); return path; });
+      return found.every((z) => Number.isFinite(z[0] + z[1])) ? found : null;
+    };
+    const paths = [];
+    let last = null, u = 0, more = FINEST;
+    const step = (to, found, depth) => {
+      if (found && last && last.length === found.length) {
+        const next = nearest(last.map((p) => p[p.length - 1]), found);
+        const turns = last.some((p, i) => apart(p[p.length - 1], found[next[i]]) > LONGEST);
+        if (turns && depth < FINER && more-- > 0) {
+          const middle = (u + to) / 2;
+          step(middle, values(middle), depth + 1);
+          step(to, found, depth + 1);
+          return;
+        }
+        next.forEach((j, i) => last[i].push(found[j]));
       } else {
-        nearest(last.map((p) => p[p.length - 1]), found).forEach((j, i) => last[i].push(found[j]));
+        last = found && found.map((z) => { const path = [z]; paths.push(path); return path; });
       }
-    }
+      u = to;
+    };
+    for (let n = 0; n <= SAMPLES; n++) step(n / SAMPLES, values(n / SAMPLES), 0);
     return paths;
   }
 

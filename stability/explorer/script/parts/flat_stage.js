@@ -1,9 +1,9 @@
-// The disk on its plane without WebGL: outlines in perspective, painted from the back to the front.
+// The disk, or a body by circles and stripes, on its plane without WebGL: outlines in perspective.
 
 import {palette} from "../drawing/colours.js";
 import {TurnedView, placed} from "./turned_view.js";
 
-const POINTS = 72, GRID = 6, THIN = 0.93;
+const POINTS = 72, GRID = 6, THIN = 0.93, CIRCLES = 7, STRIPES = 8;
 const SIGHT = 3.08; // half the height of the picture is this much of the distance
 
 export class FlatStage extends TurnedView {
@@ -15,8 +15,10 @@ export class FlatStage extends TurnedView {
 
   recolour() {}
 
-  shapeOf(k) {
-    this.inner = Math.min(THIN, Math.sqrt(Math.max(0, 4 * k - 1)));
+  shapeOf(name, {k, rows}) {
+    this.rows = rows;
+    this.size = rows ? Math.max(0.5, ...rows.map(([r, z]) => Math.hypot(r, z))) : 1;
+    if (!rows) this.inner = Math.min(THIN, Math.sqrt(Math.max(0, 4 * k - 1)));
   }
 
   /** Draw a pose, with the contact points of the path so far. */
@@ -35,6 +37,24 @@ export class FlatStage extends TurnedView {
       this.line([[x - GRID, y + i, 0], [x + GRID, y + i, 0]], colours.rule, 1);
     }
     this.line(path.slice(-2000), "#d55e00", 1.5);
+    if (this.rows) this.body(parts, colours); else this.disk(parts);
+  }
+
+  /** Circles and stripes of a surface of revolution. */
+  body({axis, mark, side, centre}, colours) {
+    const at = ([r, z], a) => centre.map((v, n) => v + z * axis[n] + r * (Math.cos(a) * mark[n] + Math.sin(a) * side[n]));
+    const last = this.rows.length - 1, line = this.style.dark() ? "#2b8fca" : "#0072b2";
+    for (let i = 1; i < CIRCLES; i++) {
+      const row = this.rows[Math.round((i * last) / CIRCLES)];
+      this.line(Array.from({length: POINTS + 1}, (_, j) => at(row, (2 * Math.PI * j) / POINTS)), line, 1.5);
+    }
+    for (let j = 0; j < STRIPES; j++) {
+      this.line(this.rows.map((row) => at(row, (2 * Math.PI * j) / STRIPES)), j ? line : colours.mark, j ? 1.2 : 4);
+    }
+  }
+
+  disk(parts) {
+    const {pen} = this;
     const ring = (r) => Array.from({length: POINTS}, (_, i) => {
       const a = (2 * Math.PI * i) / POINTS;
       return parts.centre.map((c, n) => c + r * (Math.cos(a) * parts.mark[n] + Math.sin(a) * parts.side[n]));
@@ -49,9 +69,9 @@ export class FlatStage extends TurnedView {
   }
 
   aim(centre, box) {
-    const [x, y] = this.follow(centre), {azimuth, height, away} = this.angle;
+    const [x, y] = this.follow(centre), {azimuth, height} = this.angle, away = this.size * this.angle.away;
     const [ca, sa, ch, sh] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(height), Math.sin(height)];
-    const eye = [x + away * ch * ca, y + away * ch * sa, 0.8 + away * sh];
+    const eye = [x + away * ch * ca, y + away * ch * sa, 0.8 * this.size + away * sh];
     const back = [ch * ca, ch * sa, sh], right = [-sa, ca, 0], up = [-sh * ca, -sh * sa, ch];
     const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     this.flat = (p) => {

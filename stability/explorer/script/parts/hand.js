@@ -1,5 +1,7 @@
 // Mouse, touch and keyboard on the diagram: the point follows, two fingers or the wheel zoom.
 
+import {ranged} from "./view.js";
+
 const STEP = 0.01, LARGE = 10, SMALL = 0.1; // of the axis, for one arrow key
 
 /** Let the hand work on a diagram. */
@@ -58,11 +60,12 @@ export function handled(diagram) {
 
 function zoomed(view, which, middle, factor) {
   const axis = view.axis(which), q = view.subject.quantity[axis.name], at = middle[axis.name];
-  let low = at + (axis.low - at) * factor, high = at + (axis.high - at) * factor;
+  const place = axis.place(at);
+  let low = axis.value(place * (1 - factor)), high = axis.value(place + (1 - place) * factor);
   const whole = q.high - q.low;
-  if (high - low < 1e-6 * whole) return [axis.low, axis.high];
+  if (high - low < 1e-6 * whole) return view.state.ranges[axis.name];
   const [least, most] = [q.least === null ? -20 * whole : q.least, q.most === null ? 20 * whole : q.most];
   low = Math.max(low, least + 1e-4 * whole * (q.least !== null));
   high = Math.min(high, most);
-  return high > low ? [low, high] : [axis.low, axis.high];
+  return high > low ? ranged([low, high], axis.log ? "log" : "") : view.state.ranges[axis.name];
 }

@@ -4,17 +4,20 @@ import {before, launched, modeMotion, poseAt} from "../mathematics/launch.js";
 import {fromSource} from "../mathematics/subject.js";
 import {clamp, element, onceAFrame, text} from "../drawing/elements.js";
 import {Traces} from "./traces.js";
-import {placed} from "./turned_view.js";
+import {placed, surface} from "./turned_view.js";
 
 const PICTURES = {steady: "Steady", mode: "Mode", launch: "Launch"};
 const TIMES = [20, 60, 200], REST = 90; // milliseconds without a change after which a launch is computed
 const NEAR = 0.02; // distance from a steady motion that is worth a word
 const LEAST_TILT = 0.005, MOST_TILT = 0.8;
+const FLOAT = "Float: modes and launches are computed here in double precision (launches by DOP853, tolerance 10⁻¹²). "
+  + "The page does not decide whether a motion settles: simulate in Python does, with a proof.";
 const ENDS = {
   "lift-off": "it leaves the plane: the normal force reaches zero",
   flat: "it falls flat, where its equations of motion end",
   "no-contact": "no contact force continues the motion (Painlevé's paradox)",
   moving: "it still moves at the end of the run",
+  absent: "the family has no member here",
   unresolved: "the page gave up; ask Python for the rest",
 };
 
@@ -36,12 +39,13 @@ export class MotionPanel {
     this.until = element("select", {"aria-label": "Length of the run", onchange: () => view.set({until: Number(this.until.value), show: "launch"})},
       ...TIMES.map((t) => element("option", {value: t}, `${t}`)));
     this.said = element("p", {class: "sentence outcome", role: "status"});
-    this.traces = new Traces((t) => { this.playing = false; this.seek(t); });
+    this.traces = new Traces((t) => { this.playing = false; this.seek(t); }, view.data.units);
     this.traces.root.prepend(element("p", {class: "unseen"}, "Curves of the launch"));
     this.start = element("div", {class: "slider tilt"}, element("label", {}, "tilt"), this.tilt, this.tiltSaid,
-      element("label", {class: "small"}, "run ", this.until));
+      element("label", {class: "small"}, "until t = ", this.until));
     this.root = element("div", {class: "motion"}, this.kind, this.box,
-      element("div", {class: "transport"}, this.play, this.slider, this.clock), this.start, this.said, this.traces.root);
+      element("div", {class: "transport"}, this.play, this.slider, this.clock), this.start, this.said, this.traces.root,
+      element("p", {class: "small"}, FLOAT));
     this.compute = () => { // once the hand rests: a run takes longer than a frame
       this.waits = true;
       clearTimeout(this.later);
@@ -91,7 +95,8 @@ export class MotionPanel {
   /** Compute what is shown, and the launch whose curves are drawn. */
   run() {
     const {view} = this, {subject, motion, state} = view, q = view.point(), solid = Boolean(subject.pose);
-    const modes = subject.eigenvalues(q).filter((z) => z[1] >= 0).reverse();
+    const present = subject.exists(q);
+    const modes = present ? subject.eigenvalues(q).filter((z) => z[1] >= 0).reverse() : [];
     const show = state.show === "mode" && (!solid || !modes.length) ? "launch" : state.show;
     for (const button of this.kind.children) {
       const own = button.dataset.name === show;
@@ -104,7 +109,7 @@ export class MotionPanel {
     this.root.hidden = false;
     const tilt = new Array(subject.states.length).fill(0), kick = solid ? 0 : (state.kick || 0);
     tilt[kick] = solid ? -state.tilt : state.tilt;
-    const run = launched(subject, motion, q, tilt, state.until);
+    const run = present ? launched(subject, motion, q, tilt, state.until) : {refused: true, outcome: "absent", times: [], until: 0};
     run.ended = !["moving", "unresolved"].includes(run.outcome);
     this.launch = run;
     if (!solid) run.series = {...this.statesOf(run), ...run.series};
@@ -112,8 +117,10 @@ export class MotionPanel {
     this.traces.show(run.refused ? null : run, run.ended ? Math.min(state.until, 1.4 * run.until) : state.until);
     if (show === "mode") {
       const eigenvalue = modes[Math.min(state.mode || 0, modes.length - 1)];
-      this.shown = {...modeMotion(subject, q, eigenvalue, motion.unit), eigenvalue};
+      this.shown = {...modeMotion(subject, q, eigenvalue), eigenvalue};
       this.shown.path = this.shown.poses.map((p) => placed(p).contact);
+    } else if (!present) {
+      this.shown = {times: [0], until: 0, path: [], poses: []};
     } else if (show === "steady" || run.refused) {
       this.shown = solid ? this.steady(subject, motion, q) : {times: [0], until: state.until, path: []};
     } else {
@@ -158,7 +165,7 @@ export class MotionPanel {
         .map(([size, name]) => `${name} ${text(size / most, 2)}`).join(", ");
     };
     const words = ENDS[run.outcome] || `${(this.view.motion.words || {})[run.outcome] || run.outcome}`;
-    if (show === "steady") this.said.textContent = "The steady motion itself, undisturbed.";
+    if (show === "steady" && !(run.outcome === "absent")) this.said.textContent = "The steady motion itself, undisturbed.";
     else if (show === "mode") {
       this.said.textContent = `Mode ${Math.min(state.mode || 0, modes.length - 1) + 1} of the linear motion, enlarged. `
         + `Shares: ${shares(this.shown.vector)}.`;
@@ -181,7 +188,7 @@ export class MotionPanel {
     const member = fromSource(subject.member)(q);
     const apart = Math.max(...member.slice(0, motion.states).map((v, i) => Math.abs(v - run.final[i])));
     if (!(apart < NEAR)) return "";
-    return `, within ${text(apart, 2)} of ${subject.family} with ${subject.symbols[subject.call.state]} = ${text(run.final[index], 4)} (no proof that it stays)`;
+    return `, within ${text(apart, 2)} of ${subject.family} with ${subject.symbols[subject.call.state]} = ${text(run.final[index], 4)} (float; no proof that it stays there)`;
   }
 
   draw() {
@@ -198,12 +205,22 @@ export class MotionPanel {
     this.traces.mark(this.kindShown === "launch" ? this.time : 0);
     const {motion} = this.view;
     if (this.stage && this.visible && this.view.subject.pose) {
-      this.stage.shapeOf(this.view.state.values.k);
+      this.stage.shapeOf(...this.outline());
       const {times, poses, path} = this.shown, index = before(times, this.time) + 1;
+      if (poses && !poses.length) return;
       const pose = poses ? poses[Math.min(index, poses.length - 1)] : poseAt(this.shown.run || this.launch, motion, this.time);
       this.stage.draw(pose, path.slice(0, index));
     }
     if (this.playing && this.visible) requestAnimationFrame(() => this.frame());
+  }
+
+  /** What the stage draws: the inertia factor of a disk, or the surface of a body; with a name. */
+  outline() {
+    const {subject, state} = this.view, {k} = state.values;
+    if (!subject.meridian.point) return [`${k}`, {k}];
+    const p = subject.parameters.map((i) => this.view.point()[i]), key = `${subject.key} ${p.join()}`;
+    if (!this.surface || this.surface[0] !== key) this.surface = [key, {rows: surface(subject.meridian, p)}];
+    return this.surface;
   }
 
   /** Seconds of the motion in one second: a run lasts about twenty. */

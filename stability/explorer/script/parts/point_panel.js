@@ -1,14 +1,15 @@
 // What is known of the point: its verdict and proof, and its modes, one of which may be chosen.
 
-import {complexText, element, onceAFrame, text} from "../drawing/elements.js";
+import {complexText, element, onceAFrame, symbol, text} from "../drawing/elements.js";
 
 const SENTENCES = {
   stable: "Every disturbance of the linear motion decays, those along the family excepted.",
   unstable: "Some disturbance grows exponentially.",
   neutral: "No disturbance grows, and none decays: nothing takes energy away.",
+  absent: "The family has no member here: there is no such steady motion.",
   undecided: "The point is on a boundary, as far as double precision can see.",
 };
-const SIGNS = {stable: "✓", unstable: "↗", neutral: "○", undecided: "?"};
+const SIGNS = {stable: "✓", unstable: "↗", neutral: "○", undecided: "?", absent: "–"};
 
 export class PointPanel {
   constructor(view) {
@@ -28,23 +29,25 @@ export class PointPanel {
   draw() {
     const {view} = this, {subject, state} = view, q = view.point(), {verdict, rows} = subject.judge(q);
     this.badge.className = `badge ${verdict}`;
-    this.badge.replaceChildren(element("span", {"aria-hidden": "true"}, SIGNS[verdict]), ` ${verdict}`);
-    const at = subject.quantities.map((one) => [element("i", {}, one.symbol), ` = ${text(state.values[one.name], 5)}`]);
+    this.badge.replaceChildren(element("span", {"aria-hidden": "true"}, SIGNS[verdict]), ` ${verdict === "absent" ? "no member" : verdict}`);
+    const at = subject.quantities.map((one) => [symbol(one.symbol), ` = ${text(state.values[one.name], 5)}`]);
     this.place.replaceChildren("at ", ...at.flatMap((parts, i) => (i ? [", ", ...parts] : parts)));
     this.sentence.textContent = SENTENCES[verdict];
     this.proof.replaceChildren(...this.proved(verdict, rows));
-    this.list(subject.eigenvalues(q));
+    this.list(verdict === "absent" ? [] : subject.eigenvalues(q));
     clearTimeout(this.later);
     this.later = setTimeout(() => { this.said.textContent = `${verdict} ${this.place.textContent}`; }, 400);
   }
 
   proved(verdict, rows) {
     const one = this.view.certificate(), out = [];
+    if (verdict === "absent") return [];
     if (verdict === "undecided") out.push("Not proved here. ");
+    else if (!this.view.subject.proved) out.push("Float: the signs of the conditions below in double precision, without a proof. ");
     else if (!rows.length) out.push("Proved for every member of the family, offline. ");
     else out.push(element("b", {}, "Proved in this page"), ": the signs of the conditions below exceed their rounding errors. ");
     if (one && one.verdict !== "undecided") {
-      const ends = one.ends.map((e) => [element("i", {}, this.view.subject.quantity[e.name].symbol),
+      const ends = one.ends.map((e) => [symbol(this.view.subject.quantity[e.name].symbol),
         ` from ${text(e.low, 4)} to ${text(e.high, 4)}`]);
       out.push(element("b", {class: "certified"}, "Certified by the package"), `: ${one.verdict} for every `,
         ...ends[0], " and ", ...ends[1], ".");
@@ -66,7 +69,7 @@ export class PointPanel {
       const row = this.modes.children[i], [dot, lambda, words] = row.children;
       dot.className = `dot ${z[0] > 1e-12 ? "grows" : "decays"}`;
       lambda.textContent = complexText(z);
-      words.textContent = inWords(z);
+      words.textContent = inWords(z, this.view.data.units.time);
       row.setAttribute("aria-checked", String(i === chosen));
       row.tabIndex = i === (chosen === null ? 0 : chosen) ? 0 : -1;
     });
@@ -82,11 +85,11 @@ export class PointPanel {
   }
 }
 
-/** How fast a mode grows or decays, and its period. */
-function inWords([re, im]) {
+/** How fast a mode grows or decays, and its period, with the unit of time. */
+function inWords([re, im], unit) {
   const size = Math.hypot(re, im), parts = [];
   if (Math.abs(re) > 1e-12 * size) parts.push(`${re > 0 ? "doubles" : "halves"} in ${text(Math.LN2 / Math.abs(re), 3)}`);
   else if (size > 0) parts.push("persists");
   if (im !== 0) parts.push(`period ${text((2 * Math.PI) / Math.abs(im), 3)}`);
-  return parts.join(", ");
+  return parts.join(", ") + (unit && (im !== 0 || Math.abs(re) > 1e-12 * size) ? ` ${unit}` : "");
 }

@@ -5,12 +5,13 @@ import {exactText} from "../drawing/elements.js";
 /** The calls for the diagram, the point and the launch of a view. */
 export function pythonCall(view) {
   const {subject} = view;
-  return subject.call.kind === "disk" ? ofDisk(view) : ofOwn(view);
+  return {disk: ofDisk, body: ofBody, own: ofOwn}[subject.call.kind](view);
 }
 
 function axis(view, which, count) {
   const name = view.state[which];
-  return `("${name}", ${view.state.ranges[name].map(exactText).join(", ")}, ${count})`;
+  const [low, high, spacing] = view.state.ranges[name];
+  return `("${name}", ${exactText(low)}, ${exactText(high)}, ${count}${spacing ? `, "${spacing}"` : ""})`;
 }
 
 function ofDisk(view) {
@@ -30,6 +31,26 @@ function ofDisk(view) {
     "figure = st.plot_map(diagram)",
     `start = st.launch("${family}", at=${at}, tilt=${exactText(state.tilt)}, disk=disk)`,
     `motion = st.simulate(disk, contact, start, ${exactText(state.until)})`,
+    "print(point.verdict, point.eigenvalues, motion.attrs[\"outcome\"])", "",
+  ].join("\n");
+}
+
+function ofBody(view) {
+  const {subject, state} = view, {values} = state, {family, law, class: name, body, pole} = subject.call;
+  const [first] = subject.names, at = exactText(values[first]), axes = [state.x, state.y];
+  const made = body.replace(/\{(\w+)\}/g, (_, n) => exactText(values[n]));
+  const shape = subject.names.filter((n) => n !== first && n !== "mu").map((n) => `${n}=${exactText(values[n])}`).join(", ");
+  const contact = `st.${name}(${"mu" in values ? exactText(values.mu) : ""})`;
+  const where = pole === undefined || pole === null ? "" : `, pole=${JSON.stringify(pole)}`;
+  const held = [axes.includes("mu") ? `contact="${law}"` : "contact=contact", ...(axes.includes(first) ? [] : [`at=${at}`])];
+  return [
+    "import stability as st", "",
+    made ? `body, contact = ${made}, ${contact}` : `contact = ${contact}  # body: your ${subject.call.name}${shape ? ` with ${shape}` : ""}`,
+    `point = st.spectrum("${family}", at=${at}, body=body, contact=contact${where}, certify=True)`,
+    `diagram = st.stability_map("${family}", x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}, body=body, ${held.join(", ")}${where})`,
+    "figure = st.plot_map(diagram)",
+    `start = st.launch("${family}", at=${at}, tilt=${exactText(state.tilt)}, body=body${where})`,
+    `motion = st.simulate(body, contact, start, ${exactText(state.until)})`,
     "print(point.verdict, point.eigenvalues, motion.attrs[\"outcome\"])", "",
   ].join("\n");
 }

@@ -5,6 +5,8 @@ const LEAST = 0.03; // share of the diagram that a region needs for its name
 
 const WIDE = 2.6; // a word is this much wider than high
 
+const BESIDE = [0.09, 0.07]; // half the width and height around the point that a word leaves free
+
 /** [word, u, v] with places in the unit square. */
 export function regionNames(view, x, y) {
   const {subject, state} = view, q = subject.array(state.values);
@@ -13,20 +15,23 @@ export function regionNames(view, x, y) {
     for (let column = 0; column < COLUMNS; column++) {
       q[i] = x.value((column + 0.5) / COLUMNS);
       q[j] = y.value((row + 0.5) / ROWS);
-      cells.push(subject.margin(q) > 0);
+      const margin = subject.margin(q);
+      cells.push(Number.isNaN(margin) ? null : margin > 0);
     }
   }
-  const found = [];
+  const [px, py] = [x.place(state.values[x.name]), y.place(state.values[y.name])], found = [];
+  const free = cells.map((c, n) => Math.abs((n % COLUMNS + 0.5) / COLUMNS - px) > BESIDE[0]
+    || Math.abs((Math.floor(n / COLUMNS) + 0.5) / ROWS - py) > BESIDE[1]);
   for (const [kind, word] of [[true, subject.good], [false, "unstable"]]) {
     if (cells.filter((c) => c === kind).length < LEAST * cells.length) continue;
-    const best = deepest(cells, kind);
+    const best = deepest(cells, kind, free);
     if (best) found.push([word, (best[0] + 0.5) / COLUMNS, (best[1] + 0.5) / ROWS]);
   }
   return found;
 }
 
 /** The cell that is farthest from every cell of the other kind, by two sweeps. */
-function deepest(cells, kind) {
+function deepest(cells, kind, free) {
   const away = cells.map((c) => (c === kind ? Infinity : 0)), [dx, dy] = [1 / WIDE, 1];
   const at = (i, j) => (i < 0 || j < 0 || i >= COLUMNS || j >= ROWS ? 0 : away[j * COLUMNS + i]);
   const diagonal = Math.hypot(dx, dy);
@@ -36,8 +41,10 @@ function deepest(cells, kind) {
       away[m] = Math.min(away[m], at(i - s, j) + dx, at(i, j - s) + dy, at(i - s, j - s) + diagonal, at(i + s, j - s) + diagonal);
     }
   }
-  const most = Math.max(...away), deep = away.map((v, n) => n).filter((n) => away[n] > 0.9 * most);
-  if (!(most > 1.2)) return null;
+  const most = Math.max(...away);
+  const deep = [0.9, 0.7, 0.5].map((share) => away.map((v, n) => n).filter((n) => away[n] > share * most && free[n]))
+    .find((found) => found.length);
+  if (!(most > 1.2) || !deep) return null;
   // of the points that are about as deep the one nearest to the middle of the region
   const all = cells.map((c, n) => n).filter((n) => cells[n] === kind);
   const mean = (list, f) => list.reduce((sum, n) => sum + f(n), 0) / list.length;

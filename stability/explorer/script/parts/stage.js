@@ -1,10 +1,12 @@
-// The disk in three dimensions on its plane, with the path of its contact point.
+// The disk or a body of revolution in three dimensions on its plane, with the path of its contact point.
 
 import {palette} from "../drawing/colours.js";
 import {TurnedView, placed} from "./turned_view.js";
 
 const THIN = 0.93; // largest inner radius that is drawn
-const TRAIL = 4000, GRID = 14;
+const TRAIL = 4000, GRID = 14, ROUND = 72;
+const STRIPES = [[0, 0.1, "mark"], [0.25, 0.02, "spoke"], [0.5, 0.02, "spoke"], [0.75, 0.02, "spoke"]]; // turn, half width [rad]
+const OVER = 1.004; // of a stripe over the surface
 
 /** The picture by WebGL; its constructor fails where that is missing. */
 export class Stage extends TurnedView {
@@ -47,6 +49,11 @@ export class Stage extends TurnedView {
     this.recolour();
   }
 
+  /** Look from farther away at a larger body, largest distance from its centre. */
+  grown(size) {
+    this.size3d = Math.max(0.5, size);
+  }
+
   recolour() {
     const dark = this.style.dark(), colours = palette(dark), T = this.three;
     this.colour.face.color.set(dark ? "#2b8fca" : "#0072b2");
@@ -59,16 +66,32 @@ export class Stage extends TurnedView {
     this.scene.fog = new T.Fog(colours.page, 7, 15);
   }
 
-  /** The body with inertia factor k: a uniform disk, or the ring that has it. */
-  shapeOf(k) {
-    if (this.k === k) return;
-    this.k = k;
+  /** Draw another body: the disk with inertia factor k, or a surface by rows of its meridian. */
+  shapeOf(name, {k, rows}) {
+    if (this.name === name) return;
+    this.name = name;
+    for (const child of [...this.body.children, ...this.shadow.children]) child.geometry.dispose();
+    this.body.clear();
+    this.shadow.clear();
+    this.lift = rows ? 0 : 0.012; // half the thickness that the disk is drawn with
+    this.grown(rows ? Math.max(...rows.map(([r, z]) => Math.hypot(r, z))) : 1);
+    if (rows) this.revolved(rows); else this.disk(k);
+  }
+
+  revolved(rows) {
+    const T = this.three, whole = turned(T, rows, 0, 2 * Math.PI, 1);
+    this.body.add(new T.Mesh(whole, this.colour.face), ...STRIPES.map(([turn, half, name]) => new T.Mesh(
+      turned(T, rows, 2 * Math.PI * turn - half, 2 * Math.PI * turn + half, OVER), this.colour[name])));
+    this.shadow.add(new T.Mesh(whole.clone(), this.colour.shade));
+  }
+
+  /** A uniform disk, or the ring that has this inertia factor. */
+  disk(k) {
     const T = this.three, inner = Math.min(THIN, Math.sqrt(Math.max(0, 4 * k - 1)));
     const outline = new T.Shape().absarc(0, 0, 1, 0, 2 * Math.PI);
     if (inner > 0) outline.holes.push(new T.Path().absarc(0, 0, inner, 0, 2 * Math.PI));
     const depth = 0.05, solid = new T.ExtrudeGeometry(outline, {depth, bevelEnabled: false, curveSegments: 72});
     solid.translate(0, 0, -depth / 2);
-    for (const child of [...this.body.children, ...this.shadow.children]) child.geometry.dispose();
     const sector = (middle, half, material) => {
       const from = middle - half, to = middle + half;
       const piece = new T.Shape().absarc(0, 0, 0.995, from, to).absarc(0, 0, Math.max(inner * 1.005, 0.05), to, from, true);
@@ -76,10 +99,8 @@ export class Stage extends TurnedView {
       made.translate(0, 0, -depth / 2 - 0.003);
       return new T.Mesh(made, material);
     };
-    this.body.clear();
     this.body.add(new T.Mesh(solid, [this.colour.face, this.colour.edge]), sector(0, 0.1 + 0.05 * inner, this.colour.mark),
       ...[0.25, 0.5, 0.75].map((s) => sector(2 * Math.PI * s, 0.012, this.colour.spoke)));
-    this.shadow.clear();
     this.shadow.add(new T.Mesh(solid.clone(), this.colour.shade));
   }
 
@@ -90,7 +111,7 @@ export class Stage extends TurnedView {
     if (!box.width || !box.height) return;
     const T = this.three, {mark, side, axis, centre} = placed(pose);
     const turn = new T.Matrix4().set(mark[0], side[0], axis[0], centre[0], mark[1], side[1], axis[1], centre[1],
-      mark[2], side[2], axis[2], centre[2] + 0.012, 0, 0, 0, 1);
+      mark[2], side[2], axis[2], centre[2] + this.lift, 0, 0, 0, 1);
     this.body.matrixAutoUpdate = false;
     this.body.matrix.copy(turn);
     this.shadow.matrixAutoUpdate = false; // flattened along the light
@@ -105,11 +126,11 @@ export class Stage extends TurnedView {
   }
 
   look3d(centre, box) {
-    const {azimuth, height, away} = this.angle;
+    const {azimuth, height} = this.angle, away = this.size3d * this.angle.away, middle = 0.8 * this.size3d;
     const [x, y] = this.follow(centre), ratio = Math.min(2, window.devicePixelRatio || 1);
     this.camera.position.set(x + away * Math.cos(height) * Math.cos(azimuth), y + away * Math.cos(height) * Math.sin(azimuth),
-      0.8 + away * Math.sin(height));
-    this.camera.lookAt(x, y, 0.8);
+      middle + away * Math.sin(height));
+    this.camera.lookAt(x, y, middle);
     this.grid.position.set(Math.round(x), Math.round(y), 0);
     if (this.size !== `${box.width} ${box.height}`) {
       this.size = `${box.width} ${box.height}`;
@@ -119,4 +140,27 @@ export class Stage extends TurnedView {
       this.camera.updateProjectionMatrix();
     }
   }
+}
+
+/** A part of a surface of revolution, from one angle about the axis to another; normals of the rows. */
+function turned(T, rows, from, to, over) {
+  const count = Math.max(2, Math.round((ROUND * (to - from)) / (2 * Math.PI))), place = [], normal = [], faces = [];
+  for (const [r, z, theta] of rows) {
+    for (let j = 0; j <= count; j++) {
+      const a = from + ((to - from) * j) / count, [c, s] = [Math.cos(a), Math.sin(a)];
+      place.push(over * r * c, over * r * s, over * z);
+      normal.push(Math.sin(theta) * c, Math.sin(theta) * s, -Math.cos(theta));
+    }
+  }
+  for (let i = 0; i + 1 < rows.length; i++) {
+    for (let j = 0; j < count; j++) {
+      const a = i * (count + 1) + j, b = a + count + 1;
+      faces.push(a, a + 1, b, b, a + 1, b + 1);
+    }
+  }
+  const made = new T.BufferGeometry();
+  made.setAttribute("position", new T.Float32BufferAttribute(place, 3));
+  made.setAttribute("normal", new T.Float32BufferAttribute(normal, 3));
+  made.setIndex(faces);
+  return made;
 }

@@ -3,10 +3,12 @@
 import {element, shape, text} from "../drawing/elements.js";
 import {ticks} from "../drawing/scales.js";
 
-const LEFT = 46, RIGHT = 10, ROW = 62, FOOT = 20, MOST = 700;
+const LEFT = 52, RIGHT = 10, ROW = 62, FOOT = 20, LABEL = 12, MOST = 700;
 
 export class Traces {
-  constructor(seek) {
+  /** `units` by name of a curve, and of `time`. */
+  constructor(seek, units) {
+    this.units = units;
     this.drawing = shape("svg", {class: "traces", role: "img"});
     this.root = element("div", {class: "traces-box"}, this.drawing);
     this.run = null;
@@ -51,17 +53,18 @@ export class Traces {
       parts.push(shape("path", {class: "grid", d: `M${LEFT} ${top + tall}h${wide}`}));
       const digits = text(low, 3) === text(high, 3) ? 5 : 3;
       for (const v of [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(v, digits)));
-      parts.push(shape("text", {class: "number strong", x: LEFT, y: top - 4}, name));
+      parts.push(shape("text", {class: "number strong", x: LEFT, y: top - 4}, bracketed(name, this.units[name])));
       parts.push(shape("path", {class: "trace", d: `M${line}`}));
       if (this.run.ended) parts.push(shape("circle", {class: "ended", cx: at(this.run.until), cy: y(values[values.length - 1]), r: 3.5}));
     });
     for (const t of ticks(0, this.span, Math.max(3, Math.floor(wide / 70)))) {
       parts.push(shape("text", {class: "number", x: at(t), y: height - 5, "text-anchor": "middle"}, text(t, 4)));
     }
+    parts.push(shape("text", {class: "number strong", x: width - RIGHT, y: height + 9, "text-anchor": "end"}, bracketed("time t", this.units.time)));
     this.cursor = shape("path", {class: "cursor"});
     this.height = height;
-    this.drawing.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    this.drawing.style.height = `${height}px`;
+    this.drawing.setAttribute("viewBox", `0 0 ${width} ${height + LABEL}`);
+    this.drawing.style.height = `${height + LABEL}px`;
     this.drawing.setAttribute("aria-label", `${names.join(" and ")} over time`);
     this.drawing.replaceChildren(...parts, this.cursor);
     this.mark(this.time || 0);
@@ -74,4 +77,8 @@ export class Traces {
     const wide = this.root.getBoundingClientRect().width - LEFT - RIGHT;
     this.cursor.setAttribute("d", `M${LEFT + (wide * time) / this.span} 2V${this.height - FOOT + 4}`);
   }
+}
+
+function bracketed(name, unit) {
+  return unit ? `${name} [${unit}]` : name;
 }

@@ -1,21 +1,35 @@
 // What every picture of the disk shares: where its parts are, and the hand that turns the view.
 
 import {element} from "../drawing/elements.js";
+import {fromSource} from "../mathematics/subject.js";
 
-/** Where the parts of the disk are in space, for a pose. */
-export function placed({theta, phi, psi, x, y}) {
-  const [ct, st, cp, sp] = [Math.cos(theta), Math.sin(theta), Math.cos(phi), Math.sin(phi)];
-  const towards = [ct * cp, ct * sp, -st], along = [-sp, cp, 0], axis = [st * cp, st * sp, ct];
-  const [c, s] = [Math.cos(psi), Math.sin(psi)], centre = [x, y, st];
-  const mark = towards.map((v, i) => c * v + s * along[i]), side = towards.map((v, i) => c * along[i] - s * v);
-  return {mark, side, axis, centre, contact: [x + towards[0], y + towards[1], 0.004]};
+const ROWS = 60, END = 1e-9, HALF = 0.55; // points of a meridian; distance from its ends; beyond upright [rad]
+
+const RAISED = 0.004; // of the path over the plane, so that it is seen
+
+/** Where the parts of a body are in space, from the twelve numbers of its place. */
+export function placed(frame) {
+  const [axis, mark, centre, contact] = [0, 3, 6, 9].map((n) => frame.slice(n, n + 3));
+  const side = [0, 1, 2].map((i) => axis[(i + 1) % 3] * mark[(i + 2) % 3] - axis[(i + 2) % 3] * mark[(i + 1) % 3]);
+  return {mark, side, axis, centre, contact: [contact[0], contact[1], RAISED]};
+}
+
+/** The closed surface of a body of revolution: rows [r, place along the axis, inclination] of its meridian. */
+export function surface({point, low, high}, p) {
+  const at = (theta) => { const [r, z] = fromSource(point)([theta], p); return [Math.max(0, r), z, theta]; };
+  const rows = Array.from({length: ROWS + 1}, (_, i) => at(low + END + ((high - low - 2 * END) * i) / ROWS));
+  // a height up to upright is that of a body with equal halves
+  if (high < Math.PI / 2 + HALF) rows.push(...rows.map(([r, z, theta]) => [r, -z, Math.PI - theta]).reverse());
+  const last = rows[rows.length - 1], most = Math.max(...rows.map(([r]) => r));
+  if (last[0] > 1e-6 * most) return [[0, rows[0][1], 0], ...rows, [0, last[1], Math.PI]]; // flat ends
+  return rows;
 }
 
 /** A canvas that is looked at from an angle, which drag, pinch and keys change. */
 export class TurnedView {
   constructor() {
     this.canvas = element("canvas", {role: "application", tabindex: 0,
-      "aria-label": "The disk on the plane; drag, or use the arrow keys, to look from elsewhere"});
+      "aria-label": "The body on the plane; drag, or use the arrow keys, to look from elsewhere"});
     this.angle = {azimuth: 0.75, height: 0.36, away: 5.6};
     this.target = [0, 0];
     this.turned();

@@ -1,7 +1,12 @@
 // What is shown: one record that every part reads, changes of it, and its text in the link.
 
 import {Subject, certified} from "../mathematics/subject.js";
-import {axisScale} from "../drawing/scales.js";
+import {axisOf} from "../drawing/scales.js";
+
+/** Ends of an axis with its spacing: "log", which needs a positive end, or nothing. */
+export function ranged([low, high], spacing) {
+  return spacing === "log" && low > 0 ? [low, high, "log"] : [low, high];
+}
 
 export class View {
   constructor(data, link = "") {
@@ -73,8 +78,7 @@ export class View {
   }
 
   axis(which) {
-    const name = this.state[which];
-    return axisScale(name, ...this.state.ranges[name]);
+    return axisOf(this.state, this.state[which]);
   }
 
   /** The quantities of the point as an array. */
@@ -113,9 +117,9 @@ export class View {
     }
     const out = {...state, values, ranges};
     for (const which of ["x", "y"]) {
-      const [name, low, high] = (given[`${which}axis`] || "").split(":");
+      const [name, low, high, spacing] = (given[`${which}axis`] || "").split(":");
       if (subject.names.includes(name)) out[which] = name;
-      if (Number(high) > Number(low)) ranges[name] = [Number(low), Number(high)];
+      if (Number(high) > Number(low)) ranges[name] = ranged([Number(low), Number(high)], spacing);
     }
     if (out.x === out.y) [out.x, out.y] = subject.axes;
     if (["steady", "mode", "launch"].includes(given.picture)) out.show = given.picture;

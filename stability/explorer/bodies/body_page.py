@@ -1,0 +1,250 @@
+"""Data of the page of a body of revolution: its families under three laws."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
+from ...bodies.contact_laws import LAWS
+from ...bodies.round_body.body import Body
+from ...bodies.round_body.families import FAMILIES
+from ...bodies.round_body.inclinations import tumbling_ranges
+from ...bodies.round_body.pole_equations import smooth_at
+from ...bodies.round_body.shapes import named
+from ...systems.family import Family
+from ..disk_subjects import WORDS
+from ..own_subject import member_states, own_subject
+from ..page import shared
+from ..pages import LAW_NAMES, common, foot, law_of, proved
+from ..subject import Quantity, Subject
+from .body_motion import States, body_motion, meridian, mode_pose, start_of
+from .closed_subject import closed_states, closed_subject
+
+LAW_KEYS = ("smooth", "viscous", "rough")
+"""Laws of the page."""
+SPEEDS = (0.05, 5.0)
+"""Range of angular velocities [√(g/R)]."""
+FIRST = {"rolling": 1.5, "spinning": 1.5, "vertical": 2.0}
+"""Member that is shown at first; of tumbling the middle of its range."""
+FRICTION = (0.02, 3.0, 0.3)
+"""Range of friction and its value at first [1/√(gR)]."""
+MOST = 620_000
+"""Largest size of the families of a page [bytes]; a page of 1.5 MB has the library and motions."""
+RATE = "√(g/R)"
+"""Unit of an angular velocity; R is the body's length."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A family on the page."""
+
+    key: str
+    """Name in links."""
+    name: str
+    """Name of the family in calls."""
+    button: str
+    """Word on its button."""
+    pole: int = 0
+    """1 or -1 for vertical spin at θ = 0 or π."""
+
+    @property
+    def choice(self) -> dict[str, Any]:
+        """The pole as an argument of calls."""
+        return {} if not self.pole else {"pole": 0 if self.pole == 1 else "pi"}
+
+
+def _families(body: Body) -> list[Shown]:
+    """Every family that one number names; vertical spin at π only where it is another motion."""
+    known = [Shown(n, n, n.capitalize()) for n in ("rolling", "spinning", "tumbling")]
+    theta = np.linspace(0.3, 1.2, 4)
+    both = smooth_at(body, 1) and smooth_at(body, -1)
+    if both and np.allclose(body.height_at(theta), body.height_at(math.pi - theta), rtol=1e-13):
+        return [*known, Shown("vertical", "vertical", "Vertical", 1)]
+    return [*known, Shown("vertical", "vertical", "Vertical, θ = 0", 1),
+            Shown("vertical-pi", "vertical", "Vertical, θ = π", -1)]  # fmt: skip
+
+
+def body_page(
+    family: Any, at: Any, contact: Any, body: Body, axes: Sequence[Any],
+    parameters: Mapping[str, Any], *, certify: bool, pole: Any = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Data of the page of a body of revolution.
+
+    Parameters
+    ----------
+    family, at, contact, body, parameters, certify, pole
+        As for `explore`.
+    axes
+        The two axes, or None for each.
+    """
+    families = _families(body)
+    names = list(dict.fromkeys(f.name for f in families))
+    if not isinstance(family, str) or family not in names:
+        raise NameUnknownError(
+            f"family is {shown(family)}; of a body the page draws {listed(names, 'or')}."
+        )
+    if not body.dimensionless:
+        raise ParameterError(
+            "body has a mass, gravity or length other than 1; the page is dimensionless: leave "
+            "them out."
+        )
+    law, numbers = law_of(contact, dict(parameters))
+    if law not in LAW_KEYS:
+        raise NameUnknownError(
+            f"contact is {shown(law)}; of a body the page draws {listed(LAW_KEYS, 'or')}."
+        )
+    mu = numbers.get("mu", FRICTION[2])
+    first = _chosen(families, family, pole)
+    subjects: list[Subject] = []
+    planes: dict[str, Any] = {}
+    for one in families:
+        for name in LAW_KEYS:
+            start = one == first and name == law
+            try:
+                found, member = _subject(body, one, name, mu, at if one == first else None)
+            except StabilityError:
+                if start:
+                    raise
+                continue
+            subjects.append(found)
+            values = {q.name: q.value for q in found.quantities}
+            planes[found.key] = proved(member, found, values) if certify else []
+    subjects, left = _fitting(subjects, first)
+    [start_subject] = [s for s in subjects if s.key == f"{first.key} {law}"]
+    values = {q.name: q.checked(q.value) for q in start_subject.quantities}
+    return {
+        **common(subjects, start_subject, values, axes), "solid": True, "certificates": planes,
+        "motions": {n: body_motion(body, n) for n in LAW_KEYS},
+        "names": {"families": {f.key: f.button for f in families}, "laws": LAW_NAMES, "says": {
+            law: f"A body of revolution on a plane; {WORDS[law]}." for law in LAW_KEYS}},
+        "foot": foot("polynomials that were derived exactly from the equations of motion; numbers "
+                     "are dimensionless, m = R = g = 1, R the length of the body")
+        + (f" Left out for size: {listed(left)}." if left else ""),
+    }  # fmt: skip
+
+
+def _fitting(subjects: list[Subject], first: Shown) -> tuple[list[Subject], list[str]]:
+    """The families that fit into the size of a page, the one asked for at first, and the others."""
+    families = sorted(dict.fromkeys(s.family for s in subjects), key=lambda n: n != first.key)
+    kept: list[str] = []
+    for name in families:
+        told = [s.told() for s in subjects if s.family in (*kept, name)]
+        if not kept or len(json.dumps(shared({"subjects": told}))) < MOST:
+            kept.append(name)
+    return [s for s in subjects if s.family in kept], [n for n in families if n not in kept]
+
+
+def _chosen(families: Sequence[Shown], name: str, pole: Any) -> Shown:
+    """The family with a name and pole."""
+    if name != "vertical" and pole is not None:
+        raise ParameterError(f"pole belongs to vertical spin; leave it out for {name}.")
+    wanted = {None: 1, 0: 1, "pi": -1}.get(pole if isinstance(pole, (int, str)) else None)
+    if wanted is None or (pole is not None and not isinstance(pole, (int, str))):
+        raise ParameterError(f"pole is {shown(pole)}; give 0 or 'pi'.")
+    found = [f for f in families if f.name == name]
+    return next((f for f in found if f.pole == wanted), found[0])
+
+
+def _subject(
+    body: Body, one: Shown, law: str, mu: float, at: Any
+) -> tuple[Subject, Family]:  # fmt: skip
+    """A family under a law, and its `Family`."""
+    kind = LAWS[law]
+    family = body.family(one.name, law, **one.choice)
+    friction = {p.name: mu for p in kind.parameters}
+    values = {n: float(v) for n, v in (body.given | friction).items()}
+    low, high, value = _range(body, one)
+    values[family.at[0]] = value if at is None else at
+    quantities = tuple(
+        _quantity(body, family, n, values[n], (low, high)) for n in (*family.at, *family.parameters)
+    )
+    if quantities[0].value != value:
+        quantities[0].checked(quantities[0].value)
+    axes = (family.at[0], "mu" if "mu" in values else family.parameters[0])
+    words: dict[str, Any] = {
+        "key": f"{one.key} {law}", "family": one.key, "law": law,
+        "title": f"{body.name}: {FAMILIES[one.name].motion}", "model": law,
+        "call": _call(body, one, law),
+        "symbols": {n: family.system.quantities[n].symbol or n for n in family.system.states},
+    }  # fmt: skip
+    states: States
+    if family.formulas is not None:
+        found = closed_subject(family, quantities, axes, words)
+        states = closed_states(family)
+    else:
+        given = {q.name: q.value for q in quantities}
+        ends = {q.name: (q.name, q.low, q.high) for q in quantities}
+        drawn = ends[axes[0]], ends[axes[1]]
+        found = own_subject(family, given, drawn, (), {"family": one.key, "law": law})
+        found = replace(found, quantities=quantities, **words)
+        states = member_states(family, [q.name for q in quantities])
+    return replace(
+        found, **mode_pose(body, family, one.pole), meridian=meridian(body, family),
+        start=start_of(body, law, states, len(quantities), one.pole),
+    ), family  # fmt: skip
+
+
+def _range(body: Body, one: Shown) -> tuple[float, float, float]:
+    """Range of the number that names a member, and the one that is shown at first."""
+    if one.name != "tumbling":
+        return *SPEEDS, FIRST[one.name]
+    ranges = tumbling_ranges(body)
+    widest = max((b - a for a, b in ranges), default=0.0)
+    low, high = next((r for r in ranges if r[1] - r[0] > 0.8 * widest), body.between)
+    room = 0.01 * (high - low)
+    return round(low + room, 3), round(high - room, 3), round((low + high) / 2, 2)
+
+
+def _quantity(
+    body: Body, family: Family, name: str, value: Any, drawn: tuple[float, float]
+) -> Quantity:
+    """A quantity of a body's family with its symbol, words, unit and range."""
+    known = family.system.quantities[name]
+    symbol, label = (known.symbol or name).removesuffix("/mR²"), known.long_name
+    label = "" if label == symbol else label
+    if name == family.at[0]:
+        if name == "theta":
+            return Quantity(name, symbol, label, "rad", *drawn, value, *body.between)
+        return Quantity(name, symbol, label, RATE, *drawn, value)
+    if name == "mu":
+        return Quantity(name, symbol, label, "1/√(gR)", *FRICTION[:2], value, 0.0)
+    least, most = body.limits.get(name, (0.0, math.inf))
+    high = min(2.0 * value if value > 0 else 1.0, most)
+    low = max(least, 0.0) + 0.02 * high
+    unit = "m R²" if name in ("axial", "transverse") else "R"
+    beyond = float(np.nextafter(most, math.inf)) if math.isfinite(most) else None
+    least_one = least if math.isfinite(least) else None
+    return Quantity(name, symbol, label, unit, low, high, value, least_one, beyond)
+
+
+_MAKERS: Mapping[str, Callable[..., Body]] = {
+    "torus": named.Torus,
+    "spheroid": named.Spheroid,
+    "thick disk": named.ThickDisk,
+    "eccentric sphere": named.EccentricSphere,
+}
+"""What makes the named bodies."""
+
+
+def _call(body: Body, one: Shown, law: str) -> dict[str, Any]:
+    """How Python is asked for the same; the body as text with a place for each number."""
+    places = [f"{n}={{{n}}}" for n in body.given if n not in ("mass", "gravity", "length")]
+    text, make = "", _MAKERS.get(body.name)
+    numbers = {n: v for n, v in body.given.items() if n not in ("mass", "gravity", "length")}
+    for more in ({}, {"solid": False}) if make else ():
+        try:
+            same = make(**numbers, **more)
+        except (TypeError, StabilityError):
+            continue
+        if same.moments() == body.moments() and same.name == body.name:
+            given = [*places, *(f"{n}={v}" for n, v in more.items())]
+            text = f"st.{make.__name__}({', '.join(given)})"
+            break
+    return {"kind": "body", "family": one.name, "law": law, "pole": one.choice.get("pole"),
+            "class": LAWS[law].__name__, "body": text, "name": body.name}  # fmt: skip

@@ -1,0 +1,269 @@
+"""Bodies of revolution in the page: verdicts, eigenvalues, launches, surface and 3-D view."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from chromium import Visit, visit
+from flint import arb, ctx
+from page_numbers import ASK, NEAR, POSE, SHARE_OF_BLUE
+
+import stability as st
+from stability.base.errors import NoMemberError, ParameterError
+
+BODIES = {
+    "torus": (st.Torus(0.2), "tumbling", {"tube": (0.05, 0.45)}, {}),
+    "spheroid": (st.Spheroid(0.7), "vertical", {"aspect": (0.4, 1.8)}, {}),
+    "eccentric": (
+        st.EccentricSphere(0.15, axial=0.4, transverse=0.4), "vertical",
+        {"offset": (0.02, 0.35), "axial": (0.3, 0.45), "transverse": (0.3, 0.45)}, {"pole": "pi"},
+    ),
+    "thick": (st.ThickDisk(0.1), "rolling", {"thickness": (0.05, 0.5)}, {}),
+}  # fmt: skip
+"""Body, family at first, ranges of its numbers, further arguments."""
+POINTS, SEED, TIMES = 60, 11, np.linspace(0.0, 12.0, 25)
+EIGENVALUES = 1e-9
+"""Largest difference of eigenvalues over the largest modulus."""
+
+
+@pytest.fixture(scope="module", params=BODIES)
+def seen(
+    request: Any, browser: Any, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[str, Visit]]:
+    body, family, _, more = BODIES[request.param]
+    path = tmp_path_factory.mktemp("page") / "body.html"
+    st.explore(family, body=body, mu=0.3, certify=False, out=path, **more)
+    assert Path(path).stat().st_size < 1_500_000
+    with visit(browser, path) as found:
+        yield request.param, found
+
+
+def subjects(page: Any) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = page.evaluate(
+        "[...stabilityExplorer.view.subjects.values()].map((s) => ({key: s.key, names: s.names,"
+        "call: s.call, low: s.quantities[0].low, high: s.quantities[0].high, proved: s.proved}))"
+    )
+    return found
+
+
+def points(name: str, subject: dict[str, Any], generator: Any) -> np.ndarray:
+    ranges = {"mu": (0.05, 2.0), **BODIES[name][2]}
+    columns = [generator.uniform(subject["low"], subject["high"], POINTS)]
+    columns += [generator.uniform(*ranges[n], POINTS) for n in subject["names"][1:]]
+    return np.stack(columns, axis=1)
+
+
+def body_with(name: str, numbers: dict[str, Any]) -> st.Body:
+    make = {"torus": st.Torus, "spheroid": st.Spheroid, "eccentric": st.EccentricSphere,
+            "thick": st.ThickDisk}[name]  # fmt: skip
+    return make(**numbers)
+
+
+def where(subject: dict[str, Any]) -> dict[str, Any]:
+    return {} if subject["call"]["pole"] is None else {"pole": subject["call"]["pole"]}
+
+
+def physics(name: str, subject: dict[str, Any], q: list[float]) -> tuple[st.Body, Any]:
+    given = dict(zip(subject["names"][1:], q[1:], strict=True))
+    law = {"smooth": st.Smooth, "rough": st.Rough}.get(subject["call"]["law"])
+    contact = law() if law else st.Viscous(given.pop("mu"))
+    return body_with(name, given), contact
+
+
+def test_random_points_have_the_verdicts_and_eigenvalues_of_the_package(
+    seen: tuple[str, Visit],
+) -> None:
+    name, view = seen
+    generator, families = np.random.default_rng(SEED), set()
+    words, absent = set(), 0
+    for subject in subjects(view.page):
+        sets = points(name, subject, generator)
+        [answers] = view.page.evaluate(ASK, [{"key": subject["key"], "points": sets.tolist()}])
+        families.add(subject["call"]["family"])
+        for q, one in zip(sets.tolist(), answers, strict=True):
+            body, contact = physics(name, subject, q)
+            try:
+                known = st.spectrum(subject["call"]["family"], at=q[0], body=body, contact=contact,
+                                    **where(subject))  # fmt: skip
+            except NoMemberError:
+                assert one["verdict"] == "absent", (subject["key"], q)
+                absent += 1
+                continue
+            values = np.asarray(known.eigenvalues)
+            found = np.array([complex(*z) for z in one["values"]])
+            gaps = np.abs(found[:, None] - values[None, :])
+            size = np.abs(values).max()
+            assert max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) < EIGENVALUES * size, (
+                subject["key"], q,
+            )  # fmt: skip
+            same = one["verdict"] == known.verdict.word
+            assert same or abs(values.real).min() < NEAR * size, (subject["key"], q, one, known)
+            words.add(one["verdict"])
+    assert {"stable", "unstable", "neutral"} <= words
+    wanted = {"torus": "tumbling", "spheroid": "vertical", "eccentric": "vertical"}.get(name)
+    assert wanted is None or {"tumbling", wanted} <= families
+
+
+def test_bounds_of_the_signs_hold_in_balls(seen: tuple[str, Visit]) -> None:
+    """The sign of each condition differs from that in balls by less than the page's bound."""
+    name, view = seen
+    if name != "torus":
+        pytest.skip("one body is enough: the bound is of the number type")
+    from stability.algebra.number_types import balls
+    from stability.explorer.bodies.closed_subject import Closed
+
+    generator, wide = np.random.default_rng(SEED), 0
+    for law in ("viscous", "rough"):
+        family = st.Torus(0.2).family("tumbling", law)
+        closed, key = Closed(family), f"tumbling {law}"
+        [subject] = [s for s in subjects(view.page) if s["key"] == key]
+        for q in points(name, subject, generator).tolist():
+            rows = view.page.evaluate(
+                "([key, q]) => stabilityExplorer.view.subjects.get(key).conditionsAt(q)"
+                ".map((r) => [r.value, r.error])", [key, q],
+            )  # fmt: skip
+            before, ctx.prec = ctx.prec, 300
+            try:
+                true = [v for v, _ in closed.signs(balls(), [arb(v) for v in q])]
+            finally:
+                ctx.prec = before
+            for (value, error), exact in zip(rows, true, strict=True):
+                assert abs(float(exact) - value) <= error
+                assert error < 1e-6 * max(1.0, abs(value))
+                wide += abs(float(exact) - value) > 0
+    assert wide > 20  # the two do differ
+
+
+RUN = """(runs) => runs.map(({key, q, tilt, times}) => {
+  const {view, launched} = stabilityExplorer, subject = view.subjects.get(key);
+  const motion = view.data.motions[subject.model];
+  const run = launched(subject, motion, q, [-tilt], times[times.length - 1], {times, seconds: 60});
+  if (run.refused) return null;
+  const frame = new Function(`return ${motion.frame}`)();
+  return {outcome: run.outcome, time: run.until, energy: run.series.energy,
+    frames: run.states.map((y) => Array.from(frame(y, run.p)))};
+})"""
+
+
+def placed(body: st.Body, run: Any) -> np.ndarray:
+    """Axis, centre and contact point of a run with pose, from its angles."""
+    theta, phi = run.theta.values, run.phi.values
+    return np.stack([
+        np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta),
+        run.centre_x.values, run.centre_y.values, np.asarray(body.height_at(theta)),
+    ], axis=1)  # fmt: skip
+
+
+def test_launches_end_and_move_as_in_python(seen: tuple[str, Visit]) -> None:
+    name, view = seen
+    generator, scenes = np.random.default_rng(SEED), []
+    for subject in subjects(view.page):
+        q = points(name, subject, generator)[0].tolist()
+        q[0] = min(q[0], 3.0)
+        scenes.append((subject, q, float(generator.uniform(0.02, 0.2))))
+    asked = [{"key": s["key"], "q": q, "tilt": tilt, "times": TIMES.tolist()}
+             for s, q, tilt in scenes]  # fmt: skip
+    compared = 0
+    for (subject, q, tilt), answer in zip(scenes, view.page.evaluate(RUN, asked), strict=True):
+        body, contact = physics(name, subject, q)
+        try:
+            start = st.launch(subject["call"]["family"], at=q[0], tilt=tilt, body=body,
+                              **where(subject))  # fmt: skip
+        except ParameterError:  # no member, or the tilt leaves the range of the height
+            assert answer is None, (subject["key"], q, tilt)
+            continue
+        run = st.simulate(body, contact, start, TIMES, tolerance=1e-13, check=False, pose=True)
+        outcome = run.attrs["outcome"]
+        where_ = subject["key"], q, tilt
+        assert answer["outcome"] == ("moving" if outcome == "settled" else outcome) or (
+            outcome == "domain-end" and "end of theta" in answer["outcome"]
+        ), where_
+        assert answer["time"] == pytest.approx(float(run.end_time), abs=1e-6), where_
+        frames, known = np.array(answer["frames"]), placed(body, run)
+        ours = frames[:, [0, 1, 2, 6, 7, 8]]
+        sound = slice(None, -1) if outcome in ("flat", "domain-end") else slice(None)
+        assert ours[sound] == pytest.approx(known[sound], abs=1e-6), where_
+        contact_point = np.stack([run.contact_x.values, run.contact_y.values], axis=1) if (
+            "contact_x" in run) else frames[:, 9:11]  # fmt: skip
+        assert frames[sound, 9:11] == pytest.approx(contact_point[sound], abs=1e-6), where_
+        assert answer["energy"][0] == pytest.approx(float(run.energy[0]), abs=1e-12)
+        compared += 1
+    assert compared >= 5
+
+
+def test_a_mode_starts_at_the_member_and_moves_the_contact_point_in_the_plane(
+    seen: tuple[str, Visit],
+) -> None:
+    """The path of the centre in a mode agrees with the linear motion: rates by differences."""
+    name, view = seen
+    for subject in subjects(view.page):
+        found = view.page.evaluate(POSE, subject["key"])
+        assert found["exists"], subject["key"]
+        now = np.array(found["now"])
+        axis, mark = now[:3], now[3:6]
+        assert np.dot(axis, axis) == pytest.approx(1) and np.dot(mark, mark) == pytest.approx(1)
+        assert abs(np.dot(axis, mark)) < 1e-12 and now[11] == 0.0
+        speed = (np.array(found["later"]) - np.array(found["before"])) / (2 * found["h"])
+        turns = np.cross(mark, speed[3:6])  # ω less its part along the mark
+        arm = now[9:12] - now[6:9]
+        omega = turns + mark * _along(mark, axis, speed)
+        slip = speed[6:9] + np.cross(omega, arm)
+        if subject["call"]["law"] != "smooth":  # nothing slips at a member
+            assert np.abs(slip).max() < 1e-6, (subject["key"], slip)
+
+
+def _along(mark: np.ndarray, axis: np.ndarray, speed: np.ndarray) -> float:
+    """The part of ω along the mark, from the rate of the axis across it."""
+    side = np.cross(axis, mark)
+    return float(-np.dot(speed[:3], side))
+
+
+def test_the_surface_is_that_of_the_body(seen: tuple[str, Visit]) -> None:
+    name, view = seen
+    rows = np.array(view.page.evaluate("stabilityExplorer.motion.outline()[1].rows"))
+    r, z = rows[:, 0], rows[:, 1]
+    if name == "torus":  # the hull of a tube of radius 0.2 round a circle of radius 1
+        inner = r > 1
+        assert np.hypot(r[inner] - 1, z[inner]) == pytest.approx(0.2, abs=1e-9)
+    elif name == "spheroid":
+        assert r**2 + (z / 0.7) ** 2 == pytest.approx(1.0, abs=1e-9)
+    elif name == "eccentric":
+        assert r**2 + (z - 0.15) ** 2 == pytest.approx(1.0, abs=1e-9)
+    else:
+        known = {(0.0, -0.05), (1.0, -0.05), (1.0, 0.05), (0.0, 0.05)}
+        assert {(round(a, 6), round(b, 6)) for a, b in zip(r, z, strict=True)} == known
+
+
+def test_the_view_draws_every_family_without_an_error(seen: tuple[str, Visit]) -> None:
+    name, view = seen
+    page = view.page
+    for subject in subjects(page):
+        for picture in ("steady", "mode", "launch"):
+            page.evaluate(
+                "([key, show]) => { const {view} = stabilityExplorer; view.choose(key);"
+                "view.set({show, mode: 0}); }", [subject["key"], picture],
+            )  # fmt: skip
+            page.wait_for_function("!stabilityExplorer.motion.waits")
+            page.wait_for_timeout(60)
+            blue = page.locator(".motion-stage canvas").evaluate(SHARE_OF_BLUE)
+            assert 0.005 < blue < 0.6, (subject["key"], picture)
+    assert not view.said and not view.asked
+
+
+def test_the_python_call_gives_the_verdict_of_the_page(seen: tuple[str, Visit]) -> None:
+    name, view = seen
+    page = view.page
+    for subject in subjects(page)[::2]:
+        page.evaluate("(key) => stabilityExplorer.view.choose(key)", subject["key"])
+        page.evaluate(
+            "stabilityExplorer.exports.python.hidden = false; stabilityExplorer.exports.fill()"
+        )
+        code = page.locator("pre").inner_text().replace(", 300)", ", 4)").replace(", 200)", ", 3)")
+        space: dict[str, Any] = {}
+        exec(code, space)  # noqa: S102
+        page.wait_for_timeout(40)
+        assert page.locator(".badge").inner_text().split()[-1] == space["point"].verdict.word
+        assert math.isfinite(float(space["motion"].end_time))
