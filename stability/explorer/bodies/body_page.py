@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -223,21 +223,14 @@ def _quantity(
     return Quantity(name, symbol, label, unit, low, high, value, least_one, beyond)
 
 
-_MAKERS: Mapping[str, Callable[..., Body]] = {
-    "torus": named.Torus,
-    "spheroid": named.Spheroid,
-    "thick disk": named.ThickDisk,
-    "eccentric sphere": named.EccentricSphere,
-}
-"""What makes the named bodies."""
-
-
 def _call(body: Body, one: Shown, law: str) -> dict[str, Any]:
     """How Python is asked for the same; the body as text with a place for each number."""
     places = [f"{n}={{{n}}}" for n in body.given if n not in ("mass", "gravity", "length")]
-    text, make = "", _MAKERS.get(body.name)
+    text, make = "", named.NAMED.get(body.name.replace(" ", "-"))
     numbers = {n: v for n, v in body.given.items() if n not in ("mass", "gravity", "length")}
-    for more in ({}, {"solid": False}) if make else ():
+    for more in ({}, {"solid": False}):
+        if make is None:
+            break
         try:
             same = make(**numbers, **more)
         except (TypeError, StabilityError):
