@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from chromium import DESKTOP, PHONE, WITHOUT_WEBGL, visit
 from towed_wheel import GIVEN, towed_wheel
@@ -112,12 +113,80 @@ def test_axes_are_chosen_and_limited(browser: Any, page_of_disk: Path) -> None:
         quiet(seen)
 
 
+def test_a_logarithmic_axis_is_drawn_linked_and_asked_of_python(
+    browser: Any, page_of_disk: Path
+) -> None:
+    with visit(browser, page_of_disk, "#show=rolling-viscous&at=1.2&k=0.25") as seen:
+        page = seen.page
+        page.get_by_text("Axes", exact=True).click()
+        page.get_by_label("axial angular velocity ω₃, logarithmic axis").check()
+        rest(seen)
+        low, high, spacing = state(seen)["ranges"]["at"]
+        assert spacing == "log"
+        # the boundary 2kω₃² = 1 stands where its logarithm says, in the drawing and in the colours
+        place = np.log(np.sqrt(2.0) / low) / np.log(high / low)
+        box = page.locator(".diagram-stage canvas").bounding_box()
+        line = page.locator("path.boundary").first.bounding_box()
+        assert line["x"] + line["width"] / 2 - box["x"] == pytest.approx(
+            place * box["width"], abs=1.5
+        )
+        warm = page.locator(".diagram-stage canvas").evaluate(WARMEST, float(place))
+        assert warm[0] > 12 and warm[1] < -12
+        assert page.locator(".over .number", has_text="0.1").count() >= 1
+        page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+        rest(seen)
+        assert state(seen)["values"]["at"] == pytest.approx(np.sqrt(low * high), rel=0.02)
+        page.mouse.wheel(0, -200)
+        rest(seen)
+        assert state(seen)["ranges"]["at"][2] == "log"
+        page.get_by_role("button", name="Python").click()
+        code = page.locator("pre").inner_text()
+        assert re.search(r'x=\("at", [\d.]+, [\d.]+, 300, "log"\)', code)
+        page.wait_for_timeout(400)
+        kept, link = state(seen), page.evaluate("location.hash")
+        quiet(seen)
+    with visit(browser, page_of_disk, link) as seen:
+        assert state(seen) == kept
+        lower = seen.page.get_by_label("axial angular velocity ω₃, lower end of the axis")
+        seen.page.get_by_text("Axes", exact=True).click()
+        lower.fill("-1")  # no logarithm
+        lower.press("Enter")
+        assert state(seen)["ranges"]["at"][0] > 0
+        quiet(seen)
+
+
+def test_paths_of_eigenvalues_have_no_jumps(browser: Any, page_of_disk: Path) -> None:
+    """A pair that turns real leaves the imaginary axis at a right angle, not along a chord."""
+    with visit(browser, page_of_disk, "#show=rolling-smooth&at=0.5&k=0.25") as seen:
+        rest(seen)
+        paths = seen.page.evaluate("stabilityExplorer.plane.paths(2, 2)")
+        # λ² is real: every point lies on one of the axes, and steps are short
+        apart = [abs(complex(*a) - complex(*b)) for path in paths
+                 for a, b in zip(path, path[1:], strict=False)
+                 if max(map(abs, (*a, *b))) < 2]  # fmt: skip
+        assert len(apart) > 100 and max(apart) < 0.2
+        quiet(seen)
+
+
+WARMEST = """(c, place) => {
+  const copy = document.createElement("canvas"), pen = copy.getContext("2d");
+  copy.width = 100;
+  copy.height = 1;
+  pen.drawImage(c, 0, 0, 100, 1);
+  const d = pen.getImageData(0, 0, 100, 1).data;
+  const at = [-8, 8].map((by) => 4 * Math.round(100 * place + by));
+  return at.map((i) => d[i] - d[i + 2]);
+}"""
+"""Red less blue, left and right of a place."""
+
+
 def test_hand_and_keys_work_on_the_diagram(browser: Any, page_of_disk: Path) -> None:
     with visit(browser, page_of_disk) as seen:
         page, stage = seen.page, seen.page.locator(".diagram-stage")
         box = stage.bounding_box()
         page.mouse.click(box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"])
         first = state(seen)["values"]
+        rest(seen)
         assert page.locator(".badge").inner_text().endswith("unstable")
         page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"])
         page.mouse.down()
