@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..algebra.number_types import Algebra
+from ..algebra.source.straight_lines import Line, Record
 from ..base.checks import checked
 from ..base.errors import ParameterError, shown
 from .source.formulas import Coefficients, Conditions, Rule, Sign, Values
 from .source.shader import Seen, look
-from .source.source_text import JAVASCRIPT, Line, Record, javascript
+from .source.source_text import JAVASCRIPT, javascript
 
 
 @dataclass(frozen=True)

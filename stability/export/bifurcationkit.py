@@ -9,6 +9,7 @@ import casadi as ca
 
 from ..algebra.number_types import Algebra
 from ..algebra.program import Program
+from ..algebra.source.straight_lines import Language, Line, Record
 from ..systems.family import Family
 from .c_code import c_name
 from .folder import write_folder
@@ -109,54 +110,26 @@ def _file(problem: SteadyProblem, name: str, title: str) -> str:
     )  # fmt: skip
 
 
-class _Line:
-    """A result that has a name in Julia; an operation writes the next line."""
-
-    def __init__(self, lines: list[str], text: str) -> None:
-        self.lines, self.text = lines, text
-
-    def new(self, text: str) -> _Line:
-        self.lines.append(f"    w{len(self.lines) + 1} = {text}")
-        return _Line(self.lines, f"w{len(self.lines)}")
-
-    def __add__(self, other: Any) -> _Line:
-        return self.new(f"{self.text} + {_text(other)}")
-
-    def __sub__(self, other: Any) -> _Line:
-        return self.new(f"{self.text} - {_text(other)}")
-
-    def __mul__(self, other: Any) -> _Line:
-        return self.new(f"{self.text} * {_text(other)}")
-
-    def __truediv__(self, other: Any) -> _Line:
-        return self.new(f"{self.text} / {_text(other)}")
-
-    def __rtruediv__(self, other: Any) -> _Line:
-        return self.new(f"{_text(other)} / {self.text}")
-
-    def __neg__(self) -> _Line:
-        return self.new(f"-{self.text}")
-
-
-def _text(value: Any) -> str:
-    return value.text if isinstance(value, _Line) else f"({float(value)!r})"
+TWO = (("atan2", "atan"), ("hypot", "hypot"))
+"""Functions of two numbers, with their names in Julia."""
+LANGUAGE = Language(
+    "Julia", "    {name} = {text}", repr, "{name}({value})", "{a} ^ {b}", renamed=(("fabs", "abs"),)
+)
+"""How Julia writes numbers, lines and functions."""
 
 
 def _straight(function: ca.Function) -> tuple[str, list[str]]:
     """Lines of Julia for a function of (u, par), and the entries of its output."""
-    from ..algebra.number_types import MORE, UNARY
+    record = Record(LANGUAGE)
 
-    lines: list[str] = []
-    program = Program(function)
+    def two(name: str) -> Any:
+        return lambda y, x: record.line(f"{name}({record.text(y)}, {record.text(x)})")
 
-    def call(name: str) -> Any:
-        return lambda *given: _Line(lines, "").new(f"{name}({', '.join(map(_text, given))})")
-
-    julia = {"fabs": "abs", "atan2": "atan"}
-    table = {n: call(julia.get(n, n)) for n in (*UNARY, *MORE, "fabs", "sign", "atan2", "hypot")}
-    table["pow"] = lambda x, y: _Line(lines, "").new(f"{_text(x)} ^ {_text(y)}")
-    number = Algebra("julia", lambda v: _Line(lines, f"({float(v)!r})"), table)
-    inputs = [[_Line(lines, f"{word}[{i + 1}]") for i in range(function.numel_in(j))]
+    own = record.algebra()
+    table = {n: two(name) for n, name in TWO}
+    table["sign"] = lambda x: record.line(f"sign({record.text(x)})")
+    number = Algebra(own.name, own.constant, own.functions | table, lasting=False)
+    inputs = [[Line(record, f"{word}[{i + 1}]") for i in range(function.numel_in(j))]
               for j, word in enumerate(("u", "par"))]  # fmt: skip
-    values = program.run(number, inputs)[0]
-    return "\n".join(lines), [_text(v) for v in values]
+    values = Program(function).run(number, inputs)[0]
+    return "\n".join(record.lines), [record.text(v) for v in values]

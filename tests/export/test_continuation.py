@@ -7,12 +7,12 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 import pytest
+from julia_reader import Reader, function_value
 from scipy.optimize import brentq
 
 import stability as st
@@ -194,7 +194,7 @@ def test_a_continuation_of_the_problem_meets_the_boundaries(name: str, tmp_path:
 
 
 def test_julias_lines_have_the_same_values(tmp_path: Path) -> None:
-    """The straight lines of the Julia file, run as Python's, against the compiled C."""
+    """The functions of the Julia file, read by Julia's grammar, against the compiled C."""
     for name in CASES:
         make, given = CASES[name]
         _, _, problem = made(name, tmp_path / name / "auto")
@@ -206,29 +206,27 @@ def test_julias_lines_have_the_same_values(tmp_path: Path) -> None:
         numbers = dict(
             re.findall(r"(\w+) = ([-\d.e]+)[,)]", re.search(r"\npar = \((.*)\)\n", words)[0])
         )  # type: ignore[index]
-        par = SimpleNamespace(**{n: float(v) for n, v in numbers.items()})
+        par = {n: float(v) for n, v in numbers.items()}
         rng = np.random.default_rng(2)
         u = state + rng.uniform(-0.05, 0.05, len(state))
         f, by_u, _ = problem.at(u, problem.par)
-        assert julia(words, "rates", u, par) == pytest.approx(f, rel=1e-12, abs=1e-12)
-        slopes = np.reshape(julia(words, "jacobian", u, par), by_u.shape, order="F")
-        assert slopes == pytest.approx(by_u, rel=1e-11, abs=1e-11)
+        assert function_value(words, "rates", u, par) == pytest.approx(f, rel=1e-12, abs=1e-12)
+        slopes = function_value(words, "jacobian", u, par)
+        assert np.array(slopes) == pytest.approx(by_u, rel=1e-11, abs=1e-11)
         assert f"(@optic _.{given['free']})" in words
 
 
-def julia(words: str, name: str, u: np.ndarray, par: Any) -> list[float]:
-    """The value of one of the file's functions, line by line."""
-    body = re.search(rf"function {name}\(u, p\)\n(.*?)\nend", words, re.DOTALL)
-    assert body
-    space: dict[str, Any] = {n: getattr(math, n) for n in ("sin", "cos", "tan", "sqrt", "exp")}
-    space |= {"u": [None, *u], "p": par, "reshape": lambda v, *_: v, "abs": abs}
-    *lines, last = [line.strip() for line in body[1].splitlines()]
-    for line in lines:
-        left, _, right = line.partition(" = ")
-        space[left] = eval(right.replace("^", "**"), space)
-        if left == "par":
-            space["par"] = [None, *space["par"]]
-    return list(eval(last.removeprefix("return "), space))
+def test_the_reader_of_julia_has_julias_rules() -> None:
+    """A power binds tighter than a sign and from the right; places start at 1; names are known."""
+    names = {"u": [7.0, 8.0], "p": {"mu": 0.5}}
+    for text, value in (("-2.0 ^ 2", -4.0), ("2.0 ^ 3.0 ^ 2", 512.0), ("(-2.0) ^ 2", 4.0),
+                        ("u[2] - u[1] - 1.0", 0.0), ("6 / 2 / 3", 1.0),
+                        ("atan(1.0, 0.0)", math.pi / 2),
+                        ("p.mu * -2.0", -1.0), ("2.0 ^ -1.0", 0.5)):  # fmt: skip
+        assert Reader(text, names).whole() == pytest.approx(value), text
+    for wrong in ("u[0]", "u[3]", "t1 + 1", "2.0 3.0", "u[1]]", "2 +"):
+        with pytest.raises((AssertionError, KeyError, IndexError)):
+            Reader(wrong, names).whole()
 
 
 def test_places_that_auto_uses_itself_stay_free() -> None:

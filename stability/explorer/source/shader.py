@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from .source_text import SHADER, Line, Record
+from ...algebra.source.straight_lines import Line, Record
+from .source_text import SHADER
 
 Seen = tuple[list[list[Any]], list[tuple[Any, Any]], list[Any]]
 """Coefficients of each factor, (value, size) of each condition, numbers positive at members."""
