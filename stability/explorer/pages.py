@@ -15,6 +15,7 @@ from ..base.errors import (
     listed,
     shown,
 )
+from ..base.quantities import Kind
 from ..base.version import __version__
 from ..bodies.contact_laws import LAWS, Viscous
 from ..bodies.disk import Disk
@@ -37,7 +38,8 @@ DECIMALS = (
     "st.conditions(family, decimals=True).numbers lists."
 )
 """What the reader of a page learns of numbers that are not exact."""
-UNITS = {"time": "√(R/g)", "rate": "√(g/R)", "energy": "m g R", "normal force": "m g"}
+UNITS = {"time": Kind.TIME.words, "rate": Kind.GROWTH_RATE.words, "energy": Kind.ENERGY.words,
+         "normal force": Kind.FORCE.words}  # fmt: skip
 """Units of times, rates and curves of a dimensionless body."""
 
 
