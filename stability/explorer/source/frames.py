@@ -35,7 +35,7 @@ def frame_of_angles(theta: Any, pose: ca.SX, height: Any, slope: Any) -> ca.SX:
     --------
     >>> theta = ca.SX.sym("theta")
     >>> found = frame_of_angles(theta, ca.SX.zeros(4), ca.sin(theta), ca.cos(theta))
-    >>> [round(v, 12) + 0.0 for v in ca.Function("f", [theta], [found])(1.5707963267948966).full()[:, 0]]
+    >>> [round(float(v), 12) + 0.0 for v in ca.Function("f", [theta], [found])(1.5707963267948966).full()[:, 0]]
     [1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
     """  # noqa: E501
     phi, psi, x, y = (POSE_UNIT * pose[i] for i in range(4))
