@@ -9,25 +9,27 @@ many threads may run one `Program` at once.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cached_property, partial
 from typing import Any
 
 import casadi as ca
 import numpy as np
+from flint import ctx
 
 from ..base.errors import StabilityError
 from ..base.types import Floats
+from .kernels.tape import LANES, Tape, recorded
 from .number_types import (
     BY_OTHERS,
     MORE,
     UNARY,
     Algebra,
-    function_of,
     heyoka,
     heyoka_algebra,
     numpy_algebra,
 )
+from .source.python_source import Parts, Step, Varying, split
 
 _SYMBOLS = {
     ca.OP_ADD: "{0} + {1}",
@@ -64,6 +66,8 @@ FEW = 4
 times one on a number."""
 LONG = 80
 """Fewest instructions for which this is worth its own time."""
+LONGER = 500
+"""Fewest instructions that few points run by a kernel: an operation on arrays costs 1 to 5 µs."""
 
 
 def lanes(block: Sequence[Any], shape: tuple[int, ...]) -> list[list[Any]]:
@@ -114,8 +118,9 @@ class Program:
         self._given = constants
         function = function if function.is_a("SXFunction") else function.expand()
         self.name: str = function.name()
-        self.inputs = tuple(function.numel_in(i) for i in range(function.n_in()))
-        """Number of entries of each input."""
+        taken = function.n_in() - (constants is not None)
+        self.inputs = tuple(function.numel_in(i) for i in range(taken))
+        """Number of entries of each input that `run` takes."""
         self.shapes = tuple(function.size_out(i) for i in range(function.n_out()))
         """Shape of each output."""
         self.places = tuple(
@@ -125,49 +130,33 @@ class Program:
         """(row, column) of each stored entry of each output; others are zero by structure."""
         self.size: int = function.n_instructions()
         """Number of instructions."""
-        self._constants: list[float] = []
-        self._held: dict[str, list[Any]] = {}
-        self._code = compile(self._source(function), f"<graph {self.name}>", "exec")
-        space: dict[str, Any] = {"function_of": function_of}
-        exec(self._code, space)
-        self._run = space["run"]
+        self._sizes = [len(some) for some in self.places]
+        self._steps = list(self._read_steps(function, taken))
+        self._constants = [float(words) for _, words, _ in self._steps if isinstance(words, float)]
+        self._held: dict[tuple[str, int, int], list[Any]] = {}
+        self._parts: dict[Varying, Parts] = {}
 
-    def _source(self, function: ca.Function) -> str:
-        """Source of one Python function with all instructions: no loop, no look-up."""
-        lines = [f"    o{i} = [0] * {len(places)}" for i, places in enumerate(self.places)]
-        last = function.n_in() - 1
+    def _read_steps(self, function: ca.Function, taken: int) -> Iterator[Step]:
         for index in range(function.n_instructions()):
             code = function.instruction_id(index)
-            source = function.instruction_input(index)
+            source = tuple(function.instruction_input(index))
             target = function.instruction_output(index)
             if code == ca.OP_CONST:
-                lines.append(f"    w{target[0]} = c[{len(self._constants)}]")
-                self._constants.append(function.instruction_constant(index))
-            elif code == ca.OP_INPUT and self._given is not None and source[0] == last:
-                lines.append(f"    w{target[0]} = c[{len(self._constants)}]")
-                self._constants.append(float(self._given[source[1]]))
+                yield target[0], float(function.instruction_constant(index)), ()
+            elif code == ca.OP_INPUT and source[0] >= taken:
+                yield target[0], float(self._given[source[1]]), ()  # type: ignore[index]
             elif code == ca.OP_INPUT:
-                lines.append(f"    w{target[0]} = a[{source[0]}][{source[1]}]")
+                yield target[0], (source[0], source[1]), ()
             elif code == ca.OP_OUTPUT:
-                lines.append(f"    o{target[0]}[{target[1]}] = w{source[0]}")
+                yield None, f"o{target[0]}[{target[1]}] = {{}}", source
             elif code in _SYMBOLS:
-                names = [f"w{s}" for s in source]
-                lines.append(f"    w{target[0]} = {_SYMBOLS[code].format(*names)}")
+                yield target[0], _SYMBOLS[code], source
             else:
                 known = ", ".join((*UNARY, *BY_OTHERS))
                 raise StabilityError(
                     f"an expression of the system uses {_in_words(code)}, which is not read; only "
                     f"smooth elementary functions are: + - * /, powers, fabs, {known}."
                 )
-        body = "\n".join(lines)
-        used = [name for name in (*UNARY, "pow", "fabs") if f"f_{name}(" in body]
-        lines = ["def run(f, c, a):", *[f"    f_{n} = f[{n!r}]" for n in used]]
-        lines += [f"    f_{n} = function_of(f, {n!r})" for n in BY_OTHERS if f"f_{n}(" in body]
-        if "f_sign(" in body:  # the slope of |x|: no value at 0, unless the number type has one
-            lines.append("    f_sign = f.get('sign') or (lambda x: x / f['fabs'](x))")
-        head = "\n".join(lines)
-        outputs = ", ".join(f"o{i}" for i in range(len(self.places)))
-        return f"{head}\n{body}\n    return [{outputs}]\n"
 
     def run(self, algebra: Algebra, arguments: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """Run the instructions.
@@ -184,10 +173,48 @@ class Program:
         list of list
             For each output, its stored entries in column order (see `places`).
         """
-        if algebra.name not in self._held or not algebra.lasting:
-            self._held[algebra.name] = [algebra.constant(value) for value in self._constants]
-        out: list[list[Any]] = self._run(algebra.functions, self._held[algebra.name], arguments)
-        return out
+        fixed, run = self._parts_of(None)
+        key = algebra.name, ctx.prec, ctx.cap
+        kept = self._held.get(key) if algebra.lasting else None
+        if kept is None:
+            kept = fixed(algebra.functions, self._in(algebra), ())
+            self._held[key] = kept  # of one precision of balls, and one length of series
+        return run(algebra.functions, kept, arguments)
+
+    def begun(
+        self, algebra: Algebra, arguments: Sequence[Sequence[Any]], varying: Varying
+    ) -> Callable[[Sequence[Sequence[Any]]], list[list[Any]]]:
+        """Compute once what follows from some inputs alone, for many values of the others.
+
+        Parameters
+        ----------
+        algebra
+            The number type.
+        arguments
+            As in `run`; entries that vary may be anything.
+        varying
+            (input, entry) of each entry that later calls give.
+
+        Examples
+        --------
+        >>> x = ca.SX.sym("x", 2)
+        >>> program = Program(ca.Function("f", [x], [ca.sin(x[0]) + x[1]]))
+        >>> then = program.begun(numpy_algebra(), [[0.0, None]], frozenset({(0, 1)}))
+        >>> then([[None, 2.0]])
+        [[np.float64(2.0)]]
+        """
+        fixed, run = self._parts_of(varying)
+        return partial(
+            run, algebra.functions, fixed(algebra.functions, self._in(algebra), arguments)
+        )
+
+    def _parts_of(self, varying: Varying) -> Parts:
+        if varying not in self._parts:
+            self._parts[varying] = split(self.name, self._steps, self._sizes, varying)
+        return self._parts[varying]
+
+    def _in(self, algebra: Algebra) -> list[Any]:
+        return [algebra.constant(value) for value in self._constants]
 
     def dense(
         self, algebra: Algebra, arguments: Sequence[Sequence[Any]], output: int = 0
@@ -235,6 +262,10 @@ class Program:
             return [np.array(v).reshape(*shape, *v[0].shape) for v in zip(*found, strict=True)]
         with np.errstate(all="ignore"):  # callers check the results
             values = self.run(_NUMPY, arguments)
+        return self._in_place(values, shape)
+
+    def _in_place(self, values: Iterable[list[Any]], shape: tuple[int, ...]) -> list[Any]:
+        """The outputs as arrays, zeros written out."""
         results = []
         for (rows, columns), places, entries in zip(self.shapes, self.places, values, strict=True):
             array = np.zeros((*shape, rows, columns))
@@ -242,6 +273,61 @@ class Program:
                 array[..., row, column] = entry
             results.append(array)
         return results
+
+    @cached_property
+    def tape(self) -> Tape | None:
+        """All stored entries of the outputs as a tape; None where a function has no kernel."""
+        parts = np.cumsum((0, *self.inputs))
+
+        def entries(given: list[Any], algebra: Algebra) -> list[Any]:
+            blocks = [given[a:b] for a, b in zip(parts, parts[1:], strict=False)]
+            return [entry for values in self.run(algebra, blocks) for entry in values]
+
+        try:
+            return recorded(entries, int(parts[-1]))
+        except StabilityError:
+            return None
+
+    def quick(self, arguments: Sequence[Sequence[Any]], shape: tuple[int, ...]) -> list[Any]:
+        """As `arrays`; a long list runs on few points by one kernel, up to a few roundings.
+
+        Parameters
+        ----------
+        arguments, shape
+            As in `arrays`.
+        """
+        given = [[(v, 0.0) for v in block] for block in arguments]
+        found = self.enclosed(given, shape)
+        if found is None:
+            return self.arrays(arguments, shape)
+        return self._in_place(([mid for mid, _ in some] for some in found), shape)
+
+    def enclosed(
+        self, arguments: Sequence[Sequence[tuple[Any, Any]]], shape: tuple[int, ...]
+    ) -> list[list[tuple[Floats, Floats]]] | None:
+        """Balls of doubles of the outputs by one kernel, for a long list and few points.
+
+        Parameters
+        ----------
+        arguments
+            Centre and radius of each entry of each input.
+        shape
+            Leading shape.
+
+        Returns
+        -------
+        list of list of (centre, radius)
+            For each output, its stored entries; None for a short list or many points, or where a
+            function has no kernel.
+        """
+        if self.size < LONGER or math.prod(shape) > LANES or self.tape is None:
+            return None
+        given = np.zeros((2, sum(self.inputs), *shape))
+        for i, pair in enumerate(pair for block in arguments for pair in block):
+            given[:, i] = np.broadcast_arrays(*pair, np.empty(shape))[:2]
+        mid, rad = self.tape.run(*given.reshape(*given.shape[:2], -1))
+        pairs = iter(zip(mid.reshape(-1, *shape), rad.reshape(-1, *shape), strict=True))
+        return [[next(pairs) for _ in some] for some in self.places]
 
     def many(self, points: Floats) -> Floats:
         """Values at many points: by machine code where heyoka is installed, 20 to 100 times faster.

@@ -23,6 +23,11 @@ TINY = 2.0**-1074
 """Least double: largest loss of a product or quotient that underflows."""
 
 
+def _pair(number: Any) -> tuple[Any, Any]:
+    """Value and bound; a plain number is exact."""
+    return (number.value, number.error) if isinstance(number, RunningError) else (number, 0.0)
+
+
 class RunningError:
     """An array and a bound on how far each entry is from the exact result.
 
@@ -46,20 +51,15 @@ class RunningError:
     def __init__(self, value: Any, error: Any) -> None:
         self.value, self.error = value, error
 
-    def _pair(self, other: Any) -> tuple[Any, Any]:
-        if isinstance(other, RunningError):
-            return other.value, other.error
-        return other, 0.0
-
     def __add__(self, other: Any) -> RunningError:
-        value, error = self._pair(other)
+        value, error = _pair(other)
         total = self.value + value
         return RunningError(total, self.error + error + UNIT * abs(total))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> RunningError:
-        value, error = self._pair(other)
+        value, error = _pair(other)
         total = self.value - value
         return RunningError(total, self.error + error + UNIT * abs(total))
 
@@ -234,22 +234,19 @@ def running_error_arrays(
         For each output, arrays of shape `shape + (rows, columns)`; the error bound is widened by
         1 % for its own roundings.
     """
+    pairs = [[_pair(v) for v in some] for some in arguments]
+    kernel = program.enclosed(pairs, shape)
     with np.errstate(all="ignore"):
-        values = program.run(TRACKED, arguments)
+        values = program.run(TRACKED, arguments) if kernel is None else kernel
     results = []
     for (rows, columns), places, entries in zip(
         program.shapes, program.places, values, strict=True
     ):
-        value, error = np.zeros((*shape, rows, columns)), np.zeros((*shape, rows, columns))
+        value, error = np.zeros((2, *shape, rows, columns))
         for (row, column), entry in zip(places, entries, strict=True):
-            if isinstance(entry, RunningError):
-                value[..., row, column] = entry.value
-                # nan: 0/0, or the root of a number that may be negative
-                error[..., row, column] = np.where(
-                    np.isnan(entry.error), np.inf, 1.01 * entry.error
-                )
-            else:
-                value[..., row, column] = entry
+            value[..., row, column], bound = entry if isinstance(entry, tuple) else _pair(entry)
+            # nan: 0/0, or the root of a number that may be negative
+            error[..., row, column] = np.where(np.isnan(bound), np.inf, 1.01 * bound)
         results.append((value, error))
     return results
 

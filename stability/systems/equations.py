@@ -212,7 +212,7 @@ class Equations(Portable, Record):
             If a condition fails; the message names the condition and its value.
         """
         arguments, shape = self._arguments(x, p)
-        values = self.condition_program.arrays(arguments, shape) if self.conditions else []
+        values = self.condition_program.quick(arguments, shape) if self.conditions else []
         for condition, value in zip(self.conditions, values, strict=True):
             bad = ~(value > 0)
             if bad.any():
@@ -232,7 +232,7 @@ class Equations(Portable, Record):
             Of the leading shape.
         """
         arguments, shape = self._arguments(x, p)
-        values = self.condition_program.arrays(arguments, shape) if self.conditions else []
+        values = self.condition_program.quick(arguments, shape) if self.conditions else []
         fine = np.ones(shape, dtype=bool)
         for value in values:
             fine &= value.reshape(shape) > 0

@@ -8,6 +8,7 @@ tests/bodies/test_round_bodies.py compares these equations with an inertial form
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -16,6 +17,7 @@ import casadi as ca
 
 from ...base.errors import ParameterError
 from ...systems.condition import Condition
+from ...systems.equations import eliminate
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep
@@ -93,6 +95,28 @@ def _system(  # noqa: PLR0913
         states=states, parameters=numbers.names,
     )  # fmt: skip
     return with_quantities(system, shape, law, resistance, physical=physical)
+
+
+def conditions_along(
+    shape: Shape, law: type[Contact], given: Sequence[str], numbers: Numbers, x: ca.SX, along: ca.SX
+) -> ca.SX:
+    """The numbers that a system's conditions ask to be positive, for another reading of the height.
+
+    Parameters
+    ----------
+    shape, law, given
+        As for `closed_form`.
+    numbers
+        Symbols of the parameters.
+    x
+        Symbols of the states; without slip those of the slip are left out.
+    along
+        The height at the inclination `x[0]`; it may hold symbols of its own.
+    """
+    body = RoundBody(x, along, numbers.table, law, tuple(given), x.numel() == len(STATES))
+    solution, pivots = eliminate(*body.implicit_form(), body.pivots)
+    seen = body.observables(dict(zip(body.unknown_names, solution, strict=True)), pivots)
+    return ca.SX(ca.vertcat(*[c.value for c in _conditions(x, shape[4])(seen)]))
 
 
 def with_quantities(

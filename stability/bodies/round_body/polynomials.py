@@ -27,6 +27,7 @@ from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import LinearViscous, Rough, Smooth, Viscous
 from ..thin_disk.disk_polynomials import digest
+from .equations import conditions_along
 from .height.expression import Expression
 from .height.pole_height import height_of_angle
 from .si_law import Numbers, Shape
@@ -37,6 +38,8 @@ DIGEST = "617236fe51c95b03a056857353da055d1d6ebb34d2ffdba8c9df3f33e9f57530"
 """SHA-256 of that file, written by `make derive`; a file with another digest is refused."""
 FEW = 4
 """Most sines and cosines of a height that is read by sine and cosine of θ itself."""
+OUTER = ("I1", "I3", "omega3", "phi_dot", "mu")
+"""Variables of the polynomials that depend on more than the inclination, outermost last."""
 KINDS = {Viscous: "viscous", LinearViscous: "viscous", Rough: "rough", Smooth: "smooth"}
 """The polynomial of each law: at a steady motion a drag is linear in the slip."""
 
@@ -77,7 +80,7 @@ def closed_form(
     """
     record = _catalogue().get(f"{name} {KINDS.get(law, '')}")
     return None if record is None else _Formulas(system, name, record).of(
-        shape, Numbers.of(shape, given, physical=physical), given, start)  # fmt: skip
+        shape, Numbers.of(shape, given, physical=physical), law, given, start)  # fmt: skip
 
 
 def _waves(height: Expression) -> int:
@@ -96,13 +99,15 @@ class _Formulas:
         self.constants: list[tuple[ca.SX, float]] = []
 
     def of(
-        self, shape: Shape, numbers: Numbers, given: Sequence[str], start: float | None
-    ) -> ClosedForm:
+        self, shape: Shape, numbers: Numbers, law: type[Contact], given: Sequence[str],
+        start: float | None,
+    ) -> ClosedForm:  # fmt: skip
         """The closed form of one body under one law."""
         table, theta = numbers.table, self.theta
         rate = table["gravity"] / table["length"]  # square of the unit of rates
         level = ca.SX(height_of_angle(shape[1], theta, numbers.own))
-        h = self._series(shape[1], numbers.own) if _waves(shape[1]) > FEW else level
+        many = _waves(shape[1]) > FEW
+        h = self._series(shape[1], numbers.own) if many else level
         slope = ca.jacobian(h, theta)
         s, c = ca.sin(theta), ca.cos(theta)
         known = {
@@ -124,9 +129,12 @@ class _Formulas:
                       self.name == "tumbling"}  # fmt: skip
             free = {"theta": theta, "phi_dot": self.turn} | solved
         state = ca.vertcat(*[free.get(n, 0) for n in self.system.states])
-        asked = ca.Function("asked", [self.system.x, self.system.p],
-                            [ca.vertcat(*[c.value for c in self.system.conditions])])  # fmt: skip
-        members = ca.vertcat(asked(state, numbers.p), *positive)
+        x, p = (self.system.x, self.system.p)
+        asked = ca.vertcat(*[c.value for c in self.system.conditions])
+        if many:
+            p, along = numbers.p, ca.substitute([h], [theta], [x[0]])[0]
+            asked = conditions_along(shape, law, given, numbers, x, along)
+        members = ca.vertcat(ca.substitute([asked], [x, p], [state, numbers.p])[0], *positive)
         places = {"tumbling": [theta], "rolling": [self.turn, theta]}
         at = places.get(self.name, [theta, self.turn])
         outputs = ca.cse([ca.vertcat(*scaled), ca.vertcat(*solved.values()), members])
@@ -177,10 +185,12 @@ class _Formulas:
         return {"phi_dot": turn, "omega3": turn * s * z / r}, [square]
 
     def _value(self, terms: Sequence[Sequence[int]], known: Mapping[str, Any]) -> ca.SX:
-        """A coefficient; outermost is the variable of the least degree, as mu, for arrays."""
-        names = tuple(self.record["variables"])
-        poly = Polynomial(names, tuple((c, tuple(e)) for c, *e in terms))
-        return ca.SX(poly(*[known[n] for n in names]))
+        """A coefficient, with what θ alone decides innermost: one row of a map computes it once."""
+        names = self.record["variables"]
+        order = sorted(names, key=lambda n: OUTER.index(n) if n in OUTER else -1)
+        places = [names.index(n) for n in order]
+        poly = Polynomial(tuple(order), tuple((c, tuple(e[i] for i in places)) for c, *e in terms))
+        return ca.SX(poly(*[known[n] for n in order]))
 
     def _drag(self, table: Mapping[str, Any], given: Sequence[str]) -> Any:
         """The friction coefficient without unit."""

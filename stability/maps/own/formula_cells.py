@@ -7,6 +7,7 @@ member, or whose discs decide nothing, are left to the graph.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -80,7 +81,8 @@ class FormulaCells(Bands):
             Increasing values of the axes.
         """
         rows = max(1, BLOCK // len(xs))
-        parts = [self._block(xs, ys[i : i + rows]) for i in range(0, len(ys), rows)]
+        along = self._along(xs) if self.sized else None
+        parts = [self._block(xs, ys[i : i + rows], along) for i in range(0, len(ys), rows)]
         columns = zip(*parts, strict=True)
         joined = [None if c[0] is None else np.concatenate(c) for c in columns]
         found = Rates(*joined)  # type: ignore[arg-type]  # only the eigenvalues may be None
@@ -88,12 +90,24 @@ class FormulaCells(Bands):
         found.codes[open_ & (found.codes != NO_MEMBER)] = ELSEWHERE
         return found.codes, 0, found
 
-    def _block(self, xs: Floats, ys: Floats) -> Rates:
+    def _places(self, xs: Floats, ys: Floats) -> list[list[Any]]:
+        """Family parameters and parameters of a block."""
         values: dict[str, Any] = dict(self.values)
         values |= {self.axes[0]: xs[None, :], self.axes[1]: ys[:, None]}
+        return [[values[n] for n in names] for names in self.names]
+
+    def _along(self, xs: Floats) -> Callable[[Any], Any]:
+        """The formulas with one bound; what follows from x alone is the same for every row."""
+        rows = frozenset((i, names.index(self.axes[1])) for i, names in enumerate(self.names)
+                         if self.axes[1] in names)  # fmt: skip
+        with np.errstate(all="ignore"):
+            places = self._places(xs, np.empty(0))
+            return self.formulas.with_bounds.begun(NUMPY, places, rows)
+
+    def _block(self, xs: Floats, ys: Floats, along: Callable[[Any], Any] | None) -> Rates:
         shape = len(ys), len(xs)
         with np.errstate(all="ignore"):
-            (value, error), numbers = self._bounded(values)
+            (value, error), numbers = self._bounded(self._places(xs, ys), along)
             member: Any = np.True_
             lacking: Any = np.False_
             for v, e in numbers:
@@ -111,15 +125,16 @@ class FormulaCells(Bands):
             out.values[none] = np.nan
         return out
 
-    def _bounded(self, values: dict[str, Any]) -> tuple[Any, list[tuple[Any, Any]]]:
+    def _bounded(
+        self, places: list[list[Any]], along: Callable[[Any], Any] | None
+    ) -> tuple[Any, list[tuple[Any, Any]]]:
         """Coefficients with bounds, and the numbers that are positive at members with theirs.
 
         A polynomial in λ² needs few digits of its coefficients, so one bound for all roundings is
         enough, and quick.  Other roots need the bound of each operation.
         """
-        places = [[values[n] for n in names] for names in self.names]
-        if self.sized:
-            found = self.formulas.with_bounds.run(NUMPY, places)
+        if along is not None:
+            found = along(places)
             return (found[0], found[3]), list(zip(found[2], found[5], strict=True))
         tracked = [[RunningError(np.asarray(v), 0.0) for v in some] for some in places]
         some, _, positive = self.formulas(TRACKED, tracked[0], tracked[1])

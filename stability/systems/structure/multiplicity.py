@@ -44,6 +44,8 @@ ROOT_BITS = 512
 """Precision of a root's enclosure, before the search for its exact form."""
 LOCAL_BITS = 1024
 """Precision of the samples next to a given member."""
+MOST_STEPS = 1000
+"""Most operations of a linearisation that is read as an expression without need."""
 OFFSETS = (40, 80, 120)
 """Exponents n of relative distances 2⁻ⁿ of these samples; the first on one branch is used."""
 
@@ -137,7 +139,8 @@ class Member:
         family = self.family
         proved, size = identity(family), len(family.system.states)
         known = pattern.known_coefficients(size, proved.zeros, even=proved.even)
-        if self.enclosed_only or (size > MOST_STATES and self._all_known(known)):
+        large = size > MOST_STATES or family.graph.matrix.size > MOST_STEPS
+        if self.enclosed_only or (large and self._all_known(known)):
             return known
         field = FunctionField([*family.unknown])
         given = [[field.number(v) for v in some] for some in (self.a, self.q)]
