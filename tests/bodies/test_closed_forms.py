@@ -210,3 +210,28 @@ def test_families_of_two_bodies_are_told_apart_without_a_comparison(
 
     monkeypatch.setattr(st.Family, "__eq__", compared)
     assert [table[family] for family in families] == [0, 1]
+
+
+@pytest.mark.parametrize(("name", "law"), [("tumbling", "viscous"), ("precession", "smooth")])
+def test_conditions_by_waves_are_those_of_the_system(name: str, law: str) -> None:
+    family = BODIES["egg"].family(name, law)
+    formulas = formulas_of(family)
+    assert formulas is not None
+    a, q = members(BODIES["egg"], family)
+    _, unknown, positive = formulas(numpy_algebra(), list(a.T), list(q.T))
+    given = dict(zip(family.at, a.T, strict=True)) | family.held
+    given |= dict(zip(family.unknown, unknown, strict=True))
+    x = np.array([np.broadcast_to(float(given[n]) if np.ndim(given[n]) == 0 else given[n], len(a))
+                  for n in family.system.states])  # fmt: skip
+    found = family.system.condition_program.arrays([list(x), list(q.T)], (len(a),))
+    for mine, theirs in zip(positive, found, strict=False):  # φ̇² > 0 is the formulas' own
+        np.testing.assert_allclose(mine, theirs[:, 0, 0], rtol=1e-12, atol=1e-13)
+
+
+def test_conditions_of_many_waves_hold_over_a_whole_piece() -> None:
+    """By recurrences the enclosure of D over a piece of this width grows beyond its value."""
+    formulas = formulas_of(BODIES["egg"].family("precession", "smooth"))
+    assert formulas is not None
+    numbers = [arb(float(v)) for v in BODIES["egg"].given.values()]
+    _, _, positive = formulas(balls(), [arb("0.8 +/- 0.01"), arb("1.7")], numbers)
+    assert all(v > 0 for v in positive)

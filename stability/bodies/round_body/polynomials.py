@@ -106,8 +106,7 @@ class _Formulas:
         table, theta = numbers.table, self.theta
         rate = table["gravity"] / table["length"]  # square of the unit of rates
         level = ca.SX(height_of_angle(shape[1], theta, numbers.own))
-        many = _waves(shape[1]) > FEW
-        h = self._series(shape[1], numbers.own) if many else level
+        h = self._series(shape[1], numbers.own) if _waves(shape[1]) > FEW else level
         slope = ca.jacobian(h, theta)
         s, c = ca.sin(theta), ca.cos(theta)
         known = {
@@ -129,12 +128,8 @@ class _Formulas:
                       self.name == "tumbling"}  # fmt: skip
             free = {"theta": theta, "phi_dot": self.turn} | solved
         state = ca.vertcat(*[free.get(n, 0) for n in self.system.states])
-        x, p = (self.system.x, self.system.p)
-        asked = ca.vertcat(*[c.value for c in self.system.conditions])
-        if many:
-            p, along = numbers.p, ca.substitute([h], [theta], [x[0]])[0]
-            asked = conditions_along(shape, law, given, numbers, x, along)
-        members = ca.vertcat(ca.substitute([asked], [x, p], [state, numbers.p])[0], *positive)
+        within = self._conditions(shape, law, given, numbers, h, state)
+        members = ca.vertcat(within, *positive)
         places = {"tumbling": [theta], "rolling": [self.turn, theta]}
         at = places.get(self.name, [theta, self.turn])
         outputs = ca.cse([ca.vertcat(*scaled), ca.vertcat(*solved.values()), members])
@@ -148,6 +143,20 @@ class _Formulas:
         parts = ca.cse([slope, ca.jacobian(slope, theta)])
         equation = ca.Function("equation", [theta, numbers.p], [ca.densify(v) for v in parts])
         return ImplicitForm(*record, equation.serialize(), start)
+
+    def _conditions(  # noqa: PLR0913
+        self, shape: Shape, law: type[Contact], given: Sequence[str], numbers: Numbers, h: ca.SX,
+        state: ca.SX,
+    ) -> ca.SX:  # fmt: skip
+        """Numbers that the system's conditions ask to be positive, with the same reading of h."""
+        x, p = self.system.x, self.system.p
+        if _waves(shape[1]) > FEW:
+            p, along = numbers.p, ca.substitute([h], [self.theta], [x[0]])[0]
+            asked = conditions_along(shape, law, given, numbers, x, along)
+        else:
+            asked = ca.vertcat(*[c.value for c in self.system.conditions])
+        here = [ca.densify(state), ca.densify(numbers.p)]
+        return ca.SX(ca.substitute([asked], [x, p], here)[0])
 
     def _series(self, height: Expression, own: Sequence[ca.SX]) -> ca.SX:
         """A height of many waves as it is given: each of a wide interval is within [-1, 1].
