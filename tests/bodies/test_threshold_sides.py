@@ -13,8 +13,16 @@ from typing import Any
 
 import casadi as ca
 import pytest
+import sympy
+from flint import arb
+from mpmath import mp
 
 import stability as st
+from stability.algebra.balls import precision
+from stability.algebra.number_types import balls
+from stability.bodies.round_body.equations import round_system
+from stability.derivation.bodies import spinning
+from stability.derivation.bodies.painleve import painleve_limit
 
 STEP = Fraction(1, 10**12)
 ONE = 10**60
@@ -205,3 +213,103 @@ def test_boundaries_of_named_bodies_have_two_sides(
             seen.append(one.verdict.word)
         good = "stable" if law == "viscous" else "neutral"
         assert seen == ([good, "unstable"] if point.stable_below else ["unstable", good])
+
+
+def thick(t: Fraction) -> tuple[st.Body, dict[str, Fraction], Fraction, Fraction]:
+    """A thick disk, its number, I1 and I3; it leans with h² = 1 + t²/4, h′′ = -h, tan θ = 2/t."""
+    return st.ThickDisk(float(t)), {"thickness": t}, (3 + t**2) / 12, HALF
+
+
+@pytest.mark.parametrize("t", [Fraction(1, 5), HALF, Fraction(3, 2)])
+def test_leaning_rolling_turns_at_its_printed_thresholds(t: Fraction) -> None:
+    body, numbers, i1, i3 = thick(t)
+    h2 = 1 + t**2 / 4
+    sine2, cosine2 = 1 / h2, t**2 / 4 / h2
+    q = i1 * i3 + h2 * (i1 * sine2 + i3 * cosine2)
+    over_h = {"rough": q / (i3 * (i3 + h2) * (i3 + h2 - h2 * cosine2)), "smooth": i1 / i3**2}
+    for law, share in over_h.items():
+        family = body.family("rolling", law)
+        square = root(h2 * share**2)  # -h′′ = h is a root itself
+        assert words(family, root(square), numbers) == ["unstable", "neutral"], law
+
+
+@pytest.mark.parametrize("share", [Fraction(1, 4), HALF, Fraction(9, 10)])
+@pytest.mark.parametrize("rho", [Fraction(0), Fraction(1, 7)])
+def test_fast_spinning_flutters_from_its_second_limit(rho: Fraction, share: Fraction) -> None:
+    """M1 < M < M2: stable exactly for q1 < q < q1 + v1, v1 the positive root as printed."""
+    i1, i3 = Fraction(2, 5), HALF
+    body, numbers, *_ = coin(rho, i1, i3)
+    q1, m1, m2 = limits(rho, i1, i3)
+    mu = root(m1 + share * (m2 - m1))
+    values = {"ρ": rho, "I1": i1, "I3": i3, "M": mu**2}
+    a2, a1, a0 = (exactly(c, values) for c in spinning.flutter())
+    assert a2 < 0 < a0
+    v1 = (-a1 - root(a1**2 - 4 * a2 * a0)) / (2 * a2)
+    family = body.family("spinning", "viscous")
+    assert words(family, root(q1 + v1), numbers | {"mu": mu}) == ["stable", "unstable"]
+
+
+def exactly(expression: Any, values: Mapping[str, Fraction]) -> Fraction:
+    """A rational expression in symbols at fractions."""
+    given = {s: sympy.Rational(values[s.name].numerator, values[s.name].denominator)
+             for s in expression.free_symbols}  # fmt: skip
+    found = sympy.Rational(expression.subs(given))
+    return Fraction(int(found.p), int(found.q))
+
+
+@pytest.mark.parametrize("t", [Fraction(1), Fraction(9, 10)])
+def test_tumbling_turns_where_its_energy_is_stationary(t: Fraction) -> None:
+    """The static boundary of a thick disk: E is computed from the height alone, to 60 digits."""
+    body, numbers, i1, i3 = thick(t)
+
+    def energy(theta: Any) -> Any:
+        s, c, half = mp.sin(theta), mp.cos(theta), mp.mpf(t.numerator) / (2 * t.denominator)
+        h, slope = s + half * c, c - half * s
+        r, z = h * s + slope * c, h * c - slope * s
+        across, along = (mp.mpf(i.numerator) / i.denominator for i in (i1, i3))
+        square = slope * r / (s * (across * r * c - along * z * s))
+        return h + square * (across * s**2 + along * (s * z / r) ** 2) / 2
+
+    with mp.workdps(80):
+        found = mp.findroot(lambda x: mp.diff(energy, x), mp.mpf("1.49"))
+        theta = Fraction(int(mp.nint(found * ONE)), ONE)
+        rises = [mp.diff(energy, found * (1 + side * mp.mpf(10) ** -6)) > 0 for side in (-1, 1)]
+        falls = mp.cos(found) < mp.mpf(t.numerator) / (2 * t.denominator) * mp.sin(found)  # h′ < 0
+    family = body.family("tumbling", "viscous")
+    seen = words(family, theta, numbers | {"mu": Fraction(2, 5)})
+    unstable = [rise == falls for rise in rises]  # h′ dE/dθ < 0
+    assert sorted(unstable) == [False, True]
+    assert [word == "unstable" for word in seen] == unstable, seen
+
+
+@pytest.mark.parametrize(
+    ("body", "height"),
+    [(st.Torus(0.25), lambda t: mp.sin(t) + mp.mpf(1) / 4),
+     (st.Spheroid(0.5), lambda t: mp.sqrt(mp.sin(t) ** 2 + mp.cos(t) ** 2 / 4)),
+     (st.EccentricSphere(0.25), lambda t: 1 - mp.cos(t) / 4)],
+    ids=["torus", "spheroid", "eccentric sphere"],
+)  # fmt: skip
+def test_the_determinant_changes_sign_at_painleves_limit(body: st.Body, height: Any) -> None:
+    """D of the graph in balls, on both sides of the least value of (I1 + h′²)/(h |h′|)."""
+    moment = body.moments()[1]
+    limit = painleve_limit(body)
+    with mp.workdps(50):
+
+        def ratio(t: Any) -> Any:
+            slope = mp.diff(height, t)
+            return (mp.mpf(moment) + slope**2) / (height(t) * abs(slope))
+
+        theta = mp.findroot(lambda t: mp.diff(ratio, t), mp.mpf(limit.theta))
+        least, sign = ratio(theta), mp.sign(mp.diff(height, theta))
+        below, above = (arb(str(least * (1 + side * mp.mpf(10) ** -12))) for side in (-1, 1))
+        place, side = arb(str(theta)), arb(int(sign))
+    assert below < arb(limit.low) and arb(limit.high) < above  # D > 0 everywhere; D ≤ 0 somewhere
+    system = round_system(body, st.Viscous, ("mu",), physical=False)
+    table = {n: arb(float(v)) for n, v in body.given.items()} | {"mu": arb(1)}
+    p = [table[n] for n in system.parameters]
+    with precision(200):
+        for slip, positive in ((below, True), (above, False)):
+            state = {"theta": place, "slip_x": slip * side}
+            x = [state.get(n, arb(0)) for n in system.states]
+            [[determinant]] = system.condition_program.run(balls(), [x, p])[-1:]
+            assert (determinant > 0) is positive and (determinant < 0) is not positive
