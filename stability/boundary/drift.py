@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import checked, flag
+from ..base.citation.used import MODEL
 from ..base.errors import ParameterError, if_degrees, shown
 from ..base.types import Floats, Record
 from ..bodies.contact import Contact
@@ -65,6 +66,11 @@ class Drift(Record):
     """a in dα/dt = a α³ at the start, shape (…) [1/s]."""
     spin_rate: Any
     """b in dω₃/dt = b α² at the start, shape (…) [rad/s²]."""
+
+    @property
+    def citation(self) -> str:
+        """Keys of the works to cite: closed forms of the model, by which nothing is integrated."""
+        return MODEL
 
 
 def drift(

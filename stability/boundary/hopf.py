@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple, overload
 
@@ -35,6 +36,7 @@ from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.axis import AxisLike
 from ..base.checks import instance, whole_number
+from ..base.citation.used import cited
 from ..base.errors import ParameterError, StabilityError, StabilityWarning, listed, shown
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
@@ -197,6 +199,7 @@ def hopf(
     for name, value in problem.values.items():
         if np.ndim(value):
             raise ParameterError(f"{name} is an array; give one number.")
+    works = cited(contact.name, disk=True, proofs=True, theory=["fiedler2000"])
     unit = record.unit(float(np.asarray(body.rate)))
     bits = BITS
     while True:  # until the signs that decide the type are proved
@@ -210,7 +213,7 @@ def hopf(
                 raise StabilityError(str(error) or "the search needs too many digits.") from None
             found = None
         if last or (found is not None and all(p.kind is not HopfKind.DEGENERATE for p in found)):
-            return found or []
+            return [replace(point, citation=works) for point in found or []]
         bits *= 2
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.citation.used import cited
+from ..base.citation.used import cited, joined
 from ..base.verdict import NO_MEMBER
 from ..spectra.presentation.labels import (
     axis_attributes,
@@ -153,6 +153,7 @@ def assemble(
         attributes["boundary_unresolved"] = curves.unresolved
     if points is not None:
         attributes |= point_attributes(points)
+        attributes["citation"] = joined([attributes["citation"], points.citation])
     if boxes is not None:
         attributes |= {
             "box_levels": boxes.levels,

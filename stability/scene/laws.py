@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.citation.used import cited
+from ..base.citation.used import cited, joined
 from ..base.types import Floats
 from ..bodies.disk import Disk
 from .answer import Answer
@@ -157,8 +157,7 @@ def works_of(thing: Any, laws: Mapping[str, Any], answer: Answer) -> str:
     str
     """
     if answer.parts:
-        every = (key for part in answer.parts.values() for key in part.citation.split(", "))
-        return ", ".join(dict.fromkeys(every))
+        return joined(part.citation for part in answer.parts.values())
     law = getattr(next(iter(laws.values()), None), "name", None)
     return cited(
         "creep-1" if answer.model.startswith("creep") else law, disk=isinstance(thing, Disk),

@@ -65,9 +65,9 @@ def birth_records(
     -------
     list of dict
     """
-    out = []
+    out, aside = [], ("mode", "unit", "citation")
     for point in found:
-        row: dict[str, Any] = {k: v for k, v in vars(point).items() if k not in ("mode", "unit")}
+        row: dict[str, Any] = {k: v for k, v in vars(point).items() if k not in aside}
         row["kind"] = point.kind.word
         out.append({k: None if v != v else v for k, v in row.items()})  # NaN is no JSON
     return out

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ..base.citation.used import cited
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.quantities import Kind, Quantity
 from ..bodies.contact import Contact
@@ -235,6 +236,7 @@ TABLE = Definition(
         "every change of verdict in a bracket with proved ends, for the package's laws",
         Standing.RECOMPUTED,
     ),
+    cites=cited(disk=True, proofs=True),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
+from ..base.citation.used import MODEL
 from ..base.errors import NameUnknownError, shown
 from ..base.quantities import Kind
 from ..bodies.contact import Contact
@@ -155,6 +156,7 @@ TABLE = Definition(
         "times by the closed form; tests compare them with simulated motions",
         Standing.DERIVED,
     ),
+    cites=MODEL,
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

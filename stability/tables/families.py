@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 
+from ..base.citation.used import cited
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, disk_family
@@ -154,6 +155,7 @@ TABLE = Definition(
         "conditions, structural zeros and limits, from polynomials of the equations",
         Standing.RECOMPUTED,
     ),
+    cites=cited(disk=True, proofs=True, theory=["sympy"]),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
+from ..base.citation.used import MODEL
 from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Progress
@@ -124,6 +125,7 @@ TABLE = Definition(
         "kinds from the centre manifold; tests compare them with simulated motions",
         Standing.DERIVED,
     ),
+    cites=MODEL,
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..base.checks import checked, positive
+from ..base.citation.used import cited
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.quantities import Kind
 from ..base.types import Floats
@@ -276,6 +277,7 @@ TABLE = Definition(
         "outcomes of simulated motions with stated errors",
         Standing.RECOMPUTED,
     ),
+    cites=cited(disk=True, eigenvalues=True),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.citation.used import gathered, joined
 from ..base.errors import ParameterError, listed, shown
 from ..base.types import Progress
 from ..bodies.disk import Disk
@@ -126,10 +127,12 @@ def table(
         options["progress"] = progress
     body = options.get("disk")
     how = " (recomputed)" if chosen.about else ""
+    with gathered() as works:
+        rows = chosen.rows(**options)
+        more = chosen.more(**options) if chosen.more else {}
     return Table(
-        name, f"{chosen.heading}{how}", chosen.columns, chosen.rows(**options),
-        body is None or body.dimensionless,
-        chosen.more(**options) if chosen.more else {}, definition=chosen,
+        name, f"{chosen.heading}{how}", chosen.columns, rows, body is None or body.dimensionless,
+        more, definition=chosen, citation=joined([chosen.cites, *works]),
     )  # fmt: skip
 
 
@@ -212,18 +215,19 @@ def _conditions(family: Family, exact: Mapping[str, Any], parameters: Mapping[st
     found = conditions(family, **exact, **parameters)
     heading = f"{family.system.name}, {family.name}: exact conditions of stability (derived)"
     return Table("conditions", heading, TABLE.columns, condition_rows(found), True, record(found),
-                 definition=TABLE, found=found)  # fmt: skip
+                 definition=TABLE, found=found, citation=found.citation)  # fmt: skip
 
 
 def _births(family: Family, axis: Sequence[Any], parameters: Mapping[str, Any]) -> Table:
     from ..boundary.hopf import hopf
     from .beyond_linear import BIRTHS, birth_columns, birth_records
 
-    found = hopf(family, axis=tuple(axis), **parameters)
+    with gathered() as works:
+        found = hopf(family, axis=tuple(axis), **parameters)
     units, rows = family.system.units, birth_records(found)
     return Table("hopf", BIRTHS.heading.format(name=family.name),
                  birth_columns(axis[0], units, rows), rows, definition=BIRTHS,
-                 found=(axis[0], found, units))  # fmt: skip
+                 found=(axis[0], found, units), citation=joined(works))  # fmt: skip
 
 
 def _points(family: Family | str, axes: Mapping[str, Any], given: Mapping[str, Any]) -> Table:
@@ -245,7 +249,7 @@ def _points(family: Family | str, axes: Mapping[str, Any], given: Mapping[str, A
         columns = point_columns(axes_, {}, known)
         dimensionless = given["disk"].dimensionless and not set(axes_) & set(PHYSICAL)
     return Table("codimension", POINTS.heading.format(name=name), columns, rows, dimensionless,
-                 more=more, definition=POINTS, found=found)  # fmt: skip
+                 more=more, definition=POINTS, found=found, citation=found.citation)  # fmt: skip
 
 
 def _of_disk(

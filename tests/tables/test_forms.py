@@ -54,7 +54,8 @@ def made(case: str) -> st.Table:
 
 def listed(name: str, rows: list[dict[str, Any]]) -> st.Table:
     chosen = definition(name)
-    return st.Table(name, chosen.heading, chosen.columns, rows, definition=chosen)
+    return st.Table(name, chosen.heading, chosen.columns, rows, definition=chosen,
+                    citation=chosen.cites)  # fmt: skip
 
 
 def own(case: str) -> st.Table:

@@ -7,12 +7,11 @@ from typing import Any
 
 from ..errors import ParameterError, shown
 from ..types import Record
+from .used import MODEL, joined
 from .works import WORKS, Work
 
 ATTRIBUTE = "citation"
 """Name of the attribute of datasets and files."""
-ALWAYS = "stability, przybylska2016"
-"""What is cited without a result: the package, and the paper of its first model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +52,8 @@ def citation(result: Any = None) -> Citation:
     ----------
     result
         What a call of this package returned, or `read_map` or `read_motion` read: anything with
-        `.citation` or `attrs["citation"]`.  When left out: this package, and the paper of the disk.
+        `.citation` or `attrs["citation"]`, or a list of these.  When left out: this package, and
+        the paper of the disk.
 
     Returns
     -------
@@ -74,14 +74,23 @@ def citation(result: Any = None) -> Citation:
     The stability developers, stability: stability
     """
     if result is None:
-        return of_keys(ALWAYS)
-    keys = getattr(result, "attrs", {}).get(ATTRIBUTE) or getattr(result, ATTRIBUTE, "")
-    if not isinstance(keys, str) or not keys:
+        return of_keys(MODEL)
+    keys = _keys(result)
+    if not keys:
         raise ParameterError(
             f"{shown(type(result).__name__)} says nothing of what to cite; give a result of this "
             "package, such as a spectrum, a map, a motion or an answer."
         )
     return of_keys(keys)
+
+
+def _keys(result: Any) -> str:
+    """Keys of a result, or of each in a list; empty where one says nothing."""
+    keys = getattr(result, "attrs", {}).get(ATTRIBUTE) or getattr(result, ATTRIBUTE, "")
+    if not keys and isinstance(result, (list, tuple)):
+        every = [_keys(one) for one in result]
+        return joined(every) if all(every) else ""
+    return keys if isinstance(keys, str) else ""
 
 
 def of_keys(keys: str) -> Citation:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
+MODEL = "stability, przybylska2016"
+"""What is cited without a computation: the package, and the paper of its first model."""
 METHODS = {
     "heyoka": ("heyoka",),
     "dop853": ("scipy", "hairer1993"),
@@ -31,6 +35,7 @@ def cited(
     methods: Iterable[str] = (),
     eigenvalues: bool = False,
     proofs: bool = False,
+    theory: Iterable[str] = (),
 ) -> str:
     """Keys of the works, as an attribute of a result: joined by commas, without a date.
 
@@ -46,6 +51,8 @@ def cited(
         Whether LAPACK computed eigenvalues.
     proofs
         Whether verdicts or boundaries were proved exactly or in balls.
+    theory
+        Keys of works on what is computed, beyond those of the model.
 
     Returns
     -------
@@ -61,9 +68,53 @@ def cited(
     keys = ["stability"]
     keys += ["przybylska2016"] * disk
     keys += LAWS.get(law or "", ())
+    keys += theory
     keys += ["casadi"]
     keys += ["lapack"] * eigenvalues
     keys += ["arb"] * proofs
     for method in methods:
         keys += METHODS.get(method, ())
-    return ", ".join(dict.fromkeys(keys))
+    found = ", ".join(dict.fromkeys(keys))
+    if (into := _INTO.get()) is not None:
+        into.append(found)
+    return found
+
+
+def joined(every: Iterable[str]) -> str:
+    """Keys of several results, each once, in the order of the first that has it.
+
+    Parameters
+    ----------
+    every
+        Keys of each result.
+
+    Examples
+    --------
+    >>> joined(["stability, casadi", "stability, casadi, lapack"])
+    'stability, casadi, lapack'
+    """
+    return ", ".join(dict.fromkeys(key for keys in every for key in keys.split(", ")))
+
+
+_INTO: ContextVar[list[str] | None] = ContextVar("citations", default=None)
+
+
+@contextmanager
+def gathered() -> Iterator[list[str]]:
+    """The keys of every result that is made inside, such as those of the motions of a table.
+
+    Examples
+    --------
+    >>> with gathered() as every:
+    ...     _ = cited(methods=["heyoka"])
+    >>> every
+    ['stability, casadi, heyoka']
+    """
+    before, found = _INTO.get(), list[str]()
+    place = _INTO.set(found)
+    try:
+        yield found
+    finally:
+        _INTO.reset(place)
+        if before is not None:
+            before += found

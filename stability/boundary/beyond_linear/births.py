@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from flint import arb
 
 from ...algebra.balls import precision, upper
 from ...base.axis import AxisLike
+from ...base.citation.used import cited
 from ...base.errors import ParameterError, StabilityError
 from ...spectra.arguments import axis_of, prepare
 from ...systems.family import Family
@@ -64,9 +66,10 @@ def births(
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
     flutter = [b for b in found if b.crossing is Crossing.FLUTTER]
     line = Line(family, grid.name, fixed)
+    works = cited(proofs=True, theory=["fiedler2000" if on_line else "kuznetsov2004"])
     if on_line:
-        return [_on_line(line, b) for b in flutter]
-    return [birth(line, b) for b in flutter]
+        return [replace(_on_line(line, b), citation=works) for b in flutter]
+    return [replace(birth(line, b), citation=works) for b in flutter]
 
 
 def zeros_left(family: Family) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -72,6 +72,8 @@ class HopfPoint(Record):
     """The pair's eigenvector, complex, of unit length over the states, dimensionless."""
     unit: float
     """One dimensionless unit of the family parameter in the user's unit."""
+    citation: str = field(default="", compare=False, repr=False)
+    """Keys of the works to cite, for `stability.citation`."""
 
     def landing(self, distance: float, amplitude: float = 0.0) -> float | None:
         """Place on the line where a motion settles, to leading order.
@@ -187,3 +189,5 @@ class CycleBirth(Record):
     """Bound on its error."""
     reason: str = ""
     """Why the onset is undecided, or linear; empty otherwise."""
+    citation: str = field(default="", compare=False, repr=False)
+    """Keys of the works to cite, for `stability.citation`."""

@@ -20,10 +20,11 @@ from scipy.integrate import quad
 
 from ...algebra.program import Program
 from ...base.checks import one_number
+from ...base.citation.used import cited
 from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ...base.types import Floats, Record, fields_of
 from ...bodies.contact import Contact
-from ...bodies.resistance import Resistance, resistances
+from ...bodies.resistance import Resistance, RollingResistance, resistances
 from ...bodies.round_body.body import Body
 from ...bodies.round_body.by_name import of_body
 from ...spectra.arguments import problem_of
@@ -68,6 +69,11 @@ class SlowFlow(Record):
     """The other parameters by name: numbers, or arrays of one for each member."""
 
     __getstate__ = fields_of
+
+    @property
+    def citation(self) -> str:
+        """Keys of the works to cite, for `stability.citation`."""
+        return cited(rolling=self.small == RollingResistance.coefficient, theory=["fenichel1979"])
 
     @cached_property
     def _slope(self) -> Program:

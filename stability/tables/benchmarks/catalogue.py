@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
 from ...base.checks import chosen
+from ...base.citation.used import cited
 from ...base.errors import listed
 from ..formats.about import About, Standing
 from ..formats.column import Column, word
@@ -171,6 +172,7 @@ TABLE = Definition(
         Standing.PARTLY,
         largest=4e-10,
     ),
+    cites=cited(eigenvalues=True, proofs=True),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

@@ -47,6 +47,8 @@ class Definition:
     """Further keys of the JSON object, from the same options."""
     about: About | None = field(default=None, kw_only=True)
     """Source and standing, of a table that the list of tables names."""
+    cites: str = field(default="stability", kw_only=True)
+    """Keys of the works to cite, beyond those of the results that the rows are from."""
     home: str = field(kw_only=True)
     """Where it is, as `module:name`: it is pickled by this."""
 
@@ -96,6 +98,8 @@ class Table(Record):
     """How it is printed."""
     found: Any = field(default=None, kw_only=True, repr=False, compare=False)
     """Result that the rows are from, for a family of the user's own."""
+    citation: str = field(kw_only=True, repr=False, compare=False)
+    """Keys of the works to cite, for `stability.citation`."""
 
     @property
     def units(self) -> dict[str, str]:
@@ -126,7 +130,7 @@ class Table(Record):
         return self.definition.latex(self)
 
     def to_json(self) -> str:
-        """The table as one JSON object: name, heading, columns with meaning and unit, rows."""
+        """The table as one JSON object: name, heading, citation, columns with units, rows."""
         columns: list[dict[str, Any]] = []
         for c in self.columns:
             units: dict[str, Any] = {"unit": c.unit(dimensionless=self.dimensionless)}
@@ -136,7 +140,8 @@ class Table(Record):
                     for word, q in c.quantities(self.rows).items()
                 }}  # fmt: skip
             columns.append({"name": c.name, "meaning": c.meaning, **units})
-        body = {"table": self.name, "heading": self.heading, "columns": columns, "rows": self.rows}
+        body = {"table": self.name, "heading": self.heading, "citation": self.citation,
+                "columns": columns, "rows": self.rows}  # fmt: skip
         return json_text(body | dict(self.more))
 
     def to_csv(self) -> str:

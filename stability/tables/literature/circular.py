@@ -11,6 +11,7 @@ import numpy as np
 from flint import arb
 
 from ...algebra.balls import precision
+from ...base.citation.used import cited
 from ...base.types import Floats, Progress
 from ...base.verdict import Verdict
 from ...bodies.contact_laws import Rough
@@ -173,6 +174,7 @@ TABLE = Definition(
         Standing.RECOMPUTED,
         largest=2e-10,
     ),
+    cites=cited("coulomb", eigenvalues=True, proofs=True),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

@@ -10,6 +10,7 @@ from typing import Any
 from flint import arb
 
 from ...algebra.balls import precision
+from ...base.citation.used import cited
 from ...base.types import Progress
 from ...bodies.disk import Disk
 from ...bodies.thin_disk.disk_families import disk_family
@@ -118,6 +119,7 @@ TABLE = Definition(
         Standing.PARTLY,
         largest=8e-6,
     ),
+    cites=cited(eigenvalues=True, proofs=True),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

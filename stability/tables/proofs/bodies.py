@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
+from ...base.citation.used import cited
 from ..formats.about import About, Standing
 from ..formats.column import Column, word
 from ..formats.latex import END, breaking, longtable, start
@@ -85,6 +86,7 @@ TABLE = Definition(
         "each statement from the general equations, by computer algebra",
         Standing.DERIVED,
     ),
+    cites=cited(proofs=True, theory=["sympy"]),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

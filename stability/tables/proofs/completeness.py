@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from ...base.citation.used import cited
 from ..formats.about import About, Standing
 from ..formats.column import Column, word
 from ..formats.plain import framed
@@ -56,6 +57,7 @@ TABLE = Definition(
         "a proof step by step, and a search from random starts",
         Standing.DERIVED,
     ),
+    cites=cited(disk=True, theory=["sympy"]),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from textwrap import wrap
 from typing import Any
 
+from ...base.citation.used import cited
 from ...derivation.proof import Step
 from ..formats.about import About, Standing
 from ..formats.column import Column, word
@@ -176,6 +177,7 @@ TABLE = Definition(
         "each step of each proof, by computer algebra",
         Standing.DERIVED,
     ),
+    cites=cited(disk=True, theory=["sympy"]),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

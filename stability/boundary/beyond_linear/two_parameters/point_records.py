@@ -108,6 +108,8 @@ class CodimensionTwo(Record, Sequence[DegeneratePoint]):
     """One sentence on how vanishing coefficients were sought."""
     vanishing_complete: bool = False
     """Whether every vanishing coefficient in the closed rectangle is listed, by proof."""
+    citation: str = ""
+    """Keys of the works to cite, for `stability.citation`."""
 
     @property
     def complete(self) -> bool:

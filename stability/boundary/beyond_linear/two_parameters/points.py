@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike
 from ....algebra.balls import precision
 from ....algebra.exact.number_fields import NotExact
 from ....base.axis import Axis, AxisLike
+from ....base.citation.used import cited
 from ....base.errors import ParameterError
 from ....bodies.contact import Contact
 from ....bodies.disk import Disk
 from ....bodies.round_body.body import Body
 from ....bodies.round_body.by_name import of_body
 from ....spectra.arguments import axis_of, prepare
+from ....spectra.presentation.labels import is_disk
 from ....spectra.problem import Problem
 from ....systems.family import Family
 from ....systems.structure.structural_zeros import structure
@@ -149,7 +151,9 @@ def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
     order = list(PointKind)
     points = tuple(sorted(units, key=lambda p: (order.index(p.kind), p.x, p.y)))
     ends = tuple((g.name, g.low, g.high) for g in axes)
-    return CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every)
+    law = problem.law.name if problem.law else None
+    works = cited(law, disk=is_disk(problem), proofs=True, theory=["kuznetsov2004"])
+    return CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every, works)
 
 
 def _accept(problem: Problem) -> None:

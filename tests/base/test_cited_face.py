@@ -1,0 +1,196 @@
+"""Every public name that returns a result says what to cite, or there is a stated reason."""
+
+import inspect
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import pytest
+
+import stability as st
+from stability.base.citation.used import cited, gathered
+from stability.base.citation.works import WORKS
+
+VISCOUS = st.Viscous(0.97)
+PLANE: dict[str, Any] = {"x": ("at", 1, 3, 5), "y": ("mu", 0.1, 1, 4)}
+SMALL: dict[str, Any] = {"horizon": 1.0, "x": ("theta", 1.2, 1.5, 2), "y": ("omega3", 1, 2, 2)}
+OSCILLATOR = ["stability", "kuznetsov2004", "casadi", "arb"]
+DISK = ["stability", "przybylska2016", "casadi"]
+
+
+def _oscillator() -> st.Family:
+    x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
+    rates = ca.vertcat(x[1], -x[0] + (c - x[0] ** 2) * x[1])
+    system = st.System("van der Pol", x, c, rates, states=("q", "v"), parameters=("c",))
+    return st.Family(system, "rest", at=("c",), held={"q": 0, "v": 0})
+
+
+def _motion() -> Any:
+    return st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.3, "omega3": 2.0}, 0.5,
+                       method="dop853", check=False)  # fmt: skip
+
+
+def _again(folder: Path) -> Any:
+    return st.read_map(st.write_map(st.stability_map("spinning", **PLANE), folder / "map.nc"))
+
+
+def _motion_again(folder: Path) -> Any:
+    path = st.write_motion(_motion(), folder / "run.nc")
+    return st.read_motion(path)
+
+
+def _streamed(folder: Path) -> Any:
+    return st.read_map(st.stream_map("spinning", **PLANE, out=folder / "map.zarr"))
+
+
+def _scene() -> st.Scene:
+    return st.Scene(start={"theta": 1.3, "omega3": 2.0}, contact=st.Viscous(0.3), horizon=1.0)
+
+
+RESULTS: dict[str, tuple[Callable[[Path], Any], list[str]]] = {
+    "spectrum": (lambda _: st.spectrum("rolling", at=1.8, contact=VISCOUS), [*DISK, "lapack"]),
+    "stability_map": (lambda _: st.stability_map("spinning", **PLANE), [*DISK, "arb"]),
+    "stream_map": (_streamed, [*DISK, "arb"]),
+    "read_map": (_again, [*DISK, "arb"]),
+    "boundaries": (
+        lambda _: st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=VISCOUS),
+        [*DISK, "arb"]),
+    "conditions": (lambda _: st.conditions(st.disk_family("spinning", "rough")), [*DISK, "arb"]),
+    "drift": (lambda _: st.drift(at=1.8, tilt=0.01, contact=VISCOUS), DISK[:2]),
+    "hopf": (lambda _: st.hopf("spinning", contact=VISCOUS),
+             [*DISK[:2], "fiedler2000", "casadi", "arb"]),
+    "slow_flow": (
+        lambda _: st.slow_flow("rolling", body=st.Spheroid(0.5), contact=VISCOUS,
+                               resistance=st.RollingResistance(0.01)),
+        ["stability", "bondi1986", "fenichel1979", "casadi"]),
+    "retrograde_map": (lambda _: st.retrograde_map([1.0], [0.0], starts=[(80.0, 1.0)]),
+                       ["stability", "bondi1986", "casadi"]),
+    "codimension_two": (
+        lambda _: st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9)),
+        [*DISK[:2], "kuznetsov2004", "casadi", "arb"]),
+    "simulate": (lambda _: _motion(), [*DISK, "scipy", "hairer1993"]),
+    "read_motion": (_motion_again, [*DISK, "scipy", "hairer1993"]),
+    "basins": (lambda _: st.basins(st.Disk(), st.Viscous(0.3), **SMALL), DISK),
+    "Scene": (lambda _: _scene().answer(), DISK),
+    "table": (lambda _: st.table("drift", k=0.25, mu=1), DISK[:2]),
+}  # fmt: skip
+"""Name: a call of it, and works that it cites among others."""
+
+INPUT = "it says what is asked, and holds no result"
+WORD = "a word, an error or a warning"
+PART = "a part of a result that says what to cite"
+TEXT = "files or text written from a system; what was computed with them is cited by its result"
+DRAWN = "drawn from a result that says what to cite"
+COUNT = "a statistic of outcomes; the outcomes say what to cite"
+REASONS = {
+    **dict.fromkeys((
+        "Disk", "REAL_DISKS", "Body", "Egg", "from_profile", "Torus", "Spheroid",
+        "EccentricSphere", "ThickDisk", "AirTorque", "PivotingResistance", "RollingResistance",
+        "Resistance", "Contact", "Parameter", "Smooth", "Viscous", "LinearViscous", "Rough",
+        "Coulomb", "RegularisedCoulomb", "Creep1", "Creep2", "Creep3", "System", "mechanics",
+        "Condition", "UPRIGHT", "Family", "disk_family", "disk_system", "launch", "Ball",
+        "LogUniform", "Normal", "Uniform", "ReducedModel", "ExactPolynomial", "Exact",
+        "exact_polynomial"), INPUT),
+    **dict.fromkeys(("Verdict", "Nonlinear", "Crossing", "HopfKind", "Onset", "PointKind",
+                     "Outcome", "StabilityError", "StabilityWarning"), WORD),
+    **dict.fromkeys(("BranchPoint", "Fold", "BoundaryPoint", "Unresolved", "DegeneratePoint",
+                     "Rung"), PART),
+    **dict.fromkeys(("Spectrum", "Boundaries", "Conditions", "Drift", "HopfPoint", "CycleBirth",
+                     "SlowFlow", "CodimensionTwo", "Answer", "Table"),
+                    "the class of a result; the function that makes it is tested"),
+    **dict.fromkeys(("latex", "c_code", "auto_input", "bifurcationkit_input", "write_map",
+                     "write_motion", "report"), TEXT),
+    **dict.fromkeys(("animate", "plot_map", "plot_retrograde", "plot_basins", "plot_locus",
+                     "plot_motion", "explore"), DRAWN),
+    **dict.fromkeys(("launch_labels", "uncertainty_exponent", "fractions", "wilson",
+                     "fatal_shock"), COUNT),
+    **dict.fromkeys(("branch", "Branch"), "members of a family alone, without a verdict"),
+    **dict.fromkeys(("citation", "Citation"), "it is what is asked for"),
+}  # fmt: skip
+"""Name: why it needs no citation of its own."""
+
+
+def test_every_public_name_is_cited_or_has_a_reason() -> None:
+    assert sorted([*RESULTS, *REASONS]) == sorted(st.__all__)
+
+
+def test_what_has_no_citation_is_no_dataset_and_no_record_that_is_cited() -> None:
+    """A new function that returns a cited kind of result belongs to those that are tested."""
+    kinds = ["Dataset", *(n for n in st.__all__ if hasattr(getattr(st, n), "citation"))]
+    for name in REASONS:
+        found = getattr(st, name)
+        if inspect.isfunction(found):
+            returned = str(inspect.signature(found).return_annotation)
+            assert name == "citation" or not any(kind in returned.split(".") for kind in kinds)
+
+
+@pytest.mark.parametrize("name", sorted(RESULTS))
+def test_a_result_says_what_to_cite(name: str, tmp_path: Path) -> None:
+    make, among = RESULTS[name]
+    found = [work.key for work in st.citation(make(tmp_path)).works]
+    assert [key for key in found if key in among] == among
+
+
+TABLES: dict[str, tuple[dict[str, Any], list[str]]] = {
+    "list": ({}, ["stability"]),
+    "families": ({}, [*DISK[:2], "sympy", "casadi", "arb"]),
+    "conditions": ({"k": 0.25, "mu": 1.0, "contact": "viscous"}, [*DISK, "arb"]),
+    "drift": ({"k": 0.25, "mu": 1}, DISK[:2]),
+    "hopf": ({"k": 0.5, "mu": 1.0}, [*DISK[:2], "fiedler2000", "casadi", "arb"]),
+    "codimension": ({"family": "spinning", "x": ("at", 0.5, 5, 9), "y": ("mu", 0.1, 3, 9)},
+                    [*DISK[:2], "kuznetsov2004", "casadi", "arb"]),
+    "launches": ({"k": 0.25, "mu": 1.0, "at": 2.0, "time": 1.0}, [*DISK, "lapack"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_cites_what_its_rows_are_from(name: str) -> None:
+    options, among = TABLES[name]
+    found = [work.key for work in st.citation(st.table(name, **options)).works]
+    assert sorted(set(found) & set(among)) == sorted(among)
+    ran = {"heyoka", "scipy", "sundials"} & set(found)
+    assert bool(ran) is (name == "launches")  # only that table runs motions
+
+
+def test_tables_of_a_users_family_cite_its_result_and_no_disk() -> None:
+    family = _oscillator()
+    hopf = st.table("hopf", family, x=("c", -1, 1, 9))
+    assert [w.key for w in st.citation(hopf).works] == OSCILLATOR
+    assert [w.key for w in st.citation(st.hopf(family, axis=("c", -1, 1, 9))).works] == OSCILLATOR
+    assert json.loads(hopf.to_json())["citation"] == hopf.citation
+    exact = st.table("conditions", family)
+    assert [w.key for w in st.citation(exact).works] == ["stability", "casadi", "arb"]
+
+
+def test_every_table_cites_works_that_are_known() -> None:
+    from stability.tables.contents.places import PLACES, definition
+
+    for name in PLACES:
+        keys = definition(name).cites.split(", ")
+        assert keys[0] == "stability" and set(keys) <= set(WORKS)
+
+
+def test_a_map_with_points_cites_what_they_are_from() -> None:
+    with_points = st.stability_map("spinning", **PLANE, points=True)
+    assert "kuznetsov2004" in with_points.attrs["citation"]
+    assert "kuznetsov2004" not in st.stability_map("spinning", **PLANE).attrs["citation"]
+
+
+def test_results_are_gathered_inside_only_and_reach_the_one_around() -> None:
+    with gathered() as outer:
+        cited(methods=["cvodes"])
+        with gathered() as inner:
+            cited(methods=["heyoka"])
+    cited(methods=["radau"])
+    assert inner == ["stability, casadi, heyoka"]
+    assert outer == ["stability, casadi, sundials", *inner]
+
+
+def test_a_list_is_cited_only_where_each_of_it_is() -> None:
+    [point] = st.hopf("spinning", contact=st.Viscous(0.8))
+    assert st.citation([point, point]) == st.citation(point)
+    for nothing in ([], [point, 3.0]):
+        with pytest.raises(st.StabilityError, match="says nothing of what to cite"):
+            st.citation(nothing)
