@@ -49,6 +49,10 @@ def _scene() -> st.Scene:
     return st.Scene(start={"theta": 1.3, "omega3": 2.0}, contact=st.Viscous(0.3), horizon=1.0)
 
 
+def _side(points: Any) -> Any:
+    return points[:, 0] > points[:, 1] ** 2
+
+
 RESULTS: dict[str, tuple[Callable[[Path], Any], list[str]]] = {
     "spectrum": (lambda _: st.spectrum("rolling", at=1.8, contact=VISCOUS), [*DISK, "lapack"]),
     "stability_map": (lambda _: st.stability_map("spinning", **PLANE), [*DISK, "arb"]),
@@ -64,9 +68,9 @@ RESULTS: dict[str, tuple[Callable[[Path], Any], list[str]]] = {
     "slow_flow": (
         lambda _: st.slow_flow("rolling", body=st.Spheroid(0.5), contact=VISCOUS,
                                resistance=st.RollingResistance(0.01)),
-        ["stability", "bondi1986", "fenichel1979", "casadi"]),
+        ["stability", "fenichel1979", "casadi"]),
     "retrograde_map": (lambda _: st.retrograde_map([1.0], [0.0], starts=[(80.0, 1.0)]),
-                       ["stability", "bondi1986", "casadi"]),
+                       ["stability"]),
     "codimension_two": (
         lambda _: st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9)),
         [*DISK[:2], "kuznetsov2004", "casadi", "arb"]),
@@ -75,6 +79,11 @@ RESULTS: dict[str, tuple[Callable[[Path], Any], list[str]]] = {
     "basins": (lambda _: st.basins(st.Disk(), st.Viscous(0.3), **SMALL), DISK),
     "Scene": (lambda _: _scene().answer(), DISK),
     "table": (lambda _: st.table("drift", k=0.25, mu=1), DISK[:2]),
+    "fractions": (lambda _: st.fractions([0, 1, 1]), ["stability", "wilson1927"]),
+    "uncertainty_exponent": (
+        lambda _: st.uncertainty_exponent(_side, [0, 0], [1, 1], [0.01, 0.02, 0.05], points=200),
+        ["stability", "grebogi1983", "wilson1927"]),
+    "fatal_shock": (lambda _: st.fatal_shock(_side, [0.5, 0.2]), ["stability"]),
 }  # fmt: skip
 """Name: a call of it, and works that it cites among others."""
 
@@ -83,7 +92,7 @@ WORD = "a word, an error or a warning"
 PART = "a part of a result that says what to cite"
 TEXT = "files or text written from a system; what was computed with them is cited by its result"
 DRAWN = "drawn from a result that says what to cite"
-COUNT = "a statistic of outcomes; the outcomes say what to cite"
+COUNT = "labels or numbers alone; the dataset of the launches says what to cite"
 REASONS = {
     **dict.fromkeys((
         "Disk", "REAL_DISKS", "Body", "Egg", "from_profile", "Torus", "Spheroid",
@@ -104,8 +113,7 @@ REASONS = {
                      "write_motion", "report"), TEXT),
     **dict.fromkeys(("animate", "plot_map", "plot_retrograde", "plot_basins", "plot_locus",
                      "plot_motion", "explore"), DRAWN),
-    **dict.fromkeys(("launch_labels", "uncertainty_exponent", "fractions", "wilson",
-                     "fatal_shock"), COUNT),
+    **dict.fromkeys(("launch_labels", "wilson"), COUNT),
     **dict.fromkeys(("branch", "Branch"), "members of a family alone, without a verdict"),
     **dict.fromkeys(("citation", "Citation"), "it is what is asked for"),
 }  # fmt: skip

@@ -150,6 +150,14 @@ _EVERY = (
          "SUNDIALS: Suite of nonlinear and differential/algebraic equation solvers", "2005",
          "ACM Transactions on Mathematical Software", "31(3)", "363--396",
          "10.1145/1089014.1089020"),
+    Work("grebogi1983", "article", "the uncertainty exponent",
+         "Grebogi, Celso and McDonald, Steven W. and Ott, Edward and Yorke, James A.",
+         "Final state sensitivity: an obstruction to predictability", "1983", "Physics Letters A",
+         "99(9)", "415--418", "10.1016/0375-9601(83)90945-3"),
+    Work("wilson1927", "article", "intervals of a probability", "Wilson, Edwin B.",
+         "Probable Inference, the Law of Succession, and Statistical Inference", "1927",
+         "Journal of the American Statistical Association", "22(158)", "209--212",
+         "10.1080/01621459.1927.10502953"),
 )  # fmt: skip
 WORKS = {work.key: work for work in _EVERY}
 """Every work by its key."""

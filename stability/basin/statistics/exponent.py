@@ -55,6 +55,11 @@ class UncertaintyExponent:
     """What the interval counts, and whether the power law is in question."""
 
     @property
+    def citation(self) -> str:
+        """Keys of the works to cite, for `stability.citation`."""
+        return "stability, grebogi1983, wilson1927"
+
+    @property
     def dimension(self) -> float:
         """Box dimension D = d - α of the border."""
         return self.dimensions - self.exponent

@@ -38,6 +38,11 @@ class Fraction:
     """Confidence level of the interval, for this label alone."""
 
     @property
+    def citation(self) -> str:
+        """Keys of the works to cite, for `stability.citation`."""
+        return "stability, wilson1927"
+
+    @property
     def value(self) -> float:
         """The share in the sample."""
         return self.count / self.of

@@ -67,6 +67,11 @@ class Shock:
     """What was searched and what is not excluded, in sentences."""
 
     @property
+    def citation(self) -> str:
+        """Keys of the works to cite, for `stability.citation`."""
+        return "stability"
+
+    @property
     def found(self) -> bool:
         """Whether a launch with another label was found."""
         return math.isfinite(self.size)

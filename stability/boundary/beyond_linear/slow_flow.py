@@ -24,7 +24,7 @@ from ...base.citation.used import cited
 from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ...base.types import Floats, Record, fields_of
 from ...bodies.contact import Contact
-from ...bodies.resistance import Resistance, RollingResistance, resistances
+from ...bodies.resistance import Resistance, resistances
 from ...bodies.round_body.body import Body
 from ...bodies.round_body.by_name import of_body
 from ...spectra.arguments import problem_of
@@ -73,7 +73,7 @@ class SlowFlow(Record):
     @property
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
-        return cited(rolling=self.small == RollingResistance.coefficient, theory=["fenichel1979"])
+        return cited(theory=["fenichel1979"])
 
     @cached_property
     def _slope(self) -> Program:
