@@ -24,7 +24,7 @@ from ..bodies.model import WORK
 from ..integrators.flow import ASKING, Flow, flow_of
 from ..integrators.taylor import FINEST, PIECES, expressions
 
-STRIDE = 64
+STRIDE = 128
 """Steps of a lane between two looks of the watcher."""
 WIDTH = 2
 """Lanes of a batch over those of the processor's registers: fewer calls of the library."""
