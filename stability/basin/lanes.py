@@ -22,7 +22,7 @@ from ..algebra.number_types import heyoka
 from ..base.types import Floats
 from ..bodies.model import WORK
 from ..integrators.flow import ASKING, Flow, flow_of
-from ..integrators.taylor import FINEST, PIECES, expressions
+from ..integrators.taylor import FINEST, PIECES, compact, expressions
 
 STRIDE = 128
 """Steps of a lane between two looks of the watcher."""
@@ -272,6 +272,7 @@ def _compiled(flow: Flow, tolerance: float) -> tuple[Any, list[Any]]:
     batch = hy.taylor_adaptive_batch(
         list(zip(symbols, rates, strict=True)), np.zeros((len(symbols), width)), tol=tolerance,
         t_events=[hy.t_event_batch(g, direction=down) for g in guards], fast_math=True,
+        compact_mode=compact(flow),
     )  # fmt: skip
     return batch, []
 

@@ -36,6 +36,8 @@ NEWTON, SHIFT = 3, 1e-3
 PIECES = 1000
 """Least number of steps where the model names no angular velocities.  A series does not see a pulse
 that is flat at the series' centre: its step and those of all neighbours would pass over it."""
+LONG = 400
+"""Most operations of a flow whose machine code is unrolled."""
 QUIET = 20_000
 """Steps before the computing time is checked: a check at each step costs a tenth."""
 
@@ -93,6 +95,17 @@ def expressions(flow: Flow) -> tuple[list[Any], list[Any], list[Any]]:
     return symbols, [row[0] for row in values], [event[0] for event in events if event]
 
 
+def compact(flow: Flow) -> bool:
+    """Whether machine code is made of loops: a long graph unrolled takes the compiler minutes.
+
+    Parameters
+    ----------
+    flow
+        The flow.
+    """
+    return ca.Function("size", [flow.x, flow.p], [flow.rhs]).n_instructions() > LONG
+
+
 @dataclass(frozen=True, eq=False)
 class _Held:
     """A compiled integrator, lent to one thread at a time."""
@@ -126,7 +139,7 @@ def _single(flow: Flow, tolerance: float) -> _Held:
         down = hy.event_direction.negative
         return hy.taylor_adaptive(
             list(zip(symbols, rates, strict=True)), np.zeros(len(symbols)),
-            tol=tolerance,
+            tol=tolerance, compact_mode=compact(flow),
             t_events=[hy.t_event(guard, direction=down) for guard in guards],
         )  # fmt: skip
 
@@ -286,7 +299,8 @@ def _batch(flow: Flow, tolerance: float, width: int) -> _Held:
             events = [hy.t_event_batch(guards[0], callback=stop, direction=down)]
         return hy.taylor_adaptive_batch(
             list(zip(symbols, rates, strict=True)),
-            np.zeros((len(symbols), width)), tol=tolerance, t_events=events, **more,
+            np.zeros((len(symbols), width)), tol=tolerance, t_events=events,
+            compact_mode=compact(flow), **more,
         )  # fmt: skip
 
     return _Held([], build, Lock())
