@@ -146,6 +146,8 @@ def _section(one: Part) -> list[str]:
     else:
         told, places = _standings(one)
         found.append(told)
+    if not one.plates and one.name != "scenes":
+        found.append("<p>No cell of this part has ended, so no figure is drawn.</p>")
     found.append('<div class="figures">')
     found += [_figure(plate) for plate in one.plates]
     found += ["</div>", *_methods(one)]

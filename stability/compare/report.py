@@ -264,13 +264,14 @@ def _motion(cells: Mapping[str, Cell]) -> Part:
         )
         for m in DRAWN if m in METRICS and drawings.panels_of(chart, m)
     ]  # fmt: skip
-    plates.append(Plate(
+    first = Plate(
         "motion-first",
         "What the first call costs: a run in a fresh process at the loosest tolerance (graphs "
         "built, code compiled, imports apart), and the least repeat at the middle tolerance. "
         "Circles: medians over the motions; lines: least to most.",
         lambda: drawings.first_call_figure(chart),
-    ))  # fmt: skip
+    )
+    plates += [first] * bool(chart.sizes["scene"])
     return Part(MOTION, tuple(plates), ("motion.nc", "motion.csv"), chart)
 
 

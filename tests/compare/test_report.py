@@ -378,6 +378,18 @@ def test_names_of_a_subset_are_refused_with_those_known(
 
 
 @pytest.mark.usefixtures("small")
+@pytest.mark.parametrize("name", ["spectrum", "motion", "scenes", "failures"])
+def test_a_part_of_which_no_cell_has_ended_has_a_page(name: str, tmp_path: Path) -> None:
+    from stability.compare.page import write
+
+    none = report.part(name, {})
+    assert not none.plates
+    report._write(tmp_path, none, {})
+    text = write(tmp_path, [none]).read_text("utf-8")
+    assert ("No cell of this part has ended" in text) is (name != "scenes")
+    assert {path.name for path in tmp_path.iterdir()} == {"index.html", *none.data}
+
+
 def test_a_part_alone_makes_a_page_of_that_part(tmp_path: Path) -> None:
     page = st.report(tmp_path / "r", ["failures"])
     text = page.read_text()

@@ -51,7 +51,7 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
 
     kinds = [k for k in CHARTED if any(key.startswith(f"motion/{k}/") for key in cells)]
     names = [n for n in NAMES if any(key.endswith(f"/{n}") for key in cells)]
-    rungs = max(len(DRIVERS[n].tolerances) for n in names)
+    rungs = max((len(DRIVERS[n].tolerances) for n in names), default=0)
     repeats = max((len(r.get("seconds", ())) for key, c in cells.items()
                    if key.startswith("motion/") and c.value for r in c.value["rows"]),
                   default=1)  # fmt: skip
