@@ -110,6 +110,7 @@ def scene(count: int, repeats: int, horizon: float) -> None:
     """The scene of rolling and spinning starts, against raw batches."""
     print(f"rolling and spinning starts, mu = {MU}, to T = {horizon:g}, tolerance 1e-9, "
           f"{count} launches each")  # fmt: skip
+    all_raw = all_own = 0.0
     for body, k in BODIES.items():
         for family in SCENES:
             some = launches(family, k, count, 1, horizon)
@@ -128,10 +129,13 @@ def scene(count: int, repeats: int, horizon: float) -> None:
             codes, many = np.unique(found.outcome, return_counts=True)
             ends = ", ".join(f"{n} {BY_CODE[c].word}" for c, n in zip(codes, many, strict=True))
             once, twice = (1e6 * min(seconds) for seconds in (single, checked))
+            all_own += statistics.median(single)
+            all_raw += statistics.median(ratios) * statistics.median(single)
             print(f"  {body}, {family}: {once:.0f} us a launch, run twice {twice:.0f} us; "
                   f"{statistics.median(ratios):.1f} times raw batches, "
                   f"{statistics.median(shorter):.1f} times those in momenta; {ends}",
                   flush=True)  # fmt: skip
+    print(f"  the whole scene: {all_raw / all_own:.1f} times raw batches")
 
 
 def predicted() -> None:
