@@ -9,6 +9,7 @@ from flint import arb
 from sympy.physics.mechanics import dynamicsymbols
 
 import stability as st
+from stability.algebra import program
 from stability.algebra.balls import precision
 from stability.algebra.linear_systems import solution
 from stability.algebra.number_types import balls
@@ -98,6 +99,15 @@ def test_large_systems_at_a_shape_that_is_solved_for(n: int) -> None:
     true = true_values(n, 1.0, 0.25, pulled=True)
     assert found.verdict.word == "stable"
     assert found.abscissa == pytest.approx(true.real.max(), rel=1e-9)
+
+
+def test_no_kernel_runs_an_implicit_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(family_graph, "LARGE", 0)
+    monkeypatch.setattr(program, "LONGER", 0)  # every other list is long now
+    family = links(3, pulled=True)
+    assert family.graph.matrix.name == "implicit" and family.graph.matrix.tape is None
+    found = st.spectrum(family, at=0.75, c=0.25, certify=True)
+    assert found.abscissa == pytest.approx(true_values(3, 0.75, 0.25, pulled=True).real.max())
 
 
 @pytest.mark.parametrize("pulled", [False, True])

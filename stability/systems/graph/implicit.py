@@ -231,6 +231,9 @@ class Implicit:
 class _Solved(Program):
     """Rates and slopes of an implicit form, with the face of a `Program`."""
 
+    tape = None
+    """None: it solves linear systems, for which no kernel runs."""
+
     def __init__(self, form: Implicit, outputs: Sequence[Asked]) -> None:
         self._form, self._outputs, self.name = form, outputs, "implicit"
         self.places = tuple(map(form.places, outputs))
