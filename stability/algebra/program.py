@@ -325,8 +325,8 @@ class Program:
         given = np.zeros((2, sum(self.inputs), *shape))
         for i, pair in enumerate(pair for block in arguments for pair in block):
             given[:, i] = np.broadcast_arrays(*pair, np.empty(shape))[:2]
-        mid, rad = self.tape.run(*given.reshape(*given.shape[:2], -1))
-        pairs = iter(zip(mid.reshape(-1, *shape), rad.reshape(-1, *shape), strict=True))
+        mid, rad = self.tape.run(*given.reshape(2, given.shape[1], math.prod(shape)))
+        pairs = iter(zip(mid.reshape(len(mid), *shape), rad.reshape(len(rad), *shape), strict=True))
         return [[next(pairs) for _ in some] for some in self.places]
 
     def many(self, points: Floats) -> Floats:

@@ -97,3 +97,11 @@ def test_a_function_without_a_kernel_is_run_as_before() -> None:
     assert program.tape is None
     [found] = program.quick([[np.array([0.2])]], (1,))
     np.testing.assert_array_equal(found, program.arrays([[np.array([0.2])]], (1,))[0])
+
+
+def test_no_points_give_no_balls() -> None:
+    none = np.zeros(0)
+    [value, _] = running_error_arrays(
+        long_program(), [[RunningError(none, none)] * 2, [RunningError(none, none)]], (0,)
+    )
+    assert value[0].shape == value[1].shape == (0, 3, 1)
