@@ -36,7 +36,6 @@ LONGER = (
     "systems/family.py",  # one class that is a user's whole interface
     # several public records, each with its source and an example
     "bodies/contact_laws.py", "derivation/conditions.py", "scene/ladder.py",
-    "systems/continuation.py",
 )  # fmt: skip
 """Files above 400 lines."""
 
