@@ -28,12 +28,11 @@ _HOME = {
         "Viscous",
         "LinearViscous",
         "Rough",
-        "Coulomb",
-        "RegularisedCoulomb",
         "Creep1",
         "Creep2",
         "Creep3",
     ),
+    "bodies.dry_friction": ("Coulomb", "RegularisedCoulomb"),
     "systems.system": ("System",),
     "systems.mechanics": ("mechanics",),
     "systems.condition": ("Condition",),
@@ -41,7 +40,8 @@ _HOME = {
     "systems.family": ("Family",),
     "bodies.thin_disk.disk_families": ("disk_family",),
     "bodies.thin_disk.disk_equations": ("disk_system",),
-    "systems.continuation": ("branch", "Branch", "BranchPoint", "Fold"),
+    "systems.continuation": ("branch", "Branch", "BranchPoint"),
+    "systems.following.turning_points": ("Fold",),
     "spectra.spectrum": ("spectrum",),
     "spectra.result": ("Spectrum",),
     "base.verdict": ("Verdict", "Nonlinear"),
@@ -124,17 +124,17 @@ if TYPE_CHECKING:
     from .basin.statistics.shock import fatal_shock as fatal_shock
     from .bodies.contact import Contact as Contact
     from .bodies.contact import Parameter as Parameter
-    from .bodies.contact_laws import Coulomb as Coulomb
     from .bodies.contact_laws import Creep1 as Creep1
     from .bodies.contact_laws import Creep2 as Creep2
     from .bodies.contact_laws import Creep3 as Creep3
     from .bodies.contact_laws import LinearViscous as LinearViscous
-    from .bodies.contact_laws import RegularisedCoulomb as RegularisedCoulomb
     from .bodies.contact_laws import Rough as Rough
     from .bodies.contact_laws import Smooth as Smooth
     from .bodies.contact_laws import Viscous as Viscous
     from .bodies.disk import REAL_DISKS as REAL_DISKS
     from .bodies.disk import Disk as Disk
+    from .bodies.dry_friction import Coulomb as Coulomb
+    from .bodies.dry_friction import RegularisedCoulomb as RegularisedCoulomb
     from .bodies.launch import launch as launch
     from .bodies.resistance import AirTorque as AirTorque
     from .bodies.resistance import PivotingResistance as PivotingResistance
@@ -204,9 +204,9 @@ if TYPE_CHECKING:
     from .systems.condition import Condition as Condition
     from .systems.continuation import Branch as Branch
     from .systems.continuation import BranchPoint as BranchPoint
-    from .systems.continuation import Fold as Fold
     from .systems.continuation import branch as branch
     from .systems.family import Family as Family
+    from .systems.following.turning_points import Fold as Fold
     from .systems.mechanics import mechanics as mechanics
     from .systems.system import System as System
     from .tables.formats.table import Table as Table

@@ -11,7 +11,12 @@ from types import ModuleType
 from typing import Any
 
 MOVED = {
-    "stability.contact": ("bodies.contact_laws", "bodies.contact", "bodies.law_names"),
+    "stability.contact": (
+        "bodies.contact_laws",
+        "bodies.dry_friction",
+        "bodies.contact",
+        "bodies.law_names",
+    ),
     "stability.equations": ("bodies.thin_disk.disk_equations",),
     "stability.slowflow": ("derivation.centre_manifold",),
     "stability.formulas": ("derivation.formulas",),

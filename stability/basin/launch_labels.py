@@ -18,6 +18,7 @@ from ..integrators.taylor import CORES
 from ..jobs.pipeline import check_run, ordered, threads
 from ..jobs.shared import shared
 from ..motion.result import BY_CODE
+from .dataset import works
 from .lattice.labels import Ints
 from .launches import Launches, prepare
 from .outcomes import Judging, judged_by, last_time, outcomes
@@ -53,6 +54,12 @@ class LaunchLabels:
     """Executor of the runs; None for threads of this process."""
     workers: int | None = None
     """Number of workers; one for each core when left out."""
+
+    @property
+    def citation(self) -> str:
+        """Keys of the works to cite, for `stability.citation`."""
+        one = {name: np.ones(1) for name in self.launches.varied}
+        return works(self.launches, self.launches.starts(one, self.horizon), linear=False)
 
     def __call__(self, points: Floats) -> Ints:
         """The labels of launches."""

@@ -1,4 +1,4 @@
-"""The stored contact laws, one class each."""
+"""The stored contact laws, one class each, and their names; dry friction is in `dry_friction`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from ..base.checks import Number, broadcast, instance, known, positive
 from ..base.errors import NameUnknownError, ParameterError, shown
 from .contact import OVER_ANY_NUMBER, ZERO_MU, Contact, Parameter, Scales
 from .disk import Disk
+from .dry_friction import Coulomb, RegularisedCoulomb
 
 
 def _times_speed(value: Any, scales: Scales) -> Any:
@@ -21,10 +22,6 @@ def _times_speed(value: Any, scales: Scales) -> Any:
 
 def _drag(value: Any, scales: Scales) -> Any:
     return value / scales.mass * scales.time
-
-
-def _over_speed(value: Any, scales: Scales) -> Any:
-    return value / scales.speed
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,87 +176,6 @@ class Rough(Contact):
     def power(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """Zero, because there is no slip."""
         return 0
-
-
-@dataclass(frozen=True, eq=False)
-class Coulomb(Contact):
-    """Dry friction, set-valued at rest: −mu·gn along the slip, or sticking with |F| ≤ mu·gn.
-
-    Sticking is the rough disk inside the friction cone.  The law has no linearisation at rest, so
-    it is for motion (`simulate`) and not for spectra.
-
-    Parameters
-    ----------
-    mu
-        Friction coefficient, positive [-], the same at rest and in slip.
-
-    Raises
-    ------
-    ParameterError
-        If mu is not a finite number above zero.
-
-    Source: Le Saux, Leine & Glocker, J. Nonlinear Sci. 15 (2005) 27-61, for the disk.
-
-    Examples
-    --------
-    >>> Coulomb(0.3).force([3.0, 4.0], 1.0, 0.3)
-    [-0.18, -0.24]
-    """
-
-    mu: ArrayLike
-    """Friction coefficient [-]."""
-    name: ClassVar[str] = "coulomb"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("mu", "1"),)
-    linearises: ClassVar[bool] = False
-    sticks: ClassVar[bool] = True
-
-    @OVER_ANY_NUMBER
-    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
-        """Against the slip, mu times the normal force; not defined at rest."""
-        size = (slip[0] * slip[0] + slip[1] * slip[1]) ** 0.5
-        return [-mu * normal * slip[0] / size, -mu * normal * slip[1] / size]
-
-
-@dataclass(frozen=True, eq=False)
-class RegularisedCoulomb(Contact):
-    """Dry friction made smooth: −mu·gn·vA/√(|vA|² + ε²); the disk creeps where `Coulomb` sticks.
-
-    Parameters
-    ----------
-    mu
-        Friction coefficient, positive [-].
-    epsilon
-        Slip speed ε below which the force decreases to zero, positive [m/s].
-
-    Raises
-    ------
-    ParameterError
-        If mu or epsilon is not a finite number above zero.
-
-    Source: tends to dry friction at a known rate: tests/integrators/test_coulomb.py.
-
-    Examples
-    --------
-    >>> RegularisedCoulomb(0.3, 1e-3).epsilon
-    0.001
-    """
-
-    mu: ArrayLike
-    """Friction coefficient [-]."""
-    epsilon: ArrayLike
-    """Slip speed below which the force decreases to zero [m/s]."""
-    name: ClassVar[str] = "coulomb-regularised"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("mu", "1"), Parameter("epsilon", "m/s", _over_speed),
-    )  # fmt: skip
-    linearises: ClassVar[bool] = False
-
-    @OVER_ANY_NUMBER
-    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
-        """Against the slip; mu is the pair (mu, epsilon)."""
-        coefficient, epsilon = mu
-        size = (slip[0] * slip[0] + slip[1] * slip[1] + epsilon * epsilon) ** 0.5
-        return [-coefficient * normal * slip[0] / size, -coefficient * normal * slip[1] / size]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,8 @@ from typing import Any
 from ..base.errors import NameUnknownError, ParameterError, meant, shown
 from ..base.user_code import imported
 from .contact import Contact
-from .contact_laws import MOTION_LAWS, RegularisedCoulomb, Viscous, law_class
+from .contact_laws import MOTION_LAWS, Viscous, law_class
+from .dry_friction import RegularisedCoulomb
 
 
 def law_named(

@@ -66,6 +66,7 @@ def _map(options: argparse.Namespace) -> None:
         "verdicts": counts,
         "boundary_points": dataset.sizes["boundary_point"],
         "boundary_unresolved": int(dataset.attrs["boundary_unresolved"]),
+        "citation": dataset.attrs["citation"],
     }
     if options.certify:
         record["certified"] = True
@@ -189,7 +190,8 @@ def _stream(options: argparse.Namespace, x: Any, y: Any) -> None:
             family, x=x, y=y, out=options.out, overwrite=options.force, progress=progress, **given,
         )  # fmt: skip
     with read_map(path, lazy=True) as dataset:
-        record = {"out": str(path), "cells": dataset.verdict.size, "method": dataset.method}
+        record = {"out": str(path), "cells": dataset.verdict.size, "method": dataset.method,
+                  "citation": dataset.attrs["citation"]}  # fmt: skip
     if options.json:
         print(json_text(record))
     else:
@@ -231,6 +233,7 @@ def _boundaries(options: argparse.Namespace) -> None:
         "complete": found.complete,
         "unresolved": [u._asdict() for u in found.unresolved],
         "statement": found.statement(axis[0]),
+        "citation": found.citation,
     }  # fmt: skip
     if options.json:
         print(json_text(record))

@@ -194,6 +194,7 @@ def _record(
         "horizon": scene.horizon,
         "unit": f"dimensionless (m = {_length(scene)} = g = 1)" if plain else "SI",
         "units": _units(answer, names, plain=plain),
+        "citation": answer.citation,
     }
     if several:
         record["laws"] = {n: _about(a, names) for n, a in answer.parts.items()}

@@ -270,6 +270,7 @@ def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[
         "tolerance": options.tolerance,
         "steps": int(dataset.steps),
         **_units(dataset, disk),
+        "citation": dataset.attrs["citation"],
         "files": {name: str(path) for name, path in targets.items()},
     }
     if options.json:

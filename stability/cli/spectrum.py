@@ -34,6 +34,7 @@ def _spectrum(options: argparse.Namespace) -> None:
         "radius": list(result.radius),
         "modes": list(result.modes.labels),
         "reason": result.reason,
+        "citation": result.citation,
     }
     record["unit"] = record.pop("unit")  # last
     if options.lean is not None:

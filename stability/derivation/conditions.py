@@ -25,7 +25,6 @@ from ..base.citation.used import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Record, fields_of
 from ..base.verdict import Verdict, best
-from ..bodies.thin_disk.disk_quantities import SYSTEM
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from ..systems.system import refuse_system
@@ -114,7 +113,7 @@ class Conditions(Record):
     @property
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
-        return cited(disk=self.family.system.name.startswith(SYSTEM), proofs=True)
+        return cited(system=self.family.system.name, proofs=True)
 
     @property
     def deciding(self) -> tuple[SignCondition, ...]:

@@ -134,7 +134,8 @@ def _isolated(family: Family) -> None:
     if zeros > 0:
         raise ParameterError(
             f"{family.name} has {zeros} more eigenvalue{'s' * (zeros > 1)} 0 by structure than "
-            "its own tangents; continuation needs isolated steady motions."
+            "its own tangents; continuation needs isolated steady motions. Take "
+            "st.boundaries, which leaves these zeros out."
         )
 
 

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import flag, instance, one_number, whole_number
+from ..base.citation.used import cited
 from ..base.errors import NoMemberError, ParameterError
-from ..base.types import Floats, Record, TupleRecord
+from ..base.types import Floats, TupleRecord
 from .family import Family
 from .following.arclength import Trace, walk
 from .following.sheet import follow
@@ -19,10 +20,12 @@ from .following.singular_points import (
     FLAT,
     Curve,
     Located,
+    crossings,
     directions,
     locate_branch_point,
     locate_fold,
 )
+from .following.turning_points import Fold, SingularPoint
 from .system_checks import numbers_of
 
 MOST_POINTS = 100_000
@@ -34,34 +37,7 @@ LEAVE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Fold(Record):
-    """A turning point of a branch: no member lies beyond it nearby.
-
-    Source: continuation as in E. L. Allgower & K. Georg (1990); closed forms: tests/systems.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> import casadi as ca
-    >>> x, p = ca.SX.sym("x"), ca.SX.sym("p")
-    >>> s = st.System("f", x, p, p - x**2, states=("x",), parameters=("p",))
-    >>> up = st.Family(s, "up", at=("p",), unknown={"x": 1.0}, equations=("x",))
-    >>> abs(st.branch(up, 1, -1, [], points=11).folds[0].value) < 1e-9
-    True
-    """
-
-    value: float
-    """Family parameter, in the unit of that parameter."""
-    state: Floats
-    """State there, shape (n,)."""
-    error: float
-    """Last step of Newton's method in the parameter; half the last bracket if not resolved."""
-    resolved: bool
-    """Whether the extended system was solved, to rounding."""
-
-
-@dataclass(frozen=True, eq=False)
-class BranchPoint(Record):
+class BranchPoint(SingularPoint):
     """A static boundary on a branch: another branch of members crosses it there.
 
     Source: continuation as in E. L. Allgower & K. Georg (1990); closed forms: tests/systems.
@@ -77,12 +53,6 @@ class BranchPoint(Record):
     'pitchfork'
     """
 
-    value: float
-    """Family parameter, in the unit of that parameter."""
-    state: Floats
-    """State there, shape (n,)."""
-    error: float
-    """Last step of Newton's method in the parameter; half the last bracket if not resolved."""
     kind: str
     """`pitchfork`, `transcritical`, or `unresolved`, where no two directions were found."""
     own: Floats = field(repr=False)
@@ -150,6 +120,8 @@ class _Members(NamedTuple):
     """Turning points in order; without arclength the one that ended the branch."""
     branch_points: tuple[BranchPoint, ...] = ()
     """Points between two members at which another branch crosses, in order."""
+    citation: str = ""
+    """Keys of the works to cite, for `stability.citation`."""
 
 
 class Branch(TupleRecord, _Members):
@@ -260,7 +232,7 @@ def _along(
             break
         found.append(following)
     z = np.array(found)
-    crossed = [*_crossings(family, curve, z), *last]
+    crossed = [*crossings(curve, z), *last]
     return _result(family, curve, z, complete, ended, folds, crossed)
 
 
@@ -291,24 +263,6 @@ def _stop(
             return said, (), [(found, way)]
     return f"{family.name} has no member that continuation reaches beyond {name} = " \
         f"{end[-1]:.10g}", (), []  # fmt: skip
-
-
-def _crossings(family: Family, curve: Curve, z: Floats) -> list[tuple[Located, Floats]]:
-    """Branch points between members, where the determinant of the slope changes sign."""
-    if not family.unknown:
-        return []
-    slope = curve.at(z)[1][:, :, :-1]
-    sign = np.linalg.slogdet(slope)[0]
-    kept = np.flatnonzero(sign)  # a member on the very point has no sign
-    found = []
-    for i, j in zip(kept[:-1], kept[1:], strict=True):
-        if sign[i] != sign[j]:
-            middle, way = (z[i] + z[j]) / 2, z[j] - z[i]
-            point = locate_branch_point(curve, middle)
-            if not np.linalg.norm(point.z - middle) <= np.linalg.norm(way):
-                point = Located(middle, np.abs(way) / 2, False, point.left)
-            found.append((point, way))
-    return found
 
 
 # --- round folds ---
@@ -436,4 +390,5 @@ def _result(
     folds: tuple[Fold, ...], crossings: Sequence[tuple[Located, Floats]],
 ) -> Branch:  # fmt: skip
     crossed = tuple(_branch_point(family, curve, p, t) for p, t in crossings)
-    return Branch(z[:, -1], _states(family, curve, z), complete, ended, folds, crossed)
+    works = cited(system=family.system.name)
+    return Branch(z[:, -1], _states(family, curve, z), complete, ended, folds, crossed, works)

@@ -61,6 +61,12 @@ RESULTS: dict[str, tuple[Callable[[Path], Any], list[str]]] = {
     "boundaries": (
         lambda _: st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=VISCOUS),
         [*DISK, "arb"]),
+    "branch": (
+        lambda _: st.branch(st.disk_family("tumbling", "viscous"), 1.5, 1, k=0.2, mu=0.3, points=3),
+        DISK),
+    "launch_labels": (
+        lambda _: st.launch_labels(contact="viscous", mu=0.3, family="spinning", horizon=3.0,
+                                   varied=("phi_dot", "tilt")), DISK),
     "conditions": (lambda _: st.conditions(st.disk_family("spinning", "rough")), [*DISK, "arb"]),
     "drift": (lambda _: st.drift(at=1.8, tilt=0.01, contact=VISCOUS), DISK[:2]),
     "hopf": (lambda _: st.hopf("spinning", contact=VISCOUS),
@@ -92,7 +98,7 @@ WORD = "a word, an error or a warning"
 PART = "a part of a result that says what to cite"
 TEXT = "files or text written from a system; what was computed with them is cited by its result"
 DRAWN = "drawn from a result that says what to cite"
-COUNT = "labels or numbers alone; the dataset of the launches says what to cite"
+COUNT = "two numbers alone; the record of fractions says what to cite"
 REASONS = {
     **dict.fromkeys((
         "Disk", "REAL_DISKS", "Body", "Egg", "from_profile", "Torus", "Spheroid",
@@ -107,14 +113,13 @@ REASONS = {
     **dict.fromkeys(("BranchPoint", "Fold", "BoundaryPoint", "Unresolved", "DegeneratePoint",
                      "Rung"), PART),
     **dict.fromkeys(("Spectrum", "Boundaries", "Conditions", "Drift", "HopfPoint", "CycleBirth",
-                     "SlowFlow", "CodimensionTwo", "Answer", "Table"),
+                     "SlowFlow", "CodimensionTwo", "Answer", "Table", "Branch"),
                     "the class of a result; the function that makes it is tested"),
     **dict.fromkeys(("latex", "c_code", "auto_input", "bifurcationkit_input", "write_map",
                      "write_motion", "report"), TEXT),
     **dict.fromkeys(("animate", "plot_map", "plot_retrograde", "plot_basins", "plot_locus",
                      "plot_motion", "explore"), DRAWN),
-    **dict.fromkeys(("launch_labels", "wilson"), COUNT),
-    **dict.fromkeys(("branch", "Branch"), "members of a family alone, without a verdict"),
+    "wilson": COUNT,
     **dict.fromkeys(("citation", "Citation"), "it is what is asked for"),
 }  # fmt: skip
 """Name: why it needs no citation of its own."""
@@ -168,6 +173,7 @@ def test_tables_of_a_users_family_cite_its_result_and_no_disk() -> None:
     assert [w.key for w in st.citation(hopf).works] == OSCILLATOR
     assert [w.key for w in st.citation(st.hopf(family, axis=("c", -1, 1, 9))).works] == OSCILLATOR
     assert json.loads(hopf.to_json())["citation"] == hopf.citation
+    assert st.branch(family, -1, 1, points=3).citation == "stability, casadi"
     exact = st.table("conditions", family)
     assert [w.key for w in st.citation(exact).works] == ["stability", "casadi", "arb"]
 

@@ -35,8 +35,7 @@ LONGER = (
     "integrators/stick_slip.py",  # one automaton
     "systems/family.py",  # one class that is a user's whole interface
     # several public records, each with its source and an example
-    "bodies/contact_laws.py", "derivation/conditions.py", "scene/ladder.py",
-    "systems/continuation.py",
+    "derivation/conditions.py", "scene/ladder.py",
 )  # fmt: skip
 """Files above 400 lines."""
 

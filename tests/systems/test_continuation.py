@@ -34,6 +34,7 @@ def test_a_cubic_is_followed_round_both_its_folds() -> None:
 def test_without_arclength_a_branch_ends_at_its_fold() -> None:
     run = st.branch(scalar(lambda x, p: p - x**2, 1.0), 2, -1, [], points=13)
     assert not run.complete
+    assert isinstance(run.folds[0], st.Fold)
     assert run.folds[0].value == pytest.approx(0.0, abs=1e-15)
     assert run.ended == "ended after 0.25: a fold at p = 0"
     assert np.allclose(run.state[:, 0], np.sqrt(run.at), rtol=1e-13)

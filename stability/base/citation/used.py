@@ -18,6 +18,8 @@ METHODS = {
     "idas": ("sundials",),
 }
 """Works of each integrator."""
+DISK = "disk, "
+"""Start of the names of the disk's systems; the name of the law follows."""
 LAWS = {
     "coulomb": ("lesaux2005",),
     "coulomb-regularised": ("lesaux2005",),
@@ -36,6 +38,7 @@ def cited(
     eigenvalues: bool = False,
     proofs: bool = False,
     theory: Iterable[str] = (),
+    system: str = "",
 ) -> str:
     """Keys of the works, as an attribute of a result: joined by commas, without a date.
 
@@ -53,6 +56,8 @@ def cited(
         Whether verdicts or boundaries were proved exactly or in balls.
     theory
         Keys of works on what is computed, beyond those of the model.
+    system
+        Name of the system, in place of `law` and `disk`: that of the disk's systems says both.
 
     Returns
     -------
@@ -64,7 +69,11 @@ def cited(
     'stability, przybylska2016, casadi, heyoka'
     >>> cited(methods=["radau", "dop853"])
     'stability, casadi, scipy, hairer1996, hairer1993'
+    >>> cited(system="disk, coulomb"), cited(system="pendulum")
+    ('stability, przybylska2016, lesaux2005, casadi', 'stability, casadi')
     """
+    if system.startswith(DISK):
+        law, disk = system.removeprefix(DISK), True
     keys = ["stability"]
     keys += ["przybylska2016"] * disk
     keys += LAWS.get(law or "", ())

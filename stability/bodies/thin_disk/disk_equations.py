@@ -20,7 +20,8 @@ from ...base.errors import ParameterError
 from ...systems.condition import Condition
 from ...systems.system import System
 from ..contact import Contact
-from ..contact_laws import CREEP, Coulomb, Creep, Smooth, law_class
+from ..contact_laws import CREEP, Creep, Smooth, law_class
+from ..dry_friction import Coulomb
 from ..newton_euler import STATES as STATES
 from ..newton_euler import NewtonEuler
 from .disk_quantities import SYSTEM, disk_quantities

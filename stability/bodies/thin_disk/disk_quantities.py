@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from ...base.citation.used import DISK
 from ...base.quantities import Kind, Quantity
 from ..contact import Contact
 from ..contact_laws import MOTION_LAWS
 
 PHYSICAL = ("mass", "radius", "gravity")
 """The disk's dimensional quantities."""
-SYSTEM = "disk, "
+SYSTEM = DISK
 """Start of the names of the disk's systems; the name of the law follows."""
 
 _TABLE = (

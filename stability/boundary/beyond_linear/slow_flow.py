@@ -73,7 +73,7 @@ class SlowFlow(Record):
     @property
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
-        return cited(theory=["fenichel1979"])
+        return cited(system=self.family.system.name, theory=["fenichel1979"])
 
     @cached_property
     def _slope(self) -> Program:

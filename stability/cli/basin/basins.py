@@ -238,6 +238,7 @@ def _report(
     record = {
         "out": str(out), "plot": None if picture is None else str(picture),
         "launches": int(codes.size), "outcomes": counts, "cost": _record(cost),
+        "citation": dataset.attrs["citation"],
     }  # fmt: skip
     if options.json:
         print(json_text(record))

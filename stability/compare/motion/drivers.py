@@ -15,7 +15,8 @@ import numpy as np
 
 from ...base.errors import NameUnknownError, StabilityWarning, shown
 from ...base.types import Floats
-from ...bodies.contact_laws import RegularisedCoulomb, Rough, Smooth
+from ...bodies.contact_laws import Rough, Smooth
+from ...bodies.dry_friction import RegularisedCoulomb
 from ...integrators.selection import METHODS
 from .reference_motions import ReferenceMotion
 

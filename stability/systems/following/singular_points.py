@@ -232,3 +232,34 @@ def _settled(z: Floats, before: Floats, now: Floats) -> bool:
     size = 1 + np.abs(z)
     largest, earlier = float((now / size).max()), float((before / size).max())
     return largest <= 1e-15 or (largest <= 1e-12 and largest >= earlier / 2)
+
+
+def crossings(curve: Curve, z: Floats) -> list[tuple[Located, Floats]]:
+    """Branch points between members, where the determinant of the slope changes sign.
+
+    Parameters
+    ----------
+    curve
+        The curve of the members.
+    z
+        Members in order, shape (N, u + 1).
+
+    Returns
+    -------
+    list of (Located, array)
+        Each point, and the way from the member before it to the one after, shape (u + 1,).
+    """
+    if z.shape[1] == 1:
+        return []
+    slope = curve.at(z)[1][:, :, :-1]
+    sign = np.linalg.slogdet(slope)[0]
+    kept = np.flatnonzero(sign)  # a member on the very point has no sign
+    found = []
+    for i, j in zip(kept[:-1], kept[1:], strict=True):
+        if sign[i] != sign[j]:
+            middle, way = (z[i] + z[j]) / 2, z[j] - z[i]
+            point = locate_branch_point(curve, middle)
+            if not np.linalg.norm(point.z - middle) <= np.linalg.norm(way):
+                point = Located(middle, np.abs(way) / 2, False, point.left)
+            found.append((point, way))
+    return found
