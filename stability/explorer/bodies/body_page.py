@@ -125,7 +125,8 @@ def body_page(
             law: f"A body of revolution on a plane; {WORDS[law]}." for law in LAW_KEYS}},
         "foot": foot("polynomials that were derived exactly from the equations of motion; numbers "
                      "are dimensionless, m = R = g = 1, R the length of the body")
-        + (f" Left out for size: {listed(left)}." if left else ""),
+        + (f" Left out for size: {listed([f.button for f in families if f.key in left])}; name one "
+           "as the family to have it." if left else ""),
     }  # fmt: skip
 
 

@@ -5,7 +5,7 @@ import {element, onceAFrame, text} from "../drawing/elements.js";
 const KINDS = {
   static: "no real eigenvalue passes through zero (divergence)",
   flutter: "no complex pair of eigenvalues crosses the imaginary axis",
-  auxiliary: "an auxiliary sign",
+  auxiliary: "positive wherever the motion is stable",
 };
 const LONG = 260; // characters of a formula that is folded
 

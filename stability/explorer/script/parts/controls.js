@@ -1,6 +1,6 @@
 // Family, law, and a slider with a number for each quantity.
 
-import {element, onceAFrame, symbol, text} from "../drawing/elements.js";
+import {element, onceAFrame, spoken, symbol, text} from "../drawing/elements.js";
 import {axisOf} from "../drawing/scales.js";
 import {ranged} from "./view.js";
 
@@ -160,9 +160,4 @@ export class Controls {
       });
     }
   }
-}
-
-/** A quantity in words and by its symbol. */
-function spoken(q) {
-  return `${q.label} ${q.symbol}`.trim();
 }

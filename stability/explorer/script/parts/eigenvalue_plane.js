@@ -1,6 +1,6 @@
 // The plane of eigenvalues, with the paths that they take while one quantity runs.
 
-import {element, onceAFrame, shape, text} from "../drawing/elements.js";
+import {element, onceAFrame, shape, spoken, text} from "../drawing/elements.js";
 import {axisOf, ticks} from "../drawing/scales.js";
 
 const SAMPLES = 140, FINER = 9; // values along a path; halvings between two of them where it turns
@@ -71,7 +71,7 @@ export class EigenvaluePlane {
     const {subject, state} = this.view, names = subject.names.join();
     if (this.offered !== names + subject.key) {
       this.offered = names + subject.key;
-      this.choice.replaceChildren(...subject.quantities.map((q) => element("option", {value: q.name}, q.symbol)));
+      this.choice.replaceChildren(...subject.quantities.map((q) => element("option", {value: q.name}, spoken(q))));
     }
     this.choice.value = state.along;
   }

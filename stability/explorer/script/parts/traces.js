@@ -3,7 +3,7 @@
 import {element, shape, text} from "../drawing/elements.js";
 import {ticks} from "../drawing/scales.js";
 
-const LEFT = 52, RIGHT = 10, ROW = 62, FOOT = 20, LABEL = 12, MOST = 700;
+const LEFT = 52, RIGHT = 10, ROW = 62, FOOT = 20, LABEL = 12, MOST = 700, NOTHING = 1e-4;
 
 export class Traces {
   /** `units` by name of a curve, and of `time`. */
@@ -52,7 +52,8 @@ export class Traces {
         .map(([t, v]) => `${at(t).toFixed(1)} ${y(v).toFixed(2)}`).join("L");
       parts.push(shape("path", {class: "grid", d: `M${LEFT} ${top + tall}h${wide}`}));
       const digits = text(low, 3) === text(high, 3) ? 5 : 3;
-      for (const v of [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(v, digits)));
+      const near = (v) => (Math.abs(v) < NOTHING * (high - low) ? 0 : v); // no 10⁻¹⁰ at the foot of a decay
+      for (const v of [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(near(v), digits)));
       parts.push(shape("text", {class: "number strong", x: LEFT, y: top - 4}, bracketed(name, this.units[name])));
       parts.push(shape("path", {class: "trace", d: `M${line}`}));
       if (this.run.ended) parts.push(shape("circle", {class: "ended", cx: at(this.run.until), cy: y(values[values.length - 1]), r: 3.5}));
