@@ -13,6 +13,7 @@ import casadi as ca
 from ..algebra.number_types import Algebra
 from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT
+from ..base.quantities import Kind
 from ..bodies.contact_laws import LAWS, MOTION_LAWS
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
@@ -86,7 +87,7 @@ def disk_subject(name: str, law: str) -> Subject:
         model=law, pose=graph(Program(ca.Function("pose", [x, p, pose], [rates]))),
         frame=graph(Program(ca.Function("frame", [x, p, pose], [frame]))), still=(0.0,) * len(POSE),
         call={"kind": "disk", "family": name, "law": law, "state": record.at[0],
-              "class": LAWS[law].__name__},
+              "class": LAWS[law].__name__, "si": {"mu": "c"} if law == "linear-viscous" else {}},
         parameters=tuple(names.index(n) for n in system.parameters),
         symbols={n: QUANTITIES[n].symbol for n in STATES},
     )  # fmt: skip
@@ -95,17 +96,17 @@ def disk_subject(name: str, law: str) -> Subject:
 def _quantities(record: DiskFamily, law: str, names: tuple[str, ...]) -> list[Quantity]:
     state = QUANTITIES[record.at[0]]
     low, high = record.drawn or (0.02, 3.0)
-    angle = record.by_angle
+    angle, linear = record.by_angle, law == "linear-viscous"
     found = {
         "at": Quantity(
             "at", state.symbol, state.long_name, "rad" if angle else "√(g/R)", low,
             round(high, 2) if angle else high, STARTS[record.name], 0.0 if angle else None,
-            math.pi if angle else None,
+            math.pi if angle else None, kind=state.kind,
         ),
         "mu": Quantity(
-            "mu", "c" if law == "linear-viscous" else "μ",
-            "friction coefficient", "m √(g/R)" if law == "linear-viscous" else "1/√(gR)",
-            *FRICTION, 0.3, 0.0,
+            "mu", "c" if linear else "μ", "friction coefficient",
+            "m √(g/R)" if linear else "1/√(gR)",
+            *FRICTION, 0.3, 0.0, kind=Kind.DRAG if linear else Kind.INVERSE_VELOCITY,
         ),
         "k": Quantity(
             "k", "k", "inertia factor", "m R²", *INERTIA, 0.25, 0.0, 0.5 + 1e-12, BODIES

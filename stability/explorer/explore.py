@@ -51,14 +51,16 @@ def explore(
         Family shown at first, rolling, spinning or tumbling; or a `Family` of your own whose
         stability conditions are polynomials in its parameters.
     at
-        Member that is shown at first; for the disk omega3, phi_dot [√(g/R)] or theta [rad].
+        Member that is shown at first; for the disk omega3, phi_dot [√(g/R)] or theta [rad].  As
+        in every other call, numbers are in SI units where the body has a mass, length or gravity.
     contact
         Contact law that is shown at first: a law, its class or its name; viscous when left out.
     disk
-        The body that is shown at first, with m = R = g = 1: only its k is used.
+        The body that is shown at first.  With m = R = g = 1 only its k is used; otherwise the
+        page shows SI units (rad/s, 1/s, s/m, s, J, N), and a switch to dimensionless ones.
     body
         A `Body` in place of the disk, whose numbers become sliders: rolling, spinning, tumbling
-        and, where it is smooth at a pole, vertical spin.
+        and, where it is smooth at a pole, vertical spin.  Its units are those of a disk.
     x, y
         Axes at first as (name, low, high), or (name, low, high, "log").
     positive

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -15,8 +16,8 @@ from ..base.errors import (
     listed,
     shown,
 )
-from ..base.quantities import Kind
 from ..base.version import __version__
+from ..bodies.contact import Scales
 from ..bodies.contact_laws import LAWS, Viscous
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_given
@@ -25,6 +26,7 @@ from .certificates import certificate
 from .disk_subjects import FAMILY_NAMES, WORDS, disk_motion, disk_subject
 from .own_subject import given_values, own_certificate, own_motion, own_subject, own_units
 from .subject import Subject
+from .units import CURVES, Units, units_of
 
 CERTIFIED = (0.25, 0.5)
 """Values of k at which the diagrams over friction carry proved rectangles."""
@@ -38,9 +40,6 @@ DECIMALS = (
     "st.conditions(family, decimals=True).numbers lists."
 )
 """What the reader of a page learns of numbers that are not exact."""
-UNITS = {"time": Kind.TIME.words, "rate": Kind.GROWTH_RATE.words, "energy": Kind.ENERGY.words,
-         "normal force": Kind.FORCE.words}  # fmt: skip
-"""Units of times, rates and curves of a dimensionless body."""
 
 
 def disk_page(
@@ -62,12 +61,14 @@ def disk_page(
             "own."
         )
     numbers = dict(parameters)
-    law, values = law_of(contact, numbers)
-    values["k"] = _k(disk)
-    if at is not None:
-        values["at"] = at
-    subjects = [disk_subject(name, one) for name in FAMILY_NAMES for one in LAWS]
+    one = _disk(disk)
+    units = units_of(one)
+    law, values = law_of(contact, numbers, units)
+    values["k"] = one.k
+    subjects = [disk_subject(name, law) for name in FAMILY_NAMES for law in LAWS]
     start = next(s for s in subjects if s.key == f"{family} {law}")
+    if at is not None:
+        values["at"] = units.plain(start.quantities[0], start.quantities[0].checked(at))
     planes: dict[str, list[Any]] = {}
     checked = _checked(start, values)
     for subject in subjects if certify else ():
@@ -75,13 +76,12 @@ def disk_page(
         slices = [{}] if over_k else [{"k": k} for k in sorted({*CERTIFIED, checked["k"]})]
         planes[subject.key] = [certificate(subject, held) for held in slices]
     return {
-        **common(subjects, start, checked, axes), "solid": True, "certificates": planes,
+        **common(subjects, start, checked, axes, units), "solid": True, "certificates": planes,
         "motions": {n: disk_motion(n) for n in LAWS},
         "names": {"families": MOTIONS, "laws": LAW_NAMES, "says": {
             law: f"A thin disk, ring or hoop on a plane; {words}." for law, words in WORDS.items()
         }},
-        "foot": foot("the exact polynomials and the equations of motion of the package; numbers "
-                      "are dimensionless, m = R = g = 1"),
+        "foot": foot("the exact polynomials and the equations of motion of the package", units),
     }  # fmt: skip
 
 
@@ -112,7 +112,7 @@ def own_page(
     subject = own_subject(family, values, (pair[0], pair[1]), positive)
     checked = _checked(subject, values)
     return {
-        **common([subject], subject, checked, axes, own_units(family)), "solid": False,
+        **common([subject], subject, checked, axes), "units": own_units(family), "solid": False,
         "motions": {subject.model: own_motion(family)},
         "certificates": {subject.key: proved(family, subject, checked) if certify else []},
         "names": {"families": {}, "laws": {}, "says": {
@@ -124,7 +124,7 @@ def own_page(
 
 def common(
     subjects: Sequence[Subject], start: Subject, values: Mapping[str, float], axes: Sequence[Any],
-    units: Mapping[str, str] = UNITS,
+    units: Units | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """What every page has: its subjects, and what is shown at first.
 
@@ -137,8 +137,10 @@ def common(
     axes
         The two axes, or None for each.
     units
-        Units of times, rates and curves.
+        Units of a body; None for a system of one's own.
     """
+    sizes = units.sizes if units else {}
+    size = {q.name: sizes.get(q.kind, 1.0) for q in start.quantities}
     for axis in axes:
         if axis is not None and axis.name not in values:
             raise NameUnknownError(
@@ -147,31 +149,42 @@ def common(
     return {
         "format": 1, "version": __version__, "subjects": [s.told() for s in subjects],
         "start": {"subject": start.key, "values": dict(values), "axes": [
-            None if a is None else told_axis(a) for a in axes]},
-        "units": units,
+            None if a is None else told_axis(a, size[a.name]) for a in axes]},
+        "units": {n: kind.words for n, kind in CURVES.items()},
+        "si": units.told() if units else {}, "kinds": {n: k.name for n, k in CURVES.items()},
     }  # fmt: skip
 
 
-def told_axis(axis: Axis) -> list[Any]:
+def told_axis(axis: Axis, size: float = 1.0) -> list[Any]:
     """Name, ends and spacing of an axis in the page.
 
     Parameters
     ----------
     axis
         The axis.
+    size
+        Size of its unit, in the units of the axis.
     """
-    return [axis.name, axis.low, axis.high, *["log"] * axis.log]
+    return [axis.name, axis.low / size, axis.high / size, *["log"] * axis.log]
 
 
-def foot(source: str) -> str:
+def foot(source: str, units: Units | None = None) -> str:
     """The last line of a page.
 
     Parameters
     ----------
     source
         What the page computes from.
+    units
+        Units of a body; None for a system of one's own.
     """
-    return f"Made by stability {__version__}. This page computes everything itself, from {source}."
+    words = f"Made by stability {__version__}. This page computes everything itself, from {source}"
+    if units is None:
+        return f"{words}."
+    if units.scales.dimensionless:
+        where = ", R the length of the body" if units.length == "length" else ""
+        return f"{words}; numbers are dimensionless, m = R = g = 1{where}."
+    return f"{words}, without dimension (m = R = g = 1), and shows SI units for {units.body}."
 
 
 def _checked(subject: Subject, values: Mapping[str, Any]) -> dict[str, float]:
@@ -213,7 +226,9 @@ def axis(given: Any, which: str) -> Axis | None:
     return Axis.of((*given[:3], 2, *given[3:]), which)
 
 
-def law_of(contact: Any, numbers: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+def law_of(
+    contact: Any, numbers: dict[str, Any], units: Units
+) -> tuple[str, dict[str, Any]]:  # fmt: skip
     """Name of the law and its dimensionless number."""
     if not numbers and contact is None:
         return Viscous.name, {}
@@ -231,19 +246,15 @@ def law_of(contact: Any, numbers: dict[str, Any]) -> tuple[str, dict[str, Any]]:
         raise NameUnknownError(
             f"contact is {shown(contact)}; the page draws {listed(list(LAWS), 'or')}."
         )
-    numbers_of = list(law.given.values())  # c of a linear law is its dimensionless mu
-    return law.name, {"mu": numbers_of[0]} if numbers_of else {}
+    one = units.scales
+    scales = Scales({"mass": one.mass, "radius": one.radius, "gravity": one.gravity}, math.sqrt)
+    return law.name, law.arguments(law.given, scales)
 
 
-def _k(disk: Disk | None) -> Any:
-    """Inertia factor of one dimensionless disk."""
+def _disk(disk: Disk | None) -> Disk:
+    """The disk, or an error that says what to give."""
     if disk is None:
-        return Disk().k
+        return Disk()
     if not isinstance(disk, Disk):
         raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
-    if any(v != 1.0 for v in (disk.mass, disk.radius, disk.gravity) if isinstance(v, float)):
-        raise ParameterError(
-            "disk has a mass, radius or gravity other than 1; the page is dimensionless: give "
-            "Disk(k=...) and mu in units of 1/√(gR)."
-        )
-    return disk.k
+    return disk

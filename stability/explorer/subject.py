@@ -10,6 +10,7 @@ from ..algebra.number_types import Algebra
 from ..algebra.source.straight_lines import Line, Record
 from ..base.checks import checked
 from ..base.errors import ParameterError, shown
+from ..base.quantities import Kind
 from .source.formulas import Coefficients, Conditions, Rule, Sign, Values
 from .source.shader import Seen, look
 from .source.source_text import JAVASCRIPT, javascript
@@ -39,10 +40,12 @@ class Quantity:
     """Largest number that is accepted, or None."""
     marks: tuple[tuple[float, str], ...] = ()
     """Values with a name."""
+    kind: Kind = Kind.NUMBER
+    """Kind, which gives it a unit where the body has SI units."""
 
     def told(self) -> dict[str, Any]:
         """The record in the page."""
-        return dict(vars(self))
+        return vars(self) | {"kind": self.kind.name}
 
     def checked(self, value: Any) -> float:
         """A number that the quantity may have, or an error that says which it may."""

@@ -14,6 +14,7 @@ EXAMPLES = (
     "stability explore --out page.html",
     "stability explore rolling --contact rough --k 0.5 --at 0.8 --out hoop.html",
     "stability explore rolling --body torus --tube 0.2 --mu 0.3 --out tyre.html",
+    "stability explore rolling --disk quarter --at 40 --mu 0.9 --out coin.html",
     "stability explore --system examples/bicycle.py:upright --at 5 --parameter g=9.81 "
     "--x v:0.1:10 --out bicycle.html",
 )

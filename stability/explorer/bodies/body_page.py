@@ -23,6 +23,7 @@ from ..own_subject import member_states, own_subject
 from ..page import shared
 from ..pages import LAW_NAMES, common, foot, law_of, proved
 from ..subject import Quantity, Subject
+from ..units import Units, units_of, without_scales
 from .body_motion import States, body_motion, meridian, mode_pose, start_of
 from .closed_subject import closed_states, closed_subject
 
@@ -89,12 +90,8 @@ def body_page(
         raise NameUnknownError(
             f"family is {shown(family)}; of a body the page draws {listed(names, 'or')}."
         )
-    if not body.dimensionless:
-        raise ParameterError(
-            "body has a mass, gravity or length other than 1; the page is dimensionless: leave "
-            "them out."
-        )
-    law, numbers = law_of(contact, dict(parameters))
+    units, body = units_of(body), without_scales(body)
+    law, numbers = law_of(contact, dict(parameters), units)
     if law not in LAW_KEYS:
         raise NameUnknownError(
             f"contact is {shown(law)}; of a body the page draws {listed(LAW_KEYS, 'or')}."
@@ -107,7 +104,7 @@ def body_page(
         for name in LAW_KEYS:
             start = one == first and name == law
             try:
-                found, member = _subject(body, one, name, mu, at if one == first else None)
+                found, member = _subject(body, one, name, mu, at if one == first else None, units)
             except StabilityError:
                 if start:
                     raise
@@ -119,13 +116,14 @@ def body_page(
     [start_subject] = [s for s in subjects if s.key == f"{first.key} {law}"]
     values = {q.name: q.checked(q.value) for q in start_subject.quantities}
     return {
-        **common(subjects, start_subject, values, axes), "solid": True, "certificates": planes,
+        **common(subjects, start_subject, values, axes, units), "solid": True,
+        "certificates": planes,
         "motions": {n: body_motion(body, n) for n in LAW_KEYS},
         "names": {"families": {f.key: f.button for f in families}, "laws": LAW_NAMES, "says": {
             law: f"A body of revolution on a plane; {WORDS[law]}." for law in LAW_KEYS}},
-        "foot": foot("polynomials that were derived exactly from the equations of motion; numbers "
-                     "are dimensionless, m = R = g = 1, R the length of the body")
-        + (f" Left out for size: {listed(left)}." if left else ""),
+        "foot": foot("polynomials that were derived exactly from the equations of motion", units)
+        + (f" Left out for size: {listed([f.button for f in families if f.key in left])}; name one "
+           "as the family to have it." if left else ""),
     }  # fmt: skip
 
 
@@ -152,7 +150,7 @@ def _chosen(families: Sequence[Shown], name: str, pole: Any) -> Shown:
 
 
 def _subject(
-    body: Body, one: Shown, law: str, mu: float, at: Any
+    body: Body, one: Shown, law: str, mu: float, at: Any, units: Units
 ) -> tuple[Subject, Family]:  # fmt: skip
     """A family under a law, and its `Family`."""
     kind = LAWS[law]
@@ -160,12 +158,13 @@ def _subject(
     friction = {p.name: mu for p in kind.parameters}
     values = {n: float(v) for n, v in (body.given | friction).items()}
     low, high, value = _range(body, one)
-    values[family.at[0]] = value if at is None else at
+    values[family.at[0]] = value
     quantities = tuple(
         _quantity(body, family, n, values[n], (low, high)) for n in (*family.at, *family.parameters)
     )
-    if quantities[0].value != value:
-        quantities[0].checked(quantities[0].value)
+    if at is not None:
+        first = quantities[0]
+        quantities = (replace(first, value=units.plain(first, first.checked(at))), *quantities[1:])
     axes = (family.at[0], "mu" if "mu" in values else family.parameters[0])
     words: dict[str, Any] = {
         "key": f"{one.key} {law}", "family": one.key, "law": law,
@@ -211,9 +210,9 @@ def _quantity(
     if name == family.at[0]:
         if name == "theta":
             return Quantity(name, symbol, label, "rad", *drawn, value, *body.between)
-        return Quantity(name, symbol, label, RATE, *drawn, value)
+        return Quantity(name, symbol, label, RATE, *drawn, value, kind=known.kind)
     if name == "mu":
-        return Quantity(name, symbol, label, "1/√(gR)", *FRICTION[:2], value, 0.0)
+        return Quantity(name, symbol, label, "1/√(gR)", *FRICTION[:2], value, 0.0, kind=known.kind)
     least, most = body.limits.get(name, (0.0, math.inf))
     high = min(2.0 * value if value > 0 else 1.0, most)
     low = max(least, 0.0) + 0.02 * high

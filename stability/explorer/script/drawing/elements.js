@@ -31,6 +31,11 @@ export function symbol(name, svg = false) {
     ...(index ? [shape("tspan", {"baseline-shift": "sub", "font-size": "75%"}, index)] : []));
 }
 
+/** A quantity in words, or by its symbol where it has no words: text where nothing can be set below the line. */
+export function spoken(q) {
+  return (q.symbol.includes("_") && q.label ? q.label : `${q.label} ${q.symbol}`).trim();
+}
+
 const MINUS = "−";
 
 /** A number with this many digits, a true minus, and powers of ten where these are shorter. */

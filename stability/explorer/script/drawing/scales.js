@@ -15,8 +15,9 @@ export function axisOf(state, name) {
   return axisScale(name, ...state.ranges[name]);
 }
 
-/** About `count` round numbers on an axis. */
-export function axisTicks({low, high, log}, count) {
+/** About `count` round numbers on an axis whose values are shown times `size`. */
+export function axisTicks(axis, count, size = 1) {
+  const [low, high, log] = [axis.low * size, axis.high * size, axis.log];
   const decades = log ? Math.log10(high / low) : 0;
   if (decades < 1) return ticks(low, high, count);
   const sizes = 2 * decades <= count ? [1, 2, 5] : [1], stride = Math.ceil(decades / count), found = [];
@@ -37,9 +38,9 @@ export function ticks(low, high, count) {
   return found;
 }
 
-/** Ticks of a symmetric logarithmic scale: zero and decades of both signs. */
-export function rateTicks(scale, most) {
-  const top = Math.floor(Math.log10(scale.limit) + 1e-9), bottom = Math.ceil(Math.log10(scale.linear) - 1e-9);
+/** Ticks of a symmetric logarithmic scale shown times `size`: zero and decades of both signs. */
+export function rateTicks(scale, most, size) {
+  const top = Math.floor(Math.log10(scale.limit * size) + 1e-9), bottom = Math.ceil(Math.log10(scale.linear * size) - 1e-9);
   const stride = Math.max(1, Math.ceil((top - bottom + 1) / most)), sizes = [];
   for (let n = top; n >= bottom; n -= stride) sizes.push(Number((10 ** n).toPrecision(3)));
   return [...sizes.map((v) => -v), 0, ...sizes.reverse()];

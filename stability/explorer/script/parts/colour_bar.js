@@ -6,8 +6,8 @@ import {rateTicks} from "../drawing/scales.js";
 
 const STRIPES = 80;
 
-/** Draw the bar into its drawing: growth above, decay below; `unit` is that of a rate. */
-export function colourBar(drawing, scale, colours, even, unit) {
+/** Draw the bar into its drawing: growth above, decay below; rates are shown times `size`, in a unit. */
+export function colourBar(drawing, scale, colours, even, {size, unit}) {
   const box = drawing.getBoundingClientRect(), width = box.width || 54, height = box.height || 300;
   const top = 22, bottom = 38, tall = height - top - bottom, x = 6, wide = 12, parts = [];
   const first = even ? STRIPES / 2 : 0; // without friction nothing decays
@@ -17,9 +17,9 @@ export function colourBar(drawing, scale, colours, even, unit) {
       height: tall / (STRIPES - first) + 0.6, fill: css(shade(colours.ramp, (i + 0.5) / STRIPES))}));
   }
   parts.push(shape("rect", {class: "frame", x, y: top, width: wide, height: tall}));
-  for (const v of rateTicks(scale, Math.max(2, Math.floor(tall / 60)))) {
+  for (const v of rateTicks(scale, Math.max(2, Math.floor(tall / 60)), size)) {
     if (even && v < 0) continue;
-    const y = place(scale.place(v));
+    const y = place(scale.place(v / size));
     parts.push(shape("path", {class: "tick", d: `M${x + wide} ${y}h3`}),
       shape("text", {class: "number", x: x + wide + 5, y: y + 3.5}, text(v, 3)));
   }

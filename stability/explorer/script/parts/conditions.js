@@ -5,7 +5,7 @@ import {element, onceAFrame, text} from "../drawing/elements.js";
 const KINDS = {
   static: "no real eigenvalue passes through zero (divergence)",
   flutter: "no complex pair of eigenvalues crosses the imaginary axis",
-  auxiliary: "an auxiliary sign",
+  auxiliary: "positive wherever the motion is stable",
 };
 const LONG = 260; // characters of a formula that is folded
 
@@ -25,6 +25,9 @@ export class Conditions {
     const {view} = this, {subject} = view;
     if (this.shown !== subject.key) this.build(subject);
     const q = view.point(), {rows} = subject.judge(q);
+    const notes = [subject.note, view.state.si ? "numbers without dimension: m = R = g = 1" : ""].filter((n) => n);
+    this.note.textContent = notes.map((n) => `${n}.`).join(" ").replace(/^n/, "N");
+    this.note.hidden = !notes.length;
     this.polynomial.innerHTML = `Characteristic polynomial (float): ${polynomialText(subject, q)}`;
     rows.forEach((row, i) => {
       const {value, put} = this.lines[i];
@@ -42,8 +45,6 @@ export class Conditions {
     this.rule.textContent = count === 0
       ? `${good} at every member of the family: no eigenvalue can cross the imaginary axis.`
       : `${good} where ${count === 1 ? `this ${subject.note ? "number" : "polynomial"} is` : `these ${subject.note ? "numbers" : "polynomials"} are all`} positive, unstable where ${count === 1 ? "it" : "one"} is negative.`;
-    this.note.textContent = subject.note ? `${subject.note}.` : "";
-    this.note.hidden = !subject.note;
     this.lines = [];
     this.rows.replaceChildren(...subject.rules.map((rule) => {
       const value = element("span", {class: "value"}), long = rule.text.length > LONG;

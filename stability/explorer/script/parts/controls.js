@@ -1,6 +1,6 @@
 // Family, law, and a slider with a number for each quantity.
 
-import {element, onceAFrame, symbol, text} from "../drawing/elements.js";
+import {element, onceAFrame, spoken, symbol, text} from "../drawing/elements.js";
 import {axisOf} from "../drawing/scales.js";
 import {ranged} from "./view.js";
 
@@ -20,7 +20,8 @@ export class Controls {
     this.axes = element("details", {class: "axes"}, element("summary", {}, "Axes"),
       element("div", {class: "axis-line"}, element("label", {}, "across ", this.xAxis), element("label", {}, "up ", this.yAxis)),
       this.ranges);
-    this.root = element("div", {class: "controls"}, this.rows, this.axes);
+    this.units = this.unitsChoice();
+    this.root = element("div", {class: "controls"}, this.rows, this.units, this.axes);
     this.render = onceAFrame(() => this.draw());
     view.on((changed) => { if (changed.has("subject")) this.build(); this.render(); });
     this.build();
@@ -33,6 +34,16 @@ export class Controls {
       this.view.set(patch);
     }});
     return choice;
+  }
+
+  /** A switch between SI units and dimensionless numbers, where the page knows both. */
+  unitsChoice() {
+    const {view} = this, words = {true: "SI units", false: "Dimensionless"};
+    const buttons = Object.entries(words).map(([si, word]) => element("button", {role: "radio", "data-si": si,
+      onclick: () => view.set({si: si === "true"}), onkeydown: (event) => this.roam(event, this.unitButtons)}, word));
+    this.unitButtons = element("div", {class: "segments", role: "radiogroup", "aria-label": "Units"}, buttons);
+    return element("div", {class: "units", hidden: !view.hasSI}, this.unitButtons,
+      element("span", {class: "small"}, view.hasSI ? view.data.si.body : ""));
   }
 
   build() {
@@ -90,7 +101,8 @@ export class Controls {
   }
 
   onAxis(q, place) {
-    return Number(this.axis(q).value(place).toPrecision(6));
+    const {size} = this.view.shown(q);
+    return Number((this.axis(q).value(place) * size).toPrecision(6)) / size;
   }
 
   /** The value at a place of the slider, or one with a name that is within a step of it. */
@@ -100,7 +112,7 @@ export class Controls {
   }
 
   typed(q, input) {
-    const value = Number(input.value), ok = input.value !== "" && this.view.subject.accepts(q.name, value);
+    const value = Number(input.value) / this.view.shown(q).size, ok = input.value !== "" && this.view.subject.accepts(q.name, value);
     input.setAttribute("aria-invalid", String(!ok));
     const ends = [q.least === null ? null : `above ${q.least}`, q.most === null ? null : `at most ${text(q.most, 4)}`];
     input.title = ok ? "" : `give a number ${ends.filter((e) => e).join(" and ")}`;
@@ -114,15 +126,20 @@ export class Controls {
   draw() {
     const {state} = this.view;
     for (const row of this.rows.children) {
-      const q = row.quantity, value = state.values[q.name], axis = this.axis(q);
+      const q = row.quantity, value = state.values[q.name], axis = this.axis(q), {size, unit} = this.view.shown(q);
       row.slider.value = String(Math.round(axis.place(value) * STEPS));
-      row.slider.setAttribute("aria-valuetext", `${text(value, 5)} ${q.unit}`);
-      if (document.activeElement !== row.number) row.number.value = String(Number(value.toPrecision(6)));
+      row.slider.setAttribute("aria-valuetext", `${text(value * size, 5)} ${unit}`);
+      if (document.activeElement !== row.number) row.number.value = String(Number((value * size).toPrecision(6)));
       const named = q.marks.find(([v]) => v === value);
-      row.named.textContent = named ? named[1] : q.unit;
+      row.named.textContent = named ? named[1] : unit;
       row.arrow.textContent = q.name === state.x ? "→" : q.name === state.y ? "↑" : "";
       row.arrow.title = q.name === state.x ? "horizontal axis" : q.name === state.y ? "vertical axis" : "";
       if (row.ticks) row.ticks.replaceChildren(...q.marks.map(([v]) => element("option", {value: Math.round(axis.place(v) * STEPS)})));
+    }
+    for (const button of this.unitButtons.children) {
+      const own = button.dataset.si === String(state.si);
+      button.setAttribute("aria-checked", String(own));
+      button.tabIndex = own ? 0 : -1;
     }
     this.xAxis.value = state.x;
     this.yAxis.value = state.y;
@@ -137,7 +154,7 @@ export class Controls {
         const q = view.subject.quantity[name], ends = [0, 1].map((i) => element("input", {type: "number", step: "any",
           "aria-label": `${spoken(q)}, ${i ? "upper" : "lower"} end of the axis`, onchange: () => {
             const range = [...view.state.ranges[name]];
-            range[i] = Number(ends[i].value);
+            range[i] = Number(ends[i].value) / view.shown(q).size;
             const ok = ends[i].value !== "" && range[1] > range[0] && (range[2] !== "log" || range[0] > 0);
             if (ok) view.set({ranges: {...view.state.ranges, [name]: range}});
             else this.render();
@@ -151,18 +168,13 @@ export class Controls {
       }));
     }
     for (const line of this.ranges.children) {
-      const [low, , spacing] = state.ranges[line.name];
+      const [low, , spacing] = state.ranges[line.name], {size} = view.shown(view.subject.quantity[line.name]);
       line.log.checked = spacing === "log";
       line.log.disabled = !(low > 0);
       line.log.title = low > 0 ? "" : "a logarithmic axis starts above zero";
       line.ends.forEach((input, i) => {
-        if (document.activeElement !== input) input.value = String(Number(state.ranges[line.name][i].toPrecision(6)));
+        if (document.activeElement !== input) input.value = String(Number((state.ranges[line.name][i] * size).toPrecision(6)));
       });
     }
   }
-}
-
-/** A quantity in words and by its symbol. */
-function spoken(q) {
-  return `${q.label} ${q.symbol}`.trim();
 }

@@ -79,7 +79,7 @@ export class Diagram {
     const detail = this.moving ? 0.5 : 1;
     this.curves = boundaryCurves(view.subject, view.state.values, x, y, detail);
     this.vectors(x, y, width, height);
-    colourBar(this.bar, this.scale, colours, view.subject.wholeEven, view.data.units.rate);
+    colourBar(this.bar, this.scale, colours, view.subject.wholeEven, view.curve("rate"));
     this.pace(begun);
   }
 
@@ -142,21 +142,21 @@ export class Diagram {
       shape("circle", {class: "dot", cx: px, cy: py, r: 2.2})] : [];
     const many = Math.max(3, Math.floor(width / 80)), rows = Math.max(3, Math.floor(height / 55));
     const axes = [shape("rect", {class: "frame", x: left, y: top, width, height})];
-    for (const v of axisTicks(x, many)) {
-      const [at] = this.pixel(x, y, [v, y.low]);
+    const [qx, qy] = [quantity[x.name], quantity[y.name]], [sx, sy] = [qx, qy].map((q) => view.shown(q).size);
+    for (const v of axisTicks(x, many, sx)) {
+      const [at] = this.pixel(x, y, [v / sx, y.low]);
       axes.push(shape("path", {class: "tick", d: `M${at} ${top + height}v4`}),
         shape("text", {class: "number", x: at, y: top + height + 15, "text-anchor": "middle"}, text(v, 6)));
     }
-    for (const v of axisTicks(y, rows)) {
-      const [, at] = this.pixel(x, y, [x.low, v]);
+    for (const v of axisTicks(y, rows, sy)) {
+      const [, at] = this.pixel(x, y, [x.low, v / sy]);
       axes.push(shape("path", {class: "tick", d: `M${left} ${at}h-4`}),
         shape("text", {class: "number", x: left - 7, y: at + 3.5, "text-anchor": "end"}, text(v, 6)));
     }
-    const [qx, qy] = [quantity[x.name], quantity[y.name]];
     axes.push(shape("text", {class: "title", x: left + width / 2, y: top + height + 32, "text-anchor": "middle"},
-      ...labelled(qx)));
+      ...labelled(qx, view)));
     axes.push(shape("text", {class: "title", "text-anchor": "middle",
-      transform: `translate(11 ${top + height / 2}) rotate(-90)`}, ...labelled(qy)));
+      transform: `translate(11 ${top + height / 2}) rotate(-90)`}, ...labelled(qy, view)));
     const clip = shape("clipPath", {id: this.look.id("clip")}, shape("rect", {x: left, y: top, width, height}));
     this.over.replaceChildren(shape("defs", {}, clip),
       shape("g", {"clip-path": `url(#${this.look.id("clip")})`}, ...inside, ...point), ...axes);
@@ -165,7 +165,7 @@ export class Diagram {
   }
 }
 
-function labelled(q) {
-  const unit = q.unit ? ` [${q.unit}]` : "";
-  return [q.label ? `${q.label} ` : "", symbol(q.symbol, true), unit];
+function labelled(q, view) {
+  const {unit} = view.shown(q);
+  return [q.label ? `${q.label} ` : "", symbol(q.symbol, true), unit ? ` [${unit}]` : ""];
 }

@@ -33,24 +33,25 @@ export class EigenvaluePlane {
     const width = box.width - left - right, height = box.height - top - bottom;
     this.place = ([re, im]) => [left + width * (0.5 + re / (2 * reach)), top + height * (0.5 - im / (2 * tall))];
     this.now = now;
+    const {size, unit} = view.curve("rate"), named = (word) => (view.state.si ? `${word} [${unit}]` : word);
     const [ox, oy] = this.place([0, 0]), words = [], parts = [
       shape("rect", {class: "growing", x: ox, y: top, width: left + width - ox, height}),
       shape("rect", {class: "decaying", x: left, y: top, width: ox - left, height}),
     ];
-    for (const v of ticks(-reach, reach, 5)) {
-      const [x] = this.place([v, 0]);
+    for (const rate of ticks(-reach * size, reach * size, 5)) {
+      const v = rate / size, [x] = this.place([v, 0]);
       if (v !== 0) parts.push(shape("path", {class: "grid", d: `M${x} ${top}v${height}`}));
-      if (Math.abs(v) < 0.93 * reach) words.push(shape("text", {class: "number", x, y: box.height - 5, "text-anchor": "middle"}, text(v, 3)));
+      if (Math.abs(v) < 0.93 * reach) words.push(shape("text", {class: "number", x, y: box.height - 5, "text-anchor": "middle"}, text(rate, 3)));
     }
-    for (const v of ticks(-tall, tall, 4)) {
-      const [, y] = this.place([0, v]);
+    for (const rate of ticks(-tall * size, tall * size, 4)) {
+      const v = rate / size, [, y] = this.place([0, v]);
       if (v === 0 || Math.abs(v) > 0.93 * tall) continue;
       parts.push(shape("path", {class: "grid", d: `M${left} ${y}h${width}`}));
-      words.push(shape("text", {class: "number", x: left + 3, y: y - 2}, `${text(v, 3)} i`));
+      words.push(shape("text", {class: "number", x: left + 3, y: y - 2}, `${text(rate, 3)} i`));
     }
     parts.push(shape("path", {class: "axis", d: `M${left} ${oy}h${width}M${ox} ${top}v${height}`}));
-    words.push(shape("text", {class: "number", x: left + width - 3, y: oy - 4, "text-anchor": "end"}, "Re λ"),
-      shape("text", {class: "number", x: ox + 4, y: top + 10}, "Im λ"));
+    words.push(shape("text", {class: "number", x: left + width - 3, y: oy - 4, "text-anchor": "end"}, named("Re λ")),
+      shape("text", {class: "number", x: ox + 4, y: top + 10}, named("Im λ")));
     for (const path of paths) {
       for (const piece of this.inside(path, reach, tall)) {
         parts.push(shape("path", {class: "locus", d: `M${piece.map((z) => this.place(z).map((v) => v.toFixed(1)).join(" ")).join("L")}`}));
@@ -71,7 +72,7 @@ export class EigenvaluePlane {
     const {subject, state} = this.view, names = subject.names.join();
     if (this.offered !== names + subject.key) {
       this.offered = names + subject.key;
-      this.choice.replaceChildren(...subject.quantities.map((q) => element("option", {value: q.name}, q.symbol)));
+      this.choice.replaceChildren(...subject.quantities.map((q) => element("option", {value: q.name}, q.symbol.replace("_", ""))));
     }
     this.choice.value = state.along;
   }

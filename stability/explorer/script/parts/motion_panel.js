@@ -37,9 +37,9 @@ export class MotionPanel {
     this.tiltSaid = element("output", {class: "clock"});
     this.kick = element("select", {"aria-label": "State that is disturbed", onchange: () => view.set({kick: Number(this.kick.value), show: "launch"})});
     this.until = element("select", {"aria-label": "Length of the run", onchange: () => view.set({until: Number(this.until.value), show: "launch"})},
-      ...TIMES.map((t) => element("option", {value: t}, `${t}`)));
+);
     this.said = element("p", {class: "sentence outcome", role: "status"});
-    this.traces = new Traces((t) => { this.playing = false; this.seek(t); }, view.data.units);
+    this.traces = new Traces((t) => { this.playing = false; this.seek(t); }, (name) => view.curve(name));
     this.traces.root.prepend(element("p", {class: "unseen"}, "Curves of the launch"));
     this.start = element("div", {class: "slider tilt"}, element("label", {}, "tilt"), this.tilt, this.tiltSaid,
       element("label", {class: "small"}, "until t = ", this.until));
@@ -53,7 +53,7 @@ export class MotionPanel {
     };
     this.frame = onceAFrame(() => this.draw());
     view.on((changed) => {
-      if (["subject", "values", "mode", "show", "tilt", "until", "kick"].some((n) => changed.has(n))) this.compute();
+      if (["subject", "values", "mode", "show", "tilt", "until", "kick", "si"].some((n) => changed.has(n))) this.compute();
       if (changed.has("show") || changed.has("mode") || changed.has("subject")) {
         this.time = 0;
         this.playing = !look.still();
@@ -147,8 +147,9 @@ export class MotionPanel {
     const {view} = this, {state, subject} = view, run = this.launch, solid = Boolean(subject.pose);
     this.tilt.value = String(1000 * sliderOf(state.tilt));
     this.tiltSaid.textContent = `${text(state.tilt, 3)}${solid ? " rad" : ""}`;
+    const {size, unit} = view.curve("time"), seconds = (t, digits) => `${text(t * size, digits)}${state.si ? ` ${unit}` : ""}`;
+    this.until.replaceChildren(...[...new Set([...TIMES, state.until])].map((t) => element("option", {value: t}, seconds(t, 3))));
     this.until.value = String(state.until);
-    if (!TIMES.includes(state.until)) this.until.replaceChildren(...[...TIMES, state.until].map((t) => element("option", {value: t, selected: t === state.until}, `${t}`)));
     const label = this.start.firstChild;
     if (!solid) label.replaceChildren("disturb ", this.kick);
     if (solid) label.textContent = "tilt";
@@ -172,7 +173,7 @@ export class MotionPanel {
     } else if (run.refused) this.said.textContent = `No launch from here: ${words}.`;
     else {
       const by = `${text(state.tilt, 3)}${solid ? " rad" : ""}`;
-      this.said.textContent = `Launched ${solid ? "tilted" : "disturbed"} by ${by}: at t = ${text(run.until, 5)} ${words}${this.near(run)}.`;
+      this.said.textContent = `Launched ${solid ? "tilted" : "disturbed"} by ${by}: at t = ${seconds(run.until, 5)} ${words}${this.near(run)}.`;
       if (!solid && state.mode !== null && modes[state.mode]) {
         this.said.textContent += ` Mode ${state.mode + 1}: ${shares(subject.mode(view.point(), modes[state.mode]))}.`;
       }
@@ -185,10 +186,10 @@ export class MotionPanel {
     if (index < 0 || run.outcome !== "moving") return "";
     const q = this.view.point();
     q[subject.names.indexOf("at")] = run.final[index];
-    const member = fromSource(subject.member)(q);
+    const member = fromSource(subject.member)(q), {size} = this.view.shown(subject.quantity.at);
     const apart = Math.max(...member.slice(0, motion.states).map((v, i) => Math.abs(v - run.final[i])));
     if (!(apart < NEAR)) return "";
-    return `, within ${text(apart, 2)} of ${subject.family} with ${subject.symbols[subject.call.state]} = ${text(run.final[index], 4)} (float; no proof that it stays there)`;
+    return `, within ${text(apart, 2)}${this.view.state.si ? " (dimensionless)" : ""} of ${subject.family} with ${subject.symbols[subject.call.state]} = ${text(run.final[index] * size, 4)} (float; no proof that it stays there)`;
   }
 
   draw() {
@@ -200,7 +201,8 @@ export class MotionPanel {
       this.last = now;
     } else this.last = null;
     this.slider.value = String((1000 * this.time) / (this.span || 1));
-    this.clock.textContent = `t = ${this.time.toFixed(1)}`;
+    const {size, unit} = this.view.curve("time"), decimals = Math.max(0, 1 - Math.floor(Math.log10(size)));
+    this.clock.textContent = `t = ${(this.time * size).toFixed(decimals)}${this.view.state.si ? ` ${unit}` : ""}`;
     this.play.textContent = this.playing ? "❚❚" : "▶";
     this.traces.mark(this.kindShown === "launch" ? this.time : 0);
     const {motion} = this.view;

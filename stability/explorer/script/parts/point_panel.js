@@ -30,7 +30,7 @@ export class PointPanel {
     const {view} = this, {subject, state} = view, q = view.point(), {verdict, rows} = subject.judge(q);
     this.badge.className = `badge ${verdict}`;
     this.badge.replaceChildren(element("span", {"aria-hidden": "true"}, SIGNS[verdict]), ` ${verdict === "absent" ? "no member" : verdict}`);
-    const at = subject.quantities.map((one) => [symbol(one.symbol), ` = ${text(state.values[one.name], 5)}`]);
+    const at = subject.quantities.map((one) => [symbol(one.symbol), ` = ${text(state.values[one.name] * view.shown(one).size, 5)}`]);
     this.place.replaceChildren("at ", ...at.flatMap((parts, i) => (i ? [", ", ...parts] : parts)));
     this.sentence.textContent = SENTENCES[verdict];
     this.proof.replaceChildren(...this.proved(verdict, rows));
@@ -45,10 +45,13 @@ export class PointPanel {
     if (verdict === "undecided") out.push("Not proved here. ");
     else if (!this.view.subject.proved) out.push("Float: the signs of the conditions below in double precision, without a proof. ");
     else if (!rows.length) out.push("Proved for every member of the family, offline. ");
-    else out.push(element("b", {}, "Proved in this page"), ": the signs of the conditions below exceed their rounding errors. ");
+    else out.push(element("b", {}, "Proved in this page"), this.view.state.si ? " for the dimensionless numbers" : "",
+      ": the signs of the conditions below exceed their rounding errors. ");
     if (one && one.verdict !== "undecided") {
-      const ends = one.ends.map((e) => [symbol(this.view.subject.quantity[e.name].symbol),
-        ` from ${text(e.low, 4)} to ${text(e.high, 4)}`]);
+      const {view} = this, ends = one.ends.map((e) => {
+        const q = view.subject.quantity[e.name], {size} = view.shown(q);
+        return [symbol(q.symbol), ` from ${text(e.low * size, 4)} to ${text(e.high * size, 4)}`];
+      });
       out.push(element("b", {class: "certified"}, "Certified by the package"), `: ${one.verdict} for every `,
         ...ends[0], " and ", ...ends[1], ".");
     } else if (one) out.push("The file's certificate leaves this close to the boundary open.");
@@ -65,11 +68,12 @@ export class PointPanel {
         onkeydown: (event) => this.arrows(event, i)},
       element("span", {class: "dot"}), element("span", {class: "lambda"}), element("span", {class: "small words"}))));
     }
+    const rate = this.view.curve("rate"), time = this.view.curve("time");
     shown.forEach((z, i) => {
       const row = this.modes.children[i], [dot, lambda, words] = row.children;
       dot.className = `dot ${z[0] > 1e-12 ? "grows" : "decays"}`;
-      lambda.textContent = complexText(z);
-      words.textContent = inWords(z, this.view.data.units.time);
+      lambda.textContent = complexText(z.map((v) => v * rate.size));
+      words.textContent = inWords(z, time);
       row.setAttribute("aria-checked", String(i === chosen));
       row.tabIndex = i === (chosen === null ? 0 : chosen) ? 0 : -1;
     });
@@ -85,11 +89,11 @@ export class PointPanel {
   }
 }
 
-/** How fast a mode grows or decays, and its period, with the unit of time. */
-function inWords([re, im], unit) {
+/** How fast a mode grows or decays, and its period, in a unit of time. */
+function inWords([re, im], {size: second, unit}) {
   const size = Math.hypot(re, im), parts = [];
-  if (Math.abs(re) > 1e-12 * size) parts.push(`${re > 0 ? "doubles" : "halves"} in ${text(Math.LN2 / Math.abs(re), 3)}`);
+  if (Math.abs(re) > 1e-12 * size) parts.push(`${re > 0 ? "doubles" : "halves"} in ${text((second * Math.LN2) / Math.abs(re), 3)}`);
   else if (size > 0) parts.push("persists");
-  if (im !== 0) parts.push(`period ${text((2 * Math.PI) / Math.abs(im), 3)}`);
+  if (im !== 0) parts.push(`period ${text((second * 2 * Math.PI) / Math.abs(im), 3)}`);
   return parts.join(", ") + (unit && (im !== 0 || Math.abs(re) > 1e-12 * size) ? ` ${unit}` : "");
 }

@@ -9,48 +9,70 @@ export function pythonCall(view) {
 }
 
 function axis(view, which, count) {
-  const name = view.state[which];
-  const [low, high, spacing] = view.state.ranges[name];
-  return `("${name}", ${exactText(low)}, ${exactText(high)}, ${count}${spacing ? `, "${spacing}"` : ""})`;
+  const name = view.state[which], own = view.subject.quantity[name];
+  const [low, high, spacing] = view.state.ranges[name], [a, b] = [low, high].map((v) => number(view, own, v));
+  return `("${called(view, name)}", ${a}, ${b}, ${count}${spacing ? `, "${spacing}"` : ""})`;
+}
+
+/** What Python calls a quantity: c of the linear law is a force in SI units. */
+function called(view, name) {
+  return (view.state.si && (view.subject.call.si || {})[name]) || name;
+}
+
+/** A number in the units of the call; times a size it has one digit less, which rounding leaves right. */
+function number(view, q, value) {
+  return inUnits(value, view.shown(q).size);
+}
+
+function inUnits(value, size) {
+  return exactText(size === 1 ? value : Number((value * size).toPrecision(15)));
+}
+
+/** Mass, length and gravity as arguments, where they are not 1. */
+function scales(view) {
+  return view.state.si ? Object.entries(view.data.si.given).map(([n, v]) => `${n}=${exactText(v)}`) : [];
 }
 
 function ofDisk(view) {
   const {subject, state} = view, {values} = state, {family, law, class: name} = subject.call;
   const axes = [state.x, state.y], has = subject.names.includes("mu");
-  const friction = law === "linear-viscous" ? `mu=${exactText(values.mu)}` : has ? exactText(values.mu) : "";
-  const contact = `st.${name}(${friction})`, at = exactText(values.at);
+  const mu = has ? number(view, subject.quantity.mu, values.mu) : "";
+  const friction = law === "linear-viscous" ? `${called(view, "mu")}=${mu}` : mu;
+  const contact = `st.${name}(${friction})`, at = number(view, subject.quantity.at, values.at);
+  const body = [...scales(view), `k=${exactText(values.k)}`].join(", "), until = inUnits(state.until, view.curve("time").size);
   const held = [];
   if (!axes.includes("at")) held.push(`at=${at}`);
   held.push(axes.includes("mu") ? `contact="${law}"` : "contact=contact");
-  if (!axes.includes("k")) held.push("disk=disk");
+  if (!axes.includes("k") || state.si) held.push("disk=disk");
   return [
     "import stability as st", "",
-    `disk, contact = st.Disk(k=${exactText(values.k)}), ${contact}`,
+    `disk, contact = st.Disk(${body}), ${contact}`,
     `point = st.spectrum("${family}", at=${at}, contact=contact, disk=disk, certify=True)`,
     `diagram = st.stability_map("${family}", x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}, ${held.join(", ")})`,
     "figure = st.plot_map(diagram)",
     `start = st.launch("${family}", at=${at}, tilt=${exactText(state.tilt)}, disk=disk)`,
-    `motion = st.simulate(disk, contact, start, ${exactText(state.until)})`,
+    `motion = st.simulate(disk, contact, start, ${until})`,
     "print(point.verdict, point.eigenvalues, motion.attrs[\"outcome\"])", "",
   ].join("\n");
 }
 
 function ofBody(view) {
   const {subject, state} = view, {values} = state, {family, law, class: name, body, pole} = subject.call;
-  const [first] = subject.names, at = exactText(values[first]), axes = [state.x, state.y];
-  const made = body.replace(/\{(\w+)\}/g, (_, n) => exactText(values[n]));
+  const [first] = subject.names, at = number(view, subject.quantity[first], values[first]), axes = [state.x, state.y];
+  const more = scales(view).join(", "), until = inUnits(state.until, view.curve("time").size);
+  const made = body.replace(/\{(\w+)\}/g, (_, n) => exactText(values[n])).replace(/\)$/, more ? `, ${more})` : ")").replace("(, ", "(");
   const shape = subject.names.filter((n) => n !== first && n !== "mu").map((n) => `${n}=${exactText(values[n])}`).join(", ");
-  const contact = `st.${name}(${"mu" in values ? exactText(values.mu) : ""})`;
+  const contact = `st.${name}(${"mu" in values ? number(view, subject.quantity.mu, values.mu) : ""})`;
   const where = pole === undefined || pole === null ? "" : `, pole=${JSON.stringify(pole)}`;
   const held = [axes.includes("mu") ? `contact="${law}"` : "contact=contact", ...(axes.includes(first) ? [] : [`at=${at}`])];
   return [
     "import stability as st", "",
-    made ? `body, contact = ${made}, ${contact}` : `contact = ${contact}  # body: your ${subject.call.name}${shape ? ` with ${shape}` : ""}`,
+    made ? `body, contact = ${made}, ${contact}` : `contact = ${contact}  # body: your ${subject.call.name}${[shape, more].some((w) => w) ? ` with ${[shape, more].filter((w) => w).join(", ")}` : ""}`,
     `point = st.spectrum("${family}", at=${at}, body=body, contact=contact${where}, certify=True)`,
     `diagram = st.stability_map("${family}", x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}, body=body, ${held.join(", ")}${where})`,
     "figure = st.plot_map(diagram)",
     `start = st.launch("${family}", at=${at}, tilt=${exactText(state.tilt)}, body=body${where})`,
-    `motion = st.simulate(body, contact, start, ${exactText(state.until)})`,
+    `motion = st.simulate(body, contact, start, ${until})`,
     "print(point.verdict, point.eigenvalues, motion.attrs[\"outcome\"])", "",
   ].join("\n");
 }

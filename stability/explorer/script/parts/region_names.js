@@ -3,12 +3,12 @@
 const COLUMNS = 36, ROWS = 24;
 const LEAST = 0.03; // share of the diagram that a region needs for its name
 
-const WIDE = 2.6; // a word is this much wider than high
+const LETTER = 4.3, LINE = 10; // half of a letter's width, half of a word's height [px]
 
-const BESIDE = [0.09, 0.07]; // half the width and height around the point that a word leaves free
+const BESIDE = 13; // room that a word leaves around the point [px]
 
-/** [word, u, v] with places in the unit square. */
-export function regionNames(view, x, y) {
+/** [word, u, v] with places in the unit square, for a diagram of this size in pixels. */
+export function regionNames(view, x, y, width, height) {
   const {subject, state} = view, q = subject.array(state.values);
   const i = subject.names.indexOf(x.name), j = subject.names.indexOf(y.name), cells = [];
   for (let row = 0; row < ROWS; row++) {
@@ -20,19 +20,23 @@ export function regionNames(view, x, y) {
     }
   }
   const [px, py] = [x.place(state.values[x.name]), y.place(state.values[y.name])], found = [];
-  const free = cells.map((c, n) => Math.abs((n % COLUMNS + 0.5) / COLUMNS - px) > BESIDE[0]
-    || Math.abs((Math.floor(n / COLUMNS) + 0.5) / ROWS - py) > BESIDE[1]);
   for (const [kind, word] of [[true, subject.good], [false, "unstable"]]) {
     if (cells.filter((c) => c === kind).length < LEAST * cells.length) continue;
-    const best = deepest(cells, kind, free);
+    const half = LETTER * word.length, sides = [width / COLUMNS / half, height / ROWS / LINE];
+    const free = cells.map((c, n) => width * Math.abs((n % COLUMNS + 0.5) / COLUMNS - px) > half + BESIDE
+      || height * Math.abs((Math.floor(n / COLUMNS) + 0.5) / ROWS - py) > LINE + BESIDE);
+    const best = deepest(cells, kind, free, sides);
     if (best) found.push([word, (best[0] + 0.5) / COLUMNS, (best[1] + 0.5) / ROWS]);
   }
   return found;
 }
 
-/** The cell that is farthest from every cell of the other kind, by two sweeps. */
-function deepest(cells, kind, free) {
-  const away = cells.map((c) => (c === kind ? Infinity : 0)), [dx, dy] = [1 / WIDE, 1];
+/**
+ * The cell that is farthest from every cell of the other kind, by two sweeps; null where no word fits.
+ * `sides` are those of a cell over half the width and height of the word.
+ */
+function deepest(cells, kind, free, [dx, dy]) {
+  const away = cells.map((c) => (c === kind ? Infinity : 0));
   const at = (i, j) => (i < 0 || j < 0 || i >= COLUMNS || j >= ROWS ? 0 : away[j * COLUMNS + i]);
   const diagonal = Math.hypot(dx, dy);
   for (const s of [1, -1]) {
@@ -44,7 +48,7 @@ function deepest(cells, kind, free) {
   const most = Math.max(...away);
   const deep = [0.9, 0.7, 0.5].map((share) => away.map((v, n) => n).filter((n) => away[n] > share * most && free[n]))
     .find((found) => found.length);
-  if (!(most > 1.2) || !deep) return null;
+  if (!(most > 1) || !deep) return null;
   // of the points that are about as deep the one nearest to the middle of the region
   const all = cells.map((c, n) => n).filter((n) => cells[n] === kind);
   const mean = (list, f) => list.reduce((sum, n) => sum + f(n), 0) / list.length;

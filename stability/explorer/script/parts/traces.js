@@ -3,12 +3,12 @@
 import {element, shape, text} from "../drawing/elements.js";
 import {ticks} from "../drawing/scales.js";
 
-const LEFT = 52, RIGHT = 10, ROW = 62, FOOT = 20, LABEL = 12, MOST = 700;
+const LEFT = 52, RIGHT = 10, ROW = 62, FOOT = 20, LABEL = 12, MOST = 700, NOTHING = 1e-4;
 
 export class Traces {
-  /** `units` by name of a curve, and of `time`. */
-  constructor(seek, units) {
-    this.units = units;
+  /** `measure` gives size and unit of a curve, and of `time`, by its name. */
+  constructor(seek, measure) {
+    this.measure = measure;
     this.drawing = shape("svg", {class: "traces", role: "img"});
     this.root = element("div", {class: "traces-box"}, this.drawing);
     this.run = null;
@@ -38,7 +38,7 @@ export class Traces {
     const names = Object.keys(this.run.series), height = ROW * names.length + FOOT, parts = [];
     const wide = width - LEFT - RIGHT, at = (t) => LEFT + (wide * t) / this.span;
     names.forEach((name, row) => {
-      const values = this.run.series[name], top = row * ROW + 15, tall = ROW - 21;
+      const {size, unit} = this.measure(name), values = this.run.series[name], top = row * ROW + 15, tall = ROW - 21;
       let low = Math.min(...values), high = Math.max(...values);
       if (name === "normal force") { low = Math.min(low, 0); high = Math.max(high, 1); }
       const small = 0.01 * Math.max(Math.abs(low), Math.abs(high), 1e-9);
@@ -51,16 +51,18 @@ export class Traces {
       const line = this.run.times.map((t, i) => [t, values[i], i]).filter(([, , i]) => i % skip === 0 || i === values.length - 1)
         .map(([t, v]) => `${at(t).toFixed(1)} ${y(v).toFixed(2)}`).join("L");
       parts.push(shape("path", {class: "grid", d: `M${LEFT} ${top + tall}h${wide}`}));
-      const digits = text(low, 3) === text(high, 3) ? 5 : 3;
-      for (const v of [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(v, digits)));
-      parts.push(shape("text", {class: "number strong", x: LEFT, y: top - 4}, bracketed(name, this.units[name])));
+      const digits = text(low * size, 3) === text(high * size, 3) ? 5 : 3;
+      const near = (v) => (Math.abs(v) < NOTHING * (high - low) ? 0 : v); // no 10⁻¹⁰ at the foot of a decay
+      for (const v of [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(near(v) * size, digits)));
+      parts.push(shape("text", {class: "number strong", x: LEFT, y: top - 4}, bracketed(name, unit)));
       parts.push(shape("path", {class: "trace", d: `M${line}`}));
       if (this.run.ended) parts.push(shape("circle", {class: "ended", cx: at(this.run.until), cy: y(values[values.length - 1]), r: 3.5}));
     });
-    for (const t of ticks(0, this.span, Math.max(3, Math.floor(wide / 70)))) {
-      parts.push(shape("text", {class: "number", x: at(t), y: height - 5, "text-anchor": "middle"}, text(t, 4)));
+    const time = this.measure("time");
+    for (const t of ticks(0, this.span * time.size, Math.max(3, Math.floor(wide / 70)))) {
+      parts.push(shape("text", {class: "number", x: at(t / time.size), y: height - 5, "text-anchor": "middle"}, text(t, 4)));
     }
-    parts.push(shape("text", {class: "number strong", x: width - RIGHT, y: height + 9, "text-anchor": "end"}, bracketed("time t", this.units.time)));
+    parts.push(shape("text", {class: "number strong", x: width - RIGHT, y: height + 9, "text-anchor": "end"}, bracketed("time t", time.unit)));
     this.cursor = shape("path", {class: "cursor"});
     this.height = height;
     this.drawing.setAttribute("viewBox", `0 0 ${width} ${height + LABEL}`);

@@ -41,7 +41,28 @@ export class View {
     }
     const [x, y] = subject.axes;
     return {subject: key, values: own, ranges, x, y, along: x, mode: null, kick: 0, show: "launch",
-      tilt: 0.1, until: 60};
+      tilt: 0.1, until: 60, si: this.hasSI};
+  }
+
+  /** Whether the page knows the body's mass, length and gravity. */
+  get hasSI() {
+    return Boolean((this.data.si || {}).sizes);
+  }
+
+  /** Size and unit of numbers of a kind as they are shown; `words` is the unit without SI. */
+  measure(kind, words) {
+    const known = this.state.si && this.data.si.sizes[kind];
+    return known ? {size: known[0], unit: known[1]} : {size: 1, unit: words};
+  }
+
+  /** The same of a quantity. */
+  shown(q) {
+    return this.measure(q.kind, q.unit);
+  }
+
+  /** The same of a time, a rate or a curve. */
+  curve(name) {
+    return this.measure(this.data.kinds[name], this.data.units[name] || "");
   }
 
   /** Change the state and tell every part what changed. */
@@ -70,7 +91,7 @@ export class View {
     }
     const state = this.initial(key, kept);
     if (same) for (const n of next.names) if (n in old.ranges) state.ranges[n] = old.ranges[n];
-    this.set({...state, tilt: old.tilt, until: old.until, show: old.show});
+    this.set({...state, tilt: old.tilt, until: old.until, show: old.show, si: old.si});
   }
 
   on(listener) {
@@ -100,6 +121,7 @@ export class View {
     parts.push(`picture=${s.show}`, `tilt=${s.tilt}`, `time=${s.until}`, `along=${encodeURIComponent(s.along)}`);
     if (s.kick) parts.push(`kick=${s.kick}`);
     if (s.mode !== null) parts.push(`mode=${s.mode}`);
+    if (this.hasSI) parts.push(`units=${s.si ? "SI" : "dimensionless"}`);
     return parts.join("&");
   }
 
@@ -128,6 +150,7 @@ export class View {
     if (subject.names.includes(given.along)) out.along = given.along;
     if (/^\d+$/.test(given.kick || "") && Number(given.kick) < subject.states.length) out.kick = Number(given.kick);
     if (/^\d+$/.test(given.mode || "")) out.mode = Number(given.mode);
+    if (this.hasSI && ["SI", "dimensionless"].includes(given.units)) out.si = given.units === "SI";
     return out;
   }
 }
