@@ -54,7 +54,7 @@ export class PointPanel {
       });
       out.push(element("b", {class: "certified"}, "Certified by the package"), `: ${one.verdict} for every `,
         ...ends[0], " and ", ...ends[1], ".");
-    } else if (one) out.push("The file's certificate leaves this close to the boundary open.");
+    } else if (one) out.push("The file's certificate is made of rectangles, and leaves that around this point open.");
     else out.push("The file carries no certificate for these numbers.");
     return out;
   }
