@@ -51,6 +51,8 @@ def exact_unknowns(
     if len(root) == 1:
         with suppress(NotExact):
             return [_of_equation(family, given, root[0])]
+    if None not in simple:
+        raise NotExact("rationals that do not solve the equations")
     found = _recognised(root, simple, wide)
     if not _solve(family, given, found):
         raise NotExact("unknowns beyond one number field")
@@ -89,7 +91,7 @@ def _of_equation(family: Family, given: tuple[Sequence[Any], Sequence[Any]], bal
 
 def _recognised(root: list[Any], simple: list[Any], wide: list[Any]) -> list[Any]:
     """The unknowns over the field of the first that is not rational."""
-    first = simple.index(None) if None in simple else 0
+    first = simple.index(None)
     field = _field(root[first])
     powers = [root[first] ** k for k in range(field.modulus.degree())]
     out = []
@@ -130,10 +132,13 @@ def _one_root(poly: Any, ball: Any) -> bool:
 
 def _relation(numbers: Sequence[Any]) -> list[Any]:
     """Small integers with a vanishing sum of products, as far as the digits show (LLL)."""
-    bits = min(int(v.rel_accuracy_bits()) for v in numbers) - 8
+    # an exact number has digits without end, for which the library has no memory
+    bits = min(ctx.prec, *(int(v.rel_accuracy_bits()) for v in numbers)) - 8
+    if bits < 1:
+        raise NotExact("too few digits")
     rows = []
     for i, v in enumerate(numbers):
-        scaled = (v.mid() * arb(fmpz(1) << max(bits, 1))).mid().floor().mid()
+        scaled = (v.mid() * arb(fmpz(1) << bits)).mid().floor().mid()
         rows.append([int(i == j) for j in range(len(numbers))] + [int(scaled.fmpq().p)])
     short = [int(c) for c in fmpz_mat(rows).lll().tolist()[0]]
     if sum(abs(c).bit_length() for c in short) > bits // 2:
