@@ -26,7 +26,9 @@ from ..systems.family import Family
 from ..systems.system import System
 from .certificates import packed
 from .source.formulas import (
+    FLOAT,
     Rule,
+    Sign,
     Values,
     filled,
     polynomial_signs,
@@ -34,6 +36,7 @@ from .source.formulas import (
     typeset,
     value_of,
 )
+from .source.solver import solver_of
 from .source.source_text import graph, javascript
 from .subject import Quantity, Subject
 
@@ -62,7 +65,7 @@ def own_subject(
     Parameters
     ----------
     family
-        A family whose conditions are polynomials in its quantities.
+        A family whose conditions are polynomials in its quantities and its unknowns.
     values
         Value of every quantity at first.
     axes
@@ -75,17 +78,19 @@ def own_subject(
     Raises
     ------
     StabilityError
-        If the conditions are too large, or a member has no closed form in the quantities.
+        If the conditions are too large, or too much of a member is solved for.
     """
     found = conditions(family, positive=positive, decimals=True, seconds=SECONDS)
     names = (*family.at, *family.parameters)
     if found.left_out:
         raise StabilityError(f"{family.name}: {found.left_out[0]}; the page needs every condition.")
-    read = [_reader(found, variable.name, names) for variable in found.variables]
+    solver = solver_of(family)
+    every = (*names, *(solver.unknown if solver else ()))
+    read = [_reader(found, variable.name, every) for variable in found.variables]
     system, told = family.system, dict(words or {})
     x, p = system.x, system.p
     behind = {v.name: 2 * (v.name not in names) for v in found.variables}
-    put = {v.name: (_in_braces(v.name, names), 1) for v in found.variables}
+    put = {v.name: (_in_braces(v.name, every), 1) for v in found.variables}
     symbols = (
         {n: q.symbol.removesuffix("/mR²") for n, q in system.quantities.items() if q.symbol}
         if told
@@ -107,10 +112,12 @@ def own_subject(
             for n in names),
         axes=(axes[0][0], axes[1][0]), even=tuple(f.even for f in factors), zeros=found.zeros,
         coefficients=partial(_coefficients, factors, read),
-        rules=rules, signs=partial(polynomial_signs, rules, partial(_variables, read)),
+        rules=tuple(Sign(rule.kind, FLOAT) for rule in rules) if solver else rules,
+        signs=partial(polynomial_signs, rules, partial(_variables, read)),
         texts=tuple((typeset(c.polynomial, written, shift), filled(c.polynomial, put, shift))
                     for c, shift in zip(deciding, shifts, strict=True)),
-        states=system.states, member=javascript([len(names)], member_states(family, names)),
+        states=system.states, member=javascript([len(every)], member_states(family, every)),
+        members=partial(_members, family, every), solver=solver, proved=solver is None,
         jacobian=graph(Program(ca.Function("slopes", [x, p], [ca.jacobian(system.rhs, x)]))),
         model=told.get("motion", family.name), parameters=tuple(
             names.index(n) for n in system.parameters),
@@ -150,8 +157,9 @@ def _reader(found: Conditions, variable: str, names: Sequence[str]) -> _Reader:
         return _Reader(-1)
     family = found.family
     raise StabilityError(
-        f"{family.name}: {variable} is solved for, or a function of several quantities; the page "
-        "draws families whose conditions are polynomials in their own quantities."
+        f"{family.name}: {variable} in its conditions is a function of several quantities; the "
+        "page draws families whose conditions are polynomials in quantities, in their sines, "
+        "cosines and roots, and in the states that are solved for."
     )
 
 
@@ -207,12 +215,12 @@ def member_states(family: Family, names: Sequence[str]) -> Callable[..., list[An
     family
         A family whose members are known in closed form.
     names
-        Its quantities.
+        Its quantities, and its unknowns where they are solved for.
     """
-    if family.unknown and not family.graph.closed:
+    if not family.closed and set(family.unknown) - set(names):
         raise StabilityError(
-            f"{family.name}: {', '.join(family.unknown)} of its members is solved for; the page "
-            "draws families whose members are known in closed form."
+            f"{family.name}: {', '.join(family.unknown)} of its members is solved for; of a body "
+            "the page draws families whose members are known in closed form."
         )
     fixed = {**family.fixed, **family.unknown}
 
@@ -222,6 +230,19 @@ def member_states(family: Family, names: Sequence[str]) -> Callable[..., list[An
         return [math.pi / 2 if isinstance(v, Upright) else v for v in found]
 
     return states
+
+
+def _members(family: Family, names: Sequence[str], algebra: Algebra, q: Values) -> list[Any]:
+    """Values of the system's conditions at a member, positive where it exists."""
+    system: Any = family.system
+    if not system.conditions:
+        return []
+    values = [c.value for c in system.conditions]
+    program = Program(ca.Function("exists", [system.x, system.p], values))
+    given = dict(zip(names, q, strict=True))
+    states = member_states(family, names)(algebra, q)
+    found = program.run(algebra, [states, [given[n] for n in system.parameters]])
+    return [v[0] if v else 0.0 for v in found]
 
 
 def own_motion(family: Family) -> Mapping[str, Any]:

@@ -111,6 +111,8 @@ def own_page(
     pair = [one or _range(next(free), values) for one in asked]
     subject = own_subject(family, values, (pair[0], pair[1]), positive)
     checked = _checked(subject, values)
+    if subject.solver:  # an error says why there is no member to start from
+        family.member([checked[n] for n in family.at], [checked[n] for n in family.parameters])
     return {
         **common([subject], subject, checked, axes), "units": own_units(family), "solid": False,
         "motions": {subject.model: own_motion(family)},

@@ -13,6 +13,7 @@ from ..base.errors import ParameterError, shown
 from ..base.quantities import Kind
 from .source.formulas import Coefficients, Conditions, Rule, Sign, Values
 from .source.shader import Seen, look
+from .source.solver import Solver
 from .source.source_text import JAVASCRIPT, javascript
 
 
@@ -125,14 +126,20 @@ class Subject:
     """Whether the signs have a bound on their errors."""
     note: str = ""
     """What the letters of the conditions are."""
+    solver: Solver | None = None
+    """How unknowns are found, which follow the quantities in every formula; None without any."""
 
     def told(self) -> dict[str, Any]:
         """The record in the page."""
-        count, bounds = len(self.quantities), self.bounds
+        solver, bounds = self.solver, self.bounds
+        count = len(self.quantities) + len(solver.unknown if solver else ())
 
         def seen(algebra: Algebra, q: Values) -> Seen:
+            more: list[Any] = []
+            if solver:
+                q, more = solver.polished(algebra, q)
             found = self.members(algebra, q) if self.members else []
-            return self.coefficients(algebra, q), self.signs(algebra, q), found
+            return self.coefficients(algebra, q), self.signs(algebra, q), [*found, *more]
 
         return {
             "key": self.key, "family": self.family, "law": self.law, "title": self.title,
@@ -159,7 +166,7 @@ class Subject:
             "symbols": dict(self.symbols), "frame": self.frame, "still": self.still,
             "members": javascript([count], self.members) if self.members else "",
             "start": self.start, "meridian": dict(self.meridian), "proved": self.proved,
-            "note": self.note,
+            "note": self.note, "solver": solver.told() if solver else None,
         }  # fmt: skip
 
     def _degrees(self, count: int) -> list[int]:

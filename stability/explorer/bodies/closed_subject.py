@@ -20,15 +20,13 @@ from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ...systems.family import Family
 from ...systems.graph.implicit_form import ImplicitForm
-from ..source.formulas import Sign, Values
+from ..source.formulas import FLOAT, Sign, Values
 from ..source.source_text import graph, javascript
 from ..source.tracked import with_bounds
 from ..subject import Quantity, Subject
 
 STEPS = 7
 """Steps of Newton's method for an inclination."""
-FLOAT = 1e-9
-"""Least condition, over the largest of its products, whose sign a float verdict gives."""
 
 
 class Closed:

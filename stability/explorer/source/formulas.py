@@ -14,6 +14,8 @@ ROUNDINGS = 3
 """Roundings of a coefficient, of the bound itself, and one to spare."""
 UP = 1.0 + 2.0**-20
 """Factor by which a bound is larger than its own rounding errors."""
+FLOAT = 1e-9
+"""Least condition, over the sizes of its terms, whose sign a float verdict gives."""
 
 Values = Sequence[Any]
 Coefficients = Callable[[Algebra, Values], list[list[Any]]]

@@ -5,6 +5,7 @@ import {rgb, shade} from "./colours.js";
 import {UNPACKED, VERTEX, subjectShader} from "./raster_shader.js";
 
 const COLUMNS = 130; // of the picture without WebGL
+const NODES = [49, 37], NONE = 3e38; // grid of members that are solved for; where there is none
 
 /** A canvas that shows the growth rate of a subject over two quantities. */
 export class Raster {
@@ -52,7 +53,30 @@ export class Raster {
     set("xIndex", "1i", subject.names.indexOf(x.name));
     set("yIndex", "1i", subject.names.indexOf(y.name));
     for (const name of ["linear", "width", "end"]) set(name, "1f", scale[name]);
+    if (subject.solver) this.members(set, subject, values, x, y);
     this.common(set, subject, colours, pixel, [width, height]);
+  }
+
+  /** Unknowns of the members on a grid, as a texture: the shader starts from them. */
+  members(set, subject, values, x, y) {
+    const gl = this.gl, [columns, rows] = NODES, found = new Float32Array(4 * columns * rows), q = subject.array(values);
+    const [i, j] = [x, y].map((axis) => subject.names.indexOf(axis.name));
+    for (let n = 0; n < columns * rows; n++) {
+      q[i] = x.value((n % columns) / (columns - 1));
+      q[j] = y.value(Math.floor(n / columns) / (rows - 1));
+      subject.solved(q).forEach((v, k) => { found[4 * n + k] = Number.isFinite(v) ? v : NONE; });
+    }
+    gl.activeTexture(gl.TEXTURE1);
+    if (!this.roots) {
+      this.roots = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, this.roots);
+      for (const name of ["TEXTURE_MIN_FILTER", "TEXTURE_MAG_FILTER"]) gl.texParameteri(gl.TEXTURE_2D, gl[name], gl.NEAREST);
+    }
+    gl.bindTexture(gl.TEXTURE_2D, this.roots);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, columns, rows, 0, gl.RGBA, gl.FLOAT, found);
+    gl.activeTexture(gl.TEXTURE0);
+    set("roots", "1i", 1);
+    set("nodes", "2f", columns, rows);
   }
 
   unpack(subject, colours, pixel, grid) {
@@ -123,13 +147,13 @@ export class Raster {
         at[x.name] = x.value((i + step / 2) / width);
         at[y.name] = y.value(1 - (j + step / 2) / height);
         const ok = subject.accepts(x.name, at[x.name]) && subject.accepts(y.name, at[y.name]);
-        const q = subject.array(at), unstable = subject.margin(q) < 0;
-        const base = shade(colours.ramp, scale.place(subject.growth(q)));
+        const q = subject.array(at), there = ok && subject.exists(q), unstable = subject.margin(q) < 0;
+        const base = shade(colours.ramp, there ? scale.place(subject.growth(q)) : 0.5);
         for (let b = j; b < Math.min(height, j + step); b++) {
           for (let a = i; a < Math.min(width, i + step); a++) {
             const line = unstable ? (a + b) % 8 === 0 : subject.wholeEven && a % 8 === 0 && b % 8 === 0;
             const c = line ? base.map((v, n) => 0.45 * v + 0.55 * hatch[n]) : base;
-            image.data.set([...c.map((v) => 255 * v), ok ? 255 : 0], 4 * (b * width + a));
+            image.data.set([...c.map((v) => 255 * v), there ? 255 : 0], 4 * (b * width + a));
           }
         }
       }

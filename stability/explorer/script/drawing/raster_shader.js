@@ -33,12 +33,34 @@ void main() {
   vec2 v = mix(low, high, gl_FragCoord.xy / size);
   if (logs.x == 1) v.x = exp(v.x);
   if (logs.y == 1) v.y = exp(v.y);
+  UNKNOWNS
   vec3 found = look(ARGUMENTS);
   float g = found.x, a = abs(g);
   float bent = a <= linear ? width * a / linear : width + log(a / linear) / 2.302585093;
   float place = clamp(0.5 + 0.5 * sign(g) * bent / end, 0.0, 1.0);
-  bool inside = DOMAIN && found.z > 0.0;
+  bool inside = DOMAIN && started && found.z > 0.0;
   RESULT
+}`;
+// members of a grid around a point, whose mean starts Newton's method
+const GRID = `
+uniform sampler2D roots;
+uniform vec2 nodes;
+bool near(vec2 at, out vec4 u) {
+  vec2 g = at * (nodes - 1.0);
+  ivec2 i = ivec2(min(floor(g), nodes - 2.0));
+  vec2 f = g - vec2(i);
+  vec4 sum = vec4(0.0);
+  float total = 0.0;
+  for (int n = 0; n < 4; n++) {
+    ivec2 step = ivec2(n & 1, n >> 1);
+    vec4 t = texelFetch(roots, i + step, 0);
+    vec2 w = mix(1.0 - f, f, vec2(step));
+    float weight = t.x < 1e30 ? w.x * w.y + 1e-6 : 0.0;
+    if (weight > 0.0) sum += weight * t;
+    total += weight;
+  }
+  u = sum / max(total, 1e-9);
+  return total > 0.0;
 }`;
 const WHOLE = "colour = inside ? vec4(painted(place, found.y < 0.0, gl_FragCoord.xy / pixel), 1.0) : vec4(0.0);";
 // 16 bits of the place in two channels, then the sign and the domain
@@ -52,13 +74,15 @@ export function subjectShader(subject, packed) {
   const limits = subject.quantities.flatMap((q, i) => [
     q.least === null ? null : `(${given[i]}) > ${number(q.least)}`,
     q.most === null ? null : `(${given[i]}) < ${number(q.most)}`]).filter((t) => t);
-  return `${HEAD}
+  const unknowns = subject.unknown.map((_, i) => `u.${"xyzw"[i]}`);
+  return `${HEAD}${unknowns.length ? GRID : ""}
 uniform vec2 low, high;
 uniform float held[${n}], linear, width, end;
 uniform int xIndex, yIndex;
 uniform ivec2 logs;
 ${subject.shader}
-${LOOK.replace("ARGUMENTS", given.join(", ")).replace("DOMAIN", limits.join(" && ") || "true")
+${LOOK.replace("ARGUMENTS", [...given, ...unknowns].join(", "))
+    .replace("UNKNOWNS", unknowns.length ? "vec4 u; bool started = near(gl_FragCoord.xy / size, u);" : "bool started = true;").replace("DOMAIN", limits.join(" && ") || "true")
     .replace("RESULT", packed ? PACKED : WHOLE)}`;
 }
 

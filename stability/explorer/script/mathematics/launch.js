@@ -9,7 +9,7 @@ const LONGEST = 1.5; // seconds of computing after which a launch is shown as fa
 /** The start of a launch: the states of the motion, the first one (the angle) less the tilt, as `launch` gives it. */
 export function startOf(subject, motion, q, tilt) {
   if (subject.start) return fromSource(subject.start)(q, [-(tilt[0] || 0)]);
-  const states = fromSource(subject.member)(q), y = new Array(motion.names.length).fill(0);
+  const states = subject.steady(q), y = new Array(motion.names.length).fill(0);
   states.slice(0, motion.states).forEach((v, i) => { y[i] = v; });
   tilt.forEach((by, i) => { y[i] += by; });
   return y;

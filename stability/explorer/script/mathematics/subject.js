@@ -1,5 +1,6 @@
 // One family under one law: its formulas compiled, and what follows from them at a point.
 
+import {Members} from "./members.js";
 import {eigenvector, polynomialRoots} from "./roots.js";
 
 const compiled = new Map();
@@ -16,14 +17,33 @@ export class Subject {
     this.names = this.quantities.map((q) => q.name);
     this.quantity = Object.fromEntries(this.quantities.map((q) => [q.name, q]));
     this.wholeEven = this.good === "neutral";
+    this.unknown = this.solver ? this.solver.names : [];
   }
 
   /** The functions of the subject, compiled when it is first shown. */
   get formula() {
     if (!this.ready) {
-      this.ready = {coefficients: fromSource(this.coefficients), conditions: fromSource(this.conditions)};
+      const [coefficients, conditions] = [this.coefficients, this.conditions].map(fromSource);
+      this.ready = {coefficients: (q) => coefficients(this.full(q)), conditions: (q) => conditions(this.full(q))};
     }
     return this.ready;
+  }
+
+  /** Unknowns of the member at the quantities; none where members are known in closed form. */
+  solved(q) {
+    if (!this.solver) return [];
+    if (!this.found) this.found = new Members(this.solver, fromSource(this.solver.equations));
+    return this.found.solve(q);
+  }
+
+  /** Quantities and unknowns: what every formula of a member takes. */
+  full(q) {
+    return this.solver ? [...q, ...this.solved(q)] : q;
+  }
+
+  /** States of the steady motion. */
+  steady(q) {
+    return fromSource(this.member)(this.full(q));
   }
 
   /** Quantities by name as the array that every function takes. */
@@ -44,12 +64,13 @@ export class Subject {
 
   /** Whether the family has a member there. */
   exists(q) {
-    return !this.members || fromSource(this.members)(q).every((v) => v > 0);
+    return this.solved(q).every(Number.isFinite) && (!this.members || fromSource(this.members)(this.full(q)).every((v) => v > 0));
   }
 
   /** Largest real part of the eigenvalues. */
   growth(q) {
     let most = -Infinity;
+    if (this.solver && !this.exists(q)) return NaN;
     for (const [re] of this.eigenvalues(q)) if (re > most) most = re;
     return most;
   }
@@ -84,7 +105,7 @@ export class Subject {
 
   /** States of the steady motion, the parameters of its equations, and ∂ẋ/∂x row by row. */
   linearised(q) {
-    const states = fromSource(this.member)(q), p = this.parameters.map((i) => q[i]);
+    const states = this.steady(q), p = this.parameters.map((i) => q[i]);
     return {states, p, matrix: fromSource(this.jacobian)(states, p)};
   }
 

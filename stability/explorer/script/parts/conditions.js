@@ -60,9 +60,10 @@ export class Conditions {
 
   /** The formula with the numbers in the places of the letters. */
   filled(row) {
-    const {subject, state} = this.view;
+    const {subject, state} = this.view, solved = subject.solved(this.view.point());
+    const values = {...state.values, ...Object.fromEntries(subject.unknown.map((n, i) => [n, solved[i]]))};
     return row.filled.replace(/\{(\w+)\}/g, (_, name) => {
-      const v = state.values[name];
+      const v = values[name];
       return v < 0 ? `(${text(v, 5)})` : text(v, 5);
     }).concat(subject ? " " : "");
   }

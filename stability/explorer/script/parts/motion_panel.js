@@ -1,7 +1,6 @@
 // The motion: steady, in one mode, or launched from a tilt; played, stopped, and drawn over time.
 
 import {before, launched, modeMotion, poseAt} from "../mathematics/launch.js";
-import {fromSource} from "../mathematics/subject.js";
 import {clamp, element, onceAFrame, text} from "../drawing/elements.js";
 import {Traces} from "./traces.js";
 import {placed, surface} from "./turned_view.js";
@@ -109,7 +108,7 @@ export class MotionPanel {
     this.root.hidden = false;
     const tilt = new Array(subject.states.length).fill(0), kick = solid ? 0 : (state.kick || 0);
     tilt[kick] = solid ? -state.tilt : state.tilt;
-    const run = present ? launched(subject, motion, q, tilt, state.until) : {refused: true, outcome: "absent", times: [], until: 0};
+    const run = present ? launched(subject, motion, q, tilt, state.until) : {refused: true, outcome: "absent", times: [], states: [], until: 0};
     run.ended = !["moving", "unresolved"].includes(run.outcome);
     this.launch = run;
     if (!solid) run.series = {...this.statesOf(run), ...run.series};
@@ -186,7 +185,7 @@ export class MotionPanel {
     if (index < 0 || run.outcome !== "moving") return "";
     const q = this.view.point();
     q[subject.names.indexOf("at")] = run.final[index];
-    const member = fromSource(subject.member)(q), {size} = this.view.shown(subject.quantity.at);
+    const member = subject.steady(q), {size} = this.view.shown(subject.quantity.at);
     const apart = Math.max(...member.slice(0, motion.states).map((v, i) => Math.abs(v - run.final[i])));
     if (!(apart < NEAR)) return "";
     return `, within ${text(apart, 2)}${this.view.state.si ? " (dimensionless)" : ""} of ${subject.family} with ${subject.symbols[subject.call.state]} = ${text(run.final[index] * size, 4)} (float; no proof that it stays there)`;

@@ -9,6 +9,7 @@ const SENTENCES = {
   absent: "The family has no member here: there is no such steady motion.",
   undecided: "The point is on a boundary, as far as double precision can see.",
 };
+const UNREACHED = "The page reaches no member here: the family ends on the way, or its root-finder fails. Python says which.";
 const SIGNS = {stable: "✓", unstable: "↗", neutral: "○", undecided: "?", absent: "–"};
 
 export class PointPanel {
@@ -32,7 +33,9 @@ export class PointPanel {
     this.badge.replaceChildren(element("span", {"aria-hidden": "true"}, SIGNS[verdict]), ` ${verdict === "absent" ? "no member" : verdict}`);
     const at = subject.quantities.map((one) => [symbol(one.symbol), ` = ${text(state.values[one.name] * view.shown(one).size, 5)}`]);
     this.place.replaceChildren("at ", ...at.flatMap((parts, i) => (i ? [", ", ...parts] : parts)));
-    this.sentence.textContent = SENTENCES[verdict];
+    const solved = subject.solved(q);
+    if (verdict !== "absent") subject.unknown.forEach((n, i) => this.place.append("; ", symbol(n), ` = ${text(solved[i], 5)}`));
+    this.sentence.textContent = subject.solver && verdict === "absent" ? UNREACHED : SENTENCES[verdict];
     this.proof.replaceChildren(...this.proved(verdict, rows));
     this.list(verdict === "absent" ? [] : subject.eigenvalues(q));
     clearTimeout(this.later);
