@@ -1,21 +1,11 @@
 """The check of the site in a browser finds each kind of fault; `make docs-opened` runs it."""
 
 import sys
-from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import pytest
-from chromium import chromium
-
 ROOT = Path(__file__).resolve().parents[2]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as found:
-        yield found
 
 
 def test_each_fault_of_a_page_is_found(browser: Any, tmp_path: Path) -> None:

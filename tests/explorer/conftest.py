@@ -1,19 +1,13 @@
-"""One browser and one page of the disk for all tests of the explorer."""
+"""One page of the disk for all tests of the explorer."""
 
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from chromium import Visit, chromium, visit
+from chromium import Visit, visit
 
 import stability as st
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
-    with chromium() as found:
-        yield found
 
 
 @pytest.fixture(scope="session")

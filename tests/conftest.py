@@ -1,0 +1,13 @@
+"""One browser for all tests of a process: a second one cannot run beside it."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from chromium import chromium
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    with chromium() as found:
+        yield found
