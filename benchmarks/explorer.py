@@ -8,16 +8,18 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 FRAMES = 120
 SWEEP = """async (frames) => {
   const {view, diagram} = stabilityExplorer, times = [], drawn = [];
   const frame = () => new Promise((r) => requestAnimationFrame(r));
+  const q = view.subject.quantities.at(-1), middle = view.state.values[q.name];
   await frame();
   let last = performance.now();
   for (let i = 0; i < frames; i++) {
-    view.move({k: 0.25 + 0.2 * Math.sin(i / 12)}, "k");
+    view.move({[q.name]: middle * (1 + 0.4 * Math.sin(i / 12))}, q.name);
     await frame();
     const now = performance.now();
     times.push(now - last);
@@ -36,6 +38,30 @@ PAINT = "performance.getEntriesByName('first-contentful-paint').map((e) => e.sta
 
 def quantile(values: list[float], share: float) -> float:
     return sorted(values)[int(share * (len(values) - 1))]
+
+
+def swept(browser: Any, path: Path, name: str, link: str = "") -> None:
+    """Print the times of frames while the last slider of a page is swept."""
+    from chromium import visit
+
+    with visit(browser, path, link) as seen:
+        found = seen.page.evaluate(SWEEP, FRAMES)
+    times, drawn = found["times"][20:], found["drawn"]
+    print(f"  {name:26} frame {quantile(times, 0.5):5.0f} ms (9 in 10 below "
+          f"{quantile(times, 0.9):.0f}), script "
+          f"{quantile(drawn, 0.5):.1f} ms, resolution {found['share']:.2f}")  # fmt: skip
+
+
+def governor(st: Any) -> Any:
+    """A family whose members are solved for: Watt's governor."""
+    import casadi as ca
+
+    x, y, z, a, b, e = (ca.SX.sym(n) for n in ("x", "y", "z", "a", "b", "e"))
+    rhs = ca.vertcat(y, z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y, a * (ca.cos(x) - b))
+    system = st.System("governor", ca.vertcat(x, y, z), ca.vertcat(a, b, e), rhs,
+                       states=("x", "y", "z"), parameters=("a", "b", "e"))  # fmt: skip
+    near = {"x": 1.0, "z": 1.4, "a": 0.5, "b": 0.5, "e": 0.4}
+    return system.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z"), name="running")
 
 
 def main() -> None:
@@ -62,12 +88,15 @@ def main() -> None:
               f"{most:.2f}), 3-D after {quantile(readies, 0.5):.2f} s")  # fmt: skip
         print("a slider swept, 1280 x 800, software rendering:")
         for link in ("rolling-viscous", "spinning-viscous", "tumbling-viscous", "spinning-rough"):
-            with visit(browser, path, f"#show={link}") as seen:
-                found = seen.page.evaluate(SWEEP, FRAMES)
-            times, drawn = found["times"][20:], found["drawn"]
-            print(f"  {link:18} frame {quantile(times, 0.5):5.0f} ms (9 in 10 below "
-                  f"{quantile(times, 0.9):.0f}), script "
-                  f"{quantile(drawn, 0.5):.1f} ms, resolution {found['share']:.2f}")  # fmt: skip
+            swept(browser, path, link, f"#show={link}")
+        others = {
+            "torus, tumbling": ("tumbling", {"body": st.Torus(0.2)}),
+            "egg, tumbling": ("tumbling", {"body": st.Egg(0.2)}),
+            "solved-for members": (governor(st), {"at": 0.4, "a": 0.5, "b": 0.5}),
+        }
+        for name, (family, given) in others.items():
+            path = st.explore(family, **given, certify=False, out=Path(folder) / f"{name}.html")
+            swept(browser, path, f"{name}, {path.stat().st_size / 1e6:.1f} MB")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""One browser for all tests of a process: a second one cannot run beside it."""
+"""One browser for all tests of a process: two cannot run in it at once."""
 
 from collections.abc import Iterator
 from typing import Any

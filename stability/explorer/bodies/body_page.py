@@ -99,7 +99,7 @@ def body_page(
     mu = numbers.get("mu", FRICTION[2])
     first = _chosen(families, family, pole)
     subjects: list[Subject] = []
-    planes: dict[str, Any] = {}
+    members: dict[str, Family] = {}
     for one in families:
         for name in LAW_KEYS:
             start = one == first and name == law
@@ -110,11 +110,14 @@ def body_page(
                     raise
                 continue
             subjects.append(found)
-            values = {q.name: q.value for q in found.quantities}
-            planes[found.key] = proved(member, found, values) if certify else []
+            members[found.key] = member
     subjects, left = _fitting(subjects, first)
     [start_subject] = [s for s in subjects if s.key == f"{first.key} {law}"]
     values = {q.name: q.checked(q.value) for q in start_subject.quantities}
+    planes = {
+        s.key: proved(members[s.key], s, {q.name: q.value for q in s.quantities}) if certify else []
+        for s in subjects
+    }
     return {
         **common(subjects, start_subject, values, axes, units), "solid": True,
         "certificates": planes,
