@@ -32,10 +32,10 @@ def test_a_page_is_written_for_the_disk_a_body_and_a_system(
         (["--contact", "mylaw:Law"], "stored laws"),
         (["--x", "at:1"], "NAME:LO:HI"),
         (["--x", "at:one:2"], "one"),
-        (["--mass", "2"], "dimensionless"),
+        (["--mass", "-2"], "mass is -2"),
         (["--system", "examples/bicycle.py:upright", "--at", "5"], "g is missing"),
         (["--system", "examples/watt_governor.py:running", "--parameter", "e=1", "--parameter",
-          "a=1", "--parameter", "b=1"], "solved for"),
+          "a=1", "--parameter", "b=1"], "no member at a = 1, b = 1"),
     ],
 )  # fmt: skip
 def test_bad_options_are_one_sentence(
