@@ -19,11 +19,11 @@ explorer-library:
 
 # Which launch ends where, near rolling and spinning, for three bodies: stores and figures in
 # basins/, with SIZE launches.  What was finished before an interruption is kept.
-SIZE ?= 400x320
+SIZE ?= 200x160
 basins: $(READY)
 	@mkdir -p basins
 	@for body in disk:0.25 annulus:0.3125 hoop:0.5; do for family in rolling spinning; do \
-	  $(BIN)/stability basins --family $$family --k $${body#*:} --mu 0.3 --time 200 --overwrite \
+	  $(BIN)/stability basins --family $$family --k $${body#*:} --mu 0.3 --time 2000 --overwrite \
 	    --x at:0.02:3:$(firstword $(subst x, ,$(SIZE))) --y tilt:0.01:1.2:$(lastword $(subst x, ,$(SIZE))) \
 	    --out basins/$$family-$${body%:*}.zarr --plot basins/$$family-$${body%:*}.pdf || exit 1; \
 	done; done

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block
 from .basins import Plan
 from .dataset import arrays
+from .lanes import STRIDE, lanes_of_batch
 from .launch_labels import coded
 from .outcomes import outcomes
 from .refinement.waves import expected_launches
@@ -28,8 +30,6 @@ SECONDS, SHARE = 3.0, 0.01
 """Computing time of a trial at most [s], or the share of the expected cost that it may take."""
 NEAR = 4
 """Neighbours of a launch that are compared with it for the length of borders."""
-LEAST_SHARE = 0.2
-"""Least part of a trial's mean cost that counts as the cost of one more launch."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,8 @@ class Cost:
     """Computing time of all workers together [s]."""
     seconds: float
     """Time until the end, where each worker has a processor of its own [s]."""
+    least: float
+    """The same without the launches that are decided one by one, which are few and slow [s]."""
     workers: int
     """Number of workers."""
     size: int
@@ -54,15 +56,50 @@ class Cost:
     """Launches expected along borders, about; they are part of the times."""
 
 
+@dataclass(frozen=True)
+class _Trial:
+    """What some launches cost, and how that grows with their number."""
+
+    found: Arrays
+    """Arrays of the launches."""
+    turns: Floats
+    """Numbers of steps at which a launch ended, ascending, whole strides."""
+    together: float
+    """Cost of the batches [s]."""
+    alone: float
+    """Cost of the launches that were decided one by one [s]."""
+
+    @property
+    def count(self) -> int:
+        """Number of launches."""
+        return len(self.found["outcome"])
+
+    def steps(self, launches: float) -> float:
+        """Steps of whole batches if so many launches end as these do.
+
+        A batch costs the same for one lane as for all.  Lanes that are free take the launches of
+        other batches, so that Σ ceil(launches that still run/lanes of a batch) steps are made.
+        """
+        running = launches * (1 - np.arange(self.count) / self.count)
+        return float(np.diff(self.turns, prepend=0.0) @ np.ceil(running / lanes_of_batch()))
+
+    def price(self, launches: float) -> tuple[float, float]:
+        """Expected cost of the batches, and of single launches, of so many launches [s]."""
+        if not launches:
+            return 0.0, 0.0
+        own = self.steps(self.count)
+        together = self.together * self.steps(launches) / own if own else 0.0
+        return together, self.alone * launches / self.count
+
+
 def predict(
     plan: Plan, workers: int = 1, missing: Sequence[Block] | None = None,
     clock: Callable[[], float] = time.process_time, levels: int = 0,
 ) -> Cost:  # fmt: skip
     """Expected cost of a plan, from trials of launches that are spread over it.
 
-    A trial costs something at once, since lanes stand empty at its end, and something for each
-    launch.  Two trials of different sizes give both numbers.  Trials grow up to `LAST` launches
-    while they are cheap.
+    The steps at which the launches of a trial end say how many steps whole batches make for any
+    number of launches.  Trials grow up to `LAST` launches while they are cheap.
 
     Parameters
     ----------
@@ -103,21 +140,22 @@ def predict(
     counts = [layout.count(b) for b in blocks]
     launches = sum(counts)
     if not launches and not levels:
-        return Cost(0, layout.total, 0, 0.0, 0.0, workers, 0)
+        return Cost(0, layout.total, 0, 0.0, 0.0, 0.0, workers, 0)
     _corners(plan)
     cells = _spread(layout.shape)
-    once, each, found = _trials(plan, cells, max(launches, 1), clock)
-    tried = len(found["outcome"])
-    border = _along_borders(layout.shape, cells[:tried], found, levels) if levels else 0
-    computing = len(blocks) * once + launches * each
-    rounds = math.ceil(len(blocks) / workers)
-    seconds = rounds * (once + each * launches / max(len(blocks), 1))
-    # waves of a refinement follow each other: two for a level
-    computing += 2 * levels * workers * once + border * each
-    seconds += 2 * levels * once + border * each / workers
+    trial = _trials(plan, cells, max(launches, 1), clock)
+    found = trial.found
+    border = _along_borders(layout.shape, cells[: trial.count], found, levels) if levels else 0
+    waves = 2 * levels  # of a refinement; they follow each other
+    parts = [trial.price(launches / max(len(blocks), 1))] * len(blocks)
+    rounds = parts[: math.ceil(len(blocks) / workers)]
+    share = [trial.price(border / waves / workers)] * waves if waves else []
+    seconds, least = (sum(map(part, rounds + share)) for part in (sum, itemgetter(0)))
+    computing = sum(map(sum, parts)) + workers * sum(map(sum, share))
     size = (_compressed(found) * layout.total) + border
     done = layout.total - launches
-    return Cost(launches, done, tried, computing, seconds, workers, round(size), border)
+    return Cost(launches, done, trial.count, computing, seconds, least or seconds, workers,
+                round(size), border)  # fmt: skip
 
 
 def _along_borders(
@@ -140,29 +178,30 @@ def _along_borders(
 
 def _trials(
     plan: Plan, cells: NDArray[np.intp], launches: int, clock: Callable[[], float]
-) -> tuple[float, float, Arrays]:
-    """Cost of a chunk without launches, of one more launch, and the arrays of the last trial."""
-    found = _run(plan, cells[:FIRST])  # compiles
-    size, former = FIRST, (0, 0.0)
+) -> _Trial:
+    """The last trial that is cheap."""
+    _run(plan, cells[:FIRST], clock)  # compiles
+    size = FIRST
     while True:
-        some, begin = cells[:size], clock()
-        found = _run(plan, some)
-        last = len(some), clock() - begin
-        budget = max(SECONDS, SHARE * last[1] / last[0] * launches)
-        if len(some) == len(cells) or GROWTH * last[1] > budget:
-            break
-        size, former = GROWTH * size, last
-    mean = last[1] / last[0]
-    slope = (last[1] - former[1]) / (last[0] - former[0])
-    each = min(max(slope, LEAST_SHARE * mean), mean)
-    return max(last[1] - each * last[0], 0.0), each, found
+        trial = _run(plan, cells[:size], clock)
+        spent = trial.together + trial.alone
+        budget = max(SECONDS, SHARE * sum(trial.price(launches)))
+        if trial.count == len(cells) or GROWTH * spent > budget:
+            return trial
+        size *= GROWTH
 
 
-def _run(plan: Plan, cells: NDArray[np.intp]) -> Arrays:
-    """Arrays of some launches."""
+def _run(plan: Plan, cells: NDArray[np.intp], clock: Callable[[], float]) -> _Trial:
+    """Some launches, and what they cost."""
     with CASADI:
         launches = plan.launches.starts(_points(plan, cells), plan.horizon)
-    return arrays(outcomes(launches, plan.judging), launches)
+    begin = clock()
+    middle: list[float] = []
+    done = outcomes(launches, plan.judging, lambda: middle.append(clock()))
+    found, end = arrays(done, launches), clock()
+    [parting] = middle or [begin]  # none ran on lanes
+    strides = np.ceil(np.sort(done.steps) / STRIDE) * STRIDE
+    return _Trial(found, strides, parting - begin, end - parting)
 
 
 def _points(plan: Plan, cells: NDArray[np.intp]) -> dict[str, Floats]:

@@ -240,6 +240,12 @@ class _Run:
 
 
 @lru_cache(maxsize=1)
+def lanes_of_batch() -> int:
+    """Number of launches that a batch moves at once."""
+    return WIDTH * int(heyoka().recommended_simd_size())
+
+
+@lru_cache(maxsize=1)
 def _outcomes() -> dict[int, int]:
     """Standing of a lane by the library's outcome; any other is an event."""
     known = heyoka().taylor_outcome
@@ -267,7 +273,7 @@ def _compiled(flow: Flow, tolerance: float) -> tuple[Any, list[Any]]:
     """A batch integrator, and the copies of it that are not in use."""
     hy = heyoka()
     symbols, rates, guards = expressions(flow)
-    width = WIDTH * hy.recommended_simd_size()
+    width = lanes_of_batch()
     down = hy.event_direction.negative
     batch = hy.taylor_adaptive_batch(
         list(zip(symbols, rates, strict=True)), np.zeros((len(symbols), width)), tol=tolerance,

@@ -9,6 +9,7 @@ neighbours decides (`stability.motion.run`).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -121,7 +122,9 @@ class Outcomes:
     """Steps of the first run, shape (N,)."""
 
 
-def outcomes(launches: Starts, judging: Judging) -> Outcomes:
+def outcomes(
+    launches: Starts, judging: Judging, before_single: Callable[[], Any] = lambda: None
+) -> Outcomes:
     """Judge every launch.
 
     Parameters
@@ -130,6 +133,8 @@ def outcomes(launches: Starts, judging: Judging) -> Outcomes:
         Launches, gathered with marks; the last of their times is the horizon.
     judging
         Settings.
+    before_single
+        Called when all lanes have come to their ends, before launches are decided one by one.
 
     Returns
     -------
@@ -147,10 +152,11 @@ def outcomes(launches: Starts, judging: Judging) -> Outcomes:
     rows = np.flatnonzero(fit)
     if not rows.size:
         return found
-    if not on_lanes(launches):
-        _singly(found, launches, rows, judging)
-        return found
-    _together(found, launches, rows, judging, flow)
+    alone = rows
+    if on_lanes(launches):
+        alone = _together(found, launches, rows, judging, flow)
+        before_single()
+    _singly(found, launches, alone, judging)
     return found
 
 
@@ -186,8 +192,8 @@ def _unfit(launches: Starts, judging: Judging) -> dict[int, str]:
 
 def _together(
     found: Outcomes, launches: Starts, rows: NDArray[np.intp], judging: Judging, flow: Flow
-) -> None:
-    """Run launches on lanes, twice, and decide alone those that the two runs leave open."""
+) -> NDArray[np.intp]:
+    """Run launches on lanes, twice; those that the two runs leave open."""
     starts, p, horizon = _numbers(launches, rows, flow, judging)
     tolerance, settling = judging.tolerance, launches.settling
     first = _judged(flow, starts, p, horizon, tolerance, judging, settling)
@@ -205,7 +211,8 @@ def _together(
         lasting = np.isin(first.outcome, [CODES[Outcome.MOVING], CODES[Outcome.SETTLED]])
         alone |= lasting & (first.error > PARTED)
     _write(found, rows, first)
-    _singly(found, launches, rows[alone], judging)
+    left: NDArray[np.intp] = rows[alone]
+    return left
 
 
 def _decades(tolerance: float, loose: float) -> float:

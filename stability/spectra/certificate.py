@@ -130,7 +130,9 @@ def verdict(problem: Problem, values: Mapping[str, float], most: int | None = No
     if problem.exact is not None:
         return _decided(problem.exact, problem, values)[0]
     member = member_at(problem, values)
-    return of_member(member, structural_zeros(member), most)[0]
+    with precision(BITS):  # most are decided without exact numbers
+        found = _plainly(problem.family, member.plainly_enclosed)
+    return found or of_member(member, structural_zeros(member), most)[0]
 
 
 def member_at(
@@ -310,11 +312,17 @@ def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
     NoMemberError
         If no root is proved to exist there.
     """
+    return _plainly(family, lambda: characteristic(family, a, q))
+
+
+def _plainly(family: Family, coefficients: Callable[[], Balls | None]) -> Verdict | None:
     if not certain(family):
         return None  # the number of zeros is proved for single members only
+    found = coefficients()
+    if found is None:
+        return None
     even = family.conservative or symmetric(family)
-    coefficients = characteristic(family, a, q)
-    sign = hurwitz_sign(verdict_polynomial(coefficients, structure(family).zeros, even))
+    sign = hurwitz_sign(verdict_polynomial(found, structure(family).zeros, even))
     return {1: best(even=even), -1: Verdict.UNSTABLE}.get(sign)
 
 

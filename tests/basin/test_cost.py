@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.basin import cost
+from stability.basin import cost, lanes
 from stability.basin.basins import Plan, planned, run
 from stability.basin.cost import Cost, predict
 
@@ -23,66 +23,73 @@ def plan_of(scene: dict[str, Any], horizon: float = 60.0) -> Plan:
 
 
 @pytest.fixture
-def steps(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[float]]:
-    """The steps of the integrator so far: a clock that is the same on every machine."""
+def made(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[float]]:
+    """The steps of whole batches so far: a clock that is the same on every machine."""
     spent = [0.0]
-    plain = cost.outcomes
+    plain = lanes._Run._propagate
 
-    def counted(*arguments: Any) -> Any:
-        found = plain(*arguments)
-        spent[0] += float(found.steps.sum())
+    def counted(self: Any, *arguments: Any) -> Any:
+        found = plain(self, *arguments)
+        spent[0] += max(steps for *_, steps in found)
         return found
 
-    monkeypatch.setattr("stability.basin.cost.outcomes", counted)
-    return spent
+    monkeypatch.setattr(lanes._Run, "_propagate", counted)
+    yield spent
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_predicted_steps_are_those_of_the_map(name: str, steps: list[float]) -> None:
+def test_predicted_steps_of_batches_are_those_that_they_make(name: str, made: list[float]) -> None:
     plan = plan_of(SCENES[name])
-    found = predict(plan, workers=2, clock=lambda: 1e-6 * steps[0])
-    kept, _ = run(plan, None, False, None, 1, None)
-    true = 1e-6 * float(kept.dataset().steps.sum())
+    found = predict(plan, workers=2, clock=lambda: 1e-6 * made[0])
+    before = made[0]
+    run(plan, None, False, None, 1, None)
+    true = 1e-6 * (made[0] - before)
     assert found.launches == 2400
     assert found.sampled == cost.LAST
-    assert true / 1.3 < found.computing < 1.3 * true
+    assert true / 1.2 < found.computing < 1.2 * true
+    assert found.least == pytest.approx(found.seconds)
 
 
-def clock_of(once: float, each: float, monkeypatch: pytest.MonkeyPatch) -> Any:
-    """A clock of trials that cost something at once, and something for each launch."""
+def test_a_trial_tells_batches_from_launches_that_are_decided_alone() -> None:
+    """Half of 20 launches make 128 steps, half 1280; of 64 000 each lane is as full as they are."""
+    turns, width = np.repeat([128.0, 1280.0], 10), cost.lanes_of_batch()
+    trial = cost._Trial({"outcome": np.zeros(20)}, turns, together=3.0, alone=0.5)
+    assert trial.steps(20) == 128 * -(-20 // width) + (1280 - 128) * -(-10 // width)
+    assert trial.steps(64_000) == pytest.approx(64_000 * (128 + 1280) / 2 / width)
+    together, alone = trial.price(64_000)
+    assert together == pytest.approx(3.0 * trial.steps(64_000) / trial.steps(20))
+    assert alone == pytest.approx(1600.0)
+    assert trial.price(0) == (0.0, 0.0)
+
+
+def clock_of(each: float, asked: list[int], monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A clock of launches that are decided one by one, at one price."""
     now = [0.0]
-    plain = cost._run
+    plain = cost.outcomes
 
-    def run(plan: Plan, cells: Any) -> Any:
-        now[0] += once + each * len(cells)
-        return plain(plan, cells[:1])
+    def slow(launches: Any, judging: Any, before_single: Any) -> Any:
+        found = plain(launches, judging, before_single)
+        asked.append(launches.count)
+        now[0] += each * launches.count
+        return found
 
-    monkeypatch.setattr("stability.basin.cost._run", run)
+    monkeypatch.setattr("stability.basin.cost.outcomes", slow)
     return lambda: now[0]
 
 
-def test_what_a_chunk_costs_at_once_and_each_launch_are_told_apart(
+def test_launches_that_are_decided_one_by_one_cost_the_same_each(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     plan = planned(None, "viscous", mu=0.3, horizon=1.0, chunk=400, **SCENES["rolling"])
     blocks = plan.layout.blocks()
-    found = predict(plan, 4, clock=clock_of(0.05, 0.001, monkeypatch))
-    assert found.computing == pytest.approx(len(blocks) * 0.05 + 2400 * 0.001)
-    rounds = -(-len(blocks) // 4)
-    assert found.seconds == pytest.approx(rounds * (0.05 + 2400 / len(blocks) * 0.001))
+    found = predict(plan, 4, clock=clock_of(0.001, [], monkeypatch))
+    assert found.computing == pytest.approx(2.4)
+    assert found.seconds == pytest.approx(-(-len(blocks) // 4) * 2.4 / len(blocks))
 
 
 def test_expensive_launches_are_tried_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
-    clock = clock_of(0.0, 1.0, monkeypatch)
-    plain = cost._run
-
-    def run(plan: Plan, cells: Any) -> Any:
-        asked.append(len(cells))
-        return plain(plan, cells)
-
-    monkeypatch.setattr("stability.basin.cost._run", run)
-    found = predict(plan_of(SCENES["rolling"]), clock=clock)
+    found = predict(plan_of(SCENES["rolling"]), clock=clock_of(1.0, asked, monkeypatch))
     assert asked == [8, 8]
     assert found.computing == pytest.approx(2400)
 
@@ -93,7 +100,7 @@ def test_chunks_that_are_there_cost_nothing() -> None:
     found = predict(plan, missing=blocks[1:])
     assert found.launches + found.stored == 2400
     assert found.stored == plan.layout.count(blocks[0])
-    assert predict(plan, missing=[]) == Cost(0, 2400, 0, 0.0, 0.0, 1, 0)
+    assert predict(plan, missing=[]) == Cost(0, 2400, 0, 0.0, 0.0, 0.0, 1, 0)
 
 
 @pytest.mark.parametrize("shape", [(60, 40), (2, 3), (1000, 2, 5), (1, 7), (100_000, 9)])

@@ -30,6 +30,9 @@ EXAMPLES = (
     "--set z=1.4 --set e=0.8 --set a=0.5 --set b=0.5 --time 200 --out governor.zarr",
 )
 
+FEW = 0.7
+"""Share of a time below which it is stated what is left without the slow launches."""
+
 
 def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> None:
     """Arguments of `stability basins`.
@@ -180,7 +183,8 @@ def _record(cost: Cost) -> dict[str, Any]:
     return {
         "launches": cost.launches, "border_launches": cost.border, "stored": cost.stored,
         "tried": cost.sampled, "computing_seconds": cost.computing, "seconds": cost.seconds,
-        "workers": cost.workers, "store_bytes": cost.size,
+        "seconds_of_all_but_single_launches": cost.least, "workers": cost.workers,
+        "store_bytes": cost.size,
     }  # fmt: skip
 
 
@@ -190,10 +194,13 @@ def _in_words(cost: Cost) -> str:
         return f"0 launches to run{stored}"
     workers = f"{cost.workers} worker{'s' * (cost.workers > 1)}"
     border = f" and about {cost.border} along borders" * bool(cost.border)
+    rest = ""
+    if cost.least < FEW * cost.seconds:
+        rest = f" ({_time(cost.least)} for all but a few launches that are decided one by one)"
     return (
-        f"{cost.launches} launches to run{border}{stored}: {_time(cost.seconds)} with {workers}, "
-        f"{_time(cost.computing)} of computing; store about {_bytes(cost.size)}; by {cost.sampled} "
-        "launches that were tried"
+        f"{cost.launches} launches to run{border}{stored}: {_time(cost.seconds)} with {workers}"
+        f"{rest}, {_time(cost.computing)} of computing; store about {_bytes(cost.size)}; by "
+        f"{cost.sampled} launches that were tried"
     )
 
 

@@ -12,7 +12,7 @@ from contextlib import suppress
 from functools import cached_property
 from typing import Any
 
-from flint import arb, fmpq, fmpq_mat
+from flint import arb, ctx, fmpq, fmpq_mat
 
 from ...algebra.balls import precision
 from ...algebra.exact.function_field import FunctionField
@@ -72,15 +72,31 @@ class Member:
         """Whether the numbers are known as balls only."""
         self.near = None if family.closed or not family.unknown else [float(v) for v in near]
         self._flags: list[bool] | None = None
-        self.rational: list[Any] | None = None
-        """Coefficients of det(λ - A) over Q, lowest first, where they are rational."""
-        self.algebraic: list[Any] | None = None
-        """The same over the number field of a single algebraic unknown, where it is one."""
+        self._rational: list[Any] | None = None
+        self._algebraic: list[Any] | None = None
+        self._tried, self._bits = False, ctx.prec  # balls may decide without exact numbers
         self.root = self._enclosed_root()
         """The solved unknowns, to many digits; None without unknowns or where none is proved."""
         self.steady = self._rests()
         """Whether no rate is proved to differ from zero at the root of the solved equations."""
-        if self.steady and not self.enclosed_only:
+
+    @property
+    def rational(self) -> list[Any] | None:
+        """Coefficients of det(λ - A) over Q, lowest first, where they are rational."""
+        self._try_exactly()
+        return self._rational
+
+    @property
+    def algebraic(self) -> list[Any] | None:
+        """The same over the number field of a single algebraic unknown, where it is one."""
+        self._try_exactly()
+        return self._algebraic
+
+    def _try_exactly(self) -> None:
+        if self._tried or not self.steady or self.enclosed_only:
+            return
+        self._tried = True
+        with precision(self._bits):
             try:
                 self._exact()
             except NotExact:
@@ -107,9 +123,9 @@ class Member:
         """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""
         matrix = exact_matrix(self.family, self.a, self._unknowns(), self.q)
         if all(isinstance(entry, (int, fmpq)) for row in matrix for entry in row):
-            self.rational = poly = fmpq_mat(matrix).charpoly().coeffs()
+            self._rational = poly = fmpq_mat(matrix).charpoly().coeffs()
         else:
-            self.algebraic = poly = whole_polynomial(matrix)
+            self._algebraic = poly = whole_polynomial(matrix)
         self._flags = [vanishes(c) for c in poly]
 
     def _unknowns(self) -> list[Any]:
@@ -130,6 +146,7 @@ class Member:
     @property
     def flags(self) -> list[bool]:
         """Whether each coefficient of det(λ - A), lowest first, is proved to be zero."""
+        self._try_exactly()
         if self._flags is None:
             self._flags = self._as_expressions()
         return self._flags
@@ -158,7 +175,7 @@ class Member:
             poly = whole_polynomial(matrix)
             own = [o or vanishes(c) for o, c in zip(own, poly, strict=True)]
             if self.has_value():  # entries such as √2, whose products are rational
-                self.rational = [_plain(c) for c in poly]
+                self._rational = [_plain(c) for c in poly]
         return [k or o for k, o in zip(known, own, strict=True)]
 
     def _all_known(self, known: list[bool]) -> bool:
@@ -195,6 +212,13 @@ class Member:
         a, q = self.balls(self.a), self.balls(self.q)
         poly = matrix_polynomial(self.family, a, ball_unknowns(self.family, a, q, self.near), q)
         return [arb(0) if flag else c for flag, c in zip(self.flags, poly, strict=True)]
+
+    def plainly_enclosed(self) -> list[Any] | None:
+        """Coefficients as balls at the current precision, no zero proved; None without a root."""
+        if not self.steady or (self.near is not None and self.root is None):
+            return None
+        root = self.root or self.balls([rational(v) for v in self.family.unknown.values()])
+        return matrix_polynomial(self.family, self.balls(self.a), root, self.balls(self.q))
 
     def seems_zero(self, power: int, bits: int) -> bool:
         """Whether the first coefficient without a proof of zero cannot be told from zero.
