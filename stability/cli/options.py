@@ -95,16 +95,31 @@ def overwriting(parser: argparse.ArgumentParser, what: str) -> None:
 
 def _physics(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--mu", type=float, help="friction coefficient (viscous; c = mu m g for linear)"
+        "--mu", type=float, help="friction coefficient [s/m] (viscous; c = mu m g for linear)"
     )
     parser.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
     parser.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
     parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
     parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
-    for name, of in (("mass", "body"), ("radius", "disk"), ("gravity", "body")):
-        parser.add_argument(f"--{name}", type=float, help=f"of the {of} (default 1)")
+    add_scales(parser)
     parser.add_argument("--certify", action="store_true",
                         help="prove every verdict, in rational arithmetic or balls")  # fmt: skip
+
+
+def add_scales(parser: argparse.ArgumentParser) -> None:
+    """Options of the mass, radius and gravity of a body.
+
+    Parameters
+    ----------
+    parser
+        Parser of a command.
+    """
+    for name, of, unit in (("mass", "body", "kg"), ("radius", "disk", "m"),
+                           ("gravity", "body", "m/s²")):  # fmt: skip
+        parser.add_argument(
+            f"--{name}", type=float,
+            help=f"of the {of} [{unit}] (default 1; all three 1: dimensionless)",
+        )  # fmt: skip
 
 
 def contact_of(
@@ -252,7 +267,7 @@ def add_body(
             group.add_argument("--hollow", action="store_false", dest="solid", help=of)
         else:
             group.add_argument(f"--{name}", type=float, help=of)
-    group.add_argument("--length", type=float, help="length of the body's numbers (default 1)")
+    group.add_argument("--length", type=float, help="unit of the body's numbers [m] (default 1)")
     if not motion:
         group.add_argument("--theta", type=float, help="where it rolls, if at several inclinations")
         group.add_argument("--pole", help="for vertical: its theta, 0 or pi (default 0)")

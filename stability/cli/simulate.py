@@ -15,6 +15,7 @@ from .options import (
     PARAMETER_HELP,
     _disk,
     add_body,
+    add_scales,
     body_of,
     contact_of,
     numbers_of_body,
@@ -70,8 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser, words: Sequence[str] | None =
     parser.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
     parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
     parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
-    for name, of in (("mass", "body"), ("radius", "disk"), ("gravity", "body")):
-        parser.add_argument(f"--{name}", type=float, help=f"of the {of} (default 1)")
+    add_scales(parser)
     for name, (letter, text) in RESISTANCES.items():
         option = f"--{name.replace('_', '-')}"
         parser.add_argument(option, type=float, metavar=letter, help=text)

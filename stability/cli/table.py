@@ -115,9 +115,9 @@ def add_arguments(sub: argparse.ArgumentParser) -> None:
                      "(default: all)")  # fmt: skip
     sub.add_argument("--contact", help=f"`conditions`, `drift`, `hopf`, `launches`, `codimension "
                      f"--family`: one law of {CONTACTS}")  # fmt: skip
-    for name in ("mass", "radius", "gravity"):
-        sub.add_argument(f"--{name}", type=float,
-                         help=f"{name} of the disk, where --k is taken (default 1)")  # fmt: skip
+    for name, unit in (("mass", "kg"), ("radius", "m"), ("gravity", "m/s²")):
+        sub.add_argument(f"--{name}", type=float, help=f"{name} of the disk [{unit}], where --k is "
+                         "taken (default 1)")  # fmt: skip
     _of_family(sub)
 
 

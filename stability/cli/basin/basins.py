@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ...base.checks import whole_number
 from ...base.errors import FileError, ParameterError
 from ...storage.json_text import json_text
-from ..options import PARAMETER_HELP, _picture, add_body, overwriting
+from ..options import PARAMETER_HELP, _picture, add_body, add_scales, overwriting
 from ..simulate import CONTACTS
 from ..terminal import progress_bar, say
 from .launched import KINDS, launched
@@ -75,8 +75,7 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
     sub.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
     sub.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
     sub.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
-    for name, of in (("mass", "body"), ("radius", "disk"), ("gravity", "body")):
-        sub.add_argument(f"--{name}", type=float, help=f"of the {of} (default 1)")
+    add_scales(sub)
     sub.add_argument("--time", type=float, required=True, metavar="T", help="last time")
     sub.add_argument("--tolerance", type=float, default=1e-9, metavar="E",
                      help="error allowed in a step (default 1e-9)")  # fmt: skip

@@ -128,8 +128,8 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
                      "too")  # fmt: skip
     add_body(sub, words)
     sub.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
-    sub.add_argument("--mass", type=float, help="mass of --body (default 1)")
-    sub.add_argument("--gravity", type=float, help="gravity of --body (default 1)")
+    sub.add_argument("--mass", type=float, help="mass of --body [kg] (default 1)")
+    sub.add_argument("--gravity", type=float, help="gravity of --body [m/s²] (default 1)")
     ends = "`auto`, `bifurcationkit`: what is continued, from where, to where"
     sub.add_argument("--axis", metavar="NAME:START:STOP", help=ends)
     sub.add_argument("--parameter", action="append", metavar="NAME=X",
