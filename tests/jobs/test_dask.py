@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from chunk_work import LAYOUT, Logged, blank, done, others_kept, store, tree, undisturbed
+from chunk_work import LAYOUT, Logged, blank, cells, done, others_kept, store, tree, undisturbed
 from distributed import Client, LocalCluster
 from kills import soon
 
@@ -47,6 +47,9 @@ def test_a_scheduler_in_one_word_gives_the_same_store(tmp_path: Path) -> None:
     others_kept(tmp_path / "a.zarr", {9})
     assert {line.split()[0] for line in done(log)} == {f"{i}.{j}" for i, j in LAYOUT.blocks()}
     assert 3 <= found.ended <= 5
+    # a scheduler sends a chunk that ends its worker to another one, unless it is told not to
+    [harmed] = [b for b in LAYOUT.blocks() if 9 in cells(b)]
+    assert done(log).count(f"{harmed[0]}.{harmed[1]} 0 {LAYOUT.count(harmed)}") == 1
 
 
 def test_a_scheduler_by_its_address_lives_on(address: str, tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ from chunk_work import (
     VARIABLES,
     Logged,
     blank,
+    cells,
     done,
     others_kept,
     store,
@@ -139,11 +140,6 @@ def test_a_cell_that_ends_its_worker_is_blank_and_the_others_are_kept(
     assert found.ended <= deaths
     assert len(lines) <= 15 + 2 * deaths
     assert blocks
-
-
-def cells(block: tuple[int, ...]) -> list[int]:
-    found = np.arange(90).reshape(9, 10)[LAYOUT.slices(block)].ravel()
-    return [int(cell) for cell in found]
 
 
 def test_chunks_of_one_cell_in_memory(tmp_path: Path) -> None:

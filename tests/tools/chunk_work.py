@@ -88,6 +88,12 @@ def store(path: Path, **changed: Any) -> ZarrStore:
     return ZarrStore(path, **(parts | changed))
 
 
+def cells(block: tuple[int, ...]) -> list[int]:
+    """Numbers of the cells of a chunk."""
+    found = np.arange(90).reshape(9, 10)[LAYOUT.slices(block)].ravel()
+    return [int(cell) for cell in found]
+
+
 def done(log: Path) -> list[str]:
     """The executions: chunk, first and last cell."""
     return log.read_text().splitlines() if log.exists() else []
