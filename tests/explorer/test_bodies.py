@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -269,3 +270,23 @@ def test_the_python_call_gives_the_verdict_of_the_page(seen: tuple[str, Visit]) 
         page.wait_for_timeout(40)
         assert page.locator(".badge").inner_text().split()[-1] == space["point"].verdict.word
         assert math.isfinite(float(space["motion"].end_time))
+
+
+def test_a_body_of_many_terms_has_a_page_of_what_fits(browser: Any, tmp_path: Path) -> None:
+    path = st.explore("tumbling", body=st.Egg(0.2), contact="rough", certify=False,
+                      out=tmp_path / "egg.html")  # fmt: skip
+    assert path.stat().st_size < 1_500_000
+    with visit(browser, path) as found:
+        [shown] = subjects(found.page)
+        assert shown["key"] == "tumbling rough"
+        foot = found.page.locator("footer").inner_text()
+        assert "Left out for size: Rolling, Vertical" in foot
+        assert "Tumbling (smooth) and Tumbling (viscous); name the family and the contact" in foot
+        points = [[t, 0.37, 0.5] for t in (1.1, 1.3, 1.5)]
+        assert shown["names"] == ["theta", "axial", "transverse"]
+        [answers] = found.page.evaluate(ASK, [{"key": shown["key"], "points": points}])
+        for (at, axial, transverse), one in zip(points, answers, strict=True):
+            body = replace(st.Egg(0.2), axial=axial, transverse=transverse)
+            known = st.spectrum("tumbling", at=at, contact="rough", body=body)
+            assert one["verdict"] == known.verdict.word
+        assert not found.said and not found.asked

@@ -165,6 +165,44 @@ GRID = """() => {
 }"""
 
 
+WALK = """(points) => {
+  const [s] = stabilityExplorer.view.subjects.values(), step = (a, b, t) => a.map((v, i) => v + t * (b[i] - v));
+  const found = [];
+  for (let n = 1; n < points.length; n++) {
+    const way = Array.from({length: 30}, (_, i) => step(points[n - 1], points[n], (i + 1) / 30));
+    const exact = way.map((q) => [...s.solved(q)]);
+    s.hurry(true);
+    found.push(...way.map((q, i) => [exact[i], [...s.solved(q)]]));
+    s.hurry(false);
+  }
+  const {diagram} = stabilityExplorer, said = [], hurry = s.hurry;
+  s.hurry = (on) => { said.push(on); hurry.call(s, on); };
+  diagram.moving = true;
+  diagram.draw();
+  diagram.moving = false;
+  diagram.draw();
+  delete s.hurry;
+  return [found, said, s.finder.hasty];
+}"""
+"""Members along lines between points, each by itself and each next to the one before."""
+
+
+def test_members_next_to_each_other_are_those_of_the_package(
+    seen: tuple[str, st.Family, Visit],
+) -> None:
+    """While a picture moves, members are sought from those next to them, if all are there."""
+    name, family, view = seen
+    found, hurried, hasty = view.page.evaluate(WALK, points(name, family)[:12].tolist())
+    edge = name in ("fold", "cusp")
+    assert hurried == [not edge, False, False, False] and not hasty
+    exact, quick = (np.array(column) for column in zip(*found, strict=True))
+    there = np.isfinite(exact).all(axis=1)
+    assert there.sum() > 30
+    assert quick[there] == pytest.approx(exact[there], abs=1e-6)
+    assert there.all() != edge
+    assert np.isnan(quick[~there]).all() or name == "cusp"  # there another branch is met
+
+
 def test_the_boundary_of_the_governor_is_that_of_its_theory(
     seen: tuple[str, st.Family, Visit],
 ) -> None:

@@ -35,8 +35,8 @@ FIRST = {"rolling": 1.5, "spinning": 1.5, "vertical": 2.0}
 """Member that is shown at first; of tumbling the middle of its range."""
 FRICTION = (0.02, 3.0, 0.3)
 """Range of friction and its value at first [1/√(gR)]."""
-MOST = 620_000
-"""Largest size of the families of a page [bytes]; a page of 1.5 MB has the library and motions."""
+MOST = 720_000
+"""Largest size of families and motions [bytes]; a page of 1.5 MB has the library and proofs too."""
 RATE = "√(g/R)"
 """Unit of an angular velocity; R is the body's length."""
 
@@ -111,8 +111,12 @@ def body_page(
                 continue
             subjects.append(found)
             members[found.key] = member
-    subjects, left = _fitting(subjects, first)
-    [start_subject] = [s for s in subjects if s.key == f"{first.key} {law}"]
+    start_key = f"{first.key} {law}"
+    motions = {n: body_motion(body, n) for n in LAW_KEYS}
+    kept = _fitting(subjects, motions, start_key)
+    left = _left_out(families, subjects, kept, first)
+    subjects, motions = kept, {s.law: motions[s.law] for s in kept}
+    [start_subject] = [s for s in subjects if s.key == start_key]
     values = {q.name: q.checked(q.value) for q in start_subject.quantities}
     planes = {
         s.key: proved(members[s.key], s, {q.name: q.value for q in s.quantities}) if certify else []
@@ -121,24 +125,45 @@ def body_page(
     return {
         **common(subjects, start_subject, values, axes, units), "solid": True,
         "certificates": planes,
-        "motions": {n: body_motion(body, n) for n in LAW_KEYS},
+        "motions": motions,
         "names": {"families": {f.key: f.button for f in families}, "laws": LAW_NAMES, "says": {
             law: f"A body of revolution on a plane; {WORDS[law]}." for law in LAW_KEYS}},
         "foot": foot("polynomials that were derived exactly from the equations of motion", units)
-        + (f" Left out for size: {listed([f.button for f in families if f.key in left])}; name one "
-           "as the family to have it." if left else ""),
+        + left,
     }  # fmt: skip
 
 
-def _fitting(subjects: list[Subject], first: Shown) -> tuple[list[Subject], list[str]]:
-    """The families that fit into the size of a page, the one asked for at first, and the others."""
-    families = sorted(dict.fromkeys(s.family for s in subjects), key=lambda n: n != first.key)
-    kept: list[str] = []
-    for name in families:
-        told = [s.told() for s in subjects if s.family in (*kept, name)]
-        if not kept or len(json.dumps(shared({"subjects": told}))) < MOST:
-            kept.append(name)
-    return [s for s in subjects if s.family in kept], [n for n in families if n not in kept]
+def _fitting(subjects: Sequence[Subject], motions: Mapping[str, Any], start: str) -> list[Subject]:
+    """What fits into the size of a page: that asked for, its other laws, then whole families."""
+    [first] = [s for s in subjects if s.key == start]
+    groups: dict[str, list[Subject]] = {start: [first]}
+    for one in subjects:
+        if one is not first:
+            groups.setdefault(one.key if one.family == first.family else one.family, []).append(one)
+    kept: list[Subject] = []
+    for some in groups.values():
+        more = [*kept, *some]
+        told = {
+            "subjects": [s.told() for s in more],
+            "motions": {s.law: motions[s.law] for s in more},
+        }
+        if not kept or len(json.dumps(shared(told))) < MOST:
+            kept = more
+    return [s for s in subjects if s in kept]
+
+
+def _left_out(
+    families: Sequence[Shown], subjects: Sequence[Subject], kept: Sequence[Subject], first: Shown
+) -> str:
+    """The sentence that names the families and laws without room on the page."""
+    gone = [s for s in subjects if s not in kept]
+    laws = [LAW_NAMES[s.law] for s in gone if s.family == first.key]
+    names = {s.family for s in gone} - {first.key}
+    words = [f.button for f in families if f.key in names]
+    words += [f"{first.button} ({law.lower()})" for law in laws]
+    if not words:
+        return ""
+    return f" Left out for size: {listed(words)}; name the family and the contact law to have it."
 
 
 def _chosen(families: Sequence[Shown], name: str, pole: Any) -> Shown:

@@ -5,6 +5,7 @@ const STEPS = 200, ROOT = 1e-11, FLOOR = 1e-8; // Newton's steps; its largest la
 const SHARES = [1, 2, 0.5, 4, 0.25]; // first guesses of positive unknowns, over the given ones
 const LEAST = 1e-8, MOST = 400, SHORTER = 0.45; // shortest step of a line, most steps, factor after a failure
 const REACH = 0.5, FIRST = 0.1, CONTRACTION = 0.25, CLOSE = 1e-2, SETTLED = 1e-10; // limits of one step
+const ENOUGH = 1e-7; // last step of a picture in motion
 const BEND = 0.6, SLIGHT = 0.01; // largest change of a tangent
 
 export class Members {
@@ -12,12 +13,13 @@ export class Members {
   constructor({guess, anchor, positive, cut}, equations) {
     Object.assign(this, {guess, anchor, positive, cut, equations});
     this.last = null;
+    this.hasty = false;
   }
 
   /** The unknowns at the quantities; NaN where no member is reached. */
   solve(q) {
     if (!this.last || q.some((v, i) => v !== this.last.q[i])) {
-      const found = this.anchor ? this.followed(q) : this.searched(q);
+      const found = this.nearby(q) || (this.anchor ? this.followed(q) : this.searched(q));
       this.last = {q: [...q], u: found || this.guess.map(() => NaN)};
     }
     return this.last.u;
@@ -29,6 +31,21 @@ export class Members {
     const slope = u.map((_, i) => flat.slice(n + i * n, n + (i + 1) * n)), first = n + n * n;
     const along = turn && u.map((_, i) => turn.reduce((sum, v, j) => sum + (v === 0 ? 0 : v * flat[first + i * m + j]), 0));
     return {r: flat.slice(0, n), slope, along};
+  }
+
+  /** For a picture in motion: the member next to the last one, where Newton's method contracts fast. */
+  nearby(q) {
+    if (!this.hasty || !this.last || !this.last.u.every(Number.isFinite)) return null;
+    let {u} = this.last, before = FIRST / CONTRACTION;
+    for (let n = 0; n < 4; n++) {
+      const {r, slope} = this.at(q, u), {x} = solved(slope, r);
+      u = u.map((v, i) => v - x[i]);
+      const size = Math.max(...x.map((v, i) => Math.abs(v) / (1 + Math.abs(u[i]))));
+      if (!(size <= CONTRACTION * before)) return null;
+      if (size <= ENOUGH) return this.positive.every((i) => u[i] > 0) ? u : null;
+      before = size;
+    }
+    return null;
   }
 
   searched(q) {

@@ -31,9 +31,17 @@ export class Subject {
 
   /** Unknowns of the member at the quantities; none where members are known in closed form. */
   solved(q) {
-    if (!this.solver) return [];
+    return this.solver ? this.finder.solve(q) : [];
+  }
+
+  get finder() {
     if (!this.found) this.found = new Members(this.solver, fromSource(this.solver.equations));
-    return this.found.solve(q);
+    return this.found;
+  }
+
+  /** Whether members may be sought next to the last one, for a picture in motion. */
+  hurry(on) {
+    if (this.solver) Object.assign(this.finder, {hasty: on, last: null});
   }
 
   /** Quantities and unknowns: what every formula of a member takes. */

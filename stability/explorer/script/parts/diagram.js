@@ -12,6 +12,7 @@ import {ranged} from "./view.js";
 const MARGIN = {left: 46, right: 12, top: 10, bottom: 38};
 const QUICK = 30; // milliseconds from frame to frame while something moves; otherwise it is coarser
 const PAUSE = 400; // milliseconds after which a frame does not follow the last one
+const CURVES = 8, LEAST_DETAIL = 0.15, MOVING_DETAIL = 0.5; // milliseconds for curves in motion, and their fineness
 const COARSEST = 0.12, HATCHED = 2.5, LEAST_HATCHED = 0.55;
 const DASHES = {static: "", flutter: "7 3", auxiliary: "1.5 3"};
 
@@ -20,6 +21,7 @@ export class Diagram {
     this.view = view;
     this.look = look;
     this.share = 1; // resolution while something moves, adapted to the time of a frame
+    this.detail = MOVING_DETAIL; // the same of boundary curves, adapted to their own time
     this.canvas = element("canvas", {"aria-hidden": "true"});
     this.over = shape("svg", {class: "over"});
     this.bar = shape("svg", {class: "bar", role: "img", "aria-label": "Colours of the growth rate"});
@@ -74,13 +76,24 @@ export class Diagram {
     if (!this.stage.isConnected) return;
     const begun = performance.now(), {view} = this, colours = palette(this.look.dark());
     const x = view.axis("x"), y = view.axis("y"), {width, height} = this.size();
-    this.scale = rateScale(this.largest(x, y));
+    const {most, whole} = this.looked(x, y);
+    this.scale = rateScale(most);
+    view.subject.hurry(this.moving && whole); // round a cusp the next member may lie on another branch
     this.colour(x, y, width, height, colours);
-    const detail = this.moving ? 0.5 : 1;
-    this.curves = boundaryCurves(view.subject, view.state.values, x, y, detail);
+    this.bound(x, y);
     this.vectors(x, y, width, height);
+    view.subject.hurry(false);
     colourBar(this.bar, this.scale, colours, view.subject.wholeEven, view.curve("rate"));
     this.pace(begun);
+  }
+
+  /** Boundary curves, coarser while something moves. */
+  bound(x, y) {
+    const {subject, state} = this.view, begun = performance.now();
+    this.curves = boundaryCurves(subject, state.values, x, y, this.moving ? this.detail : 1);
+    if (!this.moving) return;
+    const took = Math.max(1, performance.now() - begun);
+    this.detail = clamp(this.detail * Math.sqrt(CURVES / took), LEAST_DETAIL, MOVING_DETAIL);
   }
 
   /** Coarser or finer while something moves, by the time from frame to frame. */
@@ -93,20 +106,21 @@ export class Diagram {
     this.share = clamp(this.share * (took > QUICK ? 0.8 : 1.08), COARSEST, 1);
   }
 
-  /** Largest growth rate in size, over a few points of the plane. */
-  largest(x, y) {
+  /** Largest growth rate in size over a few points of the plane, and whether each has a member. */
+  looked(x, y) {
     const {subject, state} = this.view, q = subject.array(state.values);
     const column = subject.names.indexOf(x.name), row = subject.names.indexOf(y.name);
-    let most = 0;
+    let most = 0, whole = true;
     for (let i = 0; i < 9; i++) {
       for (let j = 0; j < 7; j++) {
         q[column] = x.value((i + 0.5) / 9);
         q[row] = y.value((j + 0.5) / 7);
         const rate = Math.abs(subject.growth(q));
         if (Number.isFinite(rate)) most = Math.max(most, rate);
+        else whole = false;
       }
     }
-    return most;
+    return {most, whole};
   }
 
   colour(x, y, width, height, colours) {
