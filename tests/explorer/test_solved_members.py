@@ -166,8 +166,8 @@ GRID = """() => {
 
 
 WALK = """(points) => {
-  const [s] = stabilityExplorer.view.subjects.values(), step = (a, b, t) => a.map((v, i) => v + t * (b[i] - v));
-  const found = [];
+  const [s] = stabilityExplorer.view.subjects.values(), found = [];
+  const step = (a, b, t) => a.map((v, i) => v + t * (b[i] - v));
   for (let n = 1; n < points.length; n++) {
     const way = Array.from({length: 30}, (_, i) => step(points[n - 1], points[n], (i + 1) / 30));
     const exact = way.map((q) => [...s.solved(q)]);
