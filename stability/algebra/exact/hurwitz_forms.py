@@ -6,6 +6,7 @@ polynomial q(λ²) the coefficients and subdiscriminants of q.  All are elements
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -23,24 +24,30 @@ class TooLarge(NotExact):
 class Budget:
     """Limits of exact work: terms of a polynomial, terms of one product, seconds.
 
+    Other work on the machine does not count, so that a busy one gives the same answers.
+
     Parameters
     ----------
     terms
         Largest number of terms of a polynomial.
     seconds
-        Time after which work ends.
+        Computing time of the thread that made the budget, after which work ends.
     """
 
     def __init__(self, terms: int, seconds: float) -> None:
         self.terms, self.seconds = terms, seconds
         self.largest = 0
         """Largest number of terms so far."""
-        self._start = time.monotonic()
+        self._start, self._used = time.monotonic(), time.thread_time()
+        self._thread = threading.get_ident()
 
     @property
     def spent(self) -> float:
-        """Seconds since the start."""
-        return time.monotonic() - self._start
+        """Seconds since the start; the wall clock, which is never behind, measures short times."""
+        wall = time.monotonic() - self._start
+        if wall <= self.seconds or threading.get_ident() != self._thread:
+            return wall
+        return time.thread_time() - self._used
 
     def watch(self, *polynomials: Poly) -> None:
         """Count the terms of polynomials, and end the work beyond the limits."""
