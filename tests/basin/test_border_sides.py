@@ -49,10 +49,12 @@ def test_sides_of_a_coarse_border_are_confirmed() -> None:
 
 @pytest.mark.long
 def test_sides_of_hundreds_of_border_points_are_confirmed() -> None:
-    launches, words, true = sides(9, 4, 400.0)
+    """Near the border of two rests all is slow: at t = 400 one side in seven still moves."""
+    launches, words, true = sides(9, 4, 20000.0)
     found = judged(words, true)
     wrong = [(*map(float, launches[i]), words[i], true[i]) for i in range(len(words))
              if words[i] in SURE and true[i] not in ("open", SURE[words[i]])]  # fmt: skip
     assert found["other"] == 0, wrong
-    assert len(words) >= 120
-    assert found["open"] <= 0.2 * len(words)  # nearer to the border of two rests, all is slower
+    assert len(words) >= 400
+    assert found["open"] == 0
+    assert len({w for w in words if w in SURE}) == 3
