@@ -22,7 +22,7 @@ from ..base.errors import NoMemberError, StabilityError
 from ..base.verdict import Verdict, best
 from ..spectra.certificate import member_at, of_member, structural_zeros
 from ..spectra.problem import Problem, formulas_of
-from ..systems.closed_form import ClosedForm
+from ..systems.closed_form import ClosedForm, RepeatedBalls
 from ..systems.structure.enclosure import ball_unknowns, characteristic, matrix_polynomial
 from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
@@ -61,6 +61,7 @@ class AxisScan:
         self._near: list[float] | None = None
         self._solution: tuple[int, list[Any], list[Any]] | None = None
         self._known: dict[tuple[float, int], list[Any]] = {}
+        self._formulas: dict[int, RepeatedBalls] = {}
 
     def exact(self) -> dict[str, Any]:
         """Value of every other quantity as a ball around the exact number, by name."""
@@ -83,8 +84,11 @@ class AxisScan:
         with precision(bits):
             a, q = self.problem.balls(self.fixed | {self.axis: value})
             known = self.formulas
-            if known is not None or not family.unknown or family.closed:
-                return known.polynomial(a, q) if known else characteristic(family, a, q)
+            if known is not None:
+                formulas = self._formulas.setdefault(bits, RepeatedBalls(known))
+                return known.polynomial(a, q, formulas)
+            if not family.unknown or family.closed:
+                return characteristic(family, a, q)
             # a member that is not unique is found from the family's guess alone
             for near in (self._near, None) if self.problem.derived else (None,):
                 try:

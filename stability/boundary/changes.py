@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra.balls import MIXED
+from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.real_roots import UnclearError
@@ -29,7 +29,7 @@ from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import algebraic
-from .brackets import AxisScan, bracket, crossing_rate
+from .brackets import BITS, AxisScan, bracket, crossing_rate
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
 from .interval_search.meaning import meaningful
@@ -286,7 +286,8 @@ def _rate(line: AxisScan, found: Search, mark: Mark, root: float, crossing: Cros
     if crossing is Crossing.STATIC:
         return 0.0
     if line.problem.exact is None and isinstance(found.source, Characteristic):
-        return found.source.frequency(mark.root.mid().fmpq())
+        with precision(BITS):  # more digits than a frequency in doubles needs slow the roots down
+            return found.source.frequency((mark.root * 1).mid().fmpq())
     return crossing_rate(line, root, crossing)
 
 

@@ -170,8 +170,7 @@ class Tape:
             m[: self.inputs] = mid[:, part]
             if rad is not None:
                 r[: self.inputs] = rad[:, part]
-            for place, value in self.constants.items():
-                m[place] = value
+            m[self._fixed[0]] = self._fixed[1]
             with np.errstate(all="ignore"):  # a radius that is nan holds everything
                 kernel.follow(self.steps, *(v.reshape(-1, *loops, v.shape[1]) for v in (m, r)))
             found[0, :, part], found[1, :, part] = m[self._rows], r[self._rows]
@@ -180,6 +179,12 @@ class Tape:
     @cached_property
     def _rows(self) -> NDArray[np.int64]:
         return np.array(self.outputs, dtype=np.int64)
+
+    @cached_property
+    def _fixed(self) -> tuple[NDArray[np.int64], Floats]:
+        """Registers of the constants, and their values as a column."""
+        places = np.array(list(self.constants), dtype=np.int64)
+        return places, np.array(list(self.constants.values())).reshape(-1, 1)
 
 
 def recorded(run: Callable[[list[Any], Algebra], Sequence[Any]], inputs: int) -> Tape:

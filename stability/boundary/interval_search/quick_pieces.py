@@ -30,7 +30,6 @@ from ...systems.graph.implicit_form import ImplicitForm
 from ..brackets import BITS, AxisScan
 from ..crossings import Crossing
 from .formula_meetings import FormulaMeetings, watched
-from .taylor import series_algebra
 
 ORDER = 3
 """Order of the Taylor forms."""
@@ -269,7 +268,7 @@ def _exactly(line: AxisScan, formulas: ClosedForm, value: float) -> list[float] 
     """The functions at a point, to all digits of a double; None without a member."""
     with precision(BITS):
         a, q = line.problem.balls(line.fixed | {line.axis: value})
-        coefficients, _, positive = formulas(series_algebra(), a, q)
+        coefficients, _, positive = formulas(balls(), a, q)
         if not all(v > 0 for v in positive):
             return None
         return [float(arb(f).mid()) for f in watched(coefficients, even=formulas.even)]

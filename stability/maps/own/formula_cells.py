@@ -8,6 +8,7 @@ member, or whose discs decide nothing, are left to the graph.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,8 @@ FORMULAS = (
 BLOCK = 16384
 """Cells that are computed at once: few enough for the cache."""
 NUMPY = numpy_algebra()
+Along = Callable[[list[list[Any]]], Any]
+"""Formulas of family parameters and parameters of a block, begun for the values of x."""
 
 
 class FormulaCells(Bands):
@@ -62,6 +65,7 @@ class FormulaCells(Bands):
         self.axes = axes[0].name, axes[1].name
         self.values = {n: float(v) for n, v in problem.values.items() if n not in self.axes}
         x, y = sample(axes)
+        self._xs = axes[0].values
         self.sized = formulas.even and not isinstance(formulas, ImplicitForm)
         self.growth = self._fine(x, y)
         if self.sized and not self.growth:
@@ -81,7 +85,7 @@ class FormulaCells(Bands):
             Increasing values of the axes.
         """
         rows = max(1, BLOCK // len(xs))
-        along = self._along(xs) if self.sized else None
+        along = self._line if np.array_equal(xs, self._xs) else self._along(xs)
         parts = [self._block(xs, ys[i : i + rows], along) for i in range(0, len(ys), rows)]
         columns = zip(*parts, strict=True)
         joined = [None if c[0] is None else np.concatenate(c) for c in columns]
@@ -96,15 +100,28 @@ class FormulaCells(Bands):
         values |= {self.axes[0]: xs[None, :], self.axes[1]: ys[:, None]}
         return [[values[n] for n in names] for names in self.names]
 
-    def _along(self, xs: Floats) -> Callable[[Any], Any]:
-        """The formulas with one bound; what follows from x alone is the same for every row."""
+    def __getstate__(self) -> dict[str, Any]:
+        """The state without formulas that are begun, which every process begins by itself."""
+        return {name: value for name, value in vars(self).items() if name != "_line"}
+
+    @cached_property
+    def _line(self) -> Along:
+        """The formulas for all values of x."""
+        return self._along(self._xs)
+
+    def _along(self, xs: Floats) -> Along:
+        """The formulas of places; what follows from x alone is the same for every row."""
         rows = frozenset((i, names.index(self.axes[1])) for i, names in enumerate(self.names)
                          if self.axes[1] in names)  # fmt: skip
         with np.errstate(all="ignore"):
             places = self._places(xs, np.empty(0))
-            return self.formulas.with_bounds.begun(NUMPY, places, rows)
+            if self.sized:
+                return self.formulas.with_bounds.begun(NUMPY, places, rows)
+            a, q = _exact(places)
+            tracked = self.formulas.begun(TRACKED, a, q, rows)
+        return lambda places: tracked(*_exact(places))
 
-    def _block(self, xs: Floats, ys: Floats, along: Callable[[Any], Any] | None) -> Rates:
+    def _block(self, xs: Floats, ys: Floats, along: Along) -> Rates:
         shape = len(ys), len(xs)
         with np.errstate(all="ignore"):
             (value, error), numbers = self._bounded(self._places(xs, ys), along)
@@ -125,22 +142,23 @@ class FormulaCells(Bands):
             out.values[none] = np.nan
         return out
 
-    def _bounded(
-        self, places: list[list[Any]], along: Callable[[Any], Any] | None
-    ) -> tuple[Any, list[tuple[Any, Any]]]:
+    def _bounded(self, places: list[list[Any]], along: Along) -> tuple[Any, list[tuple[Any, Any]]]:
         """Coefficients with bounds, and the numbers that are positive at members with theirs.
 
         A polynomial in λ² needs few digits of its coefficients, so one bound for all roundings is
         enough, and quick.  Other roots need the bound of each operation.
         """
-        if along is not None:
-            found = along(places)
+        found = along(places)
+        if self.sized:
             return (found[0], found[3]), list(zip(found[2], found[5], strict=True))
-        tracked = [[RunningError(np.asarray(v), 0.0) for v in some] for some in places]
-        some, _, positive = self.formulas(TRACKED, tracked[0], tracked[1])
+        some, _, positive = found
         pairs = [(v.value, 1.01 * v.error) for v in map(_tracked, positive)]
         columns = zip(*((v.value, 1.01 * v.error) for v in map(_tracked, some)), strict=True)
         return tuple(columns), pairs
+
+
+def _exact(places: list[list[Any]]) -> list[list[RunningError]]:
+    return [[RunningError(np.asarray(v), 0.0) for v in some] for some in places]
 
 
 def _tracked(value: Any) -> RunningError:

@@ -6,6 +6,7 @@ import json
 import platform
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import version
 from typing import Any
 
@@ -76,6 +77,13 @@ def is_disk(asked: Any) -> bool:
     return asked.law is not None and not asked.family.system.quantities
 
 
+@cache
+def _versions() -> str:
+    """Versions of the libraries, read from their files once: a small map takes no longer itself."""
+    found = ", ".join(f"{n} {version(n)}" for n in LIBRARIES)
+    return f"{found}, python {platform.python_version()}"
+
+
 def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) -> dict[str, Any]:
     """Origin of a result: family, numbers, source, versions, the time.
 
@@ -111,8 +119,7 @@ def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) 
         "by its height, linearised" if family.system.quantities else "user's system",
         "citation": citation,
         "software": f"stability {__version__}",
-        "versions": ", ".join(f"{n} {version(n)}" for n in LIBRARIES)
-        + f", python {platform.python_version()}",
+        "versions": _versions(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "Conventions": "CF-1.11",
     }  # fmt: skip

@@ -12,7 +12,7 @@ from ...base.errors import NameUnknownError, NoMemberError, ParameterError, show
 from ...base.types import Floats
 from ..graph.family_graph import FamilyGraph
 from ..graph.ignorable import ignorable
-from .roots import newton_step, roots
+from .roots import accepted, newton_step, roots
 from .sheet import follow
 from .singular_points import Curve, Located, locate_branch_point, locate_fold
 from .steadiness import given_noise, rate_noise
@@ -87,9 +87,28 @@ def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
     if start is None:
         found = _followed(family, a[first], q[first], positive)
     else:
-        u, good = roots(family.graph, a[first], q[first], start[first], positive)
+        u, good = _rooted(family, a[first], q[first], start[first], positive)
         found = Found(u, good, lambda row: _unreached(family, a[first][row], q[first][row]))
     return Found(found.u[inverse], found.good[inverse], lambda row: found.why(inverse[row]))
+
+
+def _rooted(
+    family: Any, a: Floats, q: Floats, start: Floats, positive: Sequence[int]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Roots next to those that a long formula gives; the root-finder's where it gives none."""
+    u, good, left = start.copy(), np.zeros(len(a), dtype=bool), np.ones(len(a), dtype=bool)
+    known = family.formulas.enclosed(a, q) if family.formulas is not None else None
+    if known is not None:
+        near, lacking = known
+        some = np.flatnonzero(np.isfinite(near).all(axis=1) & ~lacking)
+        if len(some):
+            u[some] = near[some]
+            good[some] = accepted(family.graph, a[some], u[some], q[some], positive)
+        left = ~good & ~lacking
+    rows = np.flatnonzero(left)
+    if len(rows):
+        u[rows], good[rows] = roots(family.graph, a[rows], q[rows], start[rows], positive)
+    return u, good
 
 
 def _unreached(family: Any, a: Floats, q: Floats) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import casadi as ca
@@ -20,9 +20,10 @@ from flint import arb, arb_series, ctx
 from ...algebra.number_types import Algebra, balls, numpy_algebra
 from ...algebra.program import Program
 from ...algebra.running_error import TRACKED, RunningError
+from ...algebra.source.python_source import Varying
 from ...base.errors import NoMemberError
-from ...base.types import fields_of
-from ..closed_form import ClosedForm
+from ...base.types import Floats, fields_of
+from ..closed_form import ClosedForm, Columns, Formulas
 
 STEPS = 60
 """Most steps of Newton's method."""
@@ -58,9 +59,20 @@ class ImplicitForm(ClosedForm):
     def _program(self) -> Program:
         return Program(ca.Function.deserialize(self.equation))
 
-    def __call__(self, algebra: Algebra, a: Any, q: Any) -> tuple[list[Any], list[Any], list[Any]]:
+    def __call__(self, algebra: Algebra, a: Any, q: Any) -> Columns:
         """As for every closed form; the equation is solved first."""
         return self.entries(algebra, [*a, self.solved(algebra, q)], q)
+
+    def begun(self, algebra: Algebra, a: Any, q: Any, moving: Varying) -> Formulas:
+        """As for every closed form; the equation is solved once where its parameters stay."""
+        if moving is None or any((1, place) in moving for place in self.used):
+            return partial(self, algebra)
+        u = self.solved(algebra, q)
+        then = super().begun(algebra, [*a, u], q, moving)
+        return lambda a, q: then([*a, u], q)
+
+    def enclosed(self, a: Floats, q: Floats) -> None:
+        """No unknowns: the equation for them is solved by the root-finder."""
 
     def solved(self, algebra: Algebra, q: Sequence[Any]) -> Any:
         """The unknown, in the number type of the parameters.
