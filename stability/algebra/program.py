@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import cached_property, partial
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -88,6 +89,22 @@ def lanes(block: Sequence[Any], shape: tuple[int, ...]) -> list[list[Any]]:
     arrays = [np.asarray(v, dtype=float) for v in block]
     spread = [(v if v.shape == shape else np.broadcast_to(v, shape)).ravel() for v in arrays]
     return [[v[i] for v in spread] for i in range(math.prod(shape))]
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A program of which a part is done."""
+
+    run: Callable[..., list[list[Any]]]
+    """The rest, of (functions of a number type, what is kept, inputs)."""
+    functions: dict[str, Callable[..., Any]]
+    """Functions of the number type that has begun."""
+    kept: list[Any]
+    """What follows from the inputs that stay."""
+
+    def __call__(self, arguments: Sequence[Sequence[Any]]) -> list[list[Any]]:
+        """The outputs; inputs that stay may be anything."""
+        return self.run(self.functions, self.kept, arguments)
 
 
 class Program:
@@ -183,7 +200,7 @@ class Program:
 
     def begun(
         self, algebra: Algebra, arguments: Sequence[Sequence[Any]], varying: Varying
-    ) -> Callable[[Sequence[Sequence[Any]]], list[list[Any]]]:
+    ) -> Begun:
         """Compute once what follows from some inputs alone, for many values of the others.
 
         Parameters
@@ -204,9 +221,8 @@ class Program:
         [[np.float64(2.0)]]
         """
         fixed, run = self._parts_of(varying)
-        return partial(
-            run, algebra.functions, fixed(algebra.functions, self._in(algebra), arguments)
-        )
+        kept = fixed(algebra.functions, self._in(algebra), arguments)
+        return Begun(run, algebra.functions, kept)
 
     def _parts_of(self, varying: Varying) -> Parts:
         if varying not in self._parts:

@@ -32,7 +32,9 @@ from ..algebra.exact.real_roots import complex_roots, sign_at, specialised
 from ..algebra.exact.routh import on_the_axis
 from ..base.verdict import Verdict
 from ..systems.family import Family
-from ..systems.structure.structural_zeros import SAMPLE_BITS
+
+FREQUENCY_BITS = 128
+"""Digits of the roots for a frequency in doubles."""
 
 
 def frequency(polynomial: Sequence[Any], *, even: bool = False) -> float:
@@ -59,7 +61,7 @@ def frequency(polynomial: Sequence[Any], *, even: bool = False) -> float:
     """
     # over Q, where roots of any multiplicity are isolated
     exact = [c.mid().fmpq() for c in map(arb, polynomial)]
-    with precision(SAMPLE_BITS):
+    with precision(FREQUENCY_BITS):
         if even:
             return _meeting(fmpq_poly(exact[::2]))
         roots = [r for r, _ in fmpq_poly(exact).numer().complex_roots() if r.imag != 0]

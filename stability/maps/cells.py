@@ -106,7 +106,8 @@ class Cells:
             self.chunk = max(1, BAND // self.shape[1]) * self.shape[1]
             steady_memory()
         elif self.by_slice:
-            self.chunk = max(1, OWN_BAND // self.shape[1]) * self.shape[1]
+            band = BAND if self.slice is not None and self.slice.swept else OWN_BAND
+            self.chunk = max(1, band // self.shape[1]) * self.shape[1]
             steady_memory()
         else:
             self.chunk = CHUNK

@@ -12,7 +12,7 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from ..algebra.number_types import Algebra, balls
+from ..algebra.number_types import Algebra, balls, numpy_algebra
 from ..algebra.program import Program
 from ..algebra.running_error import bounded
 from ..algebra.source.python_source import Varying
@@ -45,6 +45,9 @@ class ClosedForm(Record):
     """Entries of the function's last input: numbers that CasADi must not multiply in doubles."""
 
     __getstate__ = fields_of
+
+    def __hash__(self) -> int:
+        return hash(self.text)  # of all that equal ones have in common the longest, kept by Python
 
     @cached_property
     def function(self) -> ca.Function:
@@ -126,7 +129,7 @@ class ClosedForm(Record):
             raise NoMemberError("no member is proved there.")
         return [arb(0)] * self.zeros + [c / coefficients[-1] for c in coefficients]
 
-    def enclosed(self, a: Floats, q: Floats) -> tuple[Floats, NDArray[np.bool_]] | None:
+    def guess(self, a: Floats, q: Floats) -> tuple[Floats, NDArray[np.bool_]] | None:
         """Unknowns in doubles, and where a number that is positive at members is negative.
 
         Parameters
@@ -137,18 +140,25 @@ class ClosedForm(Record):
         Returns
         -------
         unknowns, lacking
-            Shapes (N, u) and (N,); None for a short formula or many members, for which a kernel is
-            no quicker.
+            Shapes (N, u) and (N,); None where the formulas have no bounds.
         """
         given = [[(v, 0.0) for v in table.T] for table in (a, q)]
         found = self.program.enclosed(given, a.shape[:1])
-        if found is None:
-            return None
-        near = np.zeros((len(a), self.program.shapes[1][0]))
-        for (row, _), (mid, _) in zip(self.program.places[1], found[1], strict=True):
-            near[:, row] = mid
-        lacking = np.zeros(len(a), dtype=bool)
-        for mid, rad in found[2]:
+        near, lacking = np.zeros((len(a), self.program.shapes[1][0])), np.zeros(len(a), dtype=bool)
+        if found is not None:
+            for (row, _), (mid, _) in zip(self.program.places[1], found[1], strict=True):
+                near[:, row] = mid
+            pairs = found[2]
+        else:
+            try:
+                with np.errstate(all="ignore"):
+                    values = self.with_bounds.run(numpy_algebra(), [list(a.T), list(q.T)])
+            except KeyError:  # a function whose rounding is not counted
+                return None
+            for row, value in enumerate(values[1]):
+                near[:, row] = value
+            pairs = list(zip(values[2], values[5], strict=True))
+        for mid, rad in pairs:
             lacking |= mid + 1.01 * rad < 0
         return near, lacking
 

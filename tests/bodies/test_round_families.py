@@ -1,6 +1,7 @@
 """Families of a body of revolution: closed forms, steadiness, and a search for others."""
 
 import math
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -133,3 +134,30 @@ def test_no_other_steady_motion_is_found(body: st.Body) -> None:
         )
         assert rolls or spins or tumbles, (body.name, y)
     assert seen > 5
+
+
+@pytest.mark.parametrize(
+    ("body", "theta"),
+    [
+        # random members next to this one rest at no such inclination
+        (replace(st.Egg(0.2), axial=0.2), 1.6),
+        # at the middle of its numbers the contact point is below the centre, at every rate of turn
+        (replace(st.ThickDisk(1.88), axial=0.1638, transverse=0.1644), 1.154),
+    ],
+)
+@pytest.mark.parametrize("law", ["rough", "smooth", "viscous"])
+def test_a_member_is_not_refused_for_others_that_do_not_exist(
+    body: st.Body, theta: float, law: str
+) -> None:
+    """What is established at random members is established where there are some."""
+    mu = {"mu": 0.3} if law == "viscous" else {}
+    found = st.spectrum("tumbling", at=theta, contact=law, body=body, certify=True, **mu)
+    system = found.family.system
+    jacobian = ca.Function("J", [system.x, system.p], [ca.densify(system.jacobian)])
+    known = body.given | mu
+    true = np.linalg.eigvals(
+        np.asarray(jacobian(found.states, [known[n] for n in system.parameters]))
+    )
+    left = true[np.argsort(np.abs(true))][found.structural_zeros :]
+    assert abs(left.real.max() - found.abscissa) < 1e-6 * np.abs(true).max()
+    assert (found.verdict is st.Verdict.UNSTABLE) == (found.abscissa > 1e-6)

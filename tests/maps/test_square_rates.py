@@ -7,8 +7,12 @@ from math import isqrt
 
 import numpy as np
 
+from stability.algebra.kernels import double_balls
+from stability.algebra.kernels.compiled import compiled, numba_found
 from stability.base.verdict import CODES, Verdict
-from stability.maps.own.rates import rates
+from stability.maps.compiled import squares
+from stability.maps.own.formula_cells import FLAGS
+from stability.maps.own.rates import WANTED, rates
 
 SCALE = 10**60
 
@@ -65,3 +69,58 @@ def test_the_rates_are_those_with_all_eigenvalues() -> None:
     assert np.allclose(one.frequency, other.frequency, rtol=1e-15, atol=0)
     assert (one.codes == other.codes).all()
     assert (one.error <= 2 * other.error).all() and (other.error <= 2 * one.error).all()
+
+
+def swept(c: np.ndarray, lead: np.ndarray, off: np.ndarray, slack: np.ndarray,
+          number: np.ndarray, doubt: np.ndarray) -> list[np.ndarray]:  # fmt: skip
+    """Cells of compiled loops for given coefficients: a tape without a step."""
+    given = np.array([c, lead, off, slack, number, doubt])
+    out, codes = np.empty((3, len(c))), np.empty(len(c), dtype=np.int8)
+    kernel = compiled(double_balls, squares, plain=not numba_found())
+    with np.errstate(all="ignore"):
+        kernel.sweep(
+            np.empty((0, 4), dtype=np.int64), np.zeros(7), (np.arange(6), given),
+            (np.array([6]), np.zeros((1, 1))), np.arange(6), WANTED,
+            np.array(FLAGS, dtype=np.int8), tuple(out), codes,
+        )  # fmt: skip
+    return [*out, codes]
+
+
+def test_the_loops_hold_every_root_within_both_coefficients() -> None:
+    random = np.random.default_rng(7)
+    count = 700
+    c, lead = (random.choice([-1, 1], count) * 10.0 ** random.uniform(-5, 5, count)
+               for _ in range(2))  # fmt: skip
+    off, slack = (np.abs(v) * 10.0 ** random.uniform(-17, 1, count) for v in (c, lead))
+    none = np.full(count, 1.0), np.zeros(count)
+    top, bound, turn, codes = swept(c, lead, off, slack, *none)
+    neutral, unstable, left, _ = FLAGS
+    seen = set()
+    for i in range(count):
+        seen.add(int(codes[i]))
+        assert (codes[i] == left) == np.isinf(bound[i])
+        if codes[i] == left:
+            assert off[i] > 1e-12 * abs(c[i]) or slack[i] > 1e-12 * abs(lead[i])
+            continue
+        for one in (-1, 0, 1):
+            for other in (-1, 0, 1):
+                y = -(Fraction(c[i]) + one * Fraction(off[i]))
+                y /= Fraction(lead[i]) + other * Fraction(slack[i])
+                assert codes[i] == (unstable if y > 0 else neutral)
+                growth = root(y) if y > 0 else Fraction(0)
+                assert abs(growth - Fraction(top[i])) <= Fraction(bound[i]) + Fraction(1, 10**29)
+        assert abs(top[i] + turn[i] - abs(c[i] / lead[i]) ** 0.5) <= 1e-15 * (top[i] + turn[i])
+        assert (top[i] == 0) == (codes[i] == neutral)
+    assert seen == {neutral, unstable, left}
+
+
+def test_the_loops_know_members_from_what_may_be_none() -> None:
+    number = np.array([1.0, 1.0, 1.0, 0.0, -1.0, -1.0, -2.0, np.nan, 1.0])
+    doubt = np.array([0.5, 1.0, 2.0, 0.0, 2.0, 1.0, 1.0, 0.0, np.nan])
+    one = np.ones(len(number))
+    top, bound, turn, codes = swept(-one, one, 0 * one, 0 * one, number, doubt)
+    _, unstable, left, lacking = FLAGS
+    assert codes.tolist() == [unstable, *[left] * 5, lacking, left, left]
+    assert np.isinf(bound[codes == left]).all()
+    for rate in (top, bound, turn):
+        assert (np.isnan(rate) == (codes == lacking)).all()

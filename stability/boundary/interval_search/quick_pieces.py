@@ -171,13 +171,12 @@ class Rounds:
             free, slopes = self._judged(lows, highs)
             clear.append(np.stack([lows[free], highs[free]]))
             done = free.copy()
-            for i in np.flatnonzero(~free & slopes.any(axis=0)):
-                meeting = self._single(float(lows[i]), float(highs[i]), slopes[:, i])
-                if isinstance(meeting, Single):
-                    single.append(meeting)
-                elif meeting:
-                    clear.append(np.stack([lows[[i]], highs[[i]]]))
-                done[i] = meeting is not None
+            some = np.flatnonzero(~free & slopes.any(axis=0))
+            if len(some):
+                none, found = self._turned(lows[some], highs[some], slopes[:, some])
+                clear.append(np.stack([lows[some[none]], highs[some[none]]]))
+                single += [meeting for _, meeting in found]
+                done[some[none]] = done[some[[i for i, _ in found]]] = True
             lows, highs = lows[~done], highs[~done]
             if not len(lows):
                 break
@@ -216,40 +215,50 @@ class Rounds:
         monotone = member & (~open_ | steep[: self.functions]).all(axis=0)
         return member & ~open_.any(axis=0), open_ & monotone
 
-    def _single(self, low: float, high: float, open_: Flags) -> Single | bool | None:
-        """The one zero on a piece, True where there is none, None where neither is proved."""
-        m, r = self._at(np.array([low, high]), np.zeros(2), self.slope)
-        value, error = (v[: self.functions, 0][open_] for v in (m, r))
-        if not (np.abs(value) > error).all():
-            return None
-        turned = (value[:, 0] > 0) != (value[:, 1] > 0)
-        if not turned.any():
-            return True
-        if turned.sum() > 1:
-            return None
-        which = int(np.flatnonzero(open_)[np.argmax(turned)])
-        root = self._root(low, high, which, rising=bool(value[np.argmax(turned), 1] > 0))
-        return Single(low, high, root, self.found.kinds[which])
+    def _turned(
+        self, lows: Floats, highs: Floats, open_: Flags
+    ) -> tuple[Flags, list[tuple[int, Single]]]:
+        """Pieces without a zero, and those with one; on each the open functions are monotone."""
+        count = len(lows)
+        m, r = self._at(np.concatenate([lows, highs]), np.zeros(2 * count), self.slope)
+        value, error = (v[: self.functions, 0].reshape(-1, 2, count) for v in (m, r))
+        sure = ((np.abs(value) > error).all(axis=1) | ~open_).all(axis=0)
+        turned = ((value[:, 0] > 0) != (value[:, 1] > 0)) & open_
+        one = np.flatnonzero(sure & (turned.sum(axis=0) == 1))
+        which = np.argmax(turned[:, one], axis=0)
+        rises = value[which, 1, one] > 0
+        roots = self._roots(lows[one], highs[one], which, rises) if len(one) else ()
+        found = [Single(float(lows[i]), float(highs[i]), root, self.found.kinds[k])
+                 for i, k, root in zip(one, which, roots, strict=True)]  # fmt: skip
+        return sure & ~turned.any(axis=0), list(zip(one.tolist(), found, strict=True))
 
-    def _root(self, low: float, high: float, which: int, *, rising: bool) -> float:
-        """The zero of a function between two signs: Newton's method, at last with balls."""
-        ends, here = (low, high), low + (high - low) / 2
+    def _roots(self, lows: Floats, highs: Floats, which: NDArray[Any], rises: Flags) -> list[float]:
+        """The zeros of functions between two signs: Newton's method, at last with balls."""
+        low, high, lanes = lows.copy(), highs.copy(), np.arange(len(lows))
+        here = low + (high - low) / 2
         for _ in range(STEPS):
-            m, _ = self._at(np.array([here]), np.zeros(1), self.slope)
-            value, slope = float(m[which, 0, 0]), float(m[which, 1, 0])
-            if (value > 0) == rising:
-                high = here
-            else:
-                low = here
-            step = value / slope if slope else np.inf
-            if abs(step) <= CLOSE * abs(here):
+            m, _ = self._at(here, np.zeros(len(here)), self.slope)
+            value, slope = m[which, 0, lanes], m[which, 1, lanes]
+            above = (value > 0) == rises
+            high, low = np.where(above, here, high), np.where(above, low, here)
+            with np.errstate(all="ignore"):
+                step = np.where(slope != 0, value / slope, np.inf)
+            near = np.abs(step) <= CLOSE * np.abs(here)
+            if near.all():
                 break
             after = here - step
-            here = after if low < after < high else low + (high - low) / 2
+            inside = (low < after) & (after < high)
+            here = np.where(near, here, np.where(inside, after, low + (high - low) / 2))
+        return [self._polished(*point) for point in zip(
+            here.tolist(), slope.tolist(), which.tolist(), lows.tolist(), highs.tolist(),
+            strict=True)]  # fmt: skip
+
+    def _polished(self, here: float, slope: float, which: int, low: float, high: float) -> float:
+        """A zero to all digits of a double, by balls."""
         for _ in range(POLISHED):
             exact = _exactly(self.found.line, self.found.formulas, here)
             step = exact[which] / slope if exact is not None and slope else 0.0
-            if ends[0] <= here - step <= ends[1]:
+            if low <= here - step <= high:
                 here -= step
             if abs(step) <= CLOSE * abs(here):
                 break

@@ -13,15 +13,17 @@ from typing import Any
 
 import numpy as np
 
+from ...algebra.kernels.compiled import numba_found
 from ...algebra.number_types import numpy_algebra
 from ...algebra.running_error import TRACKED, RunningError
 from ...base.axis import Axis
 from ...base.types import Floats
-from ...base.verdict import NO_MEMBER
+from ...base.verdict import CODES, NO_MEMBER, Verdict
 from ...spectra.problem import Problem, formulas_of
 from ...systems.closed_form import ClosedForm
 from ...systems.graph.implicit_form import ImplicitForm
-from .rates import MOST_POOR, Bands, Rates, monic, rates, sample
+from ..compiled.swept import swept
+from .rates import MOST_POOR, WANTED, Bands, Rates, monic, rates, sample
 from .slice_verdicts import ELSEWHERE, Codes
 
 FORMULAS = (
@@ -30,6 +32,12 @@ FORMULAS = (
     "leave open from the graph by the eigensolver with Gershgorin's discs"
 )
 """Method in words."""
+LOOPS = "; compiled loops"
+"""What is added to it where loops run over the cells."""
+COMPILED_FROM = 10**6
+"""Fewest cells for which compiled loops are loaded, which takes as long as these by NumPy."""
+FLAGS = CODES[Verdict.NEUTRAL], CODES[Verdict.UNSTABLE], ELSEWHERE, NO_MEMBER
+"""Flags of neutral and unstable cells, of cells that are left open, and of none."""
 BLOCK = 16384
 """Cells that are computed at once: few enough for the cache."""
 NUMPY = numpy_algebra()
@@ -52,9 +60,6 @@ class FormulaCells(Bands):
         Whether to keep all eigenvalues.
     """
 
-    how = FORMULAS
-    """Method in words."""
-
     def __init__(
         self, problem: Problem, formulas: ClosedForm, axes: tuple[Axis, Axis], modes: bool
     ) -> None:
@@ -67,7 +72,12 @@ class FormulaCells(Bands):
         x, y = sample(axes)
         self._xs = axes[0].values
         self.sized = formulas.even and not isinstance(formulas, ImplicitForm)
+        self.how, self.swept = FORMULAS, False
         self.growth = self._fine(x, y)
+        many = axes[0].count * axes[1].count >= COMPILED_FROM and numba_found()
+        self.swept = self.growth and self.sized and many and not modes and self._square
+        if self.swept:
+            self.how += LOOPS
         if self.sized and not self.growth:
             self.sized = False
             self.growth = self._fine(x, y)
@@ -84,6 +94,10 @@ class FormulaCells(Bands):
         xs, ys
             Increasing values of the axes.
         """
+        if self.swept:
+            place = self._places(xs, ys)
+            quick, codes = swept(self.formulas.with_bounds, place, self._moving, WANTED, FLAGS)
+            return codes, 0, Rates(*quick, codes, None, codes == ELSEWHERE)
         rows = max(1, BLOCK // len(xs))
         along = self._line if np.array_equal(xs, self._xs) else self._along(xs)
         parts = [self._block(xs, ys[i : i + rows], along) for i in range(0, len(ys), rows)]
@@ -109,10 +123,20 @@ class FormulaCells(Bands):
         """The formulas for all values of x."""
         return self._along(self._xs)
 
+    @property
+    def _moving(self) -> frozenset[tuple[int, int]]:
+        """Places of the y axis among family parameters and parameters."""
+        return frozenset((i, names.index(self.axes[1])) for i, names in enumerate(self.names)
+                         if self.axes[1] in names)  # fmt: skip
+
+    @property
+    def _square(self) -> bool:
+        """Whether the polynomial is c₂ λ² + c₀."""
+        return len(self.formulas.with_bounds.places[0]) == 3
+
     def _along(self, xs: Floats) -> Along:
         """The formulas of places; what follows from x alone is the same for every row."""
-        rows = frozenset((i, names.index(self.axes[1])) for i, names in enumerate(self.names)
-                         if self.axes[1] in names)  # fmt: skip
+        rows = self._moving
         with np.errstate(all="ignore"):
             places = self._places(xs, np.empty(0))
             if self.sized:

@@ -53,6 +53,8 @@ class Bands(ABC):
     """Method in words."""
     growth: bool
     """Whether the discs are good enough for growth rates."""
+    swept = False
+    """Whether compiled loops run over the cells, so that many rows at once need no more memory."""
 
     @abstractmethod
     def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:

@@ -95,9 +95,9 @@ def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
 def _rooted(
     family: Any, a: Floats, q: Floats, start: Floats, positive: Sequence[int]
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Roots next to those that a long formula gives; the root-finder's where it gives none."""
+    """Roots next to those of the family's formulas; the root-finder's where these have none."""
     u, good, left = start.copy(), np.zeros(len(a), dtype=bool), np.ones(len(a), dtype=bool)
-    known = family.formulas.enclosed(a, q) if family.formulas is not None else None
+    known = family.formulas.guess(a, q) if family.formulas is not None else None
     if known is not None:
         near, lacking = known
         some = np.flatnonzero(np.isfinite(near).all(axis=1) & ~lacking)

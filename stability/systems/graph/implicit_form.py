@@ -71,7 +71,7 @@ class ImplicitForm(ClosedForm):
         then = super().begun(algebra, [*a, u], q, moving)
         return lambda a, q: then([*a, u], q)
 
-    def enclosed(self, a: Floats, q: Floats) -> None:
+    def guess(self, a: Floats, q: Floats) -> None:
         """No unknowns: the equation for them is solved by the root-finder."""
 
     def solved(self, algebra: Algebra, q: Sequence[Any]) -> Any:

@@ -23,6 +23,8 @@ SAMPLE_BITS = 400
 
 MOST_HALVINGS = 30
 """Most halvings of the way from a known member to a sample, where its sheet ends on the way."""
+DIRECTIONS = 4
+"""Directions from the middle in which a member is looked for: at the middle a family may end."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,8 @@ def structure(family: Family) -> Structure:
 def sampled(family: Family, sample: int) -> list[arb]:
     """Random family parameters and parameters near the typical ones, away from special values.
 
-    A family that is followed from a known member is sampled about this member.
+    A family that is followed from a known member is sampled about this member.  Where the
+    root-finder reaches no member at a sample, one nearer to the middle is taken.
 
     Parameters
     ----------
@@ -101,20 +104,27 @@ def sampled(family: Family, sample: int) -> list[arb]:
     """
     names = (*family.at, *family.parameters)
     with precision(SAMPLE_BITS):
-        # incommensurable factors near 1 avoid special values
-        spread = [arb(2 + 7 * sample + 3 * i).sqrt() for i in range(len(names))]
-        factor = [1 + (s - s.floor()) / 4 - arb(1) / 8 for s in spread]
         size = [arb(family.typical.get(n, 1.0)) for n in names]
-        if family.anchor is None:
-            return [(s * f).mid() for s, f in zip(size, factor, strict=True)]
-        way = [s * (f - 1) for s, f in zip(size, factor, strict=True)]
-        middle = [arb(float(v)) for v in family.anchor.given]
-        for halvings in range(0, MOST_HALVINGS, 2):
-            point = [(m + w / 2**halvings).mid() for m, w in zip(middle, way, strict=True)]
-            row = np.array([[float(v) for v in point]])
-            if family.search(row[:, : len(family.at)], row[:, len(family.at) :]).good[0]:
-                break
-        return point
+        first = [(s * (1 + w)).mid() for s, w in zip(size, _away(sample, len(names)), strict=True)]
+        if family.anchor is None and (not family.unknown or family.closed):
+            return first
+        middle = size if family.anchor is None else [arb(float(v)) for v in family.anchor.given]
+        point = first
+        for turn in range(DIRECTIONS if family.anchor is None else 1):
+            away = _away(sample + turn * SAMPLES, len(names))
+            way = [s * w for s, w in zip(size, away, strict=True)]
+            for halvings in range(0, MOST_HALVINGS, 2):
+                point = [(m + w / 2**halvings).mid() for m, w in zip(middle, way, strict=True)]
+                row = np.array([[float(v) for v in point]])
+                if family.search(row[:, : len(family.at)], row[:, len(family.at) :]).good[0]:
+                    return point
+        return point if family.anchor else first
+
+
+def _away(sample: int, count: int) -> list[arb]:
+    """Shares by which numbers are moved: incommensurable ones, which avoid special values."""
+    spread = [arb(2 + 7 * sample + 3 * i).sqrt() for i in range(count)]
+    return [(s - s.floor()) / 4 - arb(1) / 8 for s in spread]
 
 
 def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
