@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -54,6 +54,26 @@ class Polynomial:
         space: dict[str, Any] = {}
         exec(f"def value({', '.join(names)}):\n    return {body}\n", space)
         return space["value"]
+
+    def factored(self, values: Mapping[str, Any], outer: Sequence[str] = ()) -> Any:
+        """The value with few products: each Horner scheme is in the variable that most terms share.
+
+        Parameters
+        ----------
+        values
+            Values of the variables, by name.
+        outer
+            Variables of the outermost schemes, outermost first: over broadcast arrays, those that
+            vary most.
+
+        Examples
+        --------
+        >>> p = Polynomial(("x", "y", "z"), ((1, (1, 2, 0)), (2, (0, 1, 1)), (-3, (0, 0, 1))))
+        >>> p.factored({"x": 2, "y": 3, "z": 5})  # y (x y + 2z) - 3z
+        33
+        """
+        ahead = tuple(self.variables.index(n) for n in outer if n in self.variables)
+        return _factored(list(self.terms), [values[n] for n in self.variables], ahead)
 
     @cached_property
     def parts(self) -> tuple[Polynomial, Polynomial]:
@@ -128,6 +148,27 @@ def _horner(terms: list[tuple[int, tuple[int, ...]]], names: list[str]) -> str:
         following = powers[place + 1] if place + 1 < len(powers) else 0
         text += f" * {x}" * (power - following)
     return text
+
+
+def _factored(
+    terms: list[tuple[int, tuple[int, ...]]], values: list[Any], ahead: tuple[int, ...]
+) -> Any:
+    """The value, first in the variables at the places `ahead`, then in those that most share."""
+    while ahead and not any(e[ahead[0]] for _, e in terms):
+        ahead = ahead[1:]
+    shared = [sum(e[i] > 0 for _, e in terms) for i in range(len(values))]
+    if not any(shared):
+        return sum(c for c, _ in terms)
+    i = ahead[0] if ahead else max(range(len(values)), key=shared.__getitem__)
+    least = min(e[i] for _, e in terms if e[i])
+    inner = [(c, (*e[:i], e[i] - least, *e[i + 1 :])) for c, e in terms if e[i]]
+    rest = [(c, e) for c, e in terms if not e[i]]
+    power = values[i]  # powers are shared by many terms
+    for _ in range(least - 1):
+        power = power * values[i]
+    value = _factored(inner, values, ahead)
+    value = power if isinstance(value, int) and value == 1 else power * value
+    return value + _factored(rest, values, ahead) if rest else value
 
 
 def _roundings(terms: list[tuple[int, tuple[int, ...]]], behind: list[int]) -> int:

@@ -259,6 +259,26 @@ class Equations(Portable, Record):
             Where the equations have no meaning.
         """
         self.check(x, p)
+        return self.checked_rates(x, p)
+
+    def checked_rates(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.float64]:
+        """Rates of states that `check` has let through.
+
+        Parameters
+        ----------
+        x, p
+            As in `rates`.
+
+        Returns
+        -------
+        ndarray
+            Shape (…, n).
+
+        Raises
+        ------
+        DomainError
+            Where a rate is not finite.
+        """
         return self._finite(self._program.arrays(*self._arguments(x, p))[0])[..., 0]
 
     def linearise(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.float64]:

@@ -38,8 +38,8 @@ DIGEST = "617236fe51c95b03a056857353da055d1d6ebb34d2ffdba8c9df3f33e9f57530"
 """SHA-256 of that file, written by `make derive`; a file with another digest is refused."""
 FEW = 4
 """Most sines and cosines of a height that is read by sine and cosine of θ itself."""
-OUTER = ("I1", "I3", "omega3", "phi_dot", "mu")
-"""Variables of the polynomials that depend on more than the inclination, outermost last."""
+OUTER = ("mu", "phi_dot", "omega3", "I3", "I1")
+"""Variables of the polynomials that depend on more than the inclination, outermost first."""
 KINDS = {Viscous: "viscous", LinearViscous: "viscous", Rough: "rough", Smooth: "smooth"}
 """The polynomial of each law: at a steady motion a drag is linear in the slip."""
 
@@ -195,11 +195,8 @@ class _Formulas:
 
     def _value(self, terms: Sequence[Sequence[int]], known: Mapping[str, Any]) -> ca.SX:
         """A coefficient, with what θ alone decides innermost: one row of a map computes it once."""
-        names = self.record["variables"]
-        order = sorted(names, key=lambda n: OUTER.index(n) if n in OUTER else -1)
-        places = [names.index(n) for n in order]
-        poly = Polynomial(tuple(order), tuple((c, tuple(e[i] for i in places)) for c, *e in terms))
-        return ca.SX(poly(*[known[n] for n in order]))
+        found = tuple((c, tuple(powers)) for c, *powers in terms)
+        return ca.SX(Polynomial(tuple(self.record["variables"]), found).factored(known, OUTER))
 
     def _drag(self, table: Mapping[str, Any], given: Sequence[str]) -> Any:
         """The friction coefficient without unit."""
