@@ -330,10 +330,11 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         "stability table --list",
         "stability table conditions --k 0.25,0.5 --mu 0.1,1,10",
         "stability table drift --k 0.25 --mu 0.3 --out drift.tex",
+        "stability table painleve --body torus --tube 0.2",
         "stability table conditions --system examples/bicycle.py:upright --positive v,g --decimals",
         "stability table hopf --system examples/railway_wheelset.py:centred --x v:1:50:50 "
         "--parameter m=1",
-    ))  # fmt: skip
+    ), words)  # fmt: skip
     add_export(command("export", _export, "A system or family for LaTeX, C, AUTO-07p or "
                        "BifurcationKit.jl", *EXPORTS), words)  # fmt: skip
     add_cite(command("cite", _cite, "What to cite for this package, or for a file that it wrote",

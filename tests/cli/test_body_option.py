@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import casadi as ca
 import pytest
 from command_line import output, refused
 
@@ -240,3 +241,26 @@ def test_a_launch_that_is_not_accepted_gets_one_sentence(
 ) -> None:
     launch = ["--theta", "1.2", "--mu", "0.3", "--time", "1"]
     assert said in refused(capsys, "simulate", *words, *launch)
+
+
+@pytest.mark.usefixtures("file")
+def test_the_command_prints_painleves_limit_of_a_body(capsys: pytest.CaptureFixture[str]) -> None:
+    def limit(*words: str) -> list[dict[str, float]]:
+        rows: list[dict[str, float]] = json.loads(
+            output(capsys, "table", "painleve", *words, "--json")
+        )["rows"]
+        return rows
+
+    [torus] = limit(*TORUS)
+    own = st.painleve_limit(st.Torus(0.2))
+    assert (torus["limit"], torus["at_most"], torus["theta"]) == (own.low, own.high, own.theta)
+    [coin] = limit("--body", "egg.py:coin", "--rim", "0.1")
+    body = st.Body(lambda t: 0.1 + ca.sin(t), axial=0.5, transverse=0.25)
+    assert coin["limit"] == pytest.approx(st.painleve_limit(body).low, rel=1e-12)
+    every = limit()
+    assert [r["body"] for r in every][-1] == "egg, taper 0.2" and len(every) == 11
+    assert "body belongs to `table painleve` only" in refused(capsys, "table", "drift", *TORUS)
+    assert "--tube is missing" in refused(capsys, "table", "painleve", "--body", "torus")
+    assert "does not go with --body" in refused(
+        capsys, "table", "painleve", *TORUS, "--system", "egg.py:coin"
+    )
