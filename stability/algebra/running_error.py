@@ -344,8 +344,7 @@ def _root(x: Any) -> Sized:
 
 
 def _power(x: Any, y: Any) -> Sized:
-    base = x if isinstance(x, Sized) else Sized(x, ca.fabs(x), 0)
-    return base.__pow__(y)
+    return Sized.__pow__(x if isinstance(x, Sized) else Sized(x, ca.fabs(x), 0), y)
 
 
 SIZED = Algebra("sized", ca.SX, {"sin": _wave(ca.sin), "cos": _wave(ca.cos), "sqrt": _root,
