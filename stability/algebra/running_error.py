@@ -304,7 +304,7 @@ class Sized:
         return self._of(other) / self
 
     def __pow__(self, power: Any) -> Sized:
-        whole = int(power)
+        whole = -1 if isinstance(power, Sized) else int(power)  # -1: not known before the numbers
         if whole != power or not 0 <= whole <= MOST_POWER:
             raise KeyError("pow")
         out = self._of(1.0)
@@ -343,8 +343,12 @@ def _root(x: Any) -> Sized:
     return Sized(value, x.size / ca.sqrt(least), x.count + 1)
 
 
+def _power(x: Any, y: Any) -> Sized:
+    return Sized.__pow__(x if isinstance(x, Sized) else Sized(x, ca.fabs(x), 0), y)
+
+
 SIZED = Algebra("sized", ca.SX, {"sin": _wave(ca.sin), "cos": _wave(ca.cos), "sqrt": _root,
-                                 "pow": lambda x, y: x**y})  # fmt: skip
+                                 "pow": _power})  # fmt: skip
 """Expressions with the sizes of their terms; other functions have no entry."""
 
 

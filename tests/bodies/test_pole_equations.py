@@ -100,6 +100,44 @@ def test_tippe_top_turns_over_by_its_known_thresholds(
             assert near.verdict.word == ("stable" if (factor < 1) == (pole == 0) else "unstable")
 
 
+@pytest.mark.parametrize("mu", [0.3, 3.0, 30.0])
+@pytest.mark.parametrize("make", ["named", "own"])
+def test_a_tippe_top_in_si_turns_over_at_the_numbers_of_the_literature(
+    make: str, mu: float
+) -> None:
+    """S. Rauch-Wojciechowski and N. Rutstam, SIGMA 10 (2014) 017: m = R = 0.02, a = 0.3, g = 9.82.
+
+    I3 = 2mR²/5, I1 = 131mR²/350 about the centre of mass; their threshold of Jellett's integral is
+    sqrt(m g R³ I3 a) (1 + a)²/sqrt(1 + a - I1/I3).
+    """
+    given = {"axial": 2 / 5, "transverse": 131 / 350, "mass": 0.02, "length": 0.02, "gravity": 9.82}
+    if make == "named":
+        top = st.EccentricSphere(0.3, **given)
+    else:
+        top = st.Body(lambda theta: 1 - 0.3 * ca.cos(theta), name="own top", **given)
+    for pole, known, stable_below in ((0, 27.667917094780, True), ("pi", 41.332688957659, False)):
+        found = st.boundaries(
+            "vertical", axis=("at", 0.1, 200, 50), body=top, contact=st.Viscous(mu), pole=pole
+        )
+        assert found.complete
+        [edge] = found
+        assert edge.value == pytest.approx(known, rel=1e-13)
+        assert edge.stable_below is stable_below
+        for side in (1 - 1e-12, 1 + 1e-12):
+            near = st.spectrum(
+                "vertical", at=edge.value * side, body=top, contact=st.Viscous(mu), pole=pole,
+                certify=True,
+            )  # fmt: skip
+            assert near.verdict.word == ("stable" if (side < 1) == stable_below else "unstable")
+    share = given["mass"] * given["length"] ** 2
+    i3, a = 0.4 * share, 0.3
+    jellett = i3 * given["length"] * (1 + a) * edge.value  # inverted: L·a at the pole
+    weight = given["mass"] * given["gravity"] * given["length"] ** 3 * i3 * a
+    threshold = math.sqrt(weight) * (1 + a) ** 2 / math.sqrt(1 + a - 131 / 140)
+    assert jellett == pytest.approx(threshold, rel=1e-13)
+    assert threshold == pytest.approx(3.438879721e-6, rel=1e-9)
+
+
 def test_poles_of_bodies_that_are_not_smooth_there_are_refused() -> None:
     assert [smooth_at(b, 1) for b in (st.Torus(0.2), st.ThickDisk(0.1))] == [False, False]
     assert all(smooth_at(b, pole) for b in BODIES for pole in (1, -1))

@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -48,6 +49,33 @@ def test_an_egg_has_the_moments_of_its_slices() -> None:
         assert egg.height_at(theta) == pytest.approx(depth, rel=1e-12)
 
 
+@pytest.mark.parametrize(("taper", "aspect"), [(0.4, 1.3), (0.1, 3.0), (0.4, 2.0), (0.3, 0.4)])
+def test_a_series_has_the_error_that_is_asked_for(taper: float, aspect: float) -> None:
+    """Next to a pole too, where the contact point lies between the pole and the next sample.
+
+    The centre of mass is read from the body itself: at θ = 0 it stands on its blunt end.
+    """
+    for tolerance, most in ((4e-13, 1e-11), (1e-16, 1e-13)):
+        egg = st.Egg(taper, aspect=aspect, tolerance=tolerance)
+        assert egg.error < most
+        centre = float(egg.height_at(0.0)) - aspect
+        for theta in (1e-4, 1e-3, 2e-3, 0.3, 2.0, math.pi - 1e-3):
+            gap = _deepest(taper, aspect, centre, theta) - egg.height_at(theta)
+            assert abs(gap) < most * (1 + aspect), theta
+
+
+def _deepest(taper: float, aspect: float, centre: float, theta: float) -> float:
+    """Depth of the lowest point of an egg's meridian, to 30 digits."""
+    with mp.workdps(30):
+        a, t, s, c = mp.mpf(aspect), mp.mpf(taper), mp.sin(theta), mp.cos(theta)
+
+        def depth(u: mp.mpf) -> mp.mpf:
+            return mp.sin(u) * (1 + t * mp.cos(u)) * s + (a * mp.cos(u) + centre) * c
+
+        near = max(mp.linspace(0, mp.pi, 4001), key=depth)
+        return float(depth(mp.findroot(lambda u: mp.diff(depth, u), near)))
+
+
 def test_density_moves_the_centre_of_mass() -> None:
     """A ball with the density 1 + z/2: its centre lies at z = 1/10 (∫z² / ∫1 = 1/5)."""
     ball = st.from_profile(lambda u: (np.sin(u), -np.cos(u)), density=lambda _, z: 1 + z / 2)
@@ -65,6 +93,7 @@ def test_density_moves_the_centre_of_mass() -> None:
         (lambda: st.from_profile(lambda u: (np.minimum(u, np.pi - u), u)), "no smooth|settle"),
         (lambda: st.Egg(0.9), r"taper is 0.9; it must lie in \[0, 0.4\]"),
         (lambda: st.Egg(0.1, aspect=-1), "aspect is -1"),
+        (lambda: st.Egg(0.1, tolerance=1e-17), r"is 1e-17; it must lie in \[1e-16, 1e-09\]"),
         (lambda: st.Egg(0.1, radius=1), "'radius'"),
     ],
 )  # fmt: skip

@@ -35,6 +35,21 @@ def test_general_graph_meets_the_reference_spectra(known: dict) -> None:  # type
     assert found.structural_zeros == known["structural_zeros"]
 
 
+@pytest.mark.parametrize("known", reference.trajectories(), ids=lambda m: f"{m['k']}-{m['mu']}")
+def test_general_graph_meets_the_reference_motions(known: dict) -> None:  # type: ignore[type-arg]
+    """Five motions of the disk by an inertial formulation with quaternions."""
+    assert len(reference.trajectories()) == 5
+    run = st.simulate(
+        thin_disk(known["k"]), st.Viscous(known["mu"]), known["start"], known["times"],
+        tolerance=1e-13, check=False,
+    )  # fmt: skip
+    names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
+    found = np.array([run[n].values for n in names]).T
+    true = np.array(known["states"])
+    assert found.shape == true.shape == (len(known["times"]), 6)
+    assert np.abs(found - true).max() < 1e-9
+
+
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("physical", [False, True])
 def test_general_graph_is_the_disks_at_random_states(law: str, physical: bool) -> None:

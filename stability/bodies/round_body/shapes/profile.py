@@ -26,14 +26,18 @@ Curve = Callable[[Any], tuple[Any, Any]]
 MOST_NODES = 1024
 """Largest number of nodes of a rule, and of angles of the series."""
 TIGHT = 1e-13
-"""Relative size at which integrals agree and terms of the series end."""
+"""Relative size at which integrals agree."""
+TOLERANCE = 4e-13
+"""Relative size at which terms of the series end, where none is given."""
+FINEST = 1e-16
+"""Least such size: just above the rounding of the terms."""
 LOOSE = 1e-9
 """Largest relative error of a body that is handed out."""
 
 
 def from_profile(
     curve: Curve, *, density: Callable[[Any, Any], Any] | None = None, name: str = "profile",
-    **scales: Any,
+    tolerance: float = TOLERANCE, **scales: Any,
 ) -> Body:  # fmt: skip
     """A solid of revolution from its meridian, convex and smooth, with any density.
 
@@ -46,6 +50,10 @@ def from_profile(
         Function (r, z) → density, up to a factor; uniform when left out.
     name
         Name in messages and files.
+    tolerance
+        Size over the largest term below which terms of the height's series are cut; from 1e-16 to
+        1e-9 [-].  A smaller one gives more terms: slower maps, and slopes of the height with more
+        digits.
     **scales
         `mass`, `gravity`, `length`, as for `Body`.
 
@@ -58,7 +66,8 @@ def from_profile(
     Raises
     ------
     ParameterError
-        If the meridian does not start and end on the axis, or is not convex and smooth enough.
+        If the meridian does not start and end on the axis, is not convex and smooth enough, or the
+        tolerance is out of range.
 
     Source: tests/bodies/test_profiles.py compares spheroids with their closed forms.
 
@@ -70,6 +79,9 @@ def from_profile(
     """
     for key in scales:
         known("keyword", key, SCALES)
+    tolerance = one_number("tolerance", tolerance)
+    if not FINEST <= tolerance <= LOOSE:
+        raise ParameterError(f"tolerance is {tolerance:g}; it must lie in [{FINEST:g}, {LOOSE:g}].")
     ends = [float(np.asarray(curve(u)[0])) for u in (0.0, math.pi)]
     size = float(np.abs(np.asarray(curve(math.pi / 2))).max())
     if not np.isfinite(ends).all() or max(map(abs, ends)) > 1e-9 * size:
@@ -77,7 +89,7 @@ def from_profile(
             f"the meridian is at r = {ends[0]:.3g} and {ends[1]:.3g} at its ends; both must be 0."
         )
     (axial, transverse, centre), doubt = _agreed(lambda n: _moments(curve, density, n), "moments")
-    terms, error = _series(curve, centre)
+    terms, error = _series(curve, centre, tolerance)
     numbers = [float(t) for t in terms]
     return Body(
         lambda theta: sum((a * ca.cos(n * theta) for n, a in enumerate(numbers) if n), numbers[0]),
@@ -85,7 +97,9 @@ def from_profile(
     )  # fmt: skip
 
 
-def Egg(taper: float = 0.2, *, aspect: float = 1.3, **scales: Any) -> Body:  # noqa: N802
+def Egg(  # noqa: N802
+    taper: float = 0.2, *, aspect: float = 1.3, tolerance: float = TOLERANCE, **scales: Any
+) -> Body:  # fmt: skip
     """A solid egg of uniform density: r = sin u (1 + taper·cos u), z = -aspect·cos u.
 
     Its blunt end lies at negative z: at θ = 0 the egg stands on it.
@@ -96,6 +110,8 @@ def Egg(taper: float = 0.2, *, aspect: float = 1.3, **scales: Any) -> Body:  # n
         Difference of the two ends, in [0, 0.4]; 0 for a spheroid [-].
     aspect
         Half length over the radius at the middle, which is `length` [-].
+    tolerance
+        As for `from_profile` [-].
     **scales
         `mass`, `gravity`, `length`, as for `Body`.
 
@@ -123,8 +139,9 @@ def Egg(taper: float = 0.2, *, aspect: float = 1.3, **scales: Any) -> Body:  # n
     if aspect <= 0:
         raise ParameterError(f"aspect is {aspect:g}; it must be positive.")
     return from_profile(
-        lambda u: (np.sin(u) * (1 + taper * np.cos(u)), -aspect * np.cos(u)), name="egg", **scales
-    )
+        lambda u: (np.sin(u) * (1 + taper * np.cos(u)), -aspect * np.cos(u)), name="egg",
+        tolerance=tolerance, **scales,
+    )  # fmt: skip
 
 
 def _agreed(rule: Callable[[int], Floats], what: str) -> tuple[Floats, float]:
@@ -183,7 +200,7 @@ def _slope(function: Callable[[Any], Any], u: Floats) -> Floats:
     return np.asarray(total / h, dtype=float)
 
 
-def _series(curve: Curve, centre: float) -> tuple[Floats, float]:
+def _series(curve: Curve, centre: float, tolerance: float) -> tuple[Floats, float]:
     """Terms of the cosine series of the height, and a bound of what is left out."""
     count = 16
     while count <= MOST_NODES:
@@ -194,7 +211,7 @@ def _series(curve: Curve, centre: float) -> tuple[Floats, float]:
         terms[[0, -1]] /= 2
         size = np.abs(terms).max()
         tail = np.abs(terms[3 * count // 4 :]).max() / size
-        if tail < TIGHT:
+        if tail < max(tolerance / 4, 2 * FINEST):
             break
         count *= 2
     if tail > LOOSE:
@@ -202,12 +219,18 @@ def _series(curve: Curve, centre: float) -> tuple[Floats, float]:
             f"the height of the meridian is no smooth function of theta: its series ends at "
             f"{tail:.2g} after {MOST_NODES} terms; give a smooth convex curve."
         )
-    small = np.abs(terms) < 4 * TIGHT * size
+    small = np.abs(terms) < tolerance * size
     last = int(np.flatnonzero(~small).max()) + 1
     between = np.pi * (np.arange(4 * count) + 0.5) / (4 * count)
     known_ = np.cos(np.outer(between, np.arange(last))) @ terms[:last]
     gap = np.abs(known_ - _support(curve, centre, between)).max() / size
-    return terms[:last], float(gap + np.abs(terms[last:]).sum() / size)
+    error = float(gap + np.abs(terms[last:]).sum() / size)
+    if error > LOOSE:
+        raise ParameterError(
+            f"the series of the height is off by {error:.2g} between its angles; give a smooth "
+            "convex curve."
+        )
+    return terms[:last], error
 
 
 def _support(curve: Curve, centre: float, theta: ArrayLike) -> Floats:
@@ -224,12 +247,12 @@ def _support(curve: Curve, centre: float, theta: ArrayLike) -> Floats:
     u = grid[np.argmax(np.outer(s, r) - np.outer(c, z - centre), axis=1)]
     best = depth(u)
     for width in (1e-3, 1e-4, 1e-5, 1e-5):  # the maximum of a parabola through three points
-        left, right = np.clip(u - width, 0, np.pi), np.clip(u + width, 0, np.pi)
-        below, above = depth(left), depth(right)
-        bend = below - 2 * best + above
+        middle = np.clip(u, width, np.pi - width)  # next to a pole it lies aside of all three
+        below, here, above = (depth(middle + step) for step in (-width, 0.0, width))
+        bend = below - 2 * here + above
         with np.errstate(all="ignore"):
             move = np.where(bend < 0, width * (below - above) / (2 * bend), 0.0)
-        trial = np.clip(u + np.clip(np.nan_to_num(move), -2e-3, 2e-3), 0, np.pi)
+        trial = np.clip(middle + np.clip(np.nan_to_num(move), -2e-3, 2e-3), 0, np.pi)
         value = depth(trial)
         better = value > best
         u, best = np.where(better, trial, u), np.where(better, value, best)

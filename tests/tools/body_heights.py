@@ -1,0 +1,105 @@
+"""Bodies of `random_bodies` by their heights, in the terms of the package: a line each.
+
+A lens, a cap that rolls on its rim, and a superellipsoid are in no list of the package.  Where a
+body changes from one part of its surface to another, it has a height for each part.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from convex_body import ConvexBody
+
+import stability as st
+
+Given = Mapping[str, float]
+Height = Callable[..., Any]
+Part = tuple[Height, float, float]
+"""A height, and the ends of the interval of inclinations in which it holds."""
+
+
+def _lens(g: Given, theta: float) -> Part:
+    edge = g["angle"]
+    if theta < edge:
+        return (lambda t, radius, angle: radius - radius * ca.cos(angle) * ca.cos(t)), 0.0, edge
+    if theta > math.pi - edge:
+        return (
+            (lambda t, radius, angle: radius + radius * ca.cos(angle) * ca.cos(t)),
+            math.pi - edge,
+            math.pi,
+        )
+    return (lambda t, radius, angle: radius * ca.sin(angle) * ca.sin(t)), edge, math.pi - edge
+
+
+def _cap(g: Given, theta: float) -> Part:
+    edge = g["angle"]
+    if theta < edge:
+        dome = lambda t, radius, angle, centre: radius + centre * ca.cos(t)  # noqa: ARG005, E731
+        return dome, 0.0, edge
+    return (
+        (
+            lambda t, radius, angle, centre: (
+                radius * ca.sin(angle) * ca.sin(t) + (radius * ca.cos(angle) + centre) * ca.cos(t)
+            )
+        ),
+        edge,
+        math.pi,
+    )
+
+
+def _superellipsoid(_: Given, theta: float) -> Part:
+    side = math.copysign(1.0, math.cos(theta))
+
+    def height(t: Any, across: Any, along: Any, power: Any) -> Any:
+        q = power / (power - 1)
+        return ((across * ca.sin(t)) ** q + (side * along * ca.cos(t)) ** q) ** (1 / q)
+
+    low, high = (0.4, 1.2) if side > 0 else (math.pi - 1.2, math.pi - 0.4)
+    return height, low, high
+
+
+def _thick(_: Given, theta: float) -> Part:
+    side = math.copysign(1.0, math.cos(theta))
+    low, high = (0.0, math.pi / 2) if side > 0 else (math.pi / 2, math.pi)
+    return (lambda t, radius, half: radius * ca.sin(t) + side * half * ca.cos(t)), low, high
+
+
+def _egg(g: Given, _: float) -> Part:
+    """The series of the package for this meridian, about another centre of mass."""
+    blunt, long, centre = g["blunt"], g["long"], g["centre"]
+
+    def meridian(u: Any) -> tuple[Any, Any]:
+        s, c = -np.cos(u), np.sin(u)
+        rho = 1 + blunt * s + long * s**2
+        return rho * c, rho * s
+
+    series = st.from_profile(meridian, tolerance=1e-16)
+    uniform = float(series.height_at(0.0)) - (1 - blunt + long)  # z of the centre of volume
+    move = centre - uniform
+    return (lambda t: series.height(t) + move * ca.cos(t)), 0.0, math.pi
+
+
+HEIGHTS: dict[str, Callable[[Given, float], Part]] = {
+    "torus": lambda _g, _t: ((lambda t, rim, tube: rim * ca.sin(t) + tube), 0.0, math.pi),
+    "eccentric sphere": lambda _g, _t: (
+        (lambda t, offset, radius: radius - offset * ca.cos(t)), 0.0, math.pi),
+    "spheroid": lambda _g, _t: (
+        (lambda t, across, along: ca.sqrt((across * ca.sin(t)) ** 2 + (along * ca.cos(t)) ** 2)),
+        0.0, math.pi),
+    "thick disk": _thick, "egg": _egg, "lens": _lens, "cap": _cap,
+    "superellipsoid": _superellipsoid,
+}  # fmt: skip
+
+
+def by_height(body: ConvexBody, theta: float) -> st.Body:
+    """The same body by its height, in the interval of inclinations around one."""
+    height, low, high = HEIGHTS[body.name](body.parameters, theta)
+    return st.Body(
+        height, axial=body.axial / body.mass, transverse=body.transverse / body.mass,
+        mass=body.mass, gravity=body.gravity, between=(low, high), name=body.name,
+        shape={} if body.name == "egg" else dict(body.parameters),  # its terms are numbers
+    )  # fmt: skip
