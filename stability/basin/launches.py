@@ -15,6 +15,7 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_given
 from ..bodies.round_body.body import Body
+from ..bodies.round_body.shape import refuse_constants
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.launch import near_steady
@@ -220,6 +221,7 @@ def _family(thing: Disk | Body, family: Any) -> str:
 
 def _complete(found: Launches) -> None:
     """Refuse names that are unknown, given twice or missing."""
+    refuse_constants(found.thing, (*found.varied, *found.held))
     for name in (*found.varied, *found.held):
         if name not in found.names:
             raise NameUnknownError(f"{shown(name)} varies nothing here; known are "

@@ -12,7 +12,7 @@ import numpy as np
 from ...base.checks import Number, broadcast, checked, one_number, positive, real_numbers
 from ...base.errors import NameUnknownError, ParameterError, shown
 from ...systems.family import Family
-from ...systems.system_checks import title
+from ...systems.system_checks import mapping, title
 from .height.expression import expression
 from .shape import MOMENTS, SAMPLES, SCALES, TAKEN, RoundShape, single_pole
 
@@ -50,6 +50,8 @@ class Body(RoundShape):
         Range (low, high] of numbers of the shape, for formulas that do not hold elsewhere.
     error
         Relative error of height and moments where they come from a quadrature [-].
+    constants
+        Numbers by name of which height and moments were computed, for records; none is an axis.
 
     Raises
     ------
@@ -91,6 +93,8 @@ class Body(RoundShape):
     """Range (low, high] of numbers of the shape by name, beyond which the formulas do not hold."""
     error: float = 0.0
     """Relative error of height and moments where they come from a quadrature; 0 for formulas."""
+    constants: Mapping[str, float] = field(default_factory=dict)
+    """Numbers by name of which height and moments were computed; no parameters, so no axes."""
 
     def __post_init__(self) -> None:
         for name in SCALES:
@@ -100,6 +104,9 @@ class Body(RoundShape):
         numbers = self._numbers()
         object.__setattr__(self, "shape", numbers)
         object.__setattr__(self, "limits", self._within_limits(numbers))
+        table = mapping("constants", self.constants)
+        constants = {n: one_number(n, v) for n, v in table.items()}
+        object.__setattr__(self, "constants", constants)
         object.__setattr__(
             self, "height", expression("height", self.height, ["theta", *numbers], 1)
         )

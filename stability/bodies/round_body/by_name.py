@@ -18,7 +18,7 @@ from ..law_names import law_given
 from ..resistance import Resistance, resistances
 from .families import FAMILIES, round_family, survives, unknown_family
 from .inclinations import level
-from .shape import SCALES, RoundShape, single_pole
+from .shape import SCALES, RoundShape, refuse_constants, single_pole
 from .shapes.named import of_disk
 
 
@@ -78,6 +78,7 @@ def of_body(
     if not isinstance(family, str) or family not in FAMILIES:
         raise unknown_family(family, body)
     swept = [a[0] for a in axes if isinstance(a, (tuple, list)) and a and isinstance(a[0], str)]
+    refuse_constants(body, swept)
     law = _law(contact, given, swept)
     for axis in axes:
         _check_axis(body, law, axis)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 
 from ...algebra.program import Program
 from ...base.checks import broadcast, real_numbers, whole_number
-from ...base.errors import ParameterError, shown
+from ...base.errors import NameUnknownError, ParameterError, shown
 from ...base.types import Record
 from ..newton_euler import STATES
 from .height.expression import Expression
@@ -38,6 +38,24 @@ def single_pole(pole: Any) -> Any:
     if pole is not None and not isinstance(pole, (int, float, str)):
         raise ParameterError(f"pole is {shown(pole)}; give 0 or 'pi'.")
     return pole
+
+
+def refuse_constants(body: Any, axes: Collection[str]) -> None:
+    """Refuse an axis over a number with which height and moments of a body were computed.
+
+    Parameters
+    ----------
+    body
+        The body.
+    axes
+        Names of the axes.
+    """
+    for name in getattr(body, "constants", {}):
+        if name in axes:
+            raise NameUnknownError(
+                f"{name} is no axis of {body.name}: its height and moments are computed for one "
+                f"{name} and are no formulas in it; ask once for each {name}."
+            )
 
 
 class RoundShape(Record):

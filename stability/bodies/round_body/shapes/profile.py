@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -126,9 +126,10 @@ def Egg(taper: float = 0.2, *, aspect: float = 1.3, **scales: Any) -> Body:  # n
         raise ParameterError(f"taper is {taper:g}; it must lie in [0, 0.4].")
     if aspect <= 0:
         raise ParameterError(f"aspect is {aspect:g}; it must be positive.")
-    return from_profile(
+    egg = from_profile(
         lambda u: (np.sin(u) * (1 + taper * np.cos(u)), -aspect * np.cos(u)), name="egg", **scales
     )
+    return replace(egg, constants={"taper": taper, "aspect": aspect})
 
 
 @dataclass(frozen=True)
