@@ -211,13 +211,15 @@ def _picture(path: str, force: bool) -> Any:
 
 
 def _shape_options() -> dict[str, list[str]]:
-    """Numbers of named bodies, each with the names of its bodies, from their signatures."""
+    """Numbers of named bodies, each with its bodies and their defaults, from their signatures."""
     from ..bodies.round_body.shapes.named import NAMED
 
     found: dict[str, list[str]] = {}
     for body, make in NAMED.items():
-        for name in _numbers_of(make):
-            found.setdefault(name, []).append(body)
+        for name, number in _numbers_of(make).items():
+            usual = number.default
+            known = type(usual) is float
+            found.setdefault(name, []).append(f"{body} (default {usual:g})" if known else body)
     return found
 
 
@@ -248,11 +250,12 @@ def add_body(
     from ..bodies.round_body.shapes.named import NAMED
 
     bodies = ", ".join(
-        " ".join(
-            [body, *(f"--{n} X" for n, p in _numbers_of(make).items() if p.default is p.empty)]
-        )
+        " ".join([
+            body, *(f"--{n} X" for n, p in _numbers_of(make).items() if p.default is p.empty),
+            *(f"[--{n} X]" for n, p in _numbers_of(make).items() if type(p.default) is float),
+        ])
         for body, make in NAMED.items()
-    )
+    )  # fmt: skip
     group = parser.add_argument_group(
         "bodies of revolution",
         "in place of the disk, such as --body torus --tube 0.2",
@@ -261,7 +264,7 @@ def add_body(
                        "of a body of your own, or of a function that returns one, each of whose "
                        "numbers is an option --NAME X")  # fmt: skip
     for name, owners in _shape_options().items():
-        of = f"of {listed(owners, 'or')}"
+        of = listed([f"of {owner}" for owner in owners], "or")
         if name == "solid":
             group.add_argument("--solid", action="store_true", default=None, help=f"{of} (default)")
             group.add_argument("--hollow", action="store_false", dest="solid", help=of)
@@ -367,7 +370,9 @@ def _made(label: str, found: Any, given: dict[str, Any], swept: Mapping[str, Any
         ) from None
     if not isinstance(body, Body):
         raise ParameterError(f"{label} returns {shown(body)}; a stability.Body is needed.")
-    return body
+    every = {n: p.default for n, p in known.items()} | given | middle
+    own = {n: v for n, v in every.items() if type(v) in (int, float) and n not in body.given}
+    return replace(body, constants={**own, **body.constants}) if own else body
 
 
 def _refuse_others(label: str, given: Collection[str], known: Collection[str]) -> None:
@@ -385,7 +390,7 @@ def numbers_of_body(body: Any, contact: Any) -> dict[str, float]:
 
     moments = dict(zip(MOMENTS, body.moments(), strict=True))
     law = {} if contact is None else contact.given
-    return {n: float(v) for n, v in (body.given | moments | law).items()}
+    return {n: float(v) for n, v in (body.constants | body.given | moments | law).items()}
 
 
 def in_words(body: Any, numbers: Mapping[str, float]) -> str:

@@ -18,6 +18,7 @@ from ....base.errors import ParameterError
 from ...disk import Disk
 from ..body import Body
 from ..shape import MOMENTS, SCALES
+from .profile import Egg
 
 
 def Torus(tube: ArrayLike, *, solid: bool = True, **scales: Any) -> Body:  # noqa: N802
@@ -228,5 +229,6 @@ NAMED: dict[str, Callable[..., Body]] = {
     "spheroid": Spheroid,
     "eccentric-sphere": EccentricSphere,
     "thick-disk": ThickDisk,
+    "egg": Egg,
 }
 """Named bodies, for the command line."""
