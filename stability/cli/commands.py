@@ -19,22 +19,15 @@ from .explorer.explore import EXAMPLES as PAGES
 from .explorer.explore import _explore
 from .explorer.explore import add_arguments as add_explore
 from .map import _boundaries, _map
-from .options import (
-    _family,
-    _member,
-    _Parser,
-    _physics,
-    add_body,
-    of_own_body,
-    overwriting,
-)
+from .options import _family, _member, _Parser, _physics, of_own_body, overwriting
 from .publication.cite import add_arguments as add_cite
 from .publication.export import EXAMPLES as EXPORTS
 from .publication.export import add_arguments as add_export
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
-from .system_option import add_system
+from .subject.body_option import add_body
+from .subject.system_option import add_system
 from .table import _table
 from .table import add_arguments as add_table
 from .terminal import (

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..base.errors import ParameterError
-from .options import CONTACTS, _axis, _list, add_body, body_of, overwriting
+from .options import CONTACTS, _axis, _list, overwriting
+from .subject.body_option import add_body, body_of
 from .terminal import progress_bar
 
 FORMS = ("json", "csv", "latex")
@@ -40,7 +41,7 @@ def _table(options: argparse.Namespace) -> None:
 
 def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     """The family and the keyword arguments of `stability.table`; what is not given is left out."""
-    from .system_option import doubles, family_named, numbers
+    from .subject.system_option import doubles, family_named, numbers
 
     family: Any = options.family
     plain = ("k", "mu", "contact", "tilt", "at", "time", "systems")
